@@ -1,0 +1,109 @@
+//! Where a Hessian goes: a sink takes small dense blocks and adds them up.
+//!
+//! ```text
+//! A += S^T B S        S selects the block's freedoms (notes 3.2-3.3), B is k x k
+//! ```
+//! A potential knows its blocks, a sink what becomes of them: a dense matrix ([`DenseSink`]), a
+//! product with a vector without any matrix ([`ProductSink`]), a sparsity pattern or stored values
+//! (feature `sparse`). No sink ever sees the selection matrices.
+
+/// In a block's list of freedoms: this one is held fixed, its row and column are dropped.
+pub const FIXED: usize = usize::MAX;
+
+/// Takes dense blocks and adds them into a symmetric whole.
+pub trait Sink {
+    /// Adds the symmetric `block`, k x k by columns, at `freedoms` (k of them, [`FIXED`] or below
+    /// the dimension).
+    ///
+    /// Both triangles must be filled: each sink reads the one that it needs, and the checks of
+    /// this crate compare the two.
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]);
+}
+
+/// Adds `scale` times what it is given into a dense n x n matrix by columns, both triangles.
+#[derive(Debug)]
+pub struct DenseSink<'a> {
+    scale: f64,
+    n: usize,
+    values: &'a mut [f64],
+}
+
+impl<'a> DenseSink<'a> {
+    /// `values` holds n x n numbers by columns, or there is no sink.
+    pub fn new(scale: f64, n: usize, values: &'a mut [f64]) -> Option<Self> {
+        (values.len() == n * n).then_some(DenseSink { scale, n, values })
+    }
+}
+
+impl Sink for DenseSink<'_> {
+    #[inline]
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+            for (&i, entry) in freedoms.iter().zip(column) {
+                if i != FIXED && j != FIXED {
+                    self.values[i + self.n * j] += self.scale * entry;
+                }
+            }
+        }
+    }
+}
+
+/// Adds the product with a vector, `y += scale A x`, and stores no matrix.
+#[derive(Debug)]
+pub struct ProductSink<'a> {
+    scale: f64,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl<'a> ProductSink<'a> {
+    /// `x` and `y` of the same length, or there is no sink.
+    pub fn new(scale: f64, x: &'a [f64], y: &'a mut [f64]) -> Option<Self> {
+        (x.len() == y.len()).then_some(ProductSink { scale, x, y })
+    }
+}
+
+impl Sink for ProductSink<'_> {
+    #[inline]
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+            if j == FIXED {
+                continue;
+            }
+            let x = self.scale * self.x[j];
+            for (&i, entry) in freedoms.iter().zip(column) {
+                if i != FIXED {
+                    self.y[i] += entry * x;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_freedoms_leave_no_trace() {
+        let mut values = [0.0; 4];
+        let mut sink = DenseSink::new(1.0, 2, &mut values).unwrap();
+        sink.add_symmetric(&[1, FIXED, 0], &[4.0, 9.0, 2.0, 9.0, 9.0, 9.0, 2.0, 9.0, 3.0]);
+        assert_eq!(values, [3.0, 2.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn a_product_needs_no_matrix() {
+        let (mut matrix, mut y) = ([0.0; 9], [0.0; 3]);
+        let x = [1.0, -2.0, 0.5];
+        let blocks = [([0, 1], [2.0, -1.0, -1.0, 3.0]), ([2, 1], [5.0, 4.0, 4.0, 1.0])];
+        for (freedoms, block) in &blocks {
+            DenseSink::new(-2.0, 3, &mut matrix).unwrap().add_symmetric(freedoms, block);
+            ProductSink::new(-2.0, &x, &mut y).unwrap().add_symmetric(freedoms, block);
+        }
+        for i in 0..3 {
+            let row: f64 = (0..3).map(|j| matrix[i + 3 * j] * x[j]).sum();
+            assert_eq!(row, y[i]);
+        }
+    }
+}
