@@ -77,7 +77,7 @@ pub enum NewtonFailure {
 
 /// A failed solve, with the size of the residual at each iterate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("Newton's method {}; residuals {history:.1e?}", describe(*failure))]
+#[error("Newton's method {}; residuals {history:?}", describe(*failure))]
 pub struct NewtonError {
     /// What failed.
     pub failure: NewtonFailure,
