@@ -22,7 +22,7 @@ pub trait Equation {
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable>;
 
     /// The size of a residual, in the units of the tolerance.
-    fn norm(&self, f: &[f64]) -> f64;
+    fn norm(&mut self, f: &[f64]) -> f64;
 
     /// The energy whose differential is f, where there is one.
     fn energy(&mut self, x: &[f64]) -> Option<f64>;
