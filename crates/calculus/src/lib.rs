@@ -1,6 +1,7 @@
 //! Vectors and covectors, differentials and Hessians.
 
 mod error;
+mod hessian_solver;
 mod metric;
 mod newton;
 mod potential;
@@ -11,6 +12,7 @@ mod table;
 mod vectors;
 
 pub use error::{MetricError, SizeError};
+pub use hessian_solver::{DenseSolver, HessianSolver, Rung};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
 pub use newton::{
     Equation, Newton, NewtonError, NewtonFailure, NewtonMemory, NewtonReport, Unsolvable,

@@ -1,0 +1,334 @@
+//! The linear solve inside every implicit step and every search for an equilibrium.
+//!
+//! ```text
+//! (m M + a d2V(q)) x = r
+//! ```
+//! `M` the metric and `d2V` the potential's Hessian (n x n, symmetric), `m >= 0` and `a >= 0` their
+//! weights, `r` a covector (n), `x` a vector (n). An implicit step has m = 1 and a = h^2 (notes
+//! 4.4, bonus math), a minimum of the potential m = 0 and a = 1.
+//!
+//! The matrix is positive definite near a minimum and for small steps only, so that each solver
+//! climbs a ladder and says on which [`Rung`] it stopped:
+//!
+//! ```text
+//! 1  L L^T = m M + a d2V
+//! 2  L L^T = (m + sigma) M + a d2V,      sigma = s/1000, s/100, ..., 10^4 s
+//! 3  P L B L^T P^T = m M + a d2V         sparse only: checked for finite numbers and by its residual
+//! ```
+//! On the second rung x is not the solution, but it descends: `<r, x> > 0`, so that a step along -x
+//! lowers any function whose differential is r. The shift is a multiple of the mass and not of the
+//! identity, which would mix units (errata A.1); `s` is the largest row sum of `|A_ij| / sqrt(M_ii M_jj)`,
+//! which bounds what a diagonal mass has to make up for.
+//!
+//! [`DenseSolver`] is for a few freedoms, `SparseSolver` (feature `sparse`) for many. Neither knows
+//! who asks.
+
+use crate::{FIXED, Metric, Potential, Sink, Storage, Unsolvable};
+
+/// How far up its ladder a solver had to climb. Higher rungs compare greater.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rung {
+    /// The matrix is positive definite: x is the solution.
+    #[default]
+    Cholesky,
+    /// The matrix shifted by a multiple of the mass is: x is a direction of descent.
+    Shifted {
+        /// How many multiples were tried, each ten times the one before.
+        tries: u32,
+    },
+    /// The matrix is indefinite, and x solves it: checked by its residual, and refined.
+    Indefinite,
+}
+
+/// Solves `(m M + a d2V(q)) x = r` for one metric, potential and configuration after another.
+pub trait HessianSolver {
+    /// Factors `m M + a d2V(q)`.
+    fn factor_weighted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable>;
+
+    /// Factors `M + a d2V(q)`: the matrix of an implicit step.
+    #[inline]
+    fn factor<M: Metric, P: Potential>(
+        &mut self,
+        metric: &M,
+        potential: &P,
+        q: &[f64],
+        a: f64,
+    ) -> Result<Rung, Unsolvable> {
+        self.factor_weighted(1.0, metric, a, potential, q)
+    }
+
+    /// Replaces r by x, with the matrix factored last. Where that matrix is indefinite and no x
+    /// passes the check of its residual, every component of x is NaN.
+    fn solve(&mut self, r: &mut [f64]);
+}
+
+/// Shifts by the mass that a ladder tries before it gives the rung up.
+pub(crate) const SHIFTS: u32 = 8;
+
+/// The multiple of the mass that is added on the given try, counted from 1.
+pub(crate) fn shift(scale: f64, tries: u32) -> f64 {
+    scale * 1e-4 * 10.0_f64.powi(tries as i32)
+}
+
+/// A pivot this small relative to its diagonal entry is what rounding leaves of zero.
+pub(crate) const ZERO_PIVOT: f64 = 16.0 * f64::EPSILON;
+
+/// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
+/// [`DenseSolver::new`]; for `[f64; N]` the compiler knows the length of every loop.
+#[derive(Clone, Debug)]
+pub struct DenseSolver<C> {
+    /// Columns of the matrix, then of its factor; on the diagonal the reciprocal of the factor's.
+    columns: Vec<C>,
+    mass: C,
+}
+
+impl<C: Storage> DenseSolver<C> {
+    /// A solver for `n` freedoms; `None` where C holds another number.
+    pub fn new(n: usize) -> Option<Self> {
+        let mass = C::zeros(n)?;
+        Some(DenseSolver { columns: vec![mass.clone(); n], mass })
+    }
+
+    fn assemble<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) {
+        self.columns.iter_mut().for_each(|column| column.as_mut().fill(0.0));
+        metric.add_matrix(&mut Columns { scale: m, columns: &mut self.columns });
+        potential.add_hessian(q, &mut Columns { scale: a, columns: &mut self.columns });
+    }
+
+    /// The scale `s` of the shifts. The matrix must be in `columns`, the diagonal of M in `mass`.
+    fn shift_scale(&self) -> f64 {
+        let mass = self.mass.as_ref();
+        let row = |(column, m): (&C, &f64)| -> f64 {
+            let entries = column.as_ref().iter().zip(mass);
+            entries.map(|(entry, mass)| entry.abs() / (m * mass).sqrt()).sum()
+        };
+        self.columns.iter().zip(mass).map(row).fold(0.0, f64::max)
+    }
+
+    /// Replaces the lower triangle by its factor; false where a pivot is not positive.
+    #[inline]
+    fn factor_in_place(&mut self) -> bool {
+        let n = self.mass.as_ref().len();
+        let columns = &mut self.columns[..n];
+        for j in 0..n {
+            let (done, rest) = columns.split_at_mut(j);
+            let column = &mut rest[0].as_mut()[..n];
+            let zero = ZERO_PIVOT * column[j].abs();
+            for factor in done.iter() {
+                let factor = &factor.as_ref()[..n];
+                for i in j..n {
+                    column[i] -= factor[j] * factor[i];
+                }
+            }
+            if !(column[j] > zero && column[j] < f64::INFINITY) {
+                return false;
+            }
+            let reciprocal = column[j].sqrt().recip();
+            column[j] = reciprocal;
+            for entry in &mut column[j + 1..] {
+                *entry *= reciprocal;
+            }
+        }
+        true
+    }
+}
+
+impl<C: Storage> HessianSolver for DenseSolver<C> {
+    #[inline]
+    fn factor_weighted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable> {
+        self.assemble(m, metric, a, potential, q);
+        if self.factor_in_place() {
+            return Ok(Rung::Cholesky);
+        }
+        self.assemble(1.0, metric, 0.0, &None::<P>, q);
+        for (j, (mass, column)) in self.mass.as_mut().iter_mut().zip(&self.columns).enumerate() {
+            *mass = column.as_ref()[j];
+        }
+        self.assemble(m, metric, a, potential, q);
+        let scale = self.shift_scale();
+        if !scale.is_finite() {
+            return Err(Unsolvable);
+        }
+        for tries in 1..=SHIFTS {
+            self.assemble(m + shift(scale, tries), metric, a, potential, q);
+            if self.factor_in_place() {
+                return Ok(Rung::Shifted { tries });
+            }
+        }
+        Err(Unsolvable)
+    }
+
+    #[inline]
+    fn solve(&mut self, r: &mut [f64]) {
+        let n = self.mass.as_ref().len();
+        let (columns, r) = (&self.columns[..n], &mut r[..n]);
+        for j in 0..n {
+            let column = &columns[j].as_ref()[..n];
+            r[j] *= column[j];
+            for i in j + 1..n {
+                r[i] -= column[i] * r[j];
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &columns[j].as_ref()[..n];
+            let mut sum = r[j];
+            for i in j + 1..n {
+                sum -= column[i] * r[i];
+            }
+            r[j] = sum * column[j];
+        }
+    }
+}
+
+/// Adds `scale` times what it is given to a matrix of separate columns.
+struct Columns<'a, C> {
+    scale: f64,
+    columns: &'a mut [C],
+}
+
+impl<C: Storage> Sink for Columns<'_, C> {
+    #[inline]
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, entries) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+            if j == FIXED {
+                continue;
+            }
+            let column = self.columns[j].as_mut();
+            for (&i, entry) in freedoms.iter().zip(entries) {
+                if i != FIXED {
+                    column[i] += self.scale * entry;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Covector, DenseMetric, DenseSink, DiagonalMetric};
+    use nalgebra::{DMatrix, DVector, dmatrix};
+    use proptest::prelude::*;
+
+    /// The potential 1/2 q^T K q.
+    struct Quadratic(DMatrix<f64>);
+
+    impl Potential for Quadratic {
+        fn dim(&self) -> usize {
+            self.0.nrows()
+        }
+
+        fn energy(&self, q: &[f64]) -> f64 {
+            let q = DVector::from_column_slice(q);
+            0.5 * q.dot(&(&self.0 * &q))
+        }
+
+        fn add_differential(&self, q: &[f64], mut dv: Covector<&mut [f64]>) {
+            dv.add_scaled(1.0, Covector((&self.0 * DVector::from_column_slice(q)).as_slice()));
+        }
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+            let freedoms: Vec<usize> = (0..self.dim()).collect();
+            hessian.add_symmetric(&freedoms, self.0.as_slice());
+        }
+    }
+
+    fn matrix_of(metric: &impl Metric, m: f64, a: f64, k: &Quadratic) -> DMatrix<f64> {
+        let n = metric.dim();
+        let mut values = vec![0.0; n * n];
+        metric.add_matrix(&mut DenseSink::new(m, n, &mut values).unwrap());
+        k.add_hessian(&[], &mut DenseSink::new(a, n, &mut values).unwrap());
+        DMatrix::from_vec(n, n, values)
+    }
+
+    proptest! {
+        #[test]
+        fn the_solution_solves_the_system(
+            entries in prop::array::uniform9(-1.0..1.0_f64),
+            r in prop::array::uniform3(-1.0..1.0_f64),
+            a in 0.0..10.0_f64,
+        ) {
+            let square = DMatrix::from_column_slice(3, 3, &entries);
+            let k = Quadratic(&square * square.transpose());
+            let metric = DiagonalMetric::new([1.0, 2.0, 3.0]).unwrap();
+            let mut solver = DenseSolver::<[f64; 3]>::new(3).unwrap();
+            prop_assert_eq!(solver.factor(&metric, &k, &[0.0; 3], a), Ok(Rung::Cholesky));
+            let mut x = r;
+            solver.solve(&mut x);
+            let residual = matrix_of(&metric, 1.0, a, &k) * DVector::from_column_slice(&x)
+                - DVector::from_column_slice(&r);
+            prop_assert!(residual.amax() < 1e-13);
+        }
+
+        #[test]
+        fn a_shifted_solution_descends_and_says_that_it_is_shifted(
+            entries in prop::array::uniform9(-1.0..1.0_f64),
+            r in prop::array::uniform3(-1.0..1.0_f64),
+            scale in -12.0..12.0_f64,
+        ) {
+            let square = DMatrix::from_column_slice(3, 3, &entries) * 10.0_f64.powf(scale);
+            let k = Quadratic(&square + square.transpose());
+            let mass = dmatrix![2.0, 1.0, 0.0; 1.0, 2.0, 1.0; 0.0, 1.0, 2.0];
+            let metric = DenseMetric::new(mass).unwrap();
+            let matrix = matrix_of(&metric, 1.0, 1.0, &k);
+            let smallest = matrix.symmetric_eigenvalues().min();
+            let mut solver = DenseSolver::<Vec<f64>>::new(3).unwrap();
+            let rung = solver.factor(&metric, &k, &[0.0; 3], 1.0).unwrap();
+            if smallest < 0.0 {
+                prop_assert!(matches!(rung, Rung::Shifted { tries: 1..=6 }), "{:?}", rung);
+            }
+            let mut x = r;
+            solver.solve(&mut x);
+            prop_assert!(Covector(r).apply(&crate::Vector(x)) > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_zero_mode_is_seen_and_shifted() {
+        // Two particles on a free spring: the Hessian alone cannot tell where they are.
+        let spring = Quadratic(dmatrix![0.1, -0.1; -0.1, 0.1] * 3.0);
+        let metric = DiagonalMetric::new([1.0, 5.0]).unwrap();
+        let mut solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
+        let rung = solver.factor_weighted(0.0, &metric, 1.0, &spring, &[0.0; 2]).unwrap();
+        assert_eq!(rung, Rung::Shifted { tries: 1 });
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_unsolvable() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let metric = DiagonalMetric::new([1.0, 1.0]).unwrap();
+            let mut solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
+            for k in [dmatrix![1.0, 0.0; 0.0, bad], dmatrix![1.0, bad; bad, 1.0]] {
+                let rung = solver.factor(&metric, &Quadratic(k), &[0.0; 2], 1.0);
+                assert_eq!(rung, Err(Unsolvable), "{bad}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_solver_holds_the_storages_number_of_freedoms_only() {
+        assert!(DenseSolver::<[f64; 2]>::new(3).is_none());
+        assert!(DenseSolver::<[f64; 2]>::new(2).is_some());
+    }
+}

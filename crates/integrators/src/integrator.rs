@@ -1,0 +1,95 @@
+//! An integrator: a map from phase space to itself that approximates the flow over a step.
+//!
+//! ```text
+//! (q, p) -> Phi_h(q, p),    Phi_h close to the exact flow over the time h  (notes 4.3)
+//! ```
+//! An integrator is bound to a system when it is made: sizes are checked and all memory is taken
+//! then, so that a step checks little and allocates nothing.
+
+use stationary_calculus::{Covector, Potential, Rung, SizeError, Storage};
+
+use crate::{Facts, State, StepError};
+
+/// A map from phase space to itself.
+pub trait Integrator<C> {
+    /// What is known of the method.
+    fn facts(&self) -> Facts;
+
+    /// Moves `state` forward by `h` seconds. On an error the state is as it was.
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError>;
+}
+
+/// What a step cost, and how it went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Differentials of the potential evaluated.
+    pub differentials: u32,
+    /// Hessians of the potential evaluated, each one a factorization.
+    pub hessians: u32,
+    /// Energies evaluated by a line search.
+    pub energies: u32,
+    /// Size of the residual of an implicit step, in kg^1/2 m.
+    pub residual: f64,
+    /// The highest rung of the solver's ladder that was needed.
+    pub rung: Rung,
+}
+
+/// More Newton iterations than this in a step make the Hessian suspect (notes 4.4).
+const DOZEN: u32 = 12;
+
+impl StepReport {
+    /// True where Newton's method needed so many iterations that the Hessian is probably wrong.
+    pub fn suspects_the_hessian(&self) -> bool {
+        self.hessians > DOZEN
+    }
+}
+
+/// An error unless the step is positive and finite and the state has the system's size.
+#[inline]
+pub(crate) fn check_step<C: Storage>(state: &State<C>, n: usize, h: f64) -> Result<(), StepError> {
+    if !(h > 0.0 && h.is_finite()) {
+        return Err(StepError::Step(h));
+    }
+    SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
+    SizeError::check("the momentum's components", n, state.p.components().len())?;
+    Ok(())
+}
+
+/// Zeros of the system's size, or an error where the storage has another.
+pub(crate) fn zeros<C: Storage>(n: usize) -> Result<C, SizeError> {
+    let what = "the storage's numbers";
+    C::zeros(n).ok_or(SizeError { what, expected: n, got: std::mem::size_of::<C>() / 8 })
+}
+
+/// The differential of a potential at a configuration, remembered for the next step.
+#[derive(Clone, Debug)]
+pub(crate) struct Remembered<C> {
+    q: Option<C>,
+    dv: Covector<C>,
+}
+
+impl<C: Storage> Remembered<C> {
+    pub(crate) fn new(n: usize) -> Result<Self, SizeError> {
+        Ok(Remembered { q: None, dv: Covector(zeros(n)?) })
+    }
+
+    /// dV(q), evaluated unless it was at this very `q` last time.
+    #[inline]
+    pub(crate) fn at(
+        &mut self,
+        potential: &impl Potential,
+        q: &C,
+        evaluations: &mut u32,
+    ) -> &Covector<C> {
+        if self.q.as_ref() != Some(q) {
+            self.dv.clear();
+            potential.add_differential(q.as_ref(), self.dv.view_mut());
+            match &mut self.q {
+                Some(last) => last.clone_from(q),
+                None => self.q = Some(q.clone()),
+            }
+            *evaluations += 1;
+        }
+        &self.dv
+    }
+}

@@ -1,0 +1,126 @@
+//! The methods of this crate by name, for whoever chooses one when the program runs.
+
+use std::fmt;
+use std::str::FromStr;
+
+use stationary_calculus::{HessianSolver, Metric, Potential, SizeError, Storage, System};
+
+use crate::{
+    ExplicitEuler, Facts, ImplicitEuler, ImplicitMidpoint, Integrator, RungeKutta4, StormerVerlet,
+    SymplecticEulerDriftKick, SymplecticEulerKickDrift, Trapezoid, explicit_euler, implicit_euler,
+    implicit_midpoint, runge_kutta_4, stormer_verlet, symplectic_euler, trapezoid,
+};
+
+/// A method of this crate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// [`ExplicitEuler`].
+    ExplicitEuler,
+    /// [`ImplicitEuler`].
+    ImplicitEuler,
+    /// [`Trapezoid`].
+    Trapezoid,
+    /// [`ImplicitMidpoint`].
+    ImplicitMidpoint,
+    /// [`SymplecticEulerDriftKick`].
+    SymplecticEulerDriftKick,
+    /// [`SymplecticEulerKickDrift`].
+    SymplecticEulerKickDrift,
+    /// [`StormerVerlet`].
+    StormerVerlet,
+    /// [`RungeKutta4`].
+    RungeKutta4,
+}
+
+/// There is no method of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no integrator called `{0}`")]
+pub struct UnknownMethod(pub String);
+
+impl Method {
+    /// Every method, in the order of the notes' table.
+    pub const ALL: [Method; 8] = [
+        Method::ExplicitEuler,
+        Method::ImplicitEuler,
+        Method::Trapezoid,
+        Method::ImplicitMidpoint,
+        Method::SymplecticEulerDriftKick,
+        Method::SymplecticEulerKickDrift,
+        Method::StormerVerlet,
+        Method::RungeKutta4,
+    ];
+
+    /// What is known of it.
+    pub fn facts(self) -> Facts {
+        match self {
+            Method::ExplicitEuler => explicit_euler::FACTS,
+            Method::ImplicitEuler => implicit_euler::FACTS,
+            Method::Trapezoid => trapezoid::FACTS,
+            Method::ImplicitMidpoint => implicit_midpoint::FACTS,
+            Method::SymplecticEulerDriftKick => symplectic_euler::DRIFT_KICK,
+            Method::SymplecticEulerKickDrift => symplectic_euler::KICK_DRIFT,
+            Method::StormerVerlet => stormer_verlet::FACTS,
+            Method::RungeKutta4 => runge_kutta_4::FACTS,
+        }
+    }
+
+    /// The method on a system; an implicit one factors dense matrices.
+    pub fn integrator<'s, M: Metric, P: Potential, C: Storage + 's>(
+        self,
+        system: &'s System<M, P>,
+    ) -> Result<Box<dyn Integrator<C> + 's>, SizeError> {
+        Ok(match self {
+            Method::ImplicitEuler => Box::new(ImplicitEuler::new(system)?),
+            Method::Trapezoid => Box::new(Trapezoid::new(system)?),
+            Method::ImplicitMidpoint => Box::new(ImplicitMidpoint::new(system)?),
+            Method::ExplicitEuler => Box::new(ExplicitEuler::new(system)?),
+            Method::SymplecticEulerDriftKick => Box::new(SymplecticEulerDriftKick::new(system)?),
+            Method::SymplecticEulerKickDrift => Box::new(SymplecticEulerKickDrift::new(system)?),
+            Method::StormerVerlet => Box::new(StormerVerlet::new(system)?),
+            Method::RungeKutta4 => Box::new(RungeKutta4::new(system)?),
+        })
+    }
+
+    /// The method on a system of many freedoms; an implicit one uses the caller's solver, an
+    /// explicit one needs none.
+    pub fn integrator_with<'s, M: Metric, P: Potential, C: Storage + 's, L: HessianSolver + 's>(
+        self,
+        system: &'s System<M, P>,
+        solver: L,
+    ) -> Result<Box<dyn Integrator<C> + 's>, SizeError> {
+        Ok(match self {
+            Method::ImplicitEuler => Box::new(ImplicitEuler::with_solver(system, solver)?),
+            Method::Trapezoid => Box::new(Trapezoid::with_solver(system, solver)?),
+            Method::ImplicitMidpoint => Box::new(ImplicitMidpoint::with_solver(system, solver)?),
+            _ => self.integrator(system)?,
+        })
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.facts().name)
+    }
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        let named = Method::ALL.into_iter().find(|method| method.facts().name == name);
+        named.ok_or_else(|| UnknownMethod(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_is_found_by_its_name() {
+        for method in Method::ALL {
+            assert_eq!(method.to_string().parse(), Ok(method));
+        }
+        assert!("velocity-verlet".parse::<Method>().is_err());
+    }
+}

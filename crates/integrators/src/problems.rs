@@ -1,0 +1,108 @@
+//! Problems with known answers: one definition each for tests, studies and benches.
+//!
+//! | problem | system | answer |
+//! | --- | --- | --- |
+//! | [`oscillator`] | a mass on a linear spring | sines and cosines |
+//! | [`kepler`] | a planet about a fixed sun, eccentricity e | Kepler's equation |
+//! | [`pendulum`] | a rod's angle from hanging | Jacobi's elliptic functions |
+//! | [`spring_pendulum`] | a mass on a stiff spring that swings | none: it is there to fail |
+//!
+//! All are dimensionless: masses, lengths and the strength of the field are 1.
+
+mod kepler;
+mod oscillator;
+mod pendulum;
+mod spring_pendulum;
+
+use std::fmt;
+
+use stationary_calculus::{DiagonalMetric, Metric, MetricError, Potential, SizeError, System};
+
+use crate::State;
+
+pub use kepler::kepler;
+pub use oscillator::{Linear, oscillator};
+pub use pendulum::{PendulumPotential, pendulum};
+pub use spring_pendulum::{TetherPotential, spring_pendulum};
+
+/// A problem that cannot be stated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ProblemError {
+    /// A parameter outside its range.
+    #[error("{name} is {value}; it must be in {range}")]
+    Parameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values it may have.
+        range: &'static str,
+    },
+    /// A mass that is not one.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+    /// A metric and a potential of different size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}
+
+/// An error unless the parameter is strictly between two numbers.
+fn within(
+    name: &'static str,
+    value: f64,
+    range: &'static str,
+    open: std::ops::Range<f64>,
+) -> Result<(), ProblemError> {
+    if value > open.start && value < open.end {
+        Ok(())
+    } else {
+        Err(ProblemError::Parameter { name, value, range })
+    }
+}
+
+/// The true configuration at a time, where it is known.
+pub type Solution<C> = Box<dyn Fn(f64) -> Option<C> + Send + Sync>;
+
+/// A system with initial data, a horizon, and the right answer.
+pub struct Problem<M, P, C> {
+    /// Its name, with lower-case letters and hyphens.
+    pub name: &'static str,
+    /// Its metric and potential.
+    pub system: System<M, P>,
+    /// Where it starts.
+    pub initial: State<C>,
+    /// The time over which it is asked for, seconds.
+    pub horizon: f64,
+    /// Its natural unit of time, seconds: a period, or one over a frequency.
+    pub period: f64,
+    /// Its size, against which errors of a configuration are judged.
+    pub scale: f64,
+    /// The true configuration at a time.
+    pub solution: Solution<C>,
+    /// How far the true configuration may itself be off, relative to `scale`.
+    pub solution_error: f64,
+}
+
+/// A problem of N freedoms, each with a mass of its own.
+pub type SmallProblem<P, const N: usize> = Problem<DiagonalMetric<[f64; N]>, P, [f64; N]>;
+
+impl<M: Metric, P: Potential, C: AsRef<[f64]>> Problem<M, P, C> {
+    /// The energy of a state, joules.
+    pub fn energy(&self, state: &State<C>) -> f64 {
+        self.system.energy(state.q.as_ref(), state.p.view())
+    }
+
+    /// The error of a configuration at a time: the Euclidean distance from the true one relative
+    /// to the problem's scale, or `None` where the true one is not known.
+    pub fn error(&self, time: f64, q: &C) -> Option<f64> {
+        let truth = (self.solution)(time)?;
+        let pairs = truth.as_ref().iter().zip(q.as_ref());
+        Some(pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt() / self.scale)
+    }
+}
+
+impl<M, P, C> fmt::Debug for Problem<M, P, C> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Problem").field("name", &self.name).finish_non_exhaustive()
+    }
+}

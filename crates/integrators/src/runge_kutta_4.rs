@@ -1,0 +1,109 @@
+//! The classical Runge-Kutta method of order 4.
+//!
+//! ```text
+//! k1 = f(y)    k2 = f(y + h/2 k1)    k3 = f(y + h/2 k2)    k4 = f(y + h k3)
+//! y' = y + h/6 (k1 + 2 k2 + 2 k3 + k4),        y = (q, p),  f(y) = (M^-1 p, -dV(q))
+//! ```
+//! `q` configuration (n), `p` momentum covector (n), `M` the metric, `h` step in seconds.
+//! Order 4, explicit, four differentials a step; neither symmetric nor symplectic. Keeps linear
+//! momentum to rounding. Damps an oscillator while `h omega < 2 sqrt 2` and blows it up above; its
+//! angular momentum drifts, as does its energy, with the order of the method: see
+//! `runge_kutta_4_is_unstable_above_two_root_two_over_omega`.
+//! Source: notes 4.3 names it without a formula; Kutta 1901. The notes' table of 4.5 calls it
+//! unstable, which it is not: errata 4.5.
+
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
+
+use crate::integrator::{check_step, zeros};
+use crate::{
+    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
+    StepError, StepReport, Symplecticity,
+};
+
+/// What is known of the method.
+pub(crate) const FACTS: Facts = Facts {
+    name: "runge-kutta-4",
+    order: 4,
+    evaluation: Evaluation::Explicit,
+    symmetric: false,
+    symplecticity: Symplecticity::No,
+    energy: EnergyBehavior::Decays,
+    linear_momentum: Conservation::Exact,
+    angular_momentum: Conservation::ToOrder,
+    stability: Stability::Below(2.0 * std::f64::consts::SQRT_2),
+    error_growth: ErrorGrowth::Linear,
+};
+
+/// The classical Runge-Kutta method of order 4.
+#[derive(Clone, Debug)]
+pub struct RungeKutta4<'s, M, P, C> {
+    system: &'s System<M, P>,
+    velocity: Vector<C>,
+    differential: Covector<C>,
+    stage: State<C>,
+    next: State<C>,
+}
+
+impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
+    /// The method on a system.
+    pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
+        let n = system.dim();
+        Ok(RungeKutta4 {
+            system,
+            velocity: Vector(zeros(n)?),
+            differential: Covector(zeros(n)?),
+            stage: State::new(zeros(n)?, zeros(n)?),
+            next: State::new(zeros(n)?, zeros(n)?),
+        })
+    }
+
+    /// Evaluates the vector field at `stage`.
+    #[inline]
+    fn evaluate(&mut self) {
+        self.system.metric().sharp(self.stage.p.view(), self.velocity.view_mut());
+        self.differential.clear();
+        let dv = self.differential.view_mut();
+        self.system.potential().add_differential(self.stage.q.as_ref(), dv);
+    }
+
+    /// Moves `next` along the last evaluated vector.
+    #[inline]
+    fn gather(&mut self, h: f64) {
+        self.system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
+        self.next.p.add_scaled(-h, self.differential.view());
+    }
+
+    /// Puts `stage` at `state` moved along the last evaluated vector.
+    #[inline]
+    fn place(&mut self, state: &State<C>, h: f64) {
+        self.stage.clone_from(state);
+        self.system.space().advance(self.stage.q.as_mut(), h, self.velocity.view());
+        self.stage.p.add_scaled(-h, self.differential.view());
+    }
+}
+
+impl<M: Metric, P: Potential, C: Storage> Integrator<C> for RungeKutta4<'_, M, P, C> {
+    fn facts(&self) -> Facts {
+        FACTS
+    }
+
+    #[inline]
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
+        check_step(state, self.system.dim(), h)?;
+        self.next.clone_from(state);
+        self.stage.clone_from(state);
+        self.evaluate();
+        self.gather(h / 6.0);
+        self.place(state, h / 2.0);
+        self.evaluate();
+        self.gather(h / 3.0);
+        self.place(state, h / 2.0);
+        self.evaluate();
+        self.gather(h / 3.0);
+        self.place(state, h);
+        self.evaluate();
+        self.gather(h / 6.0);
+        state.accept(&mut self.next)?;
+        Ok(StepReport { differentials: 4, ..StepReport::default() })
+    }
+}

@@ -1,0 +1,41 @@
+//! A point of phase space: a configuration and its momentum.
+
+use stationary_calculus::{Covector, first_non_finite};
+
+use crate::StepError;
+
+/// A configuration `q` and a momentum `p` (a covector), as many numbers each (notes 4.2).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State<C> {
+    /// The configuration.
+    pub q: C,
+    /// The momentum.
+    pub p: Covector<C>,
+}
+
+impl<C: AsRef<[f64]>> State<C> {
+    /// The state at configuration `q` with momentum `p`.
+    pub fn new(q: C, p: C) -> Self {
+        State { q, p: Covector(p) }
+    }
+
+    /// An error that names the first number that is not finite, if there is one.
+    #[inline]
+    pub(crate) fn check_finite(&self) -> Result<(), StepError> {
+        if let Some(freedom) = first_non_finite(self.q.as_ref()) {
+            return Err(StepError::NonFiniteConfiguration { freedom });
+        }
+        if let Some(freedom) = first_non_finite(self.p.components()) {
+            return Err(StepError::NonFiniteMomentum { freedom });
+        }
+        Ok(())
+    }
+
+    /// Takes over `next`, or returns an error and stays as it was.
+    #[inline]
+    pub(crate) fn accept(&mut self, next: &mut Self) -> Result<(), StepError> {
+        next.check_finite()?;
+        std::mem::swap(self, next);
+        Ok(())
+    }
+}
