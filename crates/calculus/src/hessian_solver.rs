@@ -168,7 +168,7 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
         self.assemble(m, metric, a, potential, q);
         let scale = self.shift_scale();
         if !scale.is_finite() {
-            return Err(Unsolvable);
+            return Err(Unsolvable::NonFinite);
         }
         for tries in 1..=SHIFTS {
             self.assemble(m + shift(scale, tries), metric, a, potential, q);
@@ -176,7 +176,7 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
                 return Ok(Rung::Shifted { tries });
             }
         }
-        Err(Unsolvable)
+        Err(Unsolvable::Singular)
     }
 
     #[inline]
@@ -321,7 +321,7 @@ mod tests {
             let mut solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
             for k in [dmatrix![1.0, 0.0; 0.0, bad], dmatrix![1.0, bad; bad, 1.0]] {
                 let rung = solver.factor(&metric, &Quadratic(k), &[0.0; 2], 1.0);
-                assert_eq!(rung, Err(Unsolvable), "{bad}");
+                assert_eq!(rung, Err(Unsolvable::NonFinite), "{bad}");
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Vectors and covectors, differentials and Hessians.
 
 mod error;
+mod fit;
 mod hessian_solver;
 mod metric;
 mod newton;
@@ -12,6 +13,7 @@ mod table;
 mod vectors;
 
 pub use error::{MetricError, SizeError};
+pub use fit::loglog_slope;
 pub use hessian_solver::{DenseSolver, HessianSolver, Rung};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
 pub use newton::{

@@ -3,13 +3,19 @@
 //! ```text
 //! solve  df(x) delta = -f(x),    x <- x + t delta,    t = 1, 1/2, 1/4, ...  (notes 4.4)
 //! ```
+//! `x` the unknowns (n), `f` the residual (n), `df` its differential (n x n) or what the caller takes
+//! for it. The notes' loop has no bound and no line search (errata 4.4); this one has both, so that
+//! it always ends: with a solution, or with a [`NewtonError`] that holds the residual of every iterate.
+//!
 //! A full step that halves the residual is taken as it is. Otherwise the step is shortened until the
-//! equation's energy falls enough (Armijo's condition), or the residual where there is no energy.
+//! equation's energy falls enough (Armijo's condition), or the residual where there is no energy; an
+//! equation that is a minimization asks for the energy to fall at every step ([`Merit`]).
 //! The iteration ends at the caller's tolerance, or where rounding lets the residual fall no
 //! further; with a tolerance of zero every solve runs to rounding.
 //!
 //! Convergence is quadratic near a simple root; at a double root g(x)^2 = 0 each step only halves
 //! the error; where there is no root, the bound on the iterations or the line search ends the search.
+//! It knows nothing of matrices: solving the linearized equation is the equation's own business.
 
 use crate::{Storage, first_non_finite};
 
@@ -26,12 +32,46 @@ pub trait Equation {
 
     /// The energy whose differential is f, where there is one.
     fn energy(&mut self, x: &[f64]) -> Option<f64>;
+
+    /// What a step must lower.
+    fn merit(&self) -> Merit {
+        Merit::Residual
+    }
+}
+
+/// What a step must lower.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Merit {
+    /// The residual by half; or, where a step does not, the energy, or the residual by a little.
+    /// Finds any root, at the price of no energies where all goes well.
+    #[default]
+    Residual,
+    /// The energy, at every step that descends. Finds a minimum, not a maximum or a saddle.
+    Energy,
 }
 
 /// The linearized equation has no solution that can be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the linearized equation is singular to working precision")]
-pub struct Unsolvable;
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Unsolvable {
+    /// A pivot vanished.
+    #[error("the linearized equation is singular to working precision")]
+    Singular,
+    /// The linearization overflowed, or was evaluated outside its domain.
+    #[error("the linearized equation has numbers that are not finite")]
+    NonFinite,
+    /// A Hessian or Jacobian must visit the same blocks in the same order as when it was analysed.
+    #[error("block {block} of the linearization is not where it was when its pattern was analysed")]
+    PatternChanged {
+        /// The first block that differs, counted from 0.
+        block: usize,
+    },
+    /// The factorization was finished, but what it gives does not solve the equation.
+    #[error("the linearized equation was solved with a relative residual of {relative_residual:e}")]
+    Untrusted {
+        /// The best residual that refinement reached, relative to the right-hand side.
+        relative_residual: f64,
+    },
+}
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,19 +98,31 @@ pub struct NewtonReport {
     pub residuals: u32,
     /// Energies evaluated by the line search.
     pub energies: u32,
-    /// Size of the last residual.
+    /// Size of the residual at the solution.
     pub residual: f64,
+    /// What ended the search.
+    pub end: NewtonEnd,
+}
+
+/// What ended a successful search.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NewtonEnd {
+    /// The residual is within the tolerance.
+    #[default]
+    Tolerance,
+    /// The steps are rounding: no residual can be told from a smaller one.
+    Rounding,
 }
 
 /// Why a solve failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NewtonFailure {
     /// The bound on the iterations was reached.
     NotConverged,
     /// No step length lets the energy or the residual fall.
     Stalled,
-    /// The linearized equation is singular.
-    Singular,
+    /// The linearized equation was not solved.
+    Unsolvable(Unsolvable),
     /// The residual at the initial guess, or a Newton step, is not finite at this unknown.
     NonFinite(usize),
 }
@@ -89,7 +141,7 @@ fn describe(failure: NewtonFailure) -> String {
     match failure {
         NewtonFailure::NotConverged => "did not converge".to_owned(),
         NewtonFailure::Stalled => "found no step that makes progress".to_owned(),
-        NewtonFailure::Singular => "met a singular linearization".to_owned(),
+        NewtonFailure::Unsolvable(why) => format!("stopped: {why}"),
         NewtonFailure::NonFinite(i) => format!("met a number that is not finite (unknown {i})"),
     }
 }
@@ -128,11 +180,15 @@ impl<C: Storage> NewtonMemory<C> {
 /// Armijo's constant: the part of the predicted fall that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 /// Step lengths tried: down to 2^-30, below which progress could not be told from rounding.
-const HALVINGS: i32 = 30;
+const HALVINGS: u32 = 30;
 /// Steps of this size relative to x are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
+/// Steps of this size relative to x are so small that a residual which no longer falls is rounding;
 const NEARLY: f64 = 1e-9;
+/// and so are steps of this size relative to the guess, where the solution itself is close to zero.
+const NEARLY_OF_GUESS: f64 = 1e-12;
+/// Energies that differ by this much, relatively, cannot be told apart.
+const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
 
 impl Newton {
     /// Solves f(x) = 0 from the guess in `x`, where the solution is left. On failure `x` holds the
@@ -144,6 +200,7 @@ impl Newton {
         memory: &mut NewtonMemory<C>,
     ) -> Result<NewtonReport, NewtonError> {
         let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
+        let guess = largest(x);
         memory.history.clear();
         equation.residual(x, memory.residual.as_mut());
         let mut size = equation.norm(memory.residual.as_ref());
@@ -157,17 +214,18 @@ impl Newton {
                 return Err(memory.error(NewtonFailure::NotConverged));
             }
             memory.step.clone_from(&memory.residual);
-            if equation.solve(x, memory.step.as_mut()).is_err() {
-                return Err(memory.error(NewtonFailure::Singular));
+            if let Err(why) = equation.solve(x, memory.step.as_mut()) {
+                return Err(memory.error(NewtonFailure::Unsolvable(why)));
             }
             if let Some(unknown) = first_non_finite(memory.step.as_ref()) {
                 return Err(memory.error(NewtonFailure::NonFinite(unknown)));
             }
             report.iterations += 1;
-            let relative = largest(memory.step.as_ref()) / largest(x).max(f64::MIN_POSITIVE);
-            let accepted = self.search(equation, x, size, relative, memory, &mut report);
-            let Some(new_size) = accepted else {
-                if relative <= NEARLY {
+            let length = largest(memory.step.as_ref());
+            let nearly = length <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
+            let Some(new_size) = search(equation, x, size, nearly, memory, &mut report) else {
+                if nearly {
+                    report.end = NewtonEnd::Rounding;
                     break;
                 }
                 return Err(memory.error(NewtonFailure::Stalled));
@@ -175,72 +233,245 @@ impl Newton {
             x.copy_from_slice(memory.trial.as_ref());
             size = new_size;
             memory.history.push(size);
-            if relative <= ROUNDING {
+            if size > self.tolerance && length <= ROUNDING * largest(x) {
+                report.end = NewtonEnd::Rounding;
                 break;
             }
         }
         report.residual = size;
         Ok(report)
     }
+}
 
-    /// Leaves an acceptable next iterate in `memory.trial`, its residual in `memory.residual`.
-    fn search<C: Storage>(
-        &self,
-        equation: &mut impl Equation,
-        x: &[f64],
-        size: f64,
-        relative: f64,
-        memory: &mut NewtonMemory<C>,
-        report: &mut NewtonReport,
-    ) -> Option<f64> {
-        // The energy falls at this rate along the step, if f is its differential.
-        let slope: f64 = -memory
-            .residual
-            .as_ref()
-            .iter()
-            .zip(memory.step.as_ref())
-            .map(|(f, s)| f * s)
-            .sum::<f64>();
-        let mut start_energy = None;
-        let halvings = if relative <= NEARLY { 0 } else { HALVINGS };
-        for halving in 0..=halvings {
-            let t = 0.5_f64.powi(halving);
-            for ((trial, x), step) in
-                memory.trial.as_mut().iter_mut().zip(x).zip(memory.step.as_ref())
-            {
-                *trial = x - t * step;
-            }
-            equation.residual(memory.trial.as_ref(), memory.residual.as_mut());
-            report.residuals += 1;
-            let new_size = equation.norm(memory.residual.as_ref());
-            if !new_size.is_finite() {
-                continue;
-            }
-            if new_size <= 0.5 * size || (relative <= NEARLY && new_size <= size) {
-                return Some(new_size);
-            }
-            if start_energy.is_none() && slope < 0.0 {
-                start_energy = equation.energy(x);
-                report.energies += 1;
-            }
-            let enough = match start_energy {
-                Some(start) => {
-                    report.energies += 1;
-                    equation
-                        .energy(memory.trial.as_ref())
-                        .is_some_and(|energy| energy <= start + SUFFICIENT * t * slope)
-                }
-                None => new_size <= (1.0 - SUFFICIENT * t) * size,
-            };
-            if enough {
-                return Some(new_size);
-            }
+/// Leaves an acceptable next iterate in `memory.trial`, its residual in `memory.residual`, and
+/// returns the residual's size. Where there is none, `memory.residual` is that of a rejected trial.
+fn search<C: Storage>(
+    equation: &mut impl Equation,
+    x: &[f64],
+    size: f64,
+    nearly: bool,
+    memory: &mut NewtonMemory<C>,
+    report: &mut NewtonReport,
+) -> Option<f64> {
+    // The energy changes at this rate along the step, if f is its differential.
+    let slope = -dot(memory.residual.as_ref(), memory.step.as_ref());
+    let must_lower_energy = equation.merit() == Merit::Energy && slope < 0.0;
+    let mut start_energy = None;
+    let mut t = 1.0;
+    for _ in 0..=if nearly { 0 } else { HALVINGS } {
+        for ((trial, x), step) in memory.trial.as_mut().iter_mut().zip(x).zip(memory.step.as_ref())
+        {
+            *trial = x - t * step;
         }
-        None
+        equation.residual(memory.trial.as_ref(), memory.residual.as_mut());
+        report.residuals += 1;
+        let new_size = equation.norm(memory.residual.as_ref());
+        let halved = new_size <= 0.5 * size && !must_lower_energy;
+        if halved || (nearly && new_size <= size) {
+            return Some(new_size);
+        }
+        if start_energy.is_none() && slope < 0.0 {
+            start_energy = equation.energy(x);
+            report.energies += 1;
+        }
+        let less = new_size <= (1.0 - SUFFICIENT * t) * size;
+        let enough = match start_energy {
+            Some(start) => {
+                report.energies += 1;
+                equation.energy(memory.trial.as_ref()).is_some_and(|energy| {
+                    energy <= start + SUFFICIENT * t * slope
+                        || (less && energy <= start + SAME_ENERGY * start.abs())
+                })
+            }
+            None => less,
+        };
+        if enough && new_size.is_finite() {
+            return Some(new_size);
+        }
+        t *= 0.5;
     }
+    None
 }
 
 #[inline]
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+#[inline]
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FunctionEquation;
+
+    /// The root, the report and the residuals' history of one equation in one unknown.
+    fn root(
+        newton: Newton,
+        guess: f64,
+        f: impl FnMut(f64) -> f64,
+        df: impl FnMut(f64) -> f64,
+    ) -> (f64, Result<NewtonReport, NewtonError>, Vec<f64>) {
+        let (mut f, mut df) = (f, df);
+        let mut equation = FunctionEquation::new(
+            1,
+            |x: &[f64], value: &mut [f64]| value[0] = f(x[0]),
+            |x: &[f64], value: &mut [f64]| value[0] = df(x[0]),
+        );
+        let mut memory = NewtonMemory::<[f64; 1]>::new(1, newton.iterations).unwrap();
+        let mut x = [guess];
+        let report = newton.solve(&mut equation, &mut x, &mut memory);
+        (x[0], report, memory.history().to_vec())
+    }
+
+    #[test]
+    fn convergence_to_a_simple_root_is_quadratic() {
+        // x^2 + y^2 = 4, x y = 1, with x > y > 0.
+        let exact = [(2.0 + 3.0_f64.sqrt()).sqrt(), (2.0 - 3.0_f64.sqrt()).sqrt()];
+        let mut errors = Vec::new();
+        let mut equation = FunctionEquation::new(
+            2,
+            |x: &[f64], f: &mut [f64]| {
+                f.copy_from_slice(&[x[0] * x[0] + x[1] * x[1] - 4.0, x[0] * x[1] - 1.0]);
+            },
+            |x: &[f64], df: &mut [f64]| {
+                errors.push((x[0] - exact[0]).hypot(x[1] - exact[1]));
+                df.copy_from_slice(&[2.0 * x[0], x[1], 2.0 * x[1], x[0]]);
+            },
+        );
+        let mut memory = NewtonMemory::<[f64; 2]>::new(2, 20).unwrap();
+        let mut x = [2.5, 0.2];
+        let report = Newton::default().solve(&mut equation, &mut x, &mut memory).unwrap();
+        assert!((x[0] - exact[0]).hypot(x[1] - exact[1]) < 1e-15);
+        assert!(report.iterations <= 7, "{report:?}");
+        let orders: Vec<f64> = errors
+            .windows(3)
+            .filter(|e| e[0] < 0.3 && e[2] > 1e-14)
+            .map(|e| (e[2] / e[1]).ln() / (e[1] / e[0]).ln())
+            .collect();
+        let order = orders.last().unwrap();
+        assert!((order - 2.0).abs() < 0.1, "order {order}, errors {errors:?}");
+    }
+
+    #[test]
+    fn each_step_towards_a_double_root_halves_the_error() {
+        let mut errors = Vec::new();
+        let newton = Newton { tolerance: 1e-16, iterations: 50 };
+        // g(x)^2 with g = x^2 - 2.
+        let g = |x: f64| x * x - 2.0;
+        let (x, report, history) = root(
+            newton,
+            2.0,
+            |x| g(x).powi(2),
+            |x| {
+                errors.push(x - 2.0_f64.sqrt());
+                4.0 * x * g(x)
+            },
+        );
+        let iterations = report.unwrap().iterations;
+        assert!((20..=30).contains(&iterations), "{iterations}");
+        assert!((x - 2.0_f64.sqrt()).abs() < 1e-8);
+        let last = &errors[errors.len() - 5..];
+        for pair in last.windows(2) {
+            assert!((pair[1] / pair[0] - 0.5).abs() < 1e-3, "{errors:?}");
+        }
+        for pair in history[history.len() - 5..].windows(2) {
+            assert!((pair[1] / pair[0] - 0.25).abs() < 1e-3, "{history:?}");
+        }
+    }
+
+    #[test]
+    fn an_equation_without_a_root_ends_with_a_typed_failure_and_its_history() {
+        for guess in [-3.0, -0.1, 1e-3, 0.7, 1e6] {
+            let newton = Newton { tolerance: 1e-12, iterations: 40 };
+            let (_, result, _) = root(newton, guess, |x| x * x + 1.0, |x| 2.0 * x);
+            let error = result.unwrap_err();
+            assert!(
+                matches!(error.failure, NewtonFailure::Stalled | NewtonFailure::NotConverged),
+                "{error}"
+            );
+            assert!(error.history.len() <= 41);
+            assert_eq!(error.history[0], guess * guess + 1.0);
+            assert!(error.history.windows(2).all(|pair| pair[1] < pair[0]));
+        }
+    }
+
+    #[test]
+    fn a_vanishing_derivative_is_singular() {
+        let (_, result, _) = root(Newton::default(), 0.0, |x| x * x + 1.0, |x| 2.0 * x);
+        let error = result.unwrap_err();
+        assert_eq!(error.failure, NewtonFailure::Unsolvable(Unsolvable::Singular));
+        assert_eq!(error.history, [1.0]);
+    }
+
+    #[test]
+    fn a_guess_outside_of_the_domain_is_refused() {
+        for guess in [-1.0, f64::NAN, f64::INFINITY] {
+            let (_, result, _) = root(Newton::default(), guess, f64::ln, f64::recip);
+            assert_eq!(result.unwrap_err().failure, NewtonFailure::NonFinite(0));
+        }
+    }
+
+    #[test]
+    fn steps_out_of_the_domain_are_shortened() {
+        // The full step from 3 leads to 3 - 3 ln 3 < 0, where the logarithm is not defined.
+        let (x, report, _) = root(Newton::default(), 3.0, f64::ln, f64::recip);
+        let report = report.unwrap();
+        assert!((x - 1.0).abs() < 1e-15);
+        assert!(report.residuals > report.iterations + 1);
+    }
+
+    #[test]
+    fn the_line_search_rescues_the_arc_tangent_from_a_far_guess() {
+        // Without it the iteration diverges from |x| > 1.3917.
+        for guess in [1.4, -10.0, 1e4] {
+            let (mut f, mut x) = (f64::atan(guess), guess);
+            for _ in 0..4 {
+                x -= f * (1.0 + x * x);
+                f = x.atan();
+            }
+            assert!(x.abs() > guess.abs(), "plain Newton should diverge from {guess}");
+            let (x, report, _) =
+                root(Newton::default(), guess, f64::atan, |x| (1.0 + x * x).recip());
+            assert!(x.abs() < 1e-15, "{x}");
+            assert!(report.unwrap().iterations < 20);
+        }
+    }
+
+    #[test]
+    fn a_derivative_of_the_wrong_sign_stalls() {
+        let (_, result, _) = root(Newton::default(), 1.0, |x| x.powi(3) - 8.0, |x| -3.0 * x * x);
+        assert_eq!(result.unwrap_err().failure, NewtonFailure::Stalled);
+    }
+
+    #[test]
+    fn the_bound_on_the_iterations_is_kept() {
+        let newton = Newton { tolerance: 0.0, iterations: 3 };
+        let (_, result, history) = root(newton, 100.0, |x| x * x - 2.0, |x| 2.0 * x);
+        assert_eq!(result.unwrap_err().failure, NewtonFailure::NotConverged);
+        assert_eq!(history.len(), 4);
+    }
+
+    #[test]
+    fn a_residual_within_the_tolerance_costs_no_step() {
+        let newton = Newton { tolerance: 0.5, iterations: 0 };
+        let (x, report, _) = root(newton, 1.5, |x| x * x - 2.0, |x| 2.0 * x);
+        assert_eq!((x, report.unwrap().iterations), (1.5, 0));
+    }
+
+    #[test]
+    fn a_root_at_zero_among_rounding_noise_is_found() {
+        // Near x = 0 the residual is the rounding noise of two forces of size 1e3.
+        let f = |x: f64| (1e3 + x) * (1.0 + x / 3e3) - (1e3 - x) * (1.0 - x / 7e3);
+        let df = |x: f64| 2.0 + 1e3 / 3e3 + 1e3 / 7e3 + x * (2.0 / 3e3 - 2.0 / 7e3);
+        for k in 1..100 {
+            let guess = 0.1 * k as f64;
+            let (x, report, _) = root(Newton::default(), guess, f, df);
+            assert!(x.abs() < 1e-13, "{x}");
+            report.unwrap();
+        }
+    }
 }

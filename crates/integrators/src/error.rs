@@ -60,3 +60,14 @@ pub enum HorizonError {
         steps: f64,
     },
 }
+
+/// A study that could not be made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// The horizon is not a number of steps.
+    #[error(transparent)]
+    Horizon(#[from] HorizonError),
+    /// The storage does not have the system's size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}

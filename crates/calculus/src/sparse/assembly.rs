@@ -1,0 +1,297 @@
+//! A sparse symmetric matrix whose values are summed up again and again in the same places.
+//!
+//! ```text
+//! A = w_1 A_1 + w_2 A_2 + ...        A_i given block by block
+//! ```
+//! The lower triangle of A (n x n) is stored by columns. The pattern is found once, from a first visit
+//! of all blocks ([`SymmetricMatrix::analyse`]); a later visit ([`SymmetricMatrix::refill`]) must bring
+//! the same blocks in the same order and only adds: no search, no triplets, no allocation. Each block
+//! is compared with the recorded one, so that a changed order is an error and never a wrong matrix.
+//! Sums run in visiting order, hence have the same bits in every run.
+
+use std::sync::Arc;
+
+use faer::sparse::SparseColMatRef;
+
+use crate::sparse::SparseError;
+use crate::sparse::pattern::{Pattern, PatternSink, stored};
+use crate::{Metric, Potential, Sink, SizeError};
+
+/// A symmetric matrix in compressed columns of its lower triangle.
+#[derive(Clone, Debug)]
+pub struct SymmetricMatrix {
+    pattern: Arc<Pattern>,
+    /// The entries, and one more for what is dropped.
+    values: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The zero matrix of size n with the pattern of the blocks that `visit` brings.
+    pub fn analyse(n: usize, visit: impl FnOnce(&mut PatternSink)) -> Result<Self, SparseError> {
+        let mut sink = PatternSink::new(n)?;
+        visit(&mut sink);
+        let pattern = sink.pattern()?;
+        let values = vec![0.0; pattern.columns.row_idx().len() + 1];
+        Ok(SymmetricMatrix { pattern: Arc::new(pattern), values })
+    }
+
+    /// The Hessian of a potential at `q`.
+    pub fn hessian(potential: &impl Potential, q: &[f64]) -> Result<Self, SparseError> {
+        let n = potential.dim();
+        let mut matrix = SymmetricMatrix::analyse(n, |sink| potential.add_hessian(q, sink))?;
+        matrix.refill(|sink| potential.add_hessian(q, sink))?;
+        Ok(matrix)
+    }
+
+    /// The mass matrix of a metric.
+    pub fn mass(metric: &impl Metric) -> Result<Self, SparseError> {
+        let mut matrix = SymmetricMatrix::analyse(metric.dim(), |sink| metric.add_matrix(sink))?;
+        matrix.refill(|sink| metric.add_matrix(sink))?;
+        Ok(matrix)
+    }
+
+    /// Sets the values to the sum of the blocks that `visit` brings: those that were analysed, in
+    /// the same order. After an error the values are not to be used.
+    #[inline]
+    pub fn refill(&mut self, visit: impl FnOnce(&mut RefillSink)) -> Result<(), SparseError> {
+        self.values.fill(0.0);
+        let mut sink = RefillSink {
+            weight: 1.0,
+            stream: &self.pattern.stream,
+            slots: &self.pattern.slots,
+            values: &mut self.values,
+            block: 0,
+            changed: None,
+        };
+        visit(&mut sink);
+        match (sink.changed, sink.stream) {
+            (None, []) => Ok(()),
+            (Some(block), _) => Err(SparseError::PatternChanged { block }),
+            (None, _) => Err(SparseError::PatternChanged { block: sink.block }),
+        }
+    }
+
+    /// The size n.
+    pub fn dim(&self) -> usize {
+        self.pattern.dim()
+    }
+
+    /// Where each column starts in [`SymmetricMatrix::rows`], and after the last one the end.
+    pub fn column_starts(&self) -> &[u32] {
+        self.pattern.columns.col_ptr()
+    }
+
+    /// The rows of the entries, ascending in each column from its diagonal.
+    pub fn rows(&self) -> &[u32] {
+        self.pattern.columns.row_idx()
+    }
+
+    /// The entries.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.values.len() - 1]
+    }
+
+    /// The diagonal entry of a column.
+    pub(crate) fn diagonal(&self, column: usize) -> f64 {
+        self.values[self.column_starts()[column] as usize]
+    }
+
+    /// Adds the product with a vector: `y += scale A x`.
+    pub fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) -> Result<(), SizeError> {
+        self.pattern.check_vector(x)?;
+        self.pattern.check_vector(y)?;
+        add_product(self.column_starts(), self.rows(), self.values(), scale, x, y);
+        Ok(())
+    }
+
+    pub(crate) fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// The lower triangle as faer sees it.
+    pub(crate) fn lower(&self) -> SparseColMatRef<'_, u32, f64> {
+        SparseColMatRef::new(self.pattern.columns.as_ref(), self.values())
+    }
+}
+
+/// `y += scale A x` for a symmetric A given by its lower triangle, diagonal first in each column.
+/// Every symmetric product and every residual of this crate is summed here.
+pub(crate) fn add_product(
+    column_starts: &[u32],
+    rows: &[u32],
+    values: &[f64],
+    scale: f64,
+    x: &[f64],
+    y: &mut [f64],
+) {
+    let y = &mut y[..x.len()];
+    for (j, ends) in column_starts.windows(2).enumerate() {
+        let column = ends[0] as usize..ends[1] as usize;
+        let (rows, values) = (&rows[column.clone()], &values[column]);
+        let Some((diagonal, below)) = values.split_first() else { continue };
+        let scaled = scale * x[j];
+        let mut above = 0.0;
+        for (&i, value) in rows[1..].iter().zip(below) {
+            y[i as usize] += value * scaled;
+            above += value * x[i as usize];
+        }
+        y[j] += diagonal * scaled + scale * above;
+    }
+}
+
+/// A later visit of the blocks of a matrix: adds their entries through the stored slots.
+#[derive(Debug)]
+pub struct RefillSink<'a> {
+    weight: f64,
+    stream: &'a [u32],
+    slots: &'a [u32],
+    values: &'a mut [f64],
+    block: usize,
+    changed: Option<usize>,
+}
+
+impl<'a> RefillSink<'a> {
+    /// The same sink, which from now on multiplies what it is given by `weight`.
+    pub fn weighted(&mut self, weight: f64) -> &mut Self {
+        self.weight = weight;
+        self
+    }
+
+    /// The slots of the next block, if it has these freedoms.
+    #[inline]
+    fn next_slots(&mut self, freedoms: &[usize]) -> Option<&'a [u32]> {
+        let k = freedoms.len();
+        let (recorded, stream) = self.stream.split_at_checked(k + 1)?;
+        let same = recorded[1..].iter().zip(freedoms).all(|(&r, &freedom)| r == stored(freedom));
+        if recorded[0] as usize != k || !same {
+            return None;
+        }
+        let (slots, rest) = self.slots.split_at_checked(k * (k + 1) / 2)?;
+        (self.stream, self.slots) = (stream, rest);
+        self.block += 1;
+        Some(slots)
+    }
+}
+
+impl Sink for RefillSink<'_> {
+    #[inline]
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        let Some(slots) = self.next_slots(freedoms) else {
+            self.changed.get_or_insert(self.block);
+            self.stream = &[];
+            return;
+        };
+        let mut slots = slots.iter();
+        for (b, column) in block.chunks_exact(freedoms.len()).enumerate() {
+            for (entry, &slot) in column[b..].iter().zip(slots.by_ref()) {
+                self.values[slot as usize] += self.weight * entry;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DenseSink, FIXED, ProductSink};
+    use proptest::prelude::*;
+
+    /// Blocks as a list of freedoms and symmetric entries.
+    type Blocks = Vec<(Vec<usize>, Vec<f64>)>;
+
+    fn visit(blocks: &Blocks, sink: &mut impl Sink) {
+        for (freedoms, entries) in blocks {
+            sink.add_symmetric(freedoms, entries);
+        }
+    }
+
+    fn assembled(n: usize, blocks: &Blocks) -> SymmetricMatrix {
+        let mut matrix = SymmetricMatrix::analyse(n, |sink| visit(blocks, sink)).unwrap();
+        matrix.refill(|sink| visit(blocks, sink)).unwrap();
+        matrix
+    }
+
+    /// Up to 20 blocks of one to four freedoms among six, some of them fixed.
+    fn any_blocks() -> impl Strategy<Value = Blocks> {
+        let block = (1..5_usize, prop::collection::vec(-1.0..1.0, 16), any::<u64>()).prop_map(
+            |(k, mut entries, seed)| {
+                let mut freedoms: Vec<usize> = (0..6).chain([FIXED, FIXED]).collect();
+                let len = freedoms.len();
+                for i in 0..len {
+                    freedoms.swap(i, (seed >> (3 * i)) as usize % len);
+                }
+                freedoms.truncate(k);
+                entries.truncate(k * k);
+                for b in 0..k {
+                    for a in 0..b {
+                        entries[a + k * b] = entries[b + k * a];
+                    }
+                }
+                (freedoms, entries)
+            },
+        );
+        prop::collection::vec(block, 0..20)
+    }
+
+    proptest! {
+        #[test]
+        fn the_sparse_matrix_is_the_dense_one(
+            blocks in any_blocks(),
+            weight in -2.0..2.0,
+            x in prop::array::uniform6(-1.0..1.0),
+        ) {
+            let mut matrix = assembled(6, &blocks);
+            matrix.refill(|sink| visit(&blocks, sink.weighted(weight))).unwrap();
+            let (mut dense, mut product, mut sparse) = ([0.0; 36], [0.0; 6], [0.0; 6]);
+            visit(&blocks, &mut DenseSink::new(weight, 6, &mut dense).unwrap());
+            visit(&blocks, &mut ProductSink::new(weight, &x, &mut product).unwrap());
+            matrix.add_product(1.0, &x, &mut sparse).unwrap();
+            let starts = matrix.column_starts();
+            for j in 0..6 {
+                for k in starts[j] as usize..starts[j + 1] as usize {
+                    let i = matrix.rows()[k] as usize;
+                    prop_assert!((dense[i + 6 * j] - matrix.values()[k]).abs() < 1e-13);
+                    dense[i + 6 * j] = 0.0;
+                    dense[j + 6 * i] = 0.0;
+                }
+                prop_assert!((product[j] - sparse[j]).abs() < 1e-13);
+            }
+            prop_assert!(dense.iter().all(|&entry| entry == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_change_of_the_visit_is_an_error_that_names_the_block() {
+        let blocks: Blocks = vec![
+            (vec![0, 1], vec![2.0, -1.0, -1.0, 2.0]),
+            (vec![2], vec![1.0]),
+            (vec![1, 2], vec![2.0, -1.0, -1.0, 2.0]),
+        ];
+        let mut matrix = assembled(3, &blocks);
+        let values = matrix.values().to_vec();
+        let mut changed = |blocks: Blocks| matrix.refill(|sink| visit(&blocks, sink)).unwrap_err();
+        let block = |block| SparseError::PatternChanged { block };
+        assert_eq!(changed(vec![blocks[1].clone(), blocks[0].clone()]), block(0));
+        assert_eq!(changed(vec![blocks[0].clone(), blocks[2].clone(), blocks[1].clone()]), block(1));
+        assert_eq!(changed(blocks[..2].to_vec()), block(2));
+        assert_eq!(changed([blocks.clone(), blocks[..1].to_vec()].concat()), block(3));
+        assert_eq!(changed(vec![]), block(0));
+        matrix.refill(|sink| visit(&blocks, sink)).unwrap();
+        assert_eq!(matrix.values(), values);
+    }
+
+    #[test]
+    fn the_diagonal_is_there_even_where_no_block_is() {
+        let matrix = assembled(3, &vec![(vec![1], vec![5.0])]);
+        assert_eq!(matrix.rows(), [0, 1, 2]);
+        assert_eq!(matrix.values(), [0.0, 5.0, 0.0]);
+        assert_eq!(matrix.diagonal(1), 5.0);
+    }
+
+    #[test]
+    fn vectors_of_another_length_are_refused() {
+        let matrix = assembled(3, &vec![]);
+        let error = matrix.add_product(1.0, &[0.0; 2], &mut [0.0; 3]).unwrap_err();
+        assert_eq!((error.expected, error.got), (3, 2));
+    }
+}
