@@ -28,7 +28,7 @@ impl DenseLu {
             scales: vec![0.0; n],
             exchanges: vec![0; n],
             #[cfg(feature = "sparse")]
-            blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n)),
+            blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n).ok()).flatten(),
         }
     }
 

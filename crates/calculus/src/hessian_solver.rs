@@ -105,8 +105,8 @@ impl<C: Storage> DenseSolver<C> {
         q: &[f64],
     ) {
         self.columns.iter_mut().for_each(|column| column.as_mut().fill(0.0));
-        metric.add_matrix(&mut Columns { scale: m, columns: &mut self.columns });
-        potential.add_hessian(q, &mut Columns { scale: a, columns: &mut self.columns });
+        metric.add_matrix(&mut Columns { weight: m, columns: &mut self.columns });
+        potential.add_hessian(q, &mut Columns { weight: a, columns: &mut self.columns });
     }
 
     /// The scale `s` of the shifts. The matrix must be in `columns`, the diagonal of M in `mass`.
@@ -161,10 +161,8 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
         if self.factor_in_place() {
             return Ok(Rung::Cholesky);
         }
-        self.assemble(1.0, metric, 0.0, &None::<P>, q);
-        for (j, (mass, column)) in self.mass.as_mut().iter_mut().zip(&self.columns).enumerate() {
-            *mass = column.as_ref()[j];
-        }
+        self.mass.as_mut().fill(0.0);
+        metric.add_matrix(&mut Diagonal { weight: 1.0, values: self.mass.as_mut() });
         self.assemble(m, metric, a, potential, q);
         let scale = self.shift_scale();
         if !scale.is_finite() {
@@ -201,9 +199,9 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
     }
 }
 
-/// Adds `scale` times what it is given to a matrix of separate columns.
+/// Adds `weight` times what it is given to a matrix of separate columns.
 struct Columns<'a, C> {
-    scale: f64,
+    weight: f64,
     columns: &'a mut [C],
 }
 
@@ -217,8 +215,25 @@ impl<C: Storage> Sink for Columns<'_, C> {
             let column = self.columns[j].as_mut();
             for (&i, entry) in freedoms.iter().zip(entries) {
                 if i != FIXED {
-                    column[i] += self.scale * entry;
+                    column[i] += self.weight * entry;
                 }
+            }
+        }
+    }
+}
+
+/// Adds `weight` times what it is given to a diagonal, and drops the rest.
+pub(crate) struct Diagonal<'a> {
+    pub(crate) weight: f64,
+    pub(crate) values: &'a mut [f64],
+}
+
+impl Sink for Diagonal<'_> {
+    #[inline]
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&freedom, entry) in freedoms.iter().zip(block.iter().step_by(freedoms.len() + 1)) {
+            if freedom != FIXED {
+                self.values[freedom] += self.weight * entry;
             }
         }
     }

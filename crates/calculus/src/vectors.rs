@@ -21,25 +21,63 @@
 pub trait Storage: Clone + PartialEq + AsRef<[f64]> + AsMut<[f64]> {
     /// `n` zeros, or `None` where the type holds another number of them.
     fn zeros(n: usize) -> Option<Self>;
+
+    /// Lends itself by value, so that an array used as scratch memory lives in registers while a
+    /// vector's memory is only moved. To be given back by [`Storage::put_back`].
+    fn lend(&mut self) -> Self;
+
+    /// Takes back the memory that was lent. What an array holds is then undefined.
+    fn put_back(&mut self, lent: Self);
 }
 
 impl<const N: usize> Storage for [f64; N] {
     fn zeros(n: usize) -> Option<Self> {
         (n == N).then_some([0.0; N])
     }
+
+    #[inline]
+    fn lend(&mut self) -> Self {
+        [0.0; N]
+    }
+
+    #[inline]
+    fn put_back(&mut self, _lent: Self) {}
 }
 
 impl Storage for Vec<f64> {
     fn zeros(n: usize) -> Option<Self> {
         Some(vec![0.0; n])
     }
+
+    #[inline]
+    fn lend(&mut self) -> Self {
+        std::mem::take(self)
+    }
+
+    #[inline]
+    fn put_back(&mut self, lent: Self) {
+        *self = lent;
+    }
 }
 
 macro_rules! linear_object {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[derive(Copy, Debug, Default, PartialEq)]
         pub struct $name<C>(pub C);
+
+        impl<C: Clone> Clone for $name<C> {
+            #[inline]
+            fn clone(&self) -> Self {
+                $name(self.0.clone())
+            }
+
+            /// Reuses the memory that is there.
+            #[inline]
+            fn clone_from(&mut self, source: &Self) {
+                self.0.clone_from(&source.0);
+            }
+        }
 
         impl<C: AsRef<[f64]>> $name<C> {
             /// The same object, borrowed.

@@ -50,9 +50,9 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for ExplicitEuler<'_, M,
 
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        self.0.begin(state, h)?;
-        self.0.kick_and_drift_at_once(h);
-        self.0.finish(state)
+        let mut phase = self.0.begin(state, h)?;
+        phase.kick_and_drift_at_once(h);
+        phase.finish(state)
     }
 }
 

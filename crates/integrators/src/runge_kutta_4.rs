@@ -56,27 +56,34 @@ impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
             next: State::new(zeros(n)?, zeros(n)?),
         })
     }
+}
 
-    /// Evaluates the vector field at `stage`.
+/// The stages of a step under way: `stage` where the field is evaluated, `next` where it adds up.
+struct Stages<'a, M, P, C> {
+    system: &'a System<M, P>,
+    start: &'a State<C>,
+    velocity: Vector<C>,
+    differential: Covector<C>,
+    stage: State<C>,
+    next: State<C>,
+}
+
+impl<M: Metric, P: Potential, C: Storage> Stages<'_, M, P, C> {
+    /// Evaluates the field at `stage` and adds it to `next` with this weight.
     #[inline]
-    fn evaluate(&mut self) {
+    fn add(&mut self, weight: f64) {
         self.system.metric().sharp(self.stage.p.view(), self.velocity.view_mut());
         self.differential.clear();
         let dv = self.differential.view_mut();
         self.system.potential().add_differential(self.stage.q.as_ref(), dv);
+        self.system.space().advance(self.next.q.as_mut(), weight, self.velocity.view());
+        self.next.p.add_scaled(-weight, self.differential.view());
     }
 
-    /// Moves `next` along the last evaluated vector.
+    /// Puts `stage` at the start moved along the field evaluated last.
     #[inline]
-    fn gather(&mut self, h: f64) {
-        self.system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
-        self.next.p.add_scaled(-h, self.differential.view());
-    }
-
-    /// Puts `stage` at `state` moved along the last evaluated vector.
-    #[inline]
-    fn place(&mut self, state: &State<C>, h: f64) {
-        self.stage.clone_from(state);
+    fn place(&mut self, h: f64) {
+        self.stage.clone_from(self.start);
         self.system.space().advance(self.stage.q.as_mut(), h, self.velocity.view());
         self.stage.p.add_scaled(-h, self.differential.view());
     }
@@ -90,20 +97,30 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for RungeKutta4<'_, M, P
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
         check_step(state, self.system.dim(), h)?;
-        self.next.clone_from(state);
-        self.stage.clone_from(state);
-        self.evaluate();
-        self.gather(h / 6.0);
-        self.place(state, h / 2.0);
-        self.evaluate();
-        self.gather(h / 3.0);
-        self.place(state, h / 2.0);
-        self.evaluate();
-        self.gather(h / 3.0);
-        self.place(state, h);
-        self.evaluate();
-        self.gather(h / 6.0);
-        state.accept(&mut self.next)?;
+        let mut stages = Stages {
+            system: self.system,
+            start: state,
+            velocity: Vector(self.velocity.0.lend()),
+            differential: Covector(self.differential.0.lend()),
+            stage: self.stage.lend(),
+            next: self.next.lend(),
+        };
+        stages.stage.clone_from(state);
+        stages.next.clone_from(state);
+        stages.add(h / 6.0);
+        stages.place(h / 2.0);
+        stages.add(h / 3.0);
+        stages.place(h / 2.0);
+        stages.add(h / 3.0);
+        stages.place(h);
+        stages.add(h / 6.0);
+        let Stages { velocity, differential, stage, mut next, .. } = stages;
+        let accepted = state.accept(&mut next);
+        self.velocity.0.put_back(velocity.0);
+        self.differential.0.put_back(differential.0);
+        self.stage.put_back(stage);
+        self.next.put_back(next);
+        accepted?;
         Ok(StepReport { differentials: 4, ..StepReport::default() })
     }
 }

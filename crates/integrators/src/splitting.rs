@@ -4,9 +4,10 @@
 //! kick    p <- p - h dV(q)          the flow of the potential energy alone
 //! drift   q <- q + h M^-1 p         the flow of the kinetic energy alone
 //! ```
-//! They act on a copy of the state, which [`Splitting::finish`] hands over if it is finite.
+//! They act on a copy of the state, which [`Phase::finish`] hands over if it is finite. The copy and
+//! all scratch memory are lent by value for the length of a step: a small state stays in registers.
 
-use stationary_calculus::{Metric, Potential, SizeError, Space, Storage, System, Vector};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
 
 use crate::integrator::{Remembered, check_step, zeros};
 use crate::{State, StepError, StepReport};
@@ -15,10 +16,19 @@ use crate::{State, StepError, StepReport};
 #[derive(Clone, Debug)]
 pub(crate) struct Splitting<'s, M, P, C> {
     system: &'s System<M, P>,
-    differential: Remembered<C>,
+    remembered: Remembered<C>,
+    differential: Covector<C>,
     velocity: Vector<C>,
     next: State<C>,
-    report: StepReport,
+}
+
+/// A step under way.
+pub(crate) struct Phase<'a, 's, M, P, C> {
+    splitting: &'a mut Splitting<'s, M, P, C>,
+    differential: Covector<C>,
+    velocity: Vector<C>,
+    next: State<C>,
+    differentials: u32,
 }
 
 impl<'s, M: Metric, P: Potential, C: Storage> Splitting<'s, M, P, C> {
@@ -26,45 +36,74 @@ impl<'s, M: Metric, P: Potential, C: Storage> Splitting<'s, M, P, C> {
         let n = system.dim();
         Ok(Splitting {
             system,
-            differential: Remembered::new(n)?,
+            remembered: Remembered::new(n)?,
+            differential: Covector(zeros(n)?),
             velocity: Vector(zeros(n)?),
             next: State::new(zeros(n)?, zeros(n)?),
-            report: StepReport::default(),
         })
     }
 
     #[inline]
-    pub(crate) fn begin(&mut self, state: &State<C>, h: f64) -> Result<(), StepError> {
+    pub(crate) fn begin(
+        &mut self,
+        state: &State<C>,
+        h: f64,
+    ) -> Result<Phase<'_, 's, M, P, C>, StepError> {
         check_step(state, self.system.dim(), h)?;
-        self.next.clone_from(state);
-        self.report = StepReport::default();
-        Ok(())
+        let mut next = self.next.lend();
+        next.clone_from(state);
+        Ok(Phase {
+            differential: Covector(self.differential.0.lend()),
+            velocity: Vector(self.velocity.0.lend()),
+            next,
+            differentials: 0,
+            splitting: self,
+        })
     }
+}
 
+impl<M: Metric, P: Potential, C: Storage> Phase<'_, '_, M, P, C> {
     #[inline]
     pub(crate) fn kick(&mut self, h: f64) {
-        let evaluations = &mut self.report.differentials;
-        let dv = self.differential.at(self.system.potential(), &self.next.q, evaluations);
+        self.differential.clear();
+        let dv = self.differential.view_mut();
+        self.splitting.system.potential().add_differential(self.next.q.as_ref(), dv);
+        self.next.p.add_scaled(-h, self.differential.view());
+        self.differentials += 1;
+    }
+
+    /// A kick with the last kick's differential, if it was at this very configuration.
+    #[inline]
+    pub(crate) fn kick_again(&mut self, h: f64) {
+        let Splitting { system, remembered, .. } = &mut *self.splitting;
+        let dv = remembered.at(system.potential(), &self.next.q, &mut self.differentials);
         self.next.p.add_scaled(-h, dv.view());
     }
 
     #[inline]
     pub(crate) fn drift(&mut self, h: f64) {
-        self.system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
-        self.system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
+        let system = self.splitting.system;
+        system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
+        system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
     }
 
     /// A kick and a drift that both start from the same state.
     #[inline]
     pub(crate) fn kick_and_drift_at_once(&mut self, h: f64) {
-        self.system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
+        let system = self.splitting.system;
+        system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
         self.kick(h);
-        self.system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
+        system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
     }
 
     #[inline]
-    pub(crate) fn finish(&mut self, state: &mut State<C>) -> Result<StepReport, StepError> {
-        state.accept(&mut self.next)?;
-        Ok(self.report)
+    pub(crate) fn finish(mut self, state: &mut State<C>) -> Result<StepReport, StepError> {
+        let accepted = state.accept(&mut self.next);
+        let Splitting { differential, velocity, next, .. } = self.splitting;
+        differential.0.put_back(self.differential.0);
+        velocity.0.put_back(self.velocity.0);
+        next.put_back(self.next);
+        accepted?;
+        Ok(StepReport { differentials: self.differentials, ..StepReport::default() })
     }
 }

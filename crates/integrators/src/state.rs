@@ -1,16 +1,45 @@
 //! A point of phase space: a configuration and its momentum.
 
-use stationary_calculus::{Covector, first_non_finite};
+use stationary_calculus::{Covector, Storage, first_non_finite};
 
 use crate::StepError;
 
 /// A configuration `q` and a momentum `p` (a covector), as many numbers each (notes 4.2).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct State<C> {
     /// The configuration.
     pub q: C,
     /// The momentum.
     pub p: Covector<C>,
+}
+
+impl<C: Clone> Clone for State<C> {
+    #[inline]
+    fn clone(&self) -> Self {
+        State { q: self.q.clone(), p: self.p.clone() }
+    }
+
+    /// Reuses the memory that is there.
+    #[inline]
+    fn clone_from(&mut self, source: &Self) {
+        self.q.clone_from(&source.q);
+        self.p.clone_from(&source.p);
+    }
+}
+
+impl<C: Storage> State<C> {
+    /// See [`Storage::lend`].
+    #[inline]
+    pub(crate) fn lend(&mut self) -> Self {
+        State { q: self.q.lend(), p: Covector(self.p.0.lend()) }
+    }
+
+    /// See [`Storage::put_back`].
+    #[inline]
+    pub(crate) fn put_back(&mut self, lent: Self) {
+        self.q.put_back(lent.q);
+        self.p.0.put_back(lent.p.0);
+    }
 }
 
 impl<C: AsRef<[f64]>> State<C> {

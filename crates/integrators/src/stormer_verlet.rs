@@ -53,10 +53,10 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for StormerVerlet<'_, M,
 
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        self.0.begin(state, h)?;
-        self.0.kick(0.5 * h);
-        self.0.drift(h);
-        self.0.kick(0.5 * h);
-        self.0.finish(state)
+        let mut phase = self.0.begin(state, h)?;
+        phase.kick_again(0.5 * h);
+        phase.drift(h);
+        phase.kick_again(0.5 * h);
+        phase.finish(state)
     }
 }

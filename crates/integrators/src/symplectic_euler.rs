@@ -58,10 +58,10 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for SymplecticEulerDrift
 
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        self.0.begin(state, h)?;
-        self.0.drift(h);
-        self.0.kick(h);
-        self.0.finish(state)
+        let mut phase = self.0.begin(state, h)?;
+        phase.drift(h);
+        phase.kick(h);
+        phase.finish(state)
     }
 }
 
@@ -83,9 +83,9 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for SymplecticEulerKickD
 
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        self.0.begin(state, h)?;
-        self.0.kick(h);
-        self.0.drift(h);
-        self.0.finish(state)
+        let mut phase = self.0.begin(state, h)?;
+        phase.kick(h);
+        phase.drift(h);
+        phase.finish(state)
     }
 }

@@ -35,6 +35,16 @@ impl SymmetricMatrix {
         Ok(SymmetricMatrix { pattern: Arc::new(pattern), values })
     }
 
+    /// The sum of blocks: of each its freedoms and its symmetric entries by columns.
+    pub fn from_blocks<F: AsRef<[usize]>, B: AsRef<[f64]>>(
+        n: usize,
+        blocks: &[(F, B)],
+    ) -> Result<Self, SparseError> {
+        let mut matrix = SymmetricMatrix::analyse(n, |sink| visit(blocks, sink))?;
+        matrix.refill(|sink| visit(blocks, sink))?;
+        Ok(matrix)
+    }
+
     /// The Hessian of a potential at `q`.
     pub fn hessian(potential: &impl Potential, q: &[f64]) -> Result<Self, SparseError> {
         let n = potential.dim();
@@ -100,8 +110,13 @@ impl SymmetricMatrix {
     pub fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) -> Result<(), SizeError> {
         self.pattern.check_vector(x)?;
         self.pattern.check_vector(y)?;
-        add_product(self.column_starts(), self.rows(), self.values(), scale, x, y);
+        self.add_product_unchecked(scale, x, y);
         Ok(())
+    }
+
+    /// The same for vectors whose lengths are known to be n.
+    pub(crate) fn add_product_unchecked(&self, scale: f64, x: &[f64], y: &mut [f64]) {
+        add_product(self.column_starts(), self.rows(), self.values(), scale, x, y);
     }
 
     pub(crate) fn pattern(&self) -> &Arc<Pattern> {
@@ -111,6 +126,12 @@ impl SymmetricMatrix {
     /// The lower triangle as faer sees it.
     pub(crate) fn lower(&self) -> SparseColMatRef<'_, u32, f64> {
         SparseColMatRef::new(self.pattern.columns.as_ref(), self.values())
+    }
+}
+
+fn visit<F: AsRef<[usize]>, B: AsRef<[f64]>>(blocks: &[(F, B)], sink: &mut impl Sink) {
+    for (freedoms, entries) in blocks {
+        sink.add_symmetric(freedoms.as_ref(), entries.as_ref());
     }
 }
 
@@ -199,18 +220,6 @@ mod tests {
     /// Blocks as a list of freedoms and symmetric entries.
     type Blocks = Vec<(Vec<usize>, Vec<f64>)>;
 
-    fn visit(blocks: &Blocks, sink: &mut impl Sink) {
-        for (freedoms, entries) in blocks {
-            sink.add_symmetric(freedoms, entries);
-        }
-    }
-
-    fn assembled(n: usize, blocks: &Blocks) -> SymmetricMatrix {
-        let mut matrix = SymmetricMatrix::analyse(n, |sink| visit(blocks, sink)).unwrap();
-        matrix.refill(|sink| visit(blocks, sink)).unwrap();
-        matrix
-    }
-
     /// Up to 20 blocks of one to four freedoms among six, some of them fixed.
     fn any_blocks() -> impl Strategy<Value = Blocks> {
         let block = (1..5_usize, prop::collection::vec(-1.0..1.0, 16), any::<u64>()).prop_map(
@@ -240,7 +249,7 @@ mod tests {
             weight in -2.0..2.0,
             x in prop::array::uniform6(-1.0..1.0),
         ) {
-            let mut matrix = assembled(6, &blocks);
+            let mut matrix = SymmetricMatrix::from_blocks(6, &blocks).unwrap();
             matrix.refill(|sink| visit(&blocks, sink.weighted(weight))).unwrap();
             let (mut dense, mut product, mut sparse) = ([0.0; 36], [0.0; 6], [0.0; 6]);
             visit(&blocks, &mut DenseSink::new(weight, 6, &mut dense).unwrap());
@@ -267,7 +276,7 @@ mod tests {
             (vec![2], vec![1.0]),
             (vec![1, 2], vec![2.0, -1.0, -1.0, 2.0]),
         ];
-        let mut matrix = assembled(3, &blocks);
+        let mut matrix = SymmetricMatrix::from_blocks(3, &blocks).unwrap();
         let values = matrix.values().to_vec();
         let mut changed = |blocks: Blocks| matrix.refill(|sink| visit(&blocks, sink)).unwrap_err();
         let block = |block| SparseError::PatternChanged { block };
@@ -282,7 +291,7 @@ mod tests {
 
     #[test]
     fn the_diagonal_is_there_even_where_no_block_is() {
-        let matrix = assembled(3, &vec![(vec![1], vec![5.0])]);
+        let matrix = SymmetricMatrix::from_blocks(3, &[([1], [5.0])]).unwrap();
         assert_eq!(matrix.rows(), [0, 1, 2]);
         assert_eq!(matrix.values(), [0.0, 5.0, 0.0]);
         assert_eq!(matrix.diagonal(1), 5.0);
@@ -290,7 +299,7 @@ mod tests {
 
     #[test]
     fn vectors_of_another_length_are_refused() {
-        let matrix = assembled(3, &vec![]);
+        let matrix = SymmetricMatrix::from_blocks(3, &[([0], [1.0])]).unwrap();
         let error = matrix.add_product(1.0, &[0.0; 2], &mut [0.0; 3]).unwrap_err();
         assert_eq!((error.expected, error.got), (3, 2));
     }

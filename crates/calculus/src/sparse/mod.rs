@@ -1,0 +1,31 @@
+//! Sparse matrices: assembled through stored slots, factored with an order that is found once.
+//!
+//! ```text
+//! blocks -> pattern -> slots -> values -> factor -> solution, with its residual
+//! ```
+//! The left half is done once, the right half in every step and without allocation. faer does the
+//! ordering and the elimination; what is here decides, checks and reports.
+
+mod assembly;
+mod blocked_lu;
+mod cholesky;
+mod conjugate_gradient;
+mod error;
+mod indefinite;
+mod jacobian;
+mod lu;
+mod metric;
+mod pattern;
+mod scratch;
+mod solver;
+
+pub use assembly::{RefillSink, SymmetricMatrix};
+pub(crate) use blocked_lu::BlockedLu;
+pub use cholesky::SparseCholesky;
+pub use conjugate_gradient::{ConjugateGradient, ConjugateGradientReport};
+pub use error::SparseError;
+pub use indefinite::{Pivoting, Refined, SparseIndefinite};
+pub use jacobian::{JacobianEntries, SparseEquation, SparseJacobian};
+pub use metric::SparseMetric;
+pub use pattern::PatternSink;
+pub use solver::{Ladder, SparseSolver};

@@ -1,0 +1,143 @@
+//! What a scene's file may say: the vocabulary, as data. Nothing is checked here but the words.
+//!
+//! Every value keeps its place in the text, so that whoever finds it impossible can point at it.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use toml::Spanned;
+
+use crate::number::{Count, Number};
+
+/// A vector, component by component.
+pub(crate) type Components = Spanned<Vec<Spanned<Number>>>;
+
+/// A scene's file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a scene")]
+pub(crate) struct Declaration {
+    pub(crate) title: Option<Spanned<String>>,
+    pub(crate) dimension: Spanned<Count>,
+    pub(crate) integrator: Spanned<String>,
+    pub(crate) step: Spanned<Number>,
+    pub(crate) horizon: Spanned<Number>,
+    pub(crate) sample_every: Option<Spanned<Count>>,
+    pub(crate) observables: Option<Vec<Spanned<ObservableDeclaration>>>,
+    pub(crate) view: Option<Components>,
+    #[serde(default)]
+    pub(crate) units: UnitsDeclaration,
+    pub(crate) uniform_gravity: Option<UniformGravityDeclaration>,
+    pub(crate) newtonian_gravity: Option<NewtonianGravityDeclaration>,
+    #[serde(default)]
+    pub(crate) particles: Vec<ParticleDeclaration>,
+    #[serde(default)]
+    pub(crate) springs: Vec<SpringDeclaration>,
+    #[serde(default)]
+    pub(crate) nets: Vec<NetDeclaration>,
+}
+
+/// `[units]`: words for headings, which change no number.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of units")]
+pub(crate) struct UnitsDeclaration {
+    pub(crate) length: Option<Spanned<String>>,
+    pub(crate) time: Option<Spanned<String>>,
+    pub(crate) mass: Option<Spanned<String>>,
+}
+
+/// `[uniform_gravity]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with an acceleration")]
+pub(crate) struct UniformGravityDeclaration {
+    pub(crate) acceleration: Components,
+}
+
+/// `[newtonian_gravity]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with a constant")]
+pub(crate) struct NewtonianGravityDeclaration {
+    pub(crate) constant: Spanned<Number>,
+}
+
+/// One of `[[particles]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a particle")]
+pub(crate) struct ParticleDeclaration {
+    pub(crate) name: Spanned<String>,
+    pub(crate) mass: Option<Spanned<Number>>,
+    pub(crate) position: Components,
+    pub(crate) velocity: Option<Components>,
+    pub(crate) momentum: Option<Components>,
+    pub(crate) pinned: Option<Spanned<bool>>,
+}
+
+/// One of `[[springs]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a spring")]
+pub(crate) struct SpringDeclaration {
+    pub(crate) between: Spanned<Vec<Spanned<String>>>,
+    pub(crate) stiffness: Spanned<Number>,
+    pub(crate) rest_length: Option<Spanned<Number>>,
+    pub(crate) strain: Option<Spanned<String>>,
+}
+
+/// One of `[[nets]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a net")]
+pub(crate) struct NetDeclaration {
+    pub(crate) name: Spanned<String>,
+    pub(crate) rows: Spanned<Count>,
+    pub(crate) columns: Spanned<Count>,
+    pub(crate) spacing: Spanned<Number>,
+    pub(crate) origin: Components,
+    pub(crate) across: Option<Components>,
+    pub(crate) down: Option<Components>,
+    pub(crate) particle_mass: Spanned<Number>,
+    pub(crate) stiffness: Spanned<Number>,
+    pub(crate) strain: Option<Spanned<String>>,
+    pub(crate) pinned: Option<Spanned<Vec<Spanned<String>>>>,
+}
+
+/// One of `observables`: a word alone, or a word with the particles that it is about.
+#[derive(Clone, Debug)]
+pub(crate) enum ObservableDeclaration {
+    Word(String),
+    About(ObservableTable),
+}
+
+/// `{ position = "a" }`, `{ velocity = "a" }` or `{ distance = ["a", "b"] }`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an observable")]
+pub(crate) struct ObservableTable {
+    pub(crate) position: Option<Spanned<String>>,
+    pub(crate) velocity: Option<Spanned<String>>,
+    pub(crate) distance: Option<Spanned<Vec<Spanned<String>>>>,
+}
+
+impl<'de> Deserialize<'de> for ObservableDeclaration {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WordOrTable;
+        impl<'de> Visitor<'de> for WordOrTable {
+            type Value = ObservableDeclaration;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an observable such as \"energy\" or { position = \"a name\" }")
+            }
+
+            fn visit_str<E: Error>(self, word: &str) -> Result<ObservableDeclaration, E> {
+                Ok(ObservableDeclaration::Word(word.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(
+                self,
+                map: A,
+            ) -> Result<ObservableDeclaration, A::Error> {
+                let table = ObservableTable::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(ObservableDeclaration::About(table))
+            }
+        }
+        deserializer.deserialize_any(WordOrTable)
+    }
+}

@@ -1,0 +1,20 @@
+//! How large a scene may be: a file comes from a stranger, and memory and patience are finite.
+
+/// Bytes of a scene file. A parsed file takes up to some eighty times its size in memory; this many
+/// bytes hold about forty thousand particles that are each written out.
+pub const FILE_BYTES: u64 = 4 << 20;
+
+/// Particles, the vertices of nets included.
+pub const PARTICLES: u64 = 1_000_000;
+
+/// Steps to the horizon.
+pub const STEPS: u64 = 10_000_000_000;
+
+/// Numbers that a run keeps in memory, 8 bytes each: positions and observables of every sample.
+pub const SAMPLED_NUMBERS: u64 = 1 << 26;
+
+/// Characters of a name.
+pub const NAME: usize = 64;
+
+/// Characters of a title or of a unit's name.
+pub const TITLE: usize = 200;
