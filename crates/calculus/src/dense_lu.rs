@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVectorViewMut};
 
 use crate::Unsolvable;
-use crate::hessian_solver::ZERO_PIVOT;
+use crate::hessian_solver::zero_pivot;
 
 /// A matrix, or its factors once [`DenseLu::factor`] was called.
 #[derive(Clone, Debug)]
@@ -45,8 +45,9 @@ impl DenseLu {
             return Err(Unsolvable::NonFinite);
         }
         self.eliminate();
-        let pivots = self.scales.iter().enumerate();
-        if pivots.into_iter().all(|(j, scale)| self.matrix[(j, j)].abs() > ZERO_PIVOT * scale) {
+        let zero = zero_pivot(self.scales.len());
+        let mut pivots = self.scales.iter().enumerate();
+        if pivots.all(|(j, scale)| self.matrix[(j, j)].abs() > zero * scale) {
             Ok(())
         } else {
             Err(Unsolvable::Singular)
@@ -94,7 +95,7 @@ mod tests {
     use nalgebra::DVector;
 
     fn pseudo_random(n: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(n, n, |i, j| ((i * 7919 + j * 104_729 + 13) as f64).sin())
+        DMatrix::from_fn(n, n, |i, j| ((i * 7919 + 1) * (j * 104_729 + 13) % 9973) as f64 / 9973.0)
     }
 
     #[test]

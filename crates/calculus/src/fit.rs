@@ -3,8 +3,8 @@
 //! ```text
 //! y ~ C x^k,    k = cov(ln x, ln y)/var(ln x)           least squares in log-log
 //! ```
-//! The caller leaves out points that do not obey the law: errors as large as the motion, errors of
-//! rounding.
+//! Points that do not obey the law, errors as large as the motion and errors of rounding, are left
+//! out by the caller or by [`truncation_regime`]: `loglog_slope(truncation_regime(&points))`.
 
 /// The slope of the least-squares line through (ln x, ln y), of at least two distinct x.
 ///
@@ -24,13 +24,57 @@ pub fn loglog_slope(points: &[(f64, f64)]) -> Option<f64> {
     (variance > 0.0).then(|| covariance / variance)
 }
 
+/// The longest run of neighbours that obey one power law with a positive exponent: from one pair to
+/// the next the slope stays within 0.25. The points come in the order of their x; without three in
+/// a row there is no such run, and the slice is empty.
+pub fn truncation_regime(points: &[(f64, f64)]) -> &[(f64, f64)] {
+    let slopes: Vec<f64> =
+        points.windows(2).map(|pair| loglog_slope(pair).unwrap_or(f64::NAN)).collect();
+    let run = |start: usize| {
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        let obeys = |slope: &&f64| {
+            (low, high) = (low.min(**slope), high.max(**slope));
+            **slope > 0.25 && high - low <= 0.25
+        };
+        slopes[start..].iter().take_while(obeys).count()
+    };
+    let mut longest = (0, 1);
+    for start in 0..slopes.len() {
+        let length = run(start);
+        if length > longest.1 {
+            longest = (start, length);
+        }
+    }
+    let (start, length) = longest;
+    if length < 2 { &[] } else { &points[start..=start + length] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    fn rounding_and_errors_as_large_as_the_motion_are_left_out() {
+        let error = |h: f64| (3.0 * h * h + 1e-12 / h).min(0.01);
+        let points: Vec<_> = (0..24).map(|k| 2_f64.powi(-k)).map(|h| (h, error(h))).collect();
+        let kept = truncation_regime(&points);
+        assert!((loglog_slope(kept).unwrap() - 2.0).abs() < 0.03);
+        assert!(kept.len() > 6 && kept[0].0 < 0.1 && kept[kept.len() - 1].0 > 1e-5);
+    }
+
+    #[test]
+    fn noise_and_constants_have_no_truncation_regime() {
+        let noise: Vec<_> = (0..16).map(|k| (2_f64.powi(-k), 1e-16 * 2_f64.powi(k))).collect();
+        assert!(truncation_regime(&noise).is_empty());
+        let zeros: Vec<_> = (0..16).map(|k| (2_f64.powi(-k), 0.0)).collect();
+        assert!(truncation_regime(&zeros).is_empty());
+        assert!(truncation_regime(&[]).is_empty());
+    }
+
+    #[test]
     fn the_slope_of_a_power_law_is_its_exponent() {
-        let points: Vec<_> = (1..6).map(|i| (f64::from(i), 7.0 * f64::from(i).powf(-2.5))).collect();
+        let points: Vec<_> =
+            (1..6).map(|i| (f64::from(i), 7.0 * f64::from(i).powf(-2.5))).collect();
         assert!((loglog_slope(&points).unwrap() + 2.5).abs() < 1e-12);
     }
 

@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! 1  L L^T = m M + a d2V
-//! 2  L L^T = (m + sigma) M + a d2V,      sigma = s/1000, s/100, ..., 10^4 s
+//! 2  L L^T = (m + sigma) M + a d2V,      sigma = s/500, s/50, ..., 20,000 s
 //! 3  P L B L^T P^T = m M + a d2V         sparse only: checked for finite numbers and by its residual
 //! ```
 //! On the second rung x is not the solution, but it descends: `<r, x> > 0`, so that a step along -x
@@ -72,13 +72,23 @@ pub trait HessianSolver {
 /// Shifts by the mass that a ladder tries before it gives the rung up.
 pub(crate) const SHIFTS: u32 = 8;
 
-/// The multiple of the mass that is added on the given try, counted from 1.
+/// The multiple of the mass that is added on the given try, counted from 1. Never the scale itself,
+/// which on a diagonal matrix leaves a zero.
 pub(crate) fn shift(scale: f64, tries: u32) -> f64 {
-    scale * 1e-4 * 10.0_f64.powi(tries as i32)
+    scale * 2e-4 * 10.0_f64.powi(tries as i32)
 }
 
-/// A pivot this small relative to its diagonal entry is what rounding leaves of zero.
-pub(crate) const ZERO_PIVOT: f64 = 16.0 * f64::EPSILON;
+/// The largest of some numbers that are not negative; NaN if any is.
+pub(crate) fn largest_or_nan(mut numbers: impl Iterator<Item = f64>) -> f64 {
+    let largest = numbers.try_fold(0.0, |largest: f64, x| (!x.is_nan()).then(|| largest.max(x)));
+    largest.unwrap_or(f64::NAN)
+}
+
+/// A pivot this small relative to its diagonal entry is what rounding leaves of zero after n
+/// eliminations: n units of rounding, as in LAPACK's `dpstrf`, and a few more where n is small.
+pub(crate) fn zero_pivot(n: usize) -> f64 {
+    (n + 16) as f64 * f64::EPSILON
+}
 
 /// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
 /// [`DenseSolver::new`]; for `[f64; N]` the compiler knows the length of every loop.
@@ -116,7 +126,7 @@ impl<C: Storage> DenseSolver<C> {
             let entries = column.as_ref().iter().zip(mass);
             entries.map(|(entry, mass)| entry.abs() / (m * mass).sqrt()).sum()
         };
-        self.columns.iter().zip(mass).map(row).fold(0.0, f64::max)
+        largest_or_nan(self.columns.iter().zip(mass).map(row))
     }
 
     /// Replaces the lower triangle by its factor; false where a pivot is not positive.
@@ -127,7 +137,7 @@ impl<C: Storage> DenseSolver<C> {
         for j in 0..n {
             let (done, rest) = columns.split_at_mut(j);
             let column = &mut rest[0].as_mut()[..n];
-            let zero = ZERO_PIVOT * column[j].abs();
+            let zero = zero_pivot(n) * column[j].abs();
             for factor in done.iter() {
                 let factor = &factor.as_ref()[..n];
                 for i in j..n {

@@ -25,6 +25,13 @@ pub trait Metric {
     /// Writes the velocity `v = M^-1 p`.
     fn sharp(&self, p: Covector<&[f64]>, v: Vector<&mut [f64]>);
 
+    /// Writes the displacement `h M^-1 p` of a drift for the time h.
+    #[inline]
+    fn drift(&self, h: f64, p: Covector<&[f64]>, mut displacement: Vector<&mut [f64]>) {
+        self.sharp(p, displacement.view_mut());
+        displacement.0.iter_mut().for_each(|x| *x *= h);
+    }
+
     /// Adds `M` to a matrix, block by block, in the same order every time.
     fn add_matrix(&self, sink: &mut impl Sink);
 
@@ -86,12 +93,18 @@ impl<C: crate::Storage> Metric for DiagonalMetric<C> {
 
     #[inline]
     fn flat(&self, v: Vector<&[f64]>, p: Covector<&mut [f64]>) {
-        multiply(self.mass.as_ref(), v.0, p.0);
+        multiply(1.0, self.mass.as_ref(), v.0, p.0);
     }
 
     #[inline]
     fn sharp(&self, p: Covector<&[f64]>, v: Vector<&mut [f64]>) {
-        multiply(self.inverse.as_ref(), p.0, v.0);
+        multiply(1.0, self.inverse.as_ref(), p.0, v.0);
+    }
+
+    /// The time multiplies the masses, not the momentum, which is what the next step waits for.
+    #[inline]
+    fn drift(&self, h: f64, p: Covector<&[f64]>, displacement: Vector<&mut [f64]>) {
+        multiply(h, self.inverse.as_ref(), p.0, displacement.0);
     }
 
     #[inline]
@@ -107,12 +120,12 @@ impl<C: crate::Storage> Metric for DiagonalMetric<C> {
     }
 }
 
-/// `y = d x`, entry by entry.
+/// `y = scale d x`, entry by entry.
 #[inline]
-fn multiply(d: &[f64], x: &[f64], y: &mut [f64]) {
+fn multiply(scale: f64, d: &[f64], x: &[f64], y: &mut [f64]) {
     let n = y.len();
     for ((y, x), d) in y.iter_mut().zip(&x[..n]).zip(&d[..n]) {
-        *y = d * x;
+        *y = (scale * d) * x;
     }
 }
 

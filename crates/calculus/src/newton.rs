@@ -17,6 +17,8 @@
 //! the error; where there is no root, the bound on the iterations or the line search ends the search.
 //! It knows nothing of matrices: solving the linearized equation is the equation's own business.
 
+use std::fmt;
+
 use crate::{Storage, first_non_finite};
 
 /// An equation f(x) = 0 in n unknowns that can be linearized.
@@ -127,23 +129,25 @@ pub enum NewtonFailure {
     NonFinite(usize),
 }
 
+impl fmt::Display for NewtonFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NewtonFailure::NotConverged => f.write_str("reached its bound on the iterations"),
+            NewtonFailure::Stalled => f.write_str("found no step that makes progress"),
+            NewtonFailure::Unsolvable(why) => write!(f, "stopped: {why}"),
+            NewtonFailure::NonFinite(i) => write!(f, "met a non-finite number at unknown {i}"),
+        }
+    }
+}
+
 /// A failed solve, with the size of the residual at each iterate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("Newton's method {}; residuals {history:?}", describe(*failure))]
+#[error("Newton's method {failure}; residuals {history:?}")]
 pub struct NewtonError {
     /// What failed.
     pub failure: NewtonFailure,
     /// The residual's size at the initial guess and after each step.
     pub history: Vec<f64>,
-}
-
-fn describe(failure: NewtonFailure) -> String {
-    match failure {
-        NewtonFailure::NotConverged => "did not converge".to_owned(),
-        NewtonFailure::Stalled => "found no step that makes progress".to_owned(),
-        NewtonFailure::Unsolvable(why) => format!("stopped: {why}"),
-        NewtonFailure::NonFinite(i) => format!("met a number that is not finite (unknown {i})"),
-    }
 }
 
 /// The memory of a solve, so that solving again allocates nothing.

@@ -64,8 +64,10 @@ pub struct Convergence {
 
 /// Errors above this are as large as the motion, and say nothing of the order.
 const ASYMPTOTIC: f64 = 0.03;
+/// Runs of the finest steps that an order is measured from.
+const FINEST: usize = 5;
 /// Errors below this are rounding, added up over many steps.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 2e-12;
 
 impl Convergence {
     /// Runs a method on a problem at each of these numbers of steps.
@@ -96,10 +98,13 @@ impl Convergence {
         self.rows.iter().filter_map(delivered).collect()
     }
 
-    /// The slope of the error where it is neither as large as the motion nor as small as rounding.
+    /// The slope of the error over the last four halvings before rounding: where it is neither as
+    /// large as the motion nor as small as rounding.
     pub fn order(&self) -> Option<f64> {
         let mut points = self.errors();
         points.retain(|&(_, error)| (ROUNDING..ASYMPTOTIC).contains(&error));
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points.truncate(FINEST);
         loglog_slope(&points)
     }
 

@@ -6,6 +6,7 @@
 //! | [`kepler`] | a planet about a fixed sun, eccentricity e | Kepler's equation |
 //! | [`pendulum`] | a rod's angle from hanging | Jacobi's elliptic functions |
 //! | [`spring_pendulum`] | a mass on a stiff spring that swings | none: it is there to fail |
+//! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
 //!
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
@@ -13,6 +14,7 @@ mod kepler;
 mod oscillator;
 mod pendulum;
 mod spring_pendulum;
+mod three_bodies;
 
 use std::fmt;
 
@@ -24,6 +26,7 @@ pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};
 pub use spring_pendulum::{TetherPotential, spring_pendulum};
+pub use three_bodies::three_bodies;
 
 /// A problem that cannot be stated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

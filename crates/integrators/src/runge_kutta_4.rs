@@ -38,7 +38,7 @@ pub(crate) const FACTS: Facts = Facts {
 #[derive(Clone, Debug)]
 pub struct RungeKutta4<'s, M, P, C> {
     system: &'s System<M, P>,
-    velocity: Vector<C>,
+    displacement: Vector<C>,
     differential: Covector<C>,
     stage: State<C>,
     next: State<C>,
@@ -50,7 +50,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
         let n = system.dim();
         Ok(RungeKutta4 {
             system,
-            velocity: Vector(zeros(n)?),
+            displacement: Vector(zeros(n)?),
             differential: Covector(zeros(n)?),
             stage: State::new(zeros(n)?, zeros(n)?),
             next: State::new(zeros(n)?, zeros(n)?),
@@ -62,29 +62,36 @@ impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
 struct Stages<'a, M, P, C> {
     system: &'a System<M, P>,
     start: &'a State<C>,
-    velocity: Vector<C>,
+    displacement: Vector<C>,
     differential: Covector<C>,
     stage: State<C>,
     next: State<C>,
 }
 
 impl<M: Metric, P: Potential, C: Storage> Stages<'_, M, P, C> {
+    /// How far the momentum of `stage` drifts in the time h.
+    #[inline]
+    fn drift(&mut self, h: f64) {
+        self.system.metric().drift(h, self.stage.p.view(), self.displacement.view_mut());
+    }
+
     /// Evaluates the field at `stage` and adds it to `next` with this weight.
     #[inline]
     fn add(&mut self, weight: f64) {
-        self.system.metric().sharp(self.stage.p.view(), self.velocity.view_mut());
+        self.drift(weight);
         self.differential.clear();
         let dv = self.differential.view_mut();
         self.system.potential().add_differential(self.stage.q.as_ref(), dv);
-        self.system.space().advance(self.next.q.as_mut(), weight, self.velocity.view());
+        self.system.space().advance(self.next.q.as_mut(), 1.0, self.displacement.view());
         self.next.p.add_scaled(-weight, self.differential.view());
     }
 
     /// Puts `stage` at the start moved along the field evaluated last.
     #[inline]
     fn place(&mut self, h: f64) {
+        self.drift(h);
         self.stage.clone_from(self.start);
-        self.system.space().advance(self.stage.q.as_mut(), h, self.velocity.view());
+        self.system.space().advance(self.stage.q.as_mut(), 1.0, self.displacement.view());
         self.stage.p.add_scaled(-h, self.differential.view());
     }
 }
@@ -100,7 +107,7 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for RungeKutta4<'_, M, P
         let mut stages = Stages {
             system: self.system,
             start: state,
-            velocity: Vector(self.velocity.0.lend()),
+            displacement: Vector(self.displacement.0.lend()),
             differential: Covector(self.differential.0.lend()),
             stage: self.stage.lend(),
             next: self.next.lend(),
@@ -114,9 +121,9 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for RungeKutta4<'_, M, P
         stages.add(h / 3.0);
         stages.place(h);
         stages.add(h / 6.0);
-        let Stages { velocity, differential, stage, mut next, .. } = stages;
+        let Stages { displacement, differential, stage, mut next, .. } = stages;
         let accepted = state.accept(&mut next);
-        self.velocity.0.put_back(velocity.0);
+        self.displacement.0.put_back(displacement.0);
         self.differential.0.put_back(differential.0);
         self.stage.put_back(stage);
         self.next.put_back(next);

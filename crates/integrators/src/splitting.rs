@@ -18,7 +18,7 @@ pub(crate) struct Splitting<'s, M, P, C> {
     system: &'s System<M, P>,
     remembered: Remembered<C>,
     differential: Covector<C>,
-    velocity: Vector<C>,
+    displacement: Vector<C>,
     next: State<C>,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct Splitting<'s, M, P, C> {
 pub(crate) struct Phase<'a, 's, M, P, C> {
     splitting: &'a mut Splitting<'s, M, P, C>,
     differential: Covector<C>,
-    velocity: Vector<C>,
+    displacement: Vector<C>,
     next: State<C>,
     differentials: u32,
 }
@@ -38,7 +38,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Splitting<'s, M, P, C> {
             system,
             remembered: Remembered::new(n)?,
             differential: Covector(zeros(n)?),
-            velocity: Vector(zeros(n)?),
+            displacement: Vector(zeros(n)?),
             next: State::new(zeros(n)?, zeros(n)?),
         })
     }
@@ -54,7 +54,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Splitting<'s, M, P, C> {
         next.clone_from(state);
         Ok(Phase {
             differential: Covector(self.differential.0.lend()),
-            velocity: Vector(self.velocity.0.lend()),
+            displacement: Vector(self.displacement.0.lend()),
             next,
             differentials: 0,
             splitting: self,
@@ -83,25 +83,25 @@ impl<M: Metric, P: Potential, C: Storage> Phase<'_, '_, M, P, C> {
     #[inline]
     pub(crate) fn drift(&mut self, h: f64) {
         let system = self.splitting.system;
-        system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
-        system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
+        system.metric().drift(h, self.next.p.view(), self.displacement.view_mut());
+        system.space().advance(self.next.q.as_mut(), 1.0, self.displacement.view());
     }
 
     /// A kick and a drift that both start from the same state.
     #[inline]
     pub(crate) fn kick_and_drift_at_once(&mut self, h: f64) {
         let system = self.splitting.system;
-        system.metric().sharp(self.next.p.view(), self.velocity.view_mut());
+        system.metric().drift(h, self.next.p.view(), self.displacement.view_mut());
         self.kick(h);
-        system.space().advance(self.next.q.as_mut(), h, self.velocity.view());
+        system.space().advance(self.next.q.as_mut(), 1.0, self.displacement.view());
     }
 
     #[inline]
     pub(crate) fn finish(mut self, state: &mut State<C>) -> Result<StepReport, StepError> {
         let accepted = state.accept(&mut self.next);
-        let Splitting { differential, velocity, next, .. } = self.splitting;
+        let Splitting { differential, displacement, next, .. } = self.splitting;
         differential.0.put_back(self.differential.0);
-        velocity.0.put_back(self.velocity.0);
+        displacement.0.put_back(self.displacement.0);
         next.put_back(self.next);
         accepted?;
         Ok(StepReport { differentials: self.differentials, ..StepReport::default() })

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
-use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum};
+use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, three_bodies};
 use stationary_integrators::{
-    Conservation, EnergyBehavior, ErrorGrowth, Horizon, Integrator, Method, NewtonianGravity,
+    Conservation, EnergyBehavior, ErrorGrowth, Horizon, Integrator, Method,
     Stability, State, Symplecticity, angular_momentum, angular_momentum_scale, linear_momentum,
     linear_momentum_scale, simulate,
 };
@@ -243,27 +243,14 @@ fn runge_kutta_4_is_unstable_above_two_root_two_over_omega() {
     }
 }
 
-type ThreeBodies = System<DiagonalMetric<[f64; 6]>, NewtonianGravity<2>>;
-
-/// A sun and two heavy planets in the plane, on orbits that stay apart.
-fn three_bodies() -> (ThreeBodies, State<[f64; 6]>) {
-    let masses = [1.0, 0.02, 0.01];
-    let metric =
-        DiagonalMetric::new([masses[0], masses[0], masses[1], masses[1], masses[2], masses[2]])
-            .unwrap();
-    let gravity = NewtonianGravity { constant: 1.0, masses: masses.to_vec() };
-    let initial =
-        State::new([0.0, 0.0, 1.0, 0.1, -2.5, 0.5], [0.003, -0.01, 0.0, 0.018, -0.001, -0.006]);
-    (System::new(metric, gravity).unwrap(), initial)
-}
-
 /// The largest drift of linear and angular momentum, relative to the sums of magnitudes.
 fn momentum_drift(method: Method, h: f64, steps: u64) -> (f64, f64) {
-    let (system, mut state) = three_bodies();
+    let problem = three_bodies().unwrap();
+    let mut state = problem.initial.clone();
     let (linear, angular) = (linear_momentum::<2>(&state), angular_momentum::<2>(&state)[2]);
     let mut drift = (0.0_f64, 0.0_f64);
     let horizon = Horizon::divided(h * steps as f64, steps).unwrap();
-    simulate(&mut *on(method, &system), &mut state, horizon, |now| {
+    simulate(&mut *on(method, &problem.system), &mut state, horizon, |now| {
         let p = linear_momentum::<2>(now.state);
         let off = (p[0] - linear[0]).hypot(p[1] - linear[1]);
         drift.0 = drift.0.max(off / linear_momentum_scale::<2>(now.state));

@@ -10,7 +10,9 @@
 use std::io;
 use std::path::PathBuf;
 
-use stationary_calculus::{MetricError, SizeError, SparseError, UnknownVertex};
+use stationary_calculus::{
+    MetricError, NewtonError, NewtonFailure, SizeError, SparseError, UnknownVertex,
+};
 use stationary_elasticity::SpringError;
 use stationary_integrators::{HorizonError, StepError};
 
@@ -211,7 +213,10 @@ pub enum Fault {
         limit: u64,
     },
     /// More samples than fit into memory.
-    #[error("the samples would be {numbers} numbers, of which at most {} are kept; sample every {enough} steps or more", limits::SAMPLED_NUMBERS)]
+    #[error(
+        "the samples would be {numbers} numbers, of which at most {} are kept; sample every {enough} steps or more",
+        limits::SAMPLED_NUMBERS
+    )]
     TooManySamples {
         /// Numbers that would be kept.
         numbers: u64,
@@ -279,8 +284,8 @@ pub struct Interruption {
     pub time: f64,
     /// The scene's unit of time.
     pub unit: String,
-    /// The first particle whose state is not finite; where an equation was not solved, the
-    /// particle of the largest acceleration.
+    /// The first particle whose state is not finite; where an equation was not solved for another
+    /// reason, the particle of the largest acceleration.
     pub particle: String,
     /// The coordinate of that particle, from 0.
     pub coordinate: usize,
@@ -294,6 +299,31 @@ pub struct Interruption {
 /// The names of the coordinates.
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
+/// The error, with the first and the last residual where it has a list of them.
+fn brief(error: &StepError) -> String {
+    let text = error.to_string();
+    let StepError::Newton(NewtonError { history, .. }) = error else {
+        return text;
+    };
+    let before = text.split("; residuals").next().unwrap_or_default();
+    match (history.first(), history.last()) {
+        (Some(first), Some(last)) => {
+            format!("{before}, its residual first {first:.1e}, last {last:.1e}")
+        }
+        _ => before.to_owned(),
+    }
+}
+
+/// The unknown at which Newton's method met a number that is not finite.
+pub(crate) fn unknown(error: &StepError) -> Option<usize> {
+    match error {
+        StepError::Newton(NewtonError { failure: NewtonFailure::NonFinite(unknown), .. }) => {
+            Some(*unknown)
+        }
+        _ => None,
+    }
+}
+
 impl Interruption {
     fn reason(&self) -> String {
         let (particle, coordinate) = (&self.particle, COORDINATES[self.coordinate.min(2)]);
@@ -304,9 +334,13 @@ impl Interruption {
             StepError::NonFiniteMomentum { .. } => {
                 format!("the momentum of `{particle}` is not finite, first in {coordinate}")
             }
-            other => {
-                format!("{other}; the largest acceleration is that of `{particle}` in {coordinate}")
+            other if unknown(other).is_some() => {
+                format!("{}; that is `{particle}` in {coordinate}", brief(other))
             }
+            other => format!(
+                "{}; the largest acceleration is that of `{particle}` in {coordinate}",
+                brief(other)
+            ),
         }
     }
 }

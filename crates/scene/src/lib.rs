@@ -1,1 +1,114 @@
-//! A scene file, checked and run.
+//! Given a few lines that say what is there, where does everything go? A scene file, checked and run.
+//!
+//! ```
+//! use stationary_scene::Scene;
+//!
+//! let scene = Scene::parse("pendulum.toml", r#"
+//!     dimension = 2
+//!     integrator = "stormer-verlet"
+//!     step = 0.001
+//!     horizon = 10
+//!     uniform_gravity = { acceleration = [0, -9.81] }
+//!     particles = [
+//!         { name = "hook", position = [0, 0], pinned = true },
+//!         { name = "bob", position = [1, 0], mass = 0.2 },
+//!     ]
+//!     springs = [{ between = ["hook", "bob"], stiffness = 500 }]
+//! "#)?;
+//! let run = scene.run()?;
+//! assert_eq!(run.times().len(), 10_001);
+//! assert!(run.energies().iter().all(|energy| energy.abs() < 1e-3));
+//! println!("{}", run.summary());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The vocabulary
+//!
+//! Keys join words by underscores, names join them by hyphens. Vectors have as many components as the
+//! scene has dimensions. Any units will do that fit together; without `[units]` they are called m, s, kg.
+//!
+//! | key | value | |
+//! | --- | --- | --- |
+//! | `title` | a text | the file's name where it is missing |
+//! | `dimension` | 1, 2 or 3 | |
+//! | `integrator` | a method of [`stationary_integrators::Method`] | such as `"stormer-verlet"` |
+//! | `step`, `horizon` | times | the horizon is a whole number of steps |
+//! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
+//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }` | energy and momenta where it is missing |
+//! | `view` | a vector to the eye | for the picture of a scene in space |
+//! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
+//! | `[uniform_gravity]` | `acceleration` | a vector |
+//! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
+//! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned` | at rest where neither is given; `pinned = true` needs no mass |
+//! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
+//! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
+//!
+//! A file that says something else gets an answer like this one:
+//!
+//! ```
+//! # use stationary_scene::Scene;
+//! let error = Scene::parse("a.toml", "dimension = 2\nintegrator = \"velvet\"\nstep = 1\nhorizon = 1\n");
+//! let expected = "\
+//! error: unknown integrator `velvet`
+//!  --> a.toml:2:14
+//!   |
+//! 2 | integrator = \"velvet\"
+//!   |              ^^^^^^^^";
+//! assert!(error.unwrap_err().to_string().starts_with(expected));
+//! ```
+//!
+//! # A test of a scene is one line
+//!
+//! The summary has only the digits that another processor reproduces:
+//!
+//! ```text
+//! insta::assert_snapshot!(Scene::read("pendulum.toml")?.run()?.summary());
+//! ```
+//!
+//! # Reading order
+//!
+//! [`Scene`] is what a file has said, checked. [`Scene::run`] makes a [`Run`] of it, whose
+//! [`Summary`] is one line of a test and whose [`Run::write`] leaves tables and a picture.
+//! [`Scene::problem`] is for studies: the system itself, for any method and step, also of the scenes
+//! in [`problems`]. [`Diagnostic`] is the answer to a wrong file; a file is not trusted, and
+//! [`limits`] says how large it may be.
+//!
+//! The crate assembles and asks; it contains no mathematics of motion.
+
+mod diagnostic;
+mod error;
+mod number;
+mod source;
+mod suggestion;
+
+mod assembly;
+mod check;
+mod declaration;
+mod nets;
+mod observable;
+mod particles;
+mod scene;
+mod springs;
+mod units;
+
+mod run;
+mod summary;
+mod system;
+
+mod csv;
+mod picture;
+mod projection;
+
+pub mod limits;
+pub mod problems;
+
+pub use diagnostic::{Diagnostic, Place};
+pub use error::{AssemblyError, Fault, Interruption, RunError, SceneError, WriteError};
+pub use observable::Observable;
+pub use particles::{Motion, Particle};
+pub use run::{Progress, Run};
+pub use scene::{Gravity, Scene, Timing};
+pub use springs::Link;
+pub use summary::Summary;
+pub use system::{ScenePotential, SceneProblem};
+pub use units::Units;

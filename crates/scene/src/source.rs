@@ -36,9 +36,8 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
 
 /// The text's declarations, or where it is not a scene.
 pub(crate) fn parse(text: &str) -> Checked<Declaration> {
-    toml::from_str(text).map_err(|error| {
-        Box::new(Located { span: error.span(), fault: fault_of(error.message()) })
-    })
+    toml::from_str(text)
+        .map_err(|error| Box::new(Located { span: error.span(), fault: fault_of(error.message()) }))
 }
 
 /// A fault, with the text to which it belongs.

@@ -21,7 +21,8 @@ pub(crate) fn nearest<'a>(
         .min_by_key(|&(distance, _)| distance)
         .filter(|&(distance, _)| distance <= length.div_ceil(3));
     let part = |candidate: &&str| {
-        length >= 3 && (candidate.contains(word) || (candidate.len() >= 3 && word.contains(*candidate)))
+        length >= 3
+            && (candidate.contains(word) || (candidate.len() >= 3 && word.contains(*candidate)))
     };
     close.map(|(_, candidate)| candidate).or_else(|| allowed.clone().find(part))
 }

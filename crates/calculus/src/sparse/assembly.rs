@@ -281,7 +281,10 @@ mod tests {
         let mut changed = |blocks: Blocks| matrix.refill(|sink| visit(&blocks, sink)).unwrap_err();
         let block = |block| SparseError::PatternChanged { block };
         assert_eq!(changed(vec![blocks[1].clone(), blocks[0].clone()]), block(0));
-        assert_eq!(changed(vec![blocks[0].clone(), blocks[2].clone(), blocks[1].clone()]), block(1));
+        assert_eq!(
+            changed(vec![blocks[0].clone(), blocks[2].clone(), blocks[1].clone()]),
+            block(1)
+        );
         assert_eq!(changed(blocks[..2].to_vec()), block(2));
         assert_eq!(changed([blocks.clone(), blocks[..1].to_vec()].concat()), block(3));
         assert_eq!(changed(vec![]), block(0));

@@ -20,11 +20,12 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use crate::hessian_solver::ZERO_PIVOT;
+use crate::first_non_finite;
+use crate::hessian_solver::zero_pivot;
+use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::pattern::Pattern;
 use crate::sparse::scratch::Scratch;
-use crate::sparse::{ANALYSED_SHAPE, SparseError};
 
 /// The factor of a matrix, or the memory for it.
 #[derive(Clone, Debug)]
@@ -32,6 +33,7 @@ pub struct SparseCholesky {
     pattern: Arc<Pattern>,
     symbolic: Arc<SymbolicCholesky<u32>>,
     factor: Vec<f64>,
+    factored: bool,
     scratch: Scratch,
 }
 
@@ -66,6 +68,7 @@ impl SparseCholesky {
             pattern: Arc::clone(matrix.pattern()),
             factor: vec![0.0; symbolic.len_val()],
             symbolic: Arc::new(symbolic),
+            factored: false,
             scratch,
         })
     }
@@ -75,6 +78,7 @@ impl SparseCholesky {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);
         }
+        self.factored = false;
         let factored = self.symbolic.factorize_numeric_llt(
             &mut self.factor,
             matrix.lower(),
@@ -84,15 +88,27 @@ impl SparseCholesky {
             self.scratch.stack(),
             Spec::default(),
         );
-        if let Err(LltError::NonPositivePivot { index }) = factored {
-            let freedom = self.freedom(index.saturating_sub(1));
-            return Err(SparseError::NotPositiveDefinite { freedom });
+        match factored {
+            Ok(_) => {
+                self.check_pivots(matrix)?;
+                self.factored = true;
+                Ok(())
+            }
+            Err(_) if first_non_finite(matrix.values()).is_some() => Err(SparseError::NonFinite),
+            Err(LltError::NonPositivePivot { index }) => {
+                // faer counts from 1 by columns, and from 0 by panels.
+                let by_columns = matches!(self.symbolic.raw(), SymbolicCholeskyRaw::Simplicial(_));
+                let freedom = self.freedom(index - usize::from(by_columns));
+                Err(SparseError::NotPositiveDefinite { freedom })
+            }
         }
-        self.check_pivots(matrix)
     }
 
-    /// Solves `A x = b` in place.
+    /// Solves `A x = b` in place; NaN where the last factorization failed.
     pub fn solve(&mut self, b: &mut [f64]) {
+        if !self.factored {
+            return b.fill(f64::NAN);
+        }
         let b = MatMut::from_column_major_slice_mut(b, self.symbolic.nrows(), 1);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
@@ -118,12 +134,13 @@ impl SparseCholesky {
     /// faer takes infinite pivots and what rounding leaves of zero ones for positive: not so here. A
     /// number that is not finite anywhere in the factor makes a later pivot infinite or NaN.
     fn check_pivots(&self, matrix: &SymmetricMatrix) -> Result<(), SparseError> {
+        let zero = zero_pivot(matrix.dim());
         let check = |place: usize, root: f64| {
             let freedom = self.freedom(place);
             let pivot = root * root;
             if pivot.is_nan() || pivot == f64::INFINITY {
                 Err(SparseError::NonFinite)
-            } else if pivot > ZERO_PIVOT * matrix.diagonal(freedom) {
+            } else if pivot > zero * matrix.diagonal(freedom) {
                 Ok(())
             } else {
                 Err(SparseError::NotPositiveDefinite { freedom })
@@ -144,5 +161,149 @@ impl SparseCholesky {
                 })
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Edges of a square grid of `side` x `side` freedoms as blocks `[1 -1; -1 1]`, and `ground` on the
+    /// diagonal of each freedom: positive definite for ground > 0, singular for ground = 0.
+    fn grid(side: usize, ground: f64) -> Vec<(Vec<usize>, Vec<f64>)> {
+        let mut blocks = Vec::new();
+        for x in 0..side {
+            for y in 0..side {
+                let i = x * side + y;
+                blocks.push((vec![i], vec![ground]));
+                for (neighbour, inside) in [(i + 1, y + 1 < side), (i + side, x + 1 < side)] {
+                    if inside {
+                        blocks.push((vec![i, neighbour], vec![1.0, -1.0, -1.0, 1.0]));
+                    }
+                }
+            }
+        }
+        blocks
+    }
+
+    /// A grid that is factored by columns, and one that is factored by panels.
+    const SIDES: [usize; 2] = [5, 150];
+
+    fn has_panels(cholesky: &SparseCholesky) -> bool {
+        matches!(cholesky.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_))
+    }
+
+    #[test]
+    fn small_factors_are_kept_by_columns_and_large_ones_by_panels() {
+        for side in SIDES {
+            let matrix = SymmetricMatrix::from_blocks(side * side, &grid(side, 1.0)).unwrap();
+            let cholesky = SparseCholesky::analyse(&matrix).unwrap();
+            assert_eq!(has_panels(&cholesky), side == 150);
+        }
+    }
+
+    #[test]
+    fn the_solution_solves_the_system() {
+        for side in SIDES {
+            let n = side * side;
+            let matrix = SymmetricMatrix::from_blocks(n, &grid(side, 0.1)).unwrap();
+            let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+            let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+            let mut b = vec![0.0; n];
+            matrix.add_product(1.0, &exact, &mut b).unwrap();
+            for _ in 0..2 {
+                cholesky.factor(&matrix).unwrap();
+                let mut x = b.clone();
+                cholesky.solve(&mut x);
+                for (x, exact) in x.iter().zip(&exact) {
+                    assert!((x - exact).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_factor_agrees_with_a_dense_one() {
+        let matrix = SymmetricMatrix::from_blocks(25, &grid(5, 0.1)).unwrap();
+        let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+        cholesky.factor(&matrix).unwrap();
+        let mut dense = DMatrix::<f64>::zeros(25, 25);
+        for j in 0..25 {
+            let mut column = vec![0.0; 25];
+            let mut unit = vec![0.0; 25];
+            unit[j] = 1.0;
+            matrix.add_product(1.0, &unit, &mut column).unwrap();
+            dense.set_column(j, &DVector::from_vec(column));
+        }
+        let inverse = dense.try_inverse().unwrap();
+        for j in 0..25 {
+            let mut unit = vec![0.0; 25];
+            unit[j] = 1.0;
+            cholesky.solve(&mut unit);
+            assert!((DVector::from_vec(unit) - inverse.column(j)).amax() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_freedom_whose_pivot_is_not_positive_is_named() {
+        for side in SIDES {
+            let n = side * side;
+            for (bad, pivot) in [(0, -1.0), (7, -1.0), (n, 0.0)] {
+                // One more freedom on its own, in the middle of the numbering.
+                let mut blocks = grid(side, 1.0);
+                for freedom in blocks.iter_mut().flat_map(|(freedoms, _)| freedoms) {
+                    *freedom += usize::from(*freedom >= bad);
+                }
+                blocks.push((vec![bad], vec![pivot]));
+                let matrix = SymmetricMatrix::from_blocks(n + 1, &blocks).unwrap();
+                let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+                assert_eq!(has_panels(&cholesky), side == 150);
+                let error = cholesky.factor(&matrix).unwrap_err();
+                assert_eq!(error, SparseError::NotPositiveDefinite { freedom: bad });
+            }
+        }
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_a_zero_pivot_is_not_positive() {
+        for side in SIDES {
+            for factor in [1.0, 0.1, 0.3] {
+                let mut blocks = grid(side, 0.0);
+                blocks.iter_mut().flat_map(|(_, entries)| entries).for_each(|e| *e *= factor);
+                let matrix = SymmetricMatrix::from_blocks(side * side, &blocks).unwrap();
+                let error = SparseCholesky::analyse(&matrix).unwrap().factor(&matrix).unwrap_err();
+                assert!(matches!(error, SparseError::NotPositiveDefinite { .. }), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_never_pass() {
+        for side in SIDES {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                for (block, entry) in [(0, 0), (1, 0), (1, 1), (3, 2)] {
+                    let mut blocks = grid(side, 1.0);
+                    let entries = &mut blocks[block].1;
+                    let entry = entry.min(entries.len() - 1);
+                    entries[entry] = bad;
+                    if entries.len() == 4 && (entry == 1 || entry == 2) {
+                        entries[3 - entry] = bad;
+                    }
+                    let matrix = SymmetricMatrix::from_blocks(side * side, &blocks).unwrap();
+                    let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+                    assert_eq!(cholesky.factor(&matrix), Err(SparseError::NonFinite));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_of_another_pattern_is_refused() {
+        let matrix = SymmetricMatrix::from_blocks(25, &grid(5, 1.0)).unwrap();
+        let other = SymmetricMatrix::from_blocks(25, &grid(5, 1.0)).unwrap();
+        let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+        assert_eq!(cholesky.factor(&other), Err(SparseError::OtherPattern));
+        assert_eq!(cholesky.factor(&matrix.clone()), Ok(()));
     }
 }

@@ -6,7 +6,7 @@
 //! Only products with the matrix are formed, block by block ([`ProductSink`]). The matrix must be
 //! positive definite; a direction in which it is not ends the iteration with an error, as does the
 //! bound on the iterations. The residual that is reported is computed at the end, `r - A x`, and not
-//! carried along. Takes its memory anew at every call: one call is thousands of products.
+//! carried along. Takes its memory anew at every call, which is nothing beside the products.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ use faer::matrix_free::conjugate_gradient::{
     CgError, CgParams, conjugate_gradient, conjugate_gradient_scratch,
 };
 use faer::matrix_free::{InitialGuessStatus, LinOp, Precond};
-use faer::{ColRef, MatMut, MatRef, Par};
+use faer::{MatMut, MatRef, Par};
 
 use crate::hessian_solver::Diagonal;
 use crate::sparse::SparseError;
@@ -40,6 +40,56 @@ pub struct ConjugateGradientReport {
     pub relative_residual: f64,
 }
 
+impl ConjugateGradient {
+    /// Solves `(m M + a d2V(q)) x = r` from the guess in `x`. After an error x holds the last iterate.
+    #[expect(clippy::too_many_arguments, reason = "the equation has this many symbols")]
+    pub fn solve<M: Metric + Sync, P: Potential + Sync>(
+        &self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+        r: &[f64],
+        x: &mut [f64],
+    ) -> Result<ConjugateGradientReport, SparseError> {
+        let n = metric.dim();
+        SizeError::check("the right-hand side's components", n, r.len())?;
+        SizeError::check("the guess's components", n, x.len())?;
+        let matrix = HessianProduct { m, metric, a, potential, q };
+        let diagonal = matrix.diagonal()?;
+        let scratch = conjugate_gradient_scratch(&diagonal, &matrix, 1, Par::Seq);
+        let mut scratch = Scratch::new(n, &[scratch])?;
+        let params = CgParams {
+            initial_guess: InitialGuessStatus::MaybeNonZero,
+            abs_tolerance: 0.0,
+            rel_tolerance: self.tolerance.max(f64::EPSILON),
+            max_iters: self.iterations,
+            ..CgParams::default()
+        };
+        let mut iterations = 0;
+        let solved = conjugate_gradient(
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            &diagonal,
+            &matrix,
+            MatRef::from_column_major_slice(r, n, 1),
+            params,
+            |_| iterations += 1,
+            Par::Seq,
+            scratch.stack(),
+        );
+        let relative_residual = matrix.relative_residual(r, x);
+        match solved {
+            Ok(_) => Ok(ConjugateGradientReport { iterations, relative_residual }),
+            Err(CgError::NoConvergence { .. }) => {
+                Err(SparseError::NotConverged { iterations, relative_residual })
+            }
+            Err(_) if relative_residual.is_nan() => Err(SparseError::NonFinite),
+            Err(_) => Err(SparseError::NegativeCurvature { iterations }),
+        }
+    }
+}
+
 /// The matrix `m M + a d2V(q)`, as what it does to a vector.
 struct HessianProduct<'a, M, P> {
     m: f64,
@@ -47,4 +97,197 @@ struct HessianProduct<'a, M, P> {
     a: f64,
     potential: &'a P,
     q: &'a [f64],
+}
+
+impl<M: Metric, P: Potential> HessianProduct<'_, M, P> {
+    /// Adds the product with x, of the same length: `y += scale A x`.
+    fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) {
+        if let Some(mut sink) = ProductSink::new(scale * self.m, x, y) {
+            self.metric.add_matrix(&mut sink);
+        }
+        if let Some(mut sink) = ProductSink::new(scale * self.a, x, y) {
+            self.potential.add_hessian(self.q, &mut sink);
+        }
+    }
+
+    fn relative_residual(&self, r: &[f64], x: &[f64]) -> f64 {
+        let mut residual = r.to_vec();
+        self.add_product(-1.0, x, &mut residual);
+        let size = length(r);
+        if size == 0.0 { 0.0 } else { length(&residual) / size }
+    }
+
+    fn diagonal(&self) -> Result<InverseDiagonal, SparseError> {
+        let mut values = vec![0.0; self.metric.dim()];
+        self.metric.add_matrix(&mut Diagonal { weight: self.m, values: &mut values });
+        self.potential.add_hessian(self.q, &mut Diagonal { weight: self.a, values: &mut values });
+        for (freedom, value) in values.iter_mut().enumerate() {
+            if !value.is_finite() {
+                return Err(SparseError::NonFinite);
+            }
+            if *value <= 0.0 {
+                return Err(SparseError::NotPositiveDefinite { freedom });
+            }
+            *value = value.recip();
+        }
+        Ok(InverseDiagonal(values))
+    }
+}
+
+fn length(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl<M, P> fmt::Debug for HessianProduct<'_, M, P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} M + {} d2V", self.m, self.a)
+    }
+}
+
+/// The single column of an n x 1 matrix, which faer keeps contiguous.
+fn column<'a>(x: MatRef<'a, f64>) -> &'a [f64] {
+    x.col(0).try_as_col_major().map_or(&[], |x| x.as_slice())
+}
+
+fn column_mut<'a>(x: MatMut<'a, f64>) -> &'a mut [f64] {
+    x.col_mut(0).try_as_col_major_mut().map_or(&mut [], |x| x.as_slice_mut())
+}
+
+impl<M: Metric + Sync, P: Potential + Sync> LinOp<f64> for HessianProduct<'_, M, P> {
+    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
+        StackReq::EMPTY
+    }
+
+    fn nrows(&self) -> usize {
+        self.metric.dim()
+    }
+
+    fn ncols(&self) -> usize {
+        self.metric.dim()
+    }
+
+    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
+        let y = column_mut(out);
+        y.fill(0.0);
+        self.add_product(1.0, column(x), y);
+    }
+
+    fn conj_apply(&self, y: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, stack: &mut MemStack) {
+        self.apply(y, x, par, stack);
+    }
+}
+
+/// The preconditioner: division by the diagonal.
+#[derive(Debug)]
+struct InverseDiagonal(Vec<f64>);
+
+impl LinOp<f64> for InverseDiagonal {
+    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
+        StackReq::EMPTY
+    }
+
+    fn nrows(&self) -> usize {
+        self.0.len()
+    }
+
+    fn ncols(&self) -> usize {
+        self.0.len()
+    }
+
+    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
+        for ((y, x), inverse) in column_mut(out).iter_mut().zip(column(x)).zip(&self.0) {
+            *y = x * inverse;
+        }
+    }
+
+    fn conj_apply(&self, y: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, stack: &mut MemStack) {
+        self.apply(y, x, par, stack);
+    }
+}
+
+impl Precond<f64> for InverseDiagonal {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Covector, DiagonalMetric, FIXED, HessianSolver, Sink, SparseSolver};
+
+    /// Springs between neighbours in a row, the first to a wall.
+    struct Row(Vec<f64>);
+
+    impl Potential for Row {
+        fn dim(&self) -> usize {
+            self.0.len()
+        }
+
+        fn energy(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+
+        fn add_differential(&self, _: &[f64], _: Covector<&mut [f64]>) {}
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+            for (i, &k) in self.0.iter().enumerate() {
+                hessian.add_symmetric(&[i.checked_sub(1).unwrap_or(FIXED), i], &[k, -k, -k, k]);
+            }
+        }
+    }
+
+    fn row(n: usize) -> (DiagonalMetric<Vec<f64>>, Row, Vec<f64>) {
+        let metric = DiagonalMetric::new(vec![1.0; n]).unwrap();
+        let springs = Row((0..n).map(|i| 1.0 + (i % 7) as f64).collect());
+        (metric, springs, (0..n).map(|i| (i as f64).cos()).collect())
+    }
+
+    #[test]
+    fn products_alone_give_what_the_factor_gives() {
+        let (metric, springs, r) = row(100);
+        let cg = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
+        let mut x = vec![0.0; 100];
+        let report = cg.solve(1.0, &metric, 4.0, &springs, &[], &r, &mut x).unwrap();
+        assert!(report.iterations < 150 && report.relative_residual < 1e-12, "{report:?}");
+        let mut exact = r.clone();
+        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        solver.factor(&metric, &springs, &[], 4.0).unwrap();
+        solver.solve(&mut exact);
+        assert!(x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-12));
+        let again = cg.solve(1.0, &metric, 4.0, &springs, &[], &r, &mut x).unwrap();
+        assert!(again.iterations <= 1, "the guess is used: {again:?}");
+    }
+
+    #[test]
+    fn the_bound_ends_the_iteration_with_the_residual_that_is_left() {
+        let (metric, springs, r) = row(100);
+        let cg = ConjugateGradient { tolerance: 1e-13, iterations: 5 };
+        let mut x = vec![0.0; 100];
+        let error = cg.solve(0.0, &metric, 1.0, &springs, &[], &r, &mut x).unwrap_err();
+        let mut residual = r.clone();
+        springs.add_hessian(&[], &mut ProductSink::new(-1.0, &x, &mut residual).unwrap());
+        let relative_residual = length(&residual) / length(&r);
+        assert_eq!(error, SparseError::NotConverged { iterations: 5, relative_residual });
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_refused() {
+        let (metric, mut springs, r) = row(100);
+        let cg = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
+        springs.0[47] = -4.0;
+        let error = cg.solve(1.0, &metric, 1.0, &springs, &[], &r, &mut [0.0; 100]).unwrap_err();
+        assert!(matches!(error, SparseError::NegativeCurvature { .. }), "{error}");
+        springs.0[47] = -40.0;
+        let error = cg.solve(1.0, &metric, 1.0, &springs, &[], &r, &mut [0.0; 100]).unwrap_err();
+        assert_eq!(error, SparseError::NotPositiveDefinite { freedom: 46 });
+        springs.0[47] = f64::NAN;
+        let error = cg.solve(1.0, &metric, 1.0, &springs, &[], &r, &mut [0.0; 100]).unwrap_err();
+        assert_eq!(error, SparseError::NonFinite);
+    }
+
+    #[test]
+    fn nothing_is_solved_by_nothing() {
+        let (metric, springs, _) = row(4);
+        let cg = ConjugateGradient { tolerance: 0.0, iterations: 10 };
+        let mut x = [1.0; 4];
+        let report = cg.solve(1.0, &metric, 1.0, &springs, &[], &[0.0; 4], &mut x).unwrap();
+        assert_eq!((report.iterations, x), (0, [0.0; 4]));
+    }
 }

@@ -1,7 +1,5 @@
 //! What can go wrong with sparse matrices and their factors.
 
-use faer::linalg::cholesky::llt::factor::LltError;
-
 use crate::{SizeError, Unsolvable};
 
 /// A sparse matrix that cannot be assembled, factored or solved.
@@ -67,6 +65,15 @@ pub enum SparseError {
         /// The freedom whose elimination failed.
         freedom: usize,
     },
+    /// A factorization solves only after it has succeeded.
+    #[error("no matrix was factored")]
+    NotFactored,
+    /// Conjugate gradients need a positive definite matrix.
+    #[error("after {iterations} iterations, a direction in which the matrix is not positive")]
+    NegativeCurvature {
+        /// The iterations before it was met.
+        iterations: usize,
+    },
     /// A pivot vanished, or no row was left to pivot on.
     #[error("the matrix is singular to working precision")]
     Singular,
@@ -74,7 +81,9 @@ pub enum SparseError {
     #[error("the matrix or its factor is not finite")]
     NonFinite,
     /// The factorization was finished, but what it gives does not solve the equation.
-    #[error("no solution can be trusted: the best has a relative residual of {relative_residual:e}")]
+    #[error(
+        "no solution can be trusted: the best has a relative residual of {relative_residual:e}"
+    )]
     Untrusted {
         /// The residual relative to the right-hand side, after refinement.
         relative_residual: f64,

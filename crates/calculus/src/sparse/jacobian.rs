@@ -29,8 +29,18 @@ pub struct JacobianEntries<'a>(Visit<'a>);
 
 #[derive(Debug)]
 enum Visit<'a> {
-    First { rows: usize, columns: usize, seen: &'a mut Vec<(u32, u32, u32)>, error: Option<SparseError> },
-    Later { expected: &'a [(u32, u32, u32)], values: &'a mut [f64], at: usize, changed: Option<usize> },
+    First {
+        rows: usize,
+        columns: usize,
+        seen: &'a mut Vec<(u32, u32, u32)>,
+        error: Option<SparseError>,
+    },
+    Later {
+        expected: &'a [(u32, u32, u32)],
+        values: &'a mut [f64],
+        at: usize,
+        changed: Option<usize>,
+    },
 }
 
 impl JacobianEntries<'_> {
@@ -238,5 +248,96 @@ impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut JacobianEntries)> Equat
 
     fn energy(&mut self, _: &[f64]) -> Option<f64> {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Newton, NewtonError, NewtonFailure, NewtonMemory, NewtonReport};
+
+    #[test]
+    fn duplicates_are_summed_and_products_are_transposes_of_each_other() {
+        let visit = |entries: &mut JacobianEntries| {
+            entries.add(1, 2, 4.0);
+            entries.add(0, 0, 1.0);
+            entries.add(1, 2, -1.0);
+            entries.add(1, 0, 2.0);
+        };
+        let mut jacobian = SparseJacobian::analyse(2, 3, visit).unwrap();
+        jacobian.refill(visit).unwrap();
+        let entries: Vec<_> = jacobian.entries().collect();
+        assert_eq!(entries, [(0, 0, 1.0), (1, 0, 2.0), (1, 2, 3.0)]);
+        let (x, y) = ([1.0, 2.0, -1.0], [3.0, 5.0]);
+        let (mut jx, mut jty) = ([0.0; 2], [0.0; 3]);
+        jacobian.add_product(2.0, &x, &mut jx).unwrap();
+        jacobian.add_transposed_product(2.0, &y, &mut jty).unwrap();
+        assert_eq!((jx, jty), ([2.0, -2.0], [26.0, 0.0, 30.0]));
+        assert!(jacobian.add_product(1.0, &y, &mut jx).is_err());
+    }
+
+    #[test]
+    fn a_change_of_the_visit_is_an_error_that_names_the_entry() {
+        let visit = |entries: &mut JacobianEntries| {
+            entries.add(0, 0, 1.0);
+            entries.add(1, 1, 1.0);
+        };
+        let mut jacobian = SparseJacobian::analyse(2, 2, visit).unwrap();
+        let changed = jacobian.refill(|entries| entries.add(1, 1, 1.0)).unwrap_err();
+        assert_eq!(changed, SparseError::PatternChanged { block: 0 });
+        let changed = jacobian.refill(|entries| entries.add(0, 0, 1.0)).unwrap_err();
+        assert_eq!(changed, SparseError::PatternChanged { block: 1 });
+        let error = SparseJacobian::analyse(2, 2, |entries| entries.add(0, 2, 1.0)).unwrap_err();
+        assert_eq!(error, SparseError::UnknownFreedom { block: 0, freedom: 2, freedoms: 2 });
+    }
+
+    /// Broyden's tridiagonal function: (3 - 2 x_i) x_i - x_(i-1) - 2 x_(i+1) + 1, not symmetric.
+    /// More, Garbow, Hillstrom 1981, problem 30, start -1.
+    fn broyden(n: usize, factor: f64) -> (Result<NewtonReport, NewtonError>, Vec<f64>, Vec<f64>) {
+        let f = move |x: &[f64], f: &mut [f64]| {
+            for i in 0..n {
+                let before = if i > 0 { x[i - 1] } else { 0.0 };
+                let after = x.get(i + 1).copied().unwrap_or(0.0);
+                f[i] = (3.0 - 2.0 * x[i]) * x[i] - before - 2.0 * after + 1.0;
+            }
+        };
+        let df = move |x: &[f64], df: &mut JacobianEntries| {
+            for (i, x) in x.iter().enumerate() {
+                df.add(i, i, factor * (3.0 - 4.0 * x));
+                if i > 0 {
+                    df.add(i, i - 1, -factor);
+                    df.add(i - 1, i, factor * -2.0);
+                }
+            }
+        };
+        let mut x = vec![-1.0; n];
+        let mut equation = SparseEquation::new(&x, f, df).unwrap();
+        let mut memory = NewtonMemory::<Vec<f64>>::new(n, 50).unwrap();
+        let report = Newton::default().solve(&mut equation, &mut x, &mut memory);
+        (report, x, memory.history().to_vec())
+    }
+
+    #[test]
+    fn a_sparse_equation_is_solved_in_as_few_steps_as_a_small_one() {
+        for n in [1, 2, 10, 10_000] {
+            let (report, x, history) = broyden(n, 1.0);
+            let report = report.unwrap();
+            assert!(report.iterations <= 7, "{n}: {history:?}");
+            assert!(report.residual < 1e-13 * (n as f64).sqrt());
+            if n == 10_000 {
+                // Far from both ends the solution is constant: -2 x^2 + 1 = 0.
+                assert!((x[5000] + 0.5_f64.sqrt()).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_jacobian_is_refused() {
+        let (report, ..) = broyden(10, 0.0);
+        let failure = report.unwrap_err().failure;
+        assert_eq!(failure, NewtonFailure::Unsolvable(Unsolvable::Singular));
+        let (report, ..) = broyden(10, f64::NAN);
+        let failure = report.unwrap_err().failure;
+        assert_eq!(failure, NewtonFailure::Unsolvable(Unsolvable::NonFinite));
     }
 }

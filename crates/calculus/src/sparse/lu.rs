@@ -8,7 +8,9 @@
 //! their memory may grow. Says nothing of accuracy: the caller checks the residual.
 
 use faer::sparse::linalg::LuError;
-use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
+use faer::sparse::linalg::lu::{
+    LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Spec};
 
@@ -26,9 +28,7 @@ pub(crate) struct SparseLu {
 }
 
 impl SparseLu {
-    pub(crate) fn analyse(
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-    ) -> Result<Self, SparseError> {
+    pub(crate) fn analyse(pattern: SymbolicSparseColMatRef<'_, u32>) -> Result<Self, SparseError> {
         let n = pattern.ncols();
         let symbolic = factorize_symbolic_lu(pattern, LuSymbolicParams::default())
             .map_err(|error| analysis_error(n, error))?;

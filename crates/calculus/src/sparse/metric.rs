@@ -70,3 +70,80 @@ impl Metric for SparseMetric {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DenseMetric, DenseSink};
+    use nalgebra::DMatrix;
+
+    /// The mass of n linear rod elements in a row, 1/6 [2 1; 1 2] each.
+    fn rods(n: usize) -> SymmetricMatrix {
+        let element = [2.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0, 2.0 / 6.0];
+        let blocks: Vec<_> = (0..n).map(|i| ([i, i + 1], element)).collect();
+        SymmetricMatrix::from_blocks(n + 1, &blocks).unwrap()
+    }
+
+    #[test]
+    fn the_sparse_metric_is_the_dense_one() {
+        let n = 8;
+        let sparse = SparseMetric::new(rods(n - 1)).unwrap();
+        let mut values = vec![0.0; n * n];
+        sparse.add_matrix(&mut DenseSink::new(1.0, n, &mut values).unwrap());
+        let dense = DenseMetric::new(DMatrix::from_vec(n, n, values)).unwrap();
+        let v = Vector((0..n).map(|i| (i as f64).sin()).collect::<Vec<_>>());
+        let (mut p, mut q) = (Covector(vec![0.0; n]), Covector(vec![0.0; n]));
+        sparse.flat(v.view(), p.view_mut());
+        dense.flat(v.view(), q.view_mut());
+        let mut w = Vector(vec![0.0; n]);
+        sparse.sharp(p.view(), w.view_mut());
+        for i in 0..n {
+            assert!((p.0[i] - q.0[i]).abs() < 1e-15);
+            assert!((w.0[i] - v.0[i]).abs() < 1e-14);
+        }
+        assert!((sparse.kinetic_energy(p.view()) - dense.kinetic_energy(p.view())).abs() < 1e-14);
+        let clone = sparse.clone();
+        clone.sharp(p.view(), w.view_mut());
+        assert!((w.0[3] - v.0[3]).abs() < 1e-14);
+    }
+
+    #[test]
+    fn all_velocities_weigh_as_much_as_the_rods() {
+        let metric = SparseMetric::new(rods(30)).unwrap();
+        let ones = Vector(vec![1.0; 31]);
+        assert!((metric.inner(ones.view(), ones.view()) - 30.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_metric_assembles_as_what_it_is() {
+        let metric = SparseMetric::new(rods(30)).unwrap();
+        let again = SymmetricMatrix::mass(&metric).unwrap();
+        assert_eq!(again.rows(), metric.matrix().rows());
+        assert_eq!(again.values(), metric.matrix().values());
+    }
+
+    #[test]
+    fn a_mass_that_is_not_positive_is_refused_by_name() {
+        let blocks = [(vec![0, 1], vec![2.0, 1.0, 1.0, 2.0]), (vec![2], vec![-1.0])];
+        let error = SparseMetric::new(SymmetricMatrix::from_blocks(3, &blocks).unwrap());
+        assert_eq!(error.unwrap_err(), SparseError::NotPositiveDefinite { freedom: 2 });
+    }
+
+    #[test]
+    fn the_metric_serves_several_threads() {
+        let metric = SparseMetric::new(rods(30)).unwrap();
+        let p = Covector(vec![1.0; 31]);
+        let solve = || {
+            let mut v = Vector(vec![0.0; 31]);
+            metric.sharp(p.view(), v.view_mut());
+            v
+        };
+        let alone = solve();
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(solve)).collect();
+            for thread in threads {
+                assert_eq!(thread.join().unwrap(), alone);
+            }
+        });
+    }
+}

@@ -16,8 +16,7 @@ impl Scratch {
     /// Room for the largest of the `sizes`, for the factorization of an n x n matrix.
     pub(crate) fn new(n: usize, sizes: &[StackReq]) -> Result<Self, SparseError> {
         let size = StackReq::any_of(sizes);
-        let buffer =
-            MemBuffer::try_new(size).map_err(|_| SparseError::OutOfMemory { size: n })?;
+        let buffer = MemBuffer::try_new(size).map_err(|_| SparseError::OutOfMemory { size: n })?;
         Ok(Scratch { buffer, size })
     }
 

@@ -7,7 +7,7 @@
 //! refills the values through stored slots and runs numbers only. The rungs of the ladder are those of
 //! [`HessianSolver`]; which ones are climbed is the caller's choice of [`Ladder`].
 
-use crate::hessian_solver::{Diagonal, SHIFTS, shift};
+use crate::hessian_solver::{Diagonal, SHIFTS, largest_or_nan, shift};
 use crate::sparse::{SparseCholesky, SparseError, SparseIndefinite, SymmetricMatrix};
 use crate::{HessianSolver, Metric, Potential, Rung, SizeError, Unsolvable};
 
@@ -108,15 +108,14 @@ impl SparseSolver {
                 }
             }
         }
-        self.row_sums.iter().fold(0.0, |largest, &sum| sum.max(largest))
+        largest_or_nan(self.row_sums.iter().copied())
     }
 
     fn solve_exactly(&mut self) -> Result<Rung, Unsolvable> {
         let indefinite = match &mut self.indefinite {
             Some(indefinite) => indefinite,
-            none => none.insert(
-                SparseIndefinite::analyse(&self.matrix).map_err(SparseError::unsolvable)?,
-            ),
+            none => none
+                .insert(SparseIndefinite::analyse(&self.matrix).map_err(SparseError::unsolvable)?),
         };
         indefinite.factor(&self.matrix).map_err(SparseError::unsolvable)?;
         Ok(Rung::Indefinite)
@@ -174,5 +173,109 @@ impl HessianSolver for SparseSolver {
             }
             _ => self.cholesky.solve(r),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Covector, DenseSolver, DiagonalMetric, FIXED, Sink, Vector};
+
+    /// Springs of stiffness k between neighbours, the first to a wall: energy k/2 |x_i - x_(i-1)|^2, and
+    /// of the order `visit` when it is asked for its Hessian.
+    struct Row {
+        stiffness: Vec<f64>,
+    }
+
+    impl Potential for Row {
+        fn dim(&self) -> usize {
+            self.stiffness.len()
+        }
+
+        fn energy(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+
+        fn add_differential(&self, _: &[f64], _: Covector<&mut [f64]>) {}
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+            for (i, &k) in self.stiffness.iter().enumerate() {
+                hessian.add_symmetric(&[i.checked_sub(1).unwrap_or(FIXED), i], &[k, -k, -k, k]);
+            }
+        }
+    }
+
+    fn row(n: usize, stiffness: impl Fn(usize) -> f64) -> (DiagonalMetric<Vec<f64>>, Row) {
+        let mass = (0..n).map(|i| 1.0 + i as f64 / n as f64).collect();
+        (DiagonalMetric::new(mass).unwrap(), Row { stiffness: (0..n).map(stiffness).collect() })
+    }
+
+    #[test]
+    fn the_sparse_solver_climbs_as_the_dense_one_does() {
+        for k in [1.0, 1e-12, 1e9, -0.1, -1.0, -1e9] {
+            let (metric, springs) = row(12, |i| if i % 3 == 0 { k } else { k.abs() });
+            let mut sparse = SparseSolver::new(&metric, &springs, &[]).unwrap();
+            let mut dense = DenseSolver::<Vec<f64>>::new(12).unwrap();
+            for (m, a) in [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (2.0, 0.5)] {
+                let expected = dense.factor_weighted(m, &metric, a, &springs, &[]).unwrap();
+                let rung = sparse.factor_weighted(m, &metric, a, &springs, &[]).unwrap();
+                assert_eq!(rung, expected);
+                let r: Vec<f64> = (0..12).map(|i| (i as f64).cos()).collect();
+                let (mut x, mut y) = (r.clone(), r.clone());
+                dense.solve(&mut x);
+                sparse.solve(&mut y);
+                let largest = x.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+                assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() <= 1e-8 * largest));
+                assert!(Covector(r).apply(&Vector(y)) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_exact_ladder_solves_what_the_other_shifts() {
+        let (metric, springs) = row(12, |i| if i == 5 { -3.0 } else { 1.0 });
+        let r: Vec<f64> = (0..12).map(|i| (i as f64).cos()).collect();
+        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let rung = solver.factor(&metric, &springs, &[], 1.0).unwrap();
+        assert!(matches!(rung, Rung::Shifted { .. }), "{rung:?}");
+        let mut solver = solver.with_ladder(Ladder::Exact);
+        assert_eq!(solver.factor(&metric, &springs, &[], 1.0), Ok(Rung::Indefinite));
+        let (mut x, mut product) = (r.clone(), vec![0.0; 12]);
+        solver.solve(&mut x);
+        solver.matrix().add_product(1.0, &x, &mut product).unwrap();
+        assert!(product.iter().zip(&r).all(|(p, r)| (p - r).abs() < 1e-14));
+        // The next matrix may be definite again.
+        assert_eq!(solver.factor(&metric, &springs, &[], 0.1), Ok(Rung::Cholesky));
+    }
+
+    #[test]
+    fn a_hessian_that_visits_other_blocks_is_refused() {
+        let (metric, springs) = row(4, |_| 1.0);
+        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let (_, fewer) = row(3, |_| 1.0);
+        let refused = solver.factor(&metric, &fewer, &[], 1.0);
+        assert_eq!(refused, Err(Unsolvable::PatternChanged { block: 7 }));
+        let sum = (&springs, &fewer);
+        let refused = solver.factor(&metric, &sum, &[], 1.0);
+        assert_eq!(refused, Err(Unsolvable::PatternChanged { block: 8 }));
+        assert_eq!(solver.factor(&metric, &springs, &[], 1.0), Ok(Rung::Cholesky));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_unsolvable() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let (metric, springs) = row(4, |i| if i == 2 { bad } else { 1.0 });
+            let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+            let refused = solver.factor(&metric, &springs, &[], 1.0);
+            assert_eq!(refused, Err(Unsolvable::NonFinite));
+        }
+    }
+
+    #[test]
+    fn a_potential_of_more_freedoms_than_the_metric_is_refused() {
+        let (metric, _) = row(3, |_| 1.0);
+        let (_, springs) = row(4, |_| 1.0);
+        let error = SparseSolver::new(&metric, &springs, &[]).unwrap_err();
+        assert!(matches!(error, SparseError::Size(SizeError { expected: 3, got: 4, .. })));
     }
 }

@@ -1,0 +1,133 @@
+//! From declarations to a scene: every value checked, every name resolved, nothing left to doubt.
+
+use std::collections::HashMap;
+
+use stationary_integrators::Method;
+
+use crate::declaration::Declaration;
+use crate::diagnostic::{Checked, at};
+use crate::number::Count;
+use crate::observable::{self, USUAL};
+use crate::particles::{self, Motion, Roster};
+use crate::scene::{Gravity, Scene, Timing};
+use crate::{Fault, check, nets, springs, units::Units};
+
+/// The scene that is declared. `name` stands for a title where there is none.
+pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
+    let dimension = match *declared.dimension.get_ref() {
+        Count(dimension @ 1..=3) => dimension as usize,
+        Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
+    };
+    let method = check::word(
+        "integrator",
+        declared.integrator.get_ref(),
+        declared.integrator.span(),
+        &Method::ALL.map(|method| (method.facts().name, method)),
+    )?;
+
+    let mut roster = Roster::default();
+    for particle in &declared.particles {
+        particles::declare(&mut roster, dimension, particle)?;
+    }
+    let written_out = roster.particles.len();
+    let mut links = Vec::new();
+    for net in &declared.nets {
+        nets::declare(&mut roster, &mut links, dimension, net)?;
+    }
+    for spring in &declared.springs {
+        links.push(springs::declare(&roster, spring)?);
+    }
+    let gravity = gravity(declared, dimension, &roster)?;
+    check_that_something_moves(declared, &roster)?;
+
+    let observables = match &declared.observables {
+        Some(declared) => declared
+            .iter()
+            .map(|declared| observable::declare(&roster, declared))
+            .collect::<Checked<Vec<_>>>()?,
+        None => USUAL.to_vec(),
+    };
+    let scene = Scene {
+        title: check::title("a title", declared.title.as_ref(), name)?,
+        dimension,
+        units: Units::declare(&declared.units)?,
+        method,
+        timing: timing(declared)?,
+        gravity,
+        particles: roster.particles,
+        written_out,
+        links,
+        observables,
+        view: view(declared, dimension)?,
+    };
+    let place = declared.sample_every.as_ref().map_or(declared.step.span(), |every| every.span());
+    scene.check_samples().map_err(|fault| at(place, fault))?;
+    Ok(scene)
+}
+
+fn timing(declared: &Declaration) -> Checked<Timing> {
+    let step = check::positive("the step", &declared.step)?;
+    let horizon = check::positive("the horizon", &declared.horizon)?;
+    let sample_every = match &declared.sample_every {
+        Some(every) if every.get_ref().0 == 0 => {
+            let fault = Fault::NotPositive { what: "`sample_every`", value: 0.0 };
+            return Err(at(every.span(), fault));
+        }
+        Some(every) => every.get_ref().0,
+        None => 1,
+    };
+    Timing::new(step, horizon, sample_every).map_err(|fault| at(declared.horizon.span(), fault))
+}
+
+fn gravity(declared: &Declaration, dimension: usize, roster: &Roster) -> Checked<Gravity> {
+    let mut gravity = Gravity { acceleration: None, constant: None };
+    if let Some(uniform) = &declared.uniform_gravity {
+        let g = check::vector("the acceleration", dimension, &uniform.acceleration)?;
+        gravity.acceleration = Some(g);
+    }
+    if let Some(newtonian) = &declared.newtonian_gravity {
+        gravity.constant = Some(check::positive("the constant", &newtonian.constant)?);
+        if let Some((pinned, place)) = &roster.first_pin {
+            let name = roster.particles[*pinned].name.clone();
+            return Err(at(place.clone(), Fault::PinnedAttraction(name)));
+        }
+        check_that_no_two_meet(roster)?;
+    }
+    Ok(gravity)
+}
+
+fn check_that_no_two_meet(roster: &Roster) -> Checked<()> {
+    let mut by_position = HashMap::new();
+    for (index, particle) in roster.particles.iter().enumerate() {
+        // Adding zero turns the negative zero into the positive one.
+        let bits = particle.position.map(|x| (x + 0.0).to_bits());
+        if let Some(first) = by_position.insert(bits, index) {
+            let first = roster.particles[first].name.clone();
+            let fault = Fault::SamePlace { first, second: particle.name.clone() };
+            return Err(at(roster.places[index].clone(), fault));
+        }
+    }
+    Ok(())
+}
+
+fn check_that_something_moves(declared: &Declaration, roster: &Roster) -> Checked<()> {
+    let free = |motion: &Motion| matches!(motion, Motion::Free { .. });
+    if roster.particles.iter().any(|particle| free(&particle.motion)) {
+        return Ok(());
+    }
+    match &roster.first_pin {
+        Some((_, place)) => Err(at(place.clone(), Fault::AllPinned)),
+        None => Err(at(declared.dimension.span(), Fault::Empty)),
+    }
+}
+
+/// The direction from which a scene in space is seen.
+fn view(declared: &Declaration, dimension: usize) -> Checked<[f64; 3]> {
+    /// From the front and the right, and from above.
+    const USUAL: [f64; 3] = [0.42, -0.78, 0.46];
+    match &declared.view {
+        Some(view) if dimension != 3 => Err(at(view.span(), Fault::ViewDimension)),
+        Some(view) => check::direction("the view", dimension, view),
+        None => Ok(USUAL),
+    }
+}

@@ -1,0 +1,84 @@
+//! Tables for other programs: numbers with every digit that tells them from their neighbours.
+//!
+//! ```text
+//! trajectory.csv     time, particle, x, y, z      a row for each sample and particle
+//! observables.csv    time, then the columns of each observable, a row for each sample
+//! ```
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use crate::error::COORDINATES;
+use crate::{Run, WriteError};
+
+/// Writes a file, all of it or an error.
+pub(crate) fn write(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let written = File::create(path).and_then(|file| {
+        let mut out = BufWriter::new(file);
+        content(&mut out)?;
+        out.flush()
+    });
+    written.map_err(|source| WriteError { path: path.to_owned(), source })
+}
+
+/// Where every particle is at every sample.
+pub(crate) fn trajectory(run: &Run, out: &mut impl Write) -> io::Result<()> {
+    let (scene, units) = (run.scene(), run.scene().units());
+    let d = scene.dimension();
+    write!(out, "{},particle", quoted(&format!("time [{}]", units.time)))?;
+    for axis in &COORDINATES[..d] {
+        write!(out, ",{}", quoted(&format!("{axis} [{}]", units.length)))?;
+    }
+    writeln!(out)?;
+    for (sample, time) in run.times().iter().enumerate() {
+        let positions = run.positions(sample).chunks_exact(d);
+        for (particle, position) in scene.particles().iter().zip(positions) {
+            write!(out, "{time:?},{}", particle.name)?;
+            for x in position {
+                write!(out, ",{x:?}")?;
+            }
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+/// The observables at every sample.
+pub(crate) fn observables(run: &Run, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "{}", quoted(&format!("time [{}]", run.scene().units().time)))?;
+    for heading in run.headings() {
+        write!(out, ",{}", quoted(&heading))?;
+    }
+    writeln!(out)?;
+    for (sample, time) in run.times().iter().enumerate() {
+        write!(out, "{time:?}")?;
+        for x in run.observed(sample) {
+            write!(out, ",{x:?}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// The text, in quotes where it would not stand alone in a cell.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"']) {
+        return format!("\"{}\"", text.replace('"', "\"\""));
+    }
+    text.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_with_a_comma_is_one_cell() {
+        assert_eq!(quoted("x [m]"), "x [m]");
+        assert_eq!(quoted("x [a, \"b\"]"), "\"x [a, \"\"b\"\"]\"");
+    }
+}

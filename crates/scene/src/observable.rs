@@ -1,0 +1,155 @@
+//! What a run writes down of a state besides the positions.
+//!
+//! ```text
+//! T = sum_i |p_i|^2 / 2 m_i      kinetic energy        V(q)     potential energy     E = T + V
+//! P = sum_i p_i                  linear momentum       L = sum_i q_i x p_i    about the origin
+//! ```
+//! Sums over the particles that are free: a pinned one has no momentum.
+
+use toml::Spanned;
+
+use crate::declaration::{ObservableDeclaration, ObservableTable};
+use crate::diagnostic::{Checked, at};
+use crate::error::COORDINATES;
+use crate::particles::Roster;
+use crate::{Fault, Scene, check};
+
+/// A number, or a vector, of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observable {
+    /// E, the sum of the two below.
+    Energy,
+    /// T.
+    KineticEnergy,
+    /// V.
+    PotentialEnergy,
+    /// P, a component a column.
+    LinearMomentum,
+    /// L, one column in the plane, three in space, none on a line.
+    AngularMomentum,
+    /// Where a particle is.
+    Position(usize),
+    /// How fast a particle moves, a component a column.
+    Velocity(usize),
+    /// How far apart two particles are.
+    Distance([usize; 2]),
+}
+
+/// The observables of a scene that names none.
+pub(crate) const USUAL: [Observable; 3] =
+    [Observable::Energy, Observable::LinearMomentum, Observable::AngularMomentum];
+
+/// The words that an observable may be. The last three stand here for the sake of errors: they are
+/// never found, since no word has blanks and quotes in it.
+const WORDS: [(&str, Observable); 8] = [
+    ("energy", Observable::Energy),
+    ("kinetic-energy", Observable::KineticEnergy),
+    ("potential-energy", Observable::PotentialEnergy),
+    ("linear-momentum", Observable::LinearMomentum),
+    ("angular-momentum", Observable::AngularMomentum),
+    ("{ position = \"a name\" }", Observable::Position(0)),
+    ("{ velocity = \"a name\" }", Observable::Velocity(0)),
+    ("{ distance = [\"a name\", \"a name\"] }", Observable::Distance([0, 0])),
+];
+
+/// The observable that is declared.
+pub(crate) fn declare(
+    roster: &Roster,
+    declared: &Spanned<ObservableDeclaration>,
+) -> Checked<Observable> {
+    let table = match declared.get_ref() {
+        ObservableDeclaration::Word(word) => {
+            let found = check::word("observable", word, declared.span(), &WORDS)?;
+            return Ok(found);
+        }
+        ObservableDeclaration::About(table) => table,
+    };
+    match table {
+        ObservableTable { position: Some(name), velocity: None, distance: None } => {
+            Ok(Observable::Position(roster.find(name)?))
+        }
+        ObservableTable { position: None, velocity: Some(name), distance: None } => {
+            Ok(Observable::Velocity(roster.find(name)?))
+        }
+        ObservableTable { position: None, velocity: None, distance: Some(names) } => {
+            Ok(Observable::Distance(roster.pair("a distance", names)?))
+        }
+        ObservableTable { position, velocity, distance } => {
+            let given = [position.is_some(), velocity.is_some(), distance.is_some()];
+            let words = given.into_iter().filter(|&given| given).count();
+            Err(at(declared.span(), Fault::NotOneObservable(words)))
+        }
+    }
+}
+
+/// A state, seen from every side that an observable may ask for.
+#[derive(Debug)]
+pub(crate) struct Moment<'a> {
+    pub(crate) kinetic: f64,
+    pub(crate) potential: f64,
+    pub(crate) linear: [f64; 3],
+    pub(crate) angular: [f64; 3],
+    /// Positions of all particles, in the scene's order.
+    pub(crate) positions: &'a [[f64; 3]],
+    /// Velocities of all particles, in the scene's order.
+    pub(crate) velocities: &'a [[f64; 3]],
+}
+
+impl Observable {
+    /// The headings of its columns, with units.
+    pub fn headings(&self, scene: &Scene) -> Vec<String> {
+        let units = scene.units();
+        let name = |particle: usize| &scene.particles()[particle].name;
+        let components = |what: String, unit: String| -> Vec<String> {
+            let axes = &COORDINATES[..scene.dimension()];
+            axes.iter().map(|axis| format!("{what} {axis} [{unit}]")).collect()
+        };
+        match *self {
+            Observable::Energy => vec![format!("energy [{}]", units.energy())],
+            Observable::KineticEnergy => vec![format!("kinetic energy [{}]", units.energy())],
+            Observable::PotentialEnergy => vec![format!("potential energy [{}]", units.energy())],
+            Observable::LinearMomentum => {
+                components("linear momentum".to_owned(), units.momentum())
+            }
+            Observable::AngularMomentum => match scene.dimension() {
+                1 => Vec::new(),
+                2 => vec![format!("angular momentum [{}]", units.angular_momentum())],
+                _ => components("angular momentum".to_owned(), units.angular_momentum()),
+            },
+            Observable::Position(particle) => {
+                components(format!("position of {}", name(particle)), units.length.clone())
+            }
+            Observable::Velocity(particle) => {
+                components(format!("velocity of {}", name(particle)), units.velocity())
+            }
+            Observable::Distance([a, b]) => {
+                vec![format!("distance {} to {} [{}]", name(a), name(b), units.length)]
+            }
+        }
+    }
+
+    /// Its numbers, as many as it has headings.
+    pub(crate) fn append(&self, moment: &Moment<'_>, dimension: usize, row: &mut Vec<f64>) {
+        match *self {
+            Observable::Energy => row.push(moment.kinetic + moment.potential),
+            Observable::KineticEnergy => row.push(moment.kinetic),
+            Observable::PotentialEnergy => row.push(moment.potential),
+            Observable::LinearMomentum => row.extend(&moment.linear[..dimension]),
+            Observable::AngularMomentum => row.extend(match dimension {
+                1 => &[],
+                2 => &moment.angular[2..],
+                _ => &moment.angular[..],
+            }),
+            Observable::Position(particle) => {
+                row.extend(&moment.positions[particle][..dimension]);
+            }
+            Observable::Velocity(particle) => {
+                row.extend(&moment.velocities[particle][..dimension]);
+            }
+            Observable::Distance([a, b]) => {
+                let (a, b) = (moment.positions[a], moment.positions[b]);
+                row.push((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>().sqrt());
+            }
+        }
+    }
+}

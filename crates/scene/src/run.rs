@@ -1,0 +1,294 @@
+//! A run: the scene's method, step after step to the horizon, and samples on the way.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use stationary_calculus::{Covector, Metric, Potential, Vector, first_non_finite};
+use stationary_integrators::{
+    Cost, Horizon, Observation, SimulationError, State, StepError, angular_momentum,
+    angular_momentum_scale, linear_momentum, linear_momentum_scale, simulate,
+};
+
+use crate::error::unknown;
+use crate::observable::Moment;
+use crate::system::{SceneProblem, Vertices, leading};
+use crate::{AssemblyError, Interruption, RunError, Scene, Summary, WriteError, csv, picture};
+
+/// What a run has sampled, and what it cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    pub(crate) scene: Scene,
+    pub(crate) samples: Samples,
+    cost: Cost,
+}
+
+/// Samples in the order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Samples {
+    pub(crate) times: Vec<f64>,
+    /// D numbers a particle, in the scene's order, sample after sample.
+    pub(crate) positions: Vec<f64>,
+    pub(crate) kinetic: Vec<f64>,
+    pub(crate) potential: Vec<f64>,
+    pub(crate) linear: Vec<[f64; 3]>,
+    pub(crate) angular: Vec<[f64; 3]>,
+    /// As many numbers a sample as the observables have columns.
+    pub(crate) observed: Vec<f64>,
+    pub(crate) columns: usize,
+    /// The largest of what rounding in the momenta scales with.
+    pub(crate) linear_scale: f64,
+    pub(crate) angular_scale: f64,
+}
+
+/// How far a run has come, shown after every step.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Steps taken.
+    pub step: u64,
+    /// Steps to the horizon.
+    pub steps: u64,
+    /// The time.
+    pub time: f64,
+    /// The configuration: D numbers for each particle that is free.
+    pub q: &'a [f64],
+}
+
+impl Scene {
+    /// Runs the scene to its horizon.
+    pub fn run(&self) -> Result<Run, RunError> {
+        self.run_watched(|_| ControlFlow::Continue(()))
+    }
+
+    /// Runs the scene to its horizon, or until the watcher breaks off; that is no error.
+    pub fn run_watched(
+        &self,
+        watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, RunError> {
+        match self.dimension {
+            1 => self.run_in::<1>(watch),
+            2 => self.run_in::<2>(watch),
+            _ => self.run_in::<3>(watch),
+        }
+    }
+
+    fn run_in<const D: usize>(
+        &self,
+        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, RunError> {
+        let problem = self.problem::<D>()?;
+        let mut integrator = self.integrator(&problem)?;
+        let (steps, every) = (self.timing.steps(), self.timing.sample_every());
+        let horizon = Horizon::new(self.timing.horizon(), self.timing.step());
+        let mut state = problem.initial.clone();
+        let mut recorder = Recorder::new(self, &problem);
+        let mut cost = Cost::default();
+        recorder.sample(0.0, &state);
+        let result = simulate(
+            &mut *integrator,
+            &mut state,
+            horizon.map_err(AssemblyError::from)?,
+            |Observation { step, time, state, report }| {
+                cost.steps = step;
+                cost.differentials += u64::from(report.differentials);
+                cost.hessians += u64::from(report.hessians);
+                cost.energies += u64::from(report.energies);
+                cost.most_iterations = cost.most_iterations.max(report.hessians);
+                let flow = watch(Progress { step, steps, time, q: &state.q });
+                if step % every == 0 || step == steps || flow.is_break() {
+                    recorder.sample(time, state);
+                }
+                flow
+            },
+        );
+        match result {
+            Ok(_) => Ok(recorder.finish(cost)),
+            Err(failure) => {
+                if recorder.samples.times.last().is_some_and(|&last| last < failure.time) {
+                    recorder.sample(failure.time, &state);
+                }
+                Err(recorder.interrupt(failure, cost, &state))
+            }
+        }
+    }
+}
+
+/// Takes samples of states.
+struct Recorder<'a, const D: usize> {
+    scene: &'a Scene,
+    problem: &'a SceneProblem<D>,
+    vertices: Vertices,
+    samples: Samples,
+    positions: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
+}
+
+impl<'a, const D: usize> Recorder<'a, D> {
+    fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
+        let columns = scene.observables.iter().map(|o| o.headings(scene).len()).sum();
+        Recorder {
+            scene,
+            problem,
+            vertices: Vertices::new(scene),
+            samples: Samples { columns, ..Samples::default() },
+            positions: scene.particles.iter().map(|particle| particle.position).collect(),
+            velocities: vec![[0.0; 3]; scene.particles.len()],
+        }
+    }
+
+    fn sample(&mut self, time: f64, state: &State<Vec<f64>>) {
+        let system = &self.problem.system;
+        let mut v = Vector(vec![0.0; system.dim()]);
+        system.metric().sharp(state.p.view(), v.view_mut());
+        let (q, v) = (state.q.as_chunks::<D>().0, v.components().as_chunks::<D>().0);
+        for (vertex, &particle) in self.vertices.particles[..self.vertices.free].iter().enumerate()
+        {
+            self.positions[particle][..D].copy_from_slice(&q[vertex]);
+            self.velocities[particle][..D].copy_from_slice(&v[vertex]);
+        }
+
+        let mut linear = [0.0; 3];
+        linear[..D].copy_from_slice(&linear_momentum::<D>(state));
+        let moment = Moment {
+            kinetic: system.metric().kinetic_energy(state.p.view()),
+            potential: system.potential().energy(&state.q),
+            linear,
+            angular: angular_momentum::<D>(state),
+            positions: &self.positions,
+            velocities: &self.velocities,
+        };
+        let samples = &mut self.samples;
+        samples.times.push(time);
+        samples.positions.extend(self.positions.iter().flat_map(|&x| leading::<D>(x)));
+        samples.kinetic.push(moment.kinetic);
+        samples.potential.push(moment.potential);
+        samples.linear.push(moment.linear);
+        samples.angular.push(moment.angular);
+        for observable in &self.scene.observables {
+            observable.append(&moment, D, &mut samples.observed);
+        }
+        samples.linear_scale = samples.linear_scale.max(linear_momentum_scale::<D>(state));
+        samples.angular_scale = samples.angular_scale.max(angular_momentum_scale::<D>(state));
+    }
+
+    fn finish(self, cost: Cost) -> Run {
+        Run { scene: self.scene.clone(), samples: self.samples, cost }
+    }
+
+    fn interrupt(self, failure: SimulationError, cost: Cost, state: &State<Vec<f64>>) -> RunError {
+        let freedom = match &failure.source {
+            StepError::NonFiniteConfiguration { freedom }
+            | StepError::NonFiniteMomentum { freedom } => *freedom,
+            other => unknown(other).unwrap_or_else(|| self.most_accelerated(&state.q)),
+        };
+        let particle = self.vertices.particles[freedom / D];
+        RunError::Interrupted(Box::new(Interruption {
+            step: failure.step,
+            time: failure.time,
+            unit: self.scene.units.time.clone(),
+            particle: self.scene.particles[particle].name.clone(),
+            coordinate: freedom % D,
+            source: failure.source,
+            run: Box::new(self.finish(cost)),
+        }))
+    }
+
+    /// The freedom of the largest acceleration, or the first whose acceleration is not finite.
+    fn most_accelerated(&self, q: &[f64]) -> usize {
+        let system = &self.problem.system;
+        let (mut dv, mut a) = (Covector(vec![0.0; system.dim()]), Vector(vec![0.0; system.dim()]));
+        system.potential().add_differential(q, dv.view_mut());
+        system.metric().sharp(dv.view(), a.view_mut());
+        let a = a.components();
+        let larger =
+            |largest: usize, i: usize| if a[i].abs() > a[largest].abs() { i } else { largest };
+        first_non_finite(a).unwrap_or_else(|| (0..a.len()).fold(0, larger))
+    }
+}
+
+impl Run {
+    /// The scene that was run.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The times of the samples.
+    pub fn times(&self) -> &[f64] {
+        &self.samples.times
+    }
+
+    /// The positions of all particles at a sample: D numbers each, in the scene's order. Empty
+    /// where there is no such sample.
+    pub fn positions(&self, sample: usize) -> &[f64] {
+        let n = self.scene.dimension * self.scene.particles.len();
+        self.samples.positions.get(n * sample..n * (sample + 1)).unwrap_or_default()
+    }
+
+    /// The position of a particle at a sample, as a point in space.
+    pub(crate) fn position(&self, sample: usize, particle: usize) -> [f64; 3] {
+        let d = self.scene.dimension;
+        let mut x = [0.0; 3];
+        if let Some(position) = self.positions(sample).get(d * particle..d * (particle + 1)) {
+            x[..d].copy_from_slice(position);
+        }
+        x
+    }
+
+    /// The energy at each sample.
+    pub fn energies(&self) -> Vec<f64> {
+        let sum = |(kinetic, potential)| kinetic + potential;
+        self.samples.kinetic.iter().zip(&self.samples.potential).map(sum).collect()
+    }
+
+    /// The kinetic energy at each sample.
+    pub fn kinetic_energies(&self) -> &[f64] {
+        &self.samples.kinetic
+    }
+
+    /// The linear momentum of the free particles at each sample, as a vector in space.
+    pub fn linear_momenta(&self) -> &[[f64; 3]] {
+        &self.samples.linear
+    }
+
+    /// The angular momentum of the free particles about the origin at each sample.
+    pub fn angular_momenta(&self) -> &[[f64; 3]] {
+        &self.samples.angular
+    }
+
+    /// The headings of the observables' columns, with units.
+    pub fn headings(&self) -> Vec<String> {
+        self.scene.observables.iter().flat_map(|o| o.headings(&self.scene)).collect()
+    }
+
+    /// The observables at a sample, a number for each heading. Empty where there is no such sample.
+    pub fn observed(&self, sample: usize) -> &[f64] {
+        let n = self.samples.columns;
+        self.samples.observed.get(n * sample..n * (sample + 1)).unwrap_or_default()
+    }
+
+    /// What the steps cost.
+    pub fn cost(&self) -> Cost {
+        self.cost
+    }
+
+    /// What the run comes to, in numbers that another processor reproduces.
+    pub fn summary(&self) -> Summary {
+        Summary::of(self)
+    }
+
+    /// Writes `trajectory.csv`, `observables.csv` and `picture.svg` into a folder, which is made
+    /// where it is missing.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
+        let folder = folder.as_ref();
+        std::fs::create_dir_all(folder)
+            .map_err(|source| WriteError { path: folder.to_owned(), source })?;
+        csv::write(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
+        csv::write(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        csv::write(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))
+    }
+
+    /// The picture of the run, as the text of an SVG file.
+    pub fn picture(&self) -> String {
+        picture::Picture::of(self).to_string()
+    }
+}

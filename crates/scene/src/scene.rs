@@ -1,0 +1,225 @@
+//! A scene: what a file has said, checked. It can be run, and run otherwise.
+
+use std::path::Path;
+
+use stationary_integrators::Method;
+
+use crate::assembly::assemble;
+use crate::declaration::Declaration;
+use crate::diagnostic::Checked;
+use crate::source::{self, diagnose};
+use crate::{Fault, Link, Motion, Observable, Particle, SceneError, Units, limits};
+
+/// Particles and what acts on them, a method, and what is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub(crate) title: String,
+    pub(crate) dimension: usize,
+    pub(crate) units: Units,
+    pub(crate) method: Method,
+    pub(crate) timing: Timing,
+    pub(crate) gravity: Gravity,
+    pub(crate) particles: Vec<Particle>,
+    pub(crate) written_out: usize,
+    pub(crate) links: Vec<Link>,
+    pub(crate) observables: Vec<Observable>,
+    pub(crate) view: [f64; 3],
+}
+
+/// The gravity of a scene, where it has one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gravity {
+    /// The acceleration of a uniform field. Components beyond the scene's dimension are zero.
+    pub acceleration: Option<[f64; 3]>,
+    /// The constant G of the attraction of every two particles.
+    pub constant: Option<f64>,
+}
+
+/// Equal steps to a horizon, and how many of them from one sample to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    step: f64,
+    horizon: f64,
+    steps: u64,
+    sample_every: u64,
+}
+
+/// How far from a whole number of steps a horizon may be, relative to it: rounding, no more.
+const WHOLE: f64 = 1e-9;
+
+impl Timing {
+    pub(crate) fn new(step: f64, horizon: f64, sample_every: u64) -> Result<Self, Fault> {
+        let steps = horizon / step;
+        let whole = steps.round();
+        if whole > limits::STEPS as f64 {
+            let count = whole as u64;
+            return Err(Fault::TooMany { what: "steps", count, limit: limits::STEPS });
+        }
+        if whole < 1.0 || (steps - whole).abs() > WHOLE * whole {
+            return Err(Fault::NotWhole { step, steps });
+        }
+        Ok(Timing { step, horizon, steps: whole as u64, sample_every })
+    }
+
+    /// The step.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// The time to which the scene runs.
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
+    /// The number of steps.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The number of steps from one sample to the next.
+    pub fn sample_every(&self) -> u64 {
+        self.sample_every
+    }
+
+    /// The number of samples: the start, every so many steps, and the end.
+    pub fn samples(&self) -> u64 {
+        1 + self.steps.div_ceil(self.sample_every)
+    }
+}
+
+impl Scene {
+    /// The scene that a text describes. `name` stands in errors where a file's name would, and for
+    /// a title where the text gives none.
+    pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
+        let bytes = text.len() as u64;
+        if bytes > limits::FILE_BYTES {
+            return Err(SceneError::TooLarge { name: name.to_owned(), bytes });
+        }
+        let scene = source::parse(text).and_then(|declared| assemble(name, &declared));
+        scene.map_err(|located| diagnose(name, text, *located))
+    }
+
+    /// The scene that a file describes.
+    pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse(&path.display().to_string(), &source::read(path)?)
+    }
+
+    /// The scene that a text describes, once `change` has been made to its declarations.
+    pub(crate) fn parse_changed(
+        name: &str,
+        text: &str,
+        change: impl FnOnce(&mut Declaration),
+    ) -> Result<Scene, SceneError> {
+        let changed = |mut declared: Declaration| -> Checked<Scene> {
+            change(&mut declared);
+            assemble(name, &declared)
+        };
+        source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
+    }
+
+    /// The same scene with another method.
+    pub fn with_method(self, method: Method) -> Scene {
+        Scene { method, ..self }
+    }
+
+    /// The same scene with another step, sampled at about the same times.
+    pub fn with_step(self, step: f64) -> Result<Scene, Fault> {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(Fault::NotPositive { what: "the step", value: step });
+        }
+        let old = self.timing;
+        let every = (old.sample_every as f64 * (old.step / step)).round().max(1.0) as u64;
+        let scene = Scene { timing: Timing::new(step, old.horizon, every)?, ..self };
+        scene.check_samples()?;
+        Ok(scene)
+    }
+
+    /// The same scene to another horizon, a whole number of its steps.
+    pub fn with_horizon(self, horizon: f64) -> Result<Scene, Fault> {
+        if !(horizon > 0.0 && horizon.is_finite()) {
+            return Err(Fault::NotPositive { what: "the horizon", value: horizon });
+        }
+        let timing = Timing::new(self.timing.step, horizon, self.timing.sample_every)?;
+        let scene = Scene { timing, ..self };
+        scene.check_samples()?;
+        Ok(scene)
+    }
+
+    /// Its title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Its dimension: 1, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The words for its units.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// Its method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Its step, horizon and samples.
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Its gravity.
+    pub fn gravity(&self) -> Gravity {
+        self.gravity
+    }
+
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets.
+    pub fn particles(&self) -> &[Particle] {
+        &self.particles
+    }
+
+    /// Its springs: those of nets, then those that are written out.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// What a run writes down besides the positions.
+    pub fn observables(&self) -> &[Observable] {
+        &self.observables
+    }
+
+    /// The number of its freedoms.
+    pub fn freedoms(&self) -> usize {
+        let free = |particle: &&Particle| matches!(particle.motion, Motion::Free { .. });
+        self.dimension * self.particles.iter().filter(free).count()
+    }
+
+    /// The particles whose paths a picture shows: those written out and those observed.
+    pub(crate) fn followed(&self) -> Vec<usize> {
+        let observed = self.observables.iter().filter_map(|observable| match *observable {
+            Observable::Position(particle) | Observable::Velocity(particle) => Some(particle),
+            _ => None,
+        });
+        let mut followed: Vec<usize> =
+            (0..self.written_out).chain(observed.filter(|&p| p >= self.written_out)).collect();
+        followed.sort_unstable();
+        followed.dedup();
+        followed
+    }
+
+    /// An error where the samples would be more numbers than are kept.
+    pub(crate) fn check_samples(&self) -> Result<(), Fault> {
+        let columns: usize = self.observables.iter().map(|o| o.headings(self).len()).sum();
+        // Positions, observables, and the time, energies and momenta that every sample has.
+        let per_sample = (self.dimension * self.particles.len() + columns + 9) as u64;
+        let numbers = self.timing.samples().saturating_mul(per_sample);
+        if numbers <= limits::SAMPLED_NUMBERS {
+            return Ok(());
+        }
+        let rows = (limits::SAMPLED_NUMBERS / per_sample).saturating_sub(1).max(1);
+        Err(Fault::TooManySamples { numbers, enough: self.timing.steps.div_ceil(rows) })
+    }
+}

@@ -1,0 +1,58 @@
+//! Springs between particles.
+
+use stationary_elasticity::{Spring, SpringError, Strain};
+
+use crate::declaration::SpringDeclaration;
+use crate::diagnostic::{Checked, at};
+use crate::particles::Roster;
+use crate::{Fault, check};
+
+/// A spring between two of the scene's particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
+    pub ends: [usize; 2],
+    /// Its length at rest.
+    pub rest_length: f64,
+    /// Its stiffness, force per length.
+    pub stiffness: f64,
+    /// Its measure of stretch.
+    pub strain: Strain,
+}
+
+/// The strains by name.
+const STRAINS: [(&str, Strain); 2] = [("cauchy", Strain::Cauchy), ("green", Strain::Green)];
+
+/// The strain of this name, Cauchy's where there is none.
+pub(crate) fn strain(name: Option<&toml::Spanned<String>>) -> Checked<Strain> {
+    match name {
+        Some(name) => check::word("strain", name.get_ref(), name.span(), &STRAINS),
+        None => Ok(Strain::default()),
+    }
+}
+
+/// The spring that is declared; its rest length is that at the start unless it is given.
+pub(crate) fn declare(roster: &Roster, declared: &SpringDeclaration) -> Checked<Link> {
+    let ends = roster.pair("a spring", &declared.between)?;
+    let stiffness = check::positive("the stiffness", &declared.stiffness)?;
+    let strain = strain(declared.strain.as_ref())?;
+    let [x, y] = ends.map(|end| roster.particles[end].position);
+    let start = (0..3).map(|c| (y[c] - x[c]) * (y[c] - x[c])).sum::<f64>().sqrt();
+    let (rest_length, place) = match &declared.rest_length {
+        Some(length) => (check::finite("the rest length", length)?, length.span()),
+        None => (start, declared.between.span()),
+    };
+    let same = |end: usize| roster.particles[end].name.clone();
+    Spring::new(ends, rest_length, stiffness, strain).map_err(|error| match error {
+        SpringError::Loop(end) => at(declared.between.span(), Fault::Loop(same(end))),
+        _ if declared.rest_length.is_none() => at(place.clone(), Fault::NoRestLength),
+        _ => at(place.clone(), Fault::RestLength(rest_length)),
+    })?;
+    match (start == 0.0, strain) {
+        (true, _) if declared.rest_length.is_none() => Err(at(place, Fault::NoRestLength)),
+        (true, Strain::Cauchy) if rest_length > 0.0 => {
+            Err(at(declared.between.span(), Fault::Spike))
+        }
+        _ => Ok(Link { ends, rest_length, stiffness, strain }),
+    }
+}

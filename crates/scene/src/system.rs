@@ -1,0 +1,159 @@
+//! The mechanical system of a scene: only what the scene names is built.
+//!
+//! ```text
+//! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs
+//! ```
+//! Particles that are free come first, in the scene's order, D freedoms each; pinned ones have no
+//! freedoms and are the fixed vertices of the springs.
+
+use stationary_calculus::{
+    Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
+};
+use stationary_elasticity::Spring;
+use stationary_integrators::problems::Problem;
+use stationary_integrators::{Evaluation, Integrator, NewtonianGravity, State, UniformGravity};
+
+use crate::{AssemblyError, Motion, Scene};
+
+/// The potential of a scene. Its springs may be none.
+#[derive(Clone, Debug)]
+pub struct ScenePotential<const D: usize> {
+    parts: Parts<D>,
+}
+
+type Parts<const D: usize> =
+    (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>, Stencils<Spring, 2, D>);
+
+/// A scene as a problem: a system, where it starts, and for how long.
+pub type SceneProblem<const D: usize> =
+    Problem<DiagonalMetric<Vec<f64>>, ScenePotential<D>, Vec<f64>>;
+
+impl<const D: usize> Potential for ScenePotential<D> {
+    fn dim(&self) -> usize {
+        self.parts.dim()
+    }
+
+    #[inline]
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.parts.energy(q)
+    }
+
+    #[inline]
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.parts.add_differential(q, dv);
+    }
+
+    #[inline]
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        self.parts.add_hessian(q, hessian);
+    }
+}
+
+/// The order of the particles as vertices: the free ones first, each part in the scene's order.
+#[derive(Clone, Debug)]
+pub(crate) struct Vertices {
+    /// The vertex of each particle.
+    pub(crate) of_particle: Vec<usize>,
+    /// The particle of each vertex.
+    pub(crate) particles: Vec<usize>,
+    /// The number of free ones.
+    pub(crate) free: usize,
+}
+
+impl Vertices {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let all = || 0..scene.particles.len();
+        let pinned = |&particle: &usize| scene.particles[particle].motion == Motion::Pinned;
+        let mut particles: Vec<usize> = all().filter(|particle| !pinned(particle)).collect();
+        let free = particles.len();
+        particles.extend(all().filter(pinned));
+        let mut of_particle = vec![0; particles.len()];
+        for (vertex, &particle) in particles.iter().enumerate() {
+            of_particle[particle] = vertex;
+        }
+        Vertices { of_particle, particles, free }
+    }
+}
+
+/// The first D components, D <= 3.
+pub(crate) fn leading<const D: usize>(x: [f64; 3]) -> [f64; D] {
+    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
+}
+
+impl Scene {
+    /// The scene as a problem of its dimension D, called `scene`. It knows no true solution, and
+    /// its period is its horizon; its scale is the largest distance from the middle.
+    pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
+        if D != self.dimension {
+            return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
+        }
+        let vertices = Vertices::new(self);
+        let (free, pinned) = vertices.particles.split_at(vertices.free);
+        let position = |&particle: &usize| leading::<D>(self.particles[particle].position);
+
+        let (mut masses, mut momenta) = (Vec::new(), Vec::new());
+        for &particle in free {
+            if let Motion::Free { mass, momentum } = self.particles[particle].motion {
+                masses.push(mass);
+                momenta.extend(leading::<D>(momentum));
+            }
+        }
+        let springs = self.links.iter().map(|link| {
+            let ends = link.ends.map(|end| vertices.of_particle[end]);
+            Spring::new(ends, link.rest_length, link.stiffness, link.strain)
+        });
+        let springs = springs.collect::<Result<Vec<_>, _>>()?;
+
+        let uniform = self.gravity.acceleration.map(|acceleration| UniformGravity {
+            acceleration: leading::<D>(acceleration),
+            masses: masses.clone(),
+        });
+        let newtonian = self
+            .gravity
+            .constant
+            .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
+        let springs = Stencils::new(free.len(), pinned.iter().map(position).collect(), springs)?;
+        let potential = ScenePotential { parts: (uniform, newtonian, springs) };
+        let q = free.iter().flat_map(position).collect();
+        Ok(Problem {
+            name: "scene",
+            system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
+            initial: State::new(q, momenta),
+            horizon: self.timing.horizon(),
+            period: self.timing.horizon(),
+            scale: self.scale(),
+            solution: Box::new(|_| None),
+            solution_error: f64::INFINITY,
+        })
+    }
+
+    /// The scene's method on its problem, with a sparse solver where that pays.
+    pub fn integrator<'s, const D: usize>(
+        &self,
+        problem: &'s SceneProblem<D>,
+    ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
+        /// Freedoms up to which a full matrix is factored.
+        const FEW: usize = 32;
+        let system = &problem.system;
+        let explicit = self.method.facts().evaluation == Evaluation::Explicit;
+        if explicit || system.dim() <= FEW {
+            return Ok(self.method.integrator(system)?);
+        }
+        let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
+        Ok(self.method.integrator_with(system, solver)?)
+    }
+
+    /// The largest distance of a particle from the middle of all; one where that is zero.
+    fn scale(&self) -> f64 {
+        let count = self.particles.len() as f64;
+        let middle: [f64; 3] = std::array::from_fn(|c| {
+            self.particles.iter().map(|particle| particle.position[c] / count).sum()
+        });
+        let from_middle = |x: [f64; 3]| -> f64 {
+            (0..3).map(|c| (x[c] - middle[c]) * (x[c] - middle[c])).sum::<f64>().sqrt()
+        };
+        let distances = self.particles.iter().map(|particle| from_middle(particle.position));
+        let largest = distances.fold(0.0, f64::max);
+        if largest > 0.0 && largest.is_finite() { largest } else { 1.0 }
+    }
+}

@@ -1,0 +1,60 @@
+//! No step allocates: every method, on arrays and on vectors, dense and sparse.
+
+use allocation_counter::measure;
+use stationary_calculus::{DiagonalMetric, SparseSolver, Storage, System};
+use stationary_calculus::{Metric, Potential, Stencils};
+use stationary_elasticity::{Net, Strain, net};
+use stationary_integrators::problems::kepler;
+use stationary_integrators::{Evaluation, Integrator, Method, State, UniformGravity};
+
+/// Allocations in ten steps after a first one.
+fn allocations<C: Storage>(integrator: &mut dyn Integrator<C>, state: &State<C>, h: f64) -> u64 {
+    let mut state = state.clone();
+    integrator.step(&mut state, h).unwrap();
+    let counted = measure(|| {
+        for _ in 0..10 {
+            integrator.step(&mut state, h).unwrap();
+        }
+    });
+    counted.count_total
+}
+
+fn checked<M: Metric, P: Potential, C: Storage>(
+    method: Method,
+    system: &System<M, P>,
+    state: &State<C>,
+    h: f64,
+) {
+    let mut integrator = method.integrator(system).unwrap();
+    assert_eq!(allocations(&mut *integrator, state, h), 0, "{method}");
+}
+
+#[test]
+fn no_method_allocates_in_a_step() {
+    let planet = kepler(0.6).unwrap();
+    let State { q, p } = planet.initial.clone();
+    for method in Method::ALL {
+        checked(method, &planet.system, &planet.initial, 0.01);
+        checked(method, &planet.system, &State::new(q.to_vec(), p.0.to_vec()), 0.01);
+    }
+}
+
+#[test]
+fn no_implicit_method_allocates_in_a_sparse_step() {
+    let size = Net { rows: 10, columns: 10, spacing: 0.1, stiffness: 50.0, strain: Strain::Cauchy };
+    let springs = Stencils::<_, 2, 2>::new(100, Vec::new(), net(size).unwrap()).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -9.81], masses: vec![0.01; 100] };
+    let metric = DiagonalMetric::particles::<2>(&[0.01; 100]).unwrap();
+    let system = System::new(metric, (springs, gravity)).unwrap();
+    let q: Vec<f64> = (0..200)
+        .map(|i| 0.1 * [i / 2 % 10, i / 2 / 10][i % 2] as f64 * (1.0 + 0.02 * (i as f64).sin()))
+        .collect();
+    let state = State::new(q.clone(), vec![0.0; 200]);
+    for method in Method::ALL {
+        if method.facts().evaluation == Evaluation::Implicit {
+            let solver = SparseSolver::new(system.metric(), system.potential(), &q).unwrap();
+            let mut integrator = method.integrator_with(&system, solver).unwrap();
+            assert_eq!(allocations(&mut *integrator, &state, 0.01), 0, "{method}");
+        }
+    }
+}

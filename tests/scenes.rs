@@ -1,0 +1,29 @@
+//! The shipped scenes end to end: from the file to the summary and the files written.
+
+use std::path::PathBuf;
+
+use xtask::report::Progress;
+use xtask::run::run_scene;
+
+/// Runs a shipped scene into a fresh folder and returns its summary.
+fn run(name: &str) -> (String, PathBuf) {
+    let scenes = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../crates/scene/scenes");
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let summary = run_scene(&scenes.join(format!("{name}.toml")), &out, Progress::Hidden);
+    (summary.expect("a scene that runs").to_string(), out)
+}
+
+#[test]
+fn the_outer_solar_system_keeps_its_energy_and_momenta() {
+    let (summary, out) = run("outer-solar-system");
+    insta::assert_snapshot!(summary);
+    for file in ["trajectory.csv", "observables.csv", "picture.svg"] {
+        assert!(out.join(file).metadata().expect("a file").len() > 100, "{file}");
+    }
+}
+
+#[test]
+fn the_spring_net_hangs_from_its_corners() {
+    let (summary, _) = run("spring-net");
+    insta::assert_snapshot!(summary);
+}

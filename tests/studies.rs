@@ -1,0 +1,47 @@
+//! Snapshots of the studies' tables and claims: every deterministic number of the report.
+//!
+//! A user's own study is tested in the same way: `insta::assert_snapshot!(convergence.table())`.
+
+use xtask::studies::STUDIES;
+use xtask::study::Size;
+
+/// The text of a study that another processor reproduces.
+fn text(id: &str) -> String {
+    let entry = STUDIES.iter().find(|entry| entry.id == id).expect("a listed study");
+    let study = entry.measure(Size::Default).expect("a study that runs");
+    let claims: Vec<String> = study
+        .claims
+        .iter()
+        .map(|claim| format!("{} {}", if claim.holds() { "holds:" } else { "BROKEN:" }, claim.text))
+        .collect();
+    assert!(study.claims.iter().all(xtask::study::Claim::holds), "{}", claims.join("\n"));
+    format!("{}\n\n{}\n{}", study.title, study.table, claims.join("\n"))
+}
+
+macro_rules! snapshots {
+    ($($name:ident: $id:literal),+ $(,)?) => {
+        $(
+            #[test]
+            fn $name() {
+                insta::assert_snapshot!(text($id));
+            }
+        )+
+    };
+}
+
+snapshots! {
+    derivative_check: "derivative-check",
+    newton_wrong_derivatives: "newton-wrong-derivatives",
+    newton_initial_guesses: "newton-initial-guesses",
+    one_step: "one-step",
+    pendulum_convergence: "pendulum-convergence",
+    table_4_1: "table-4-1",
+    spring_pendulum_stability: "spring-pendulum-stability",
+}
+
+#[test]
+fn every_study_has_a_name_of_its_own() {
+    for (i, entry) in STUDIES.iter().enumerate() {
+        assert!(STUDIES[..i].iter().all(|other| other.id != entry.id), "{}", entry.id);
+    }
+}

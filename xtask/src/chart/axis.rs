@@ -1,0 +1,431 @@
+//! An axis: what it shows, how it maps values to pixels, and where its ticks are.
+
+use super::label::{Label, TEXT, fixed, wrapped};
+
+/// How an axis is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences are equally long.
+    Linear,
+    /// Equal ratios are equally long; only positive numbers have a place.
+    Log,
+}
+
+/// What an axis shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// The quantity, in words.
+    pub title: String,
+    /// Its unit; empty where there is none.
+    pub unit: String,
+    /// How it is divided.
+    pub scale: Scale,
+}
+
+impl Axis {
+    /// An axis of equal differences.
+    pub fn linear(title: &str, unit: &str) -> Self {
+        Axis { title: title.into(), unit: unit.into(), scale: Scale::Linear }
+    }
+
+    /// An axis of equal ratios.
+    pub fn log(title: &str, unit: &str) -> Self {
+        Axis { title: title.into(), unit: unit.into(), scale: Scale::Log }
+    }
+
+    /// The title with its unit in brackets, and before the unit the power of ten that the ticks
+    /// leave out, on as many lines as the width asks for.
+    pub(super) fn heading(&self, left_out: i32, width: f64) -> Vec<Label> {
+        let mut lines: Vec<Label> =
+            wrapped(&self.title, width, TEXT).into_iter().map(Label::plain).collect();
+        let Some(unit) = self.unit_label(left_out) else { return lines };
+        match lines.pop() {
+            Some(last) if last.width() + unit.width() + 4.0 <= width => {
+                lines.push(last.then(Label::plain(" ")).then(unit));
+            }
+            last => lines.extend(last.into_iter().chain([unit])),
+        }
+        lines
+    }
+
+    fn unit_label(&self, left_out: i32) -> Option<Label> {
+        let factor = (left_out != 0).then(|| Label::power_of_ten(left_out));
+        let unit = (!self.unit.is_empty()).then(|| Label::plain(self.unit.clone()));
+        let inside = match (factor, unit) {
+            (None, None) => return None,
+            (Some(factor), Some(unit)) => factor.then(Label::plain(" ")).then(unit),
+            (Some(one), None) | (None, Some(one)) => one,
+        };
+        Some(Label::plain("[").then(inside).then(Label::plain("]")))
+    }
+}
+
+/// Where a value is on an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// At this pixel.
+    At(f64),
+    /// Zero or negative on a logarithmic axis: before its start.
+    Before,
+    /// NaN or infinite: nowhere.
+    Nowhere,
+}
+
+/// An axis with its extent, laid over pixels from `start` to `end` (which may run backwards).
+#[derive(Clone, Debug)]
+pub(super) struct Ruler {
+    scale: Scale,
+    low: f64,
+    high: f64,
+    start: f64,
+    end: f64,
+}
+
+impl Ruler {
+    /// Covers the values that have a place, with `margin` (a share of the extent) on both sides.
+    pub(super) fn covering(
+        scale: Scale,
+        values: impl IntoIterator<Item = f64>,
+        margin: f64,
+        (start, end): (f64, f64),
+    ) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.into_iter().filter_map(|value| measure(scale, value)) {
+            low = low.min(value);
+            high = high.max(value);
+        }
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        // A single value, or values apart by rounding only, still need an extent to be seen in.
+        let narrowest = match scale {
+            Scale::Log => 0.3,
+            Scale::Linear => (1e-12 * low.abs().max(high.abs())).max(f64::MIN_POSITIVE * 1e16),
+        };
+        if high - low < narrowest {
+            let middle = 0.5 * (low + high);
+            let half = match scale {
+                Scale::Log => 0.5,
+                Scale::Linear if middle == 0.0 => 1.0,
+                Scale::Linear => 0.1 * middle.abs(),
+            };
+            (low, high) = (middle - half, middle + half);
+        }
+        let margin = margin * (high - low);
+        Ruler { scale, low: low - margin, high: high + margin, start, end }
+    }
+
+    /// The same extent over other pixels.
+    pub(super) fn over(&self, (start, end): (f64, f64)) -> Self {
+        Ruler { start, end, ..self.clone() }
+    }
+
+    /// Length of the extent, in units (or decades) of the axis.
+    pub(super) fn extent(&self) -> f64 {
+        self.high - self.low
+    }
+
+    pub(super) fn start(&self) -> f64 {
+        self.start
+    }
+
+    pub(super) fn place(&self, value: f64) -> Place {
+        if !value.is_finite() {
+            return Place::Nowhere;
+        }
+        match measure(self.scale, value) {
+            Some(measure) => Place::At(self.pixel(measure)),
+            None => Place::Before,
+        }
+    }
+
+    /// The pixel of a value that has one.
+    pub(super) fn at(&self, value: f64) -> Option<f64> {
+        match self.place(value) {
+            Place::At(pixel) => Some(pixel),
+            Place::Before | Place::Nowhere => None,
+        }
+    }
+
+    fn pixel(&self, measure: f64) -> f64 {
+        let share = (measure - self.low) / (self.high - self.low);
+        (self.start + share * (self.end - self.start)).clamp(-1e5, 1e5)
+    }
+
+    /// Pixels per unit (or decade).
+    pub(super) fn density(&self) -> f64 {
+        (self.end - self.start).abs() / (self.high - self.low)
+    }
+}
+
+/// The value as the axis measures it: itself, or its decimal logarithm.
+pub(super) fn measure(scale: Scale, value: f64) -> Option<f64> {
+    match scale {
+        _ if !value.is_finite() => None,
+        Scale::Linear => Some(value),
+        Scale::Log if value > 0.0 => Some(value.log10()),
+        Scale::Log => None,
+    }
+}
+
+/// A tick: where, and what it says; minor ticks say nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Tick {
+    pub(super) pixel: f64,
+    pub(super) label: Option<Label>,
+}
+
+/// The ticks of an axis and the power of ten that their labels leave out.
+#[derive(Clone, Debug)]
+pub(super) struct Ticks {
+    pub(super) ticks: Vec<Tick>,
+    pub(super) left_out: i32,
+}
+
+impl Ticks {
+    pub(super) fn widest(&self) -> f64 {
+        self.ticks.iter().filter_map(|t| t.label.as_ref()).map(Label::width).fold(0.0, f64::max)
+    }
+}
+
+/// How much room a tick's label needs along its axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Along {
+    /// Labels side by side: their width counts.
+    Horizontal,
+    /// Labels above each other: their height counts.
+    Vertical,
+}
+
+impl Along {
+    fn room(self, labels: &[Label]) -> f64 {
+        match self {
+            Along::Horizontal => labels.iter().map(Label::width).fold(30.0, f64::max) + 14.0,
+            Along::Vertical => 38.0,
+        }
+    }
+}
+
+impl Ruler {
+    /// As many ticks as there is room for, at round numbers.
+    pub(super) fn ticks(&self, along: Along) -> Ticks {
+        match self.scale {
+            Scale::Linear => self.linear_ticks(self.low, self.high, along),
+            Scale::Log if self.extent() < 2.2 => self.ticks_within_decades(along),
+            Scale::Log => self.decade_ticks(along),
+        }
+    }
+
+    fn linear_ticks(&self, low: f64, high: f64, along: Along) -> Ticks {
+        let largest = low.abs().max(high.abs());
+        let magnitude = largest.log10().floor() as i32;
+        let left_out = if (-2..5).contains(&magnitude) { 0 } else { magnitude.div_euclid(3) * 3 };
+        let unit = 10_f64.powi(left_out);
+        let finest = ((high - low) / 40.0).log10().floor() as i32;
+        let mut ticks = Vec::new();
+        // Coarser and coarser; nine decades are beyond any chart, so the search ends.
+        for (exponent, mantissa) in
+            (finest..finest + 9).flat_map(|e| [(e, 1.0), (e, 2.0), (e, 5.0)])
+        {
+            let step = mantissa * 10_f64.powi(exponent);
+            let first = (low / step).ceil();
+            let count = ((high / step).floor() - first) as usize + 1;
+            if !step.is_normal() || count > 60 {
+                continue;
+            }
+            let decimals = (left_out - exponent).clamp(0, 15) as usize;
+            let values: Vec<f64> = (0..count).map(|i| (first + i as f64) * step).collect();
+            let labels: Vec<Label> =
+                values.iter().map(|v| Label::plain(fixed(v / unit, decimals))).collect();
+            let fits = step * self.linear_density() >= along.room(&labels);
+            ticks = values
+                .iter()
+                .zip(labels)
+                .filter_map(|(&v, label)| Some(Tick { pixel: self.at(v)?, label: Some(label) }))
+                .collect();
+            if fits {
+                break;
+            }
+        }
+        Ticks { ticks, left_out }
+    }
+
+    /// Pixels per unit at the crowded end of the axis.
+    fn linear_density(&self) -> f64 {
+        match self.scale {
+            Scale::Linear => self.density(),
+            Scale::Log => self.density() / (10_f64.powf(self.high) * std::f64::consts::LN_10),
+        }
+    }
+
+    /// Less than about two decades: round multiples of powers of ten, or round differences.
+    fn ticks_within_decades(&self, along: Along) -> Ticks {
+        let every: &[u32] = &[1, 2, 3, 4, 5, 6, 7, 8, 9];
+        for mantissas in [every, &[1, 2, 3, 5, 7], &[1, 2, 5], &[1, 3], &[1]] {
+            let values: Vec<(u32, i32)> = (self.low.floor() as i32..=self.high.ceil() as i32)
+                .flat_map(|e| mantissas.iter().map(move |&m| (m, e)))
+                .filter(|&(m, e)| self.holds(f64::from(m).log10() + f64::from(e)))
+                .collect();
+            let labels: Vec<Label> = values.iter().map(|&(m, e)| self.log_label(m, e)).collect();
+            let pixels: Vec<f64> = values
+                .iter()
+                .map(|&(m, e)| self.pixel(f64::from(m).log10() + f64::from(e)))
+                .collect();
+            let closest =
+                pixels.windows(2).map(|p| (p[1] - p[0]).abs()).fold(f64::INFINITY, f64::min);
+            if values.len() >= 2 && closest >= along.room(&labels) {
+                let ticks = pixels
+                    .into_iter()
+                    .zip(labels)
+                    .map(|(pixel, label)| Tick { pixel, label: Some(label) })
+                    .collect();
+                return Ticks { ticks, left_out: 0 };
+            }
+        }
+        self.linear_ticks(10_f64.powf(self.low), 10_f64.powf(self.high), along)
+    }
+
+    fn decade_ticks(&self, along: Along) -> Ticks {
+        let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
+        let stride = [1, 2, 3, 4, 5, 10, 20, 50, 100, 200]
+            .into_iter()
+            .find(|&stride| {
+                let labels: Vec<Label> = (first..=last)
+                    .filter(|e| e % stride == 0)
+                    .map(|e| self.log_label(1, e))
+                    .collect();
+                f64::from(stride) * self.density() >= along.room(&labels)
+            })
+            .unwrap_or(500);
+        let majors = (first..=last).map(|e| Tick {
+            pixel: self.pixel(f64::from(e)),
+            label: (e % stride == 0).then(|| self.log_label(1, e)),
+        });
+        let fine = if stride == 1 && self.density() > 36.0 { 2..10 } else { 2..2 };
+        let minors = (first - 1..=last)
+            .flat_map(|e| fine.clone().map(move |m| f64::from(m).log10() + f64::from(e)))
+            .filter(|&measure| self.holds(measure))
+            .map(|measure| Tick { pixel: self.pixel(measure), label: None });
+        Ticks { ticks: majors.chain(minors).collect(), left_out: 0 }
+    }
+
+    fn holds(&self, measure: f64) -> bool {
+        self.low <= measure && measure <= self.high
+    }
+
+    /// Plain numbers where the whole axis is made of everyday ones, else powers of ten.
+    fn log_label(&self, mantissa: u32, exponent: i32) -> Label {
+        if self.low >= -3.05 && self.high <= 4.05 {
+            let decimals = (-exponent).max(0) as usize;
+            return Label::plain(fixed(f64::from(mantissa) * 10_f64.powi(exponent), decimals));
+        }
+        Label::multiple(mantissa, exponent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::label::Run;
+
+    fn text(label: &Label) -> String {
+        label
+            .0
+            .iter()
+            .map(|run| match run {
+                Run::Plain(text) => text.clone(),
+                Run::Raised(text) => format!("^{text}"),
+            })
+            .collect()
+    }
+
+    fn texts(ruler: &Ruler) -> Vec<String> {
+        let ticks = ruler.ticks(Along::Horizontal);
+        ticks.ticks.iter().filter_map(|t| t.label.as_ref()).map(text).collect()
+    }
+
+    #[test]
+    fn linear_ticks_are_round_numbers() {
+        let ruler = Ruler::covering(Scale::Linear, [0.0, 10.0], 0.0, (0.0, 300.0));
+        assert_eq!(texts(&ruler), ["0", "2", "4", "6", "8", "10"]);
+    }
+
+    #[test]
+    fn large_and_small_numbers_leave_a_power_of_ten_to_the_title() {
+        let ruler = Ruler::covering(Scale::Linear, [0.0, 3e-7], 0.0, (0.0, 250.0));
+        assert_eq!(ruler.ticks(Along::Horizontal).left_out, -9);
+        assert_eq!(texts(&ruler), ["0", "100", "200", "300"]);
+        let heading = Axis::linear("drift", "J").heading(-9, 300.0);
+        assert_eq!(heading.iter().map(text).collect::<Vec<_>>(), ["drift [10^−9 J]"]);
+    }
+
+    #[test]
+    fn decades_are_written_as_powers() {
+        let ruler = Ruler::covering(Scale::Log, [1e-6, 1.0], 0.0, (0.0, 420.0));
+        assert_eq!(texts(&ruler), ["10^−6", "10^−5", "10^−4", "10^−3", "10^−2", "10^−1", "1"]);
+    }
+
+    #[test]
+    fn labels_never_overlap_at_any_width_or_range() {
+        for width in [40.0, 90.0, 200.0, 333.0, 560.0, 1200.0] {
+            for decades in [0.31, 0.5, 0.9, 1.3, 2.0, 3.7, 8.0, 16.0, 40.0, 600.0] {
+                for start in [-300.0_f64, -16.0, -3.2, -0.1, 0.0, 5.0] {
+                    let values = [10_f64.powf(start), 10_f64.powf(start + decades)];
+                    for scale in [Scale::Log, Scale::Linear] {
+                        let ruler = Ruler::covering(scale, values, 0.04, (0.0, width));
+                        for along in [Along::Horizontal, Along::Vertical] {
+                            assert_no_overlap(&ruler, along);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn assert_no_overlap(ruler: &Ruler, along: Along) {
+        let mut spans: Vec<(f64, f64)> = ruler
+            .ticks(along)
+            .ticks
+            .iter()
+            .filter_map(|tick| {
+                let half = match along {
+                    Along::Horizontal => 0.5 * tick.label.as_ref()?.width(),
+                    Along::Vertical => 8.0,
+                };
+                tick.label.as_ref()?;
+                Some((tick.pixel - half, tick.pixel + half))
+            })
+            .collect();
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert!(spans.windows(2).all(|s| s[0].1 <= s[1].0), "{ruler:?} {along:?} {spans:?}");
+    }
+
+    #[test]
+    fn a_narrow_logarithmic_axis_still_has_two_labels() {
+        for (low, high) in [(1.0, 1.9), (3.1e-5, 5.2e-5), (2.0, 9.0), (0.95, 1.06)] {
+            let ruler = Ruler::covering(Scale::Log, [low, high], 0.0, (0.0, 400.0));
+            assert!(texts(&ruler).len() >= 2, "{low} {high} {:?}", texts(&ruler));
+        }
+    }
+
+    #[test]
+    fn values_without_a_place_do_not_stretch_the_axis() {
+        let values = [f64::NAN, f64::INFINITY, -1.0, 0.0, 10.0, 1000.0];
+        let ruler = Ruler::covering(Scale::Log, values, 0.0, (0.0, 100.0));
+        assert_eq!(ruler.at(10.0), Some(0.0));
+        assert_eq!(ruler.at(1000.0), Some(100.0));
+        assert_eq!(ruler.place(0.0), Place::Before);
+        assert_eq!(ruler.place(f64::NAN), Place::Nowhere);
+    }
+
+    #[test]
+    fn no_value_and_one_value_still_make_an_axis() {
+        for values in [vec![], vec![f64::NAN], vec![3.0], vec![0.0], vec![1e-300], vec![f64::MAX]] {
+            for scale in [Scale::Linear, Scale::Log] {
+                let ruler = Ruler::covering(scale, values.clone(), 0.04, (0.0, 300.0));
+                let ticks = ruler.ticks(Along::Horizontal);
+                assert!(ticks.ticks.iter().all(|t| t.pixel.is_finite()), "{scale:?} {values:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,465 @@
+//! Curves and points over two axes, with reference slopes, failures and the Pareto front.
+
+use super::Drawing;
+use super::axis::{Axis, Place, Ruler, Scale};
+use super::canvas::{Anchor, Canvas, polyline};
+use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use super::label::{Label, TEXT, text_width};
+use super::place::{Crowd, Rect, spread};
+use super::series::{Mark, Series, Trace, quantity};
+use super::style::Styles;
+use crate::pareto::pareto;
+
+/// Curves and points over two axes.
+#[derive(Clone, Debug)]
+pub struct Lines {
+    /// What is seen; may be empty where the study's title says it.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// The measured series.
+    pub series: Vec<Series>,
+    /// What theory predicts.
+    pub guides: Vec<Guide>,
+    /// Whether the Pareto front is marked.
+    pub front: Front,
+}
+
+/// A thin dashed line that shows a prediction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Guide {
+    /// `y` grows as `x` to a power (on logarithmic axes), or with a constant slope (on linear ones).
+    Slope {
+        /// The power, or the slope.
+        slope: f64,
+        /// A point on the line.
+        through: (f64, f64),
+        /// What it says.
+        label: String,
+    },
+    /// A curve through points.
+    Curve {
+        /// The points.
+        points: Vec<(f64, f64)>,
+        /// What it says.
+        label: String,
+    },
+}
+
+/// Whether the Pareto front is marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Front {
+    /// The chart is not a choice between methods.
+    Unmarked,
+    /// A halo joins the points of all series that no point beats on x and y.
+    Marked,
+}
+
+impl Lines {
+    /// An empty chart.
+    pub fn new(title: &str, x: Axis, y: Axis) -> Self {
+        let (series, guides) = (Vec::new(), Vec::new());
+        Lines { title: title.into(), x, y, series, guides, front: Front::Unmarked }
+    }
+
+    /// Adds a series.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds a reference slope with the label `slope 2`.
+    #[must_use]
+    pub fn slope(mut self, slope: f64, through: (f64, f64)) -> Self {
+        self.guides.push(Guide::Slope {
+            slope,
+            through,
+            label: format!("slope {slope}").replace('-', "−"),
+        });
+        self
+    }
+
+    /// Adds a predicted curve.
+    #[must_use]
+    pub fn curve(mut self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.guides
+            .push(Guide::Curve { points: points.into_iter().collect(), label: label.into() });
+        self
+    }
+
+    /// Marks the Pareto front of all series.
+    #[must_use]
+    pub fn mark_front(mut self) -> Self {
+        self.front = Front::Marked;
+        self
+    }
+
+    /// The points on the Pareto front, by increasing x, each with the name of its series.
+    pub fn front_points(&self) -> Vec<(&str, (f64, f64))> {
+        let named: Vec<(&str, (f64, f64))> = self
+            .series
+            .iter()
+            .flat_map(|s| s.shown(self.x.scale, self.y.scale).map(|p| (s.name.as_str(), p)))
+            .collect();
+        let points: Vec<(f64, f64)> = named.iter().map(|(_, point)| *point).collect();
+        pareto(&points).into_iter().map(|i| named[i]).collect()
+    }
+
+    /// The series that reaches `y <= largest` at the smallest x: the cheapest method within a
+    /// tolerance. Only measured points count, nothing is interpolated.
+    pub fn cheapest_within(&self, largest: f64) -> Option<&str> {
+        let front = self.front_points();
+        front.into_iter().find(|(_, (_, y))| *y <= largest).map(|(name, _)| name)
+    }
+
+    pub(super) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {
+        let labels = self.labels(layout);
+        let mut canvas = Canvas::default();
+        let plan = Plan {
+            layout,
+            title: &self.title,
+            axes: (&self.x, &self.y),
+            x: self.extent(self.x.scale, |(x, _)| x, self.failed_at()),
+            y: self.extent(self.y.scale, |(_, y)| y, Vec::new()),
+            right: labels.room(),
+            aspect: Aspect::Free,
+        };
+        let frame = Frame::draw(&mut canvas, plan, |x| Failures::of(self, x).lane());
+        let traces: Vec<Trace> = self
+            .series
+            .iter()
+            .map(|s| Trace::of(s, (&self.x, &self.y), &frame, styles.of(&s.name)))
+            .collect();
+        let mut crowd = Crowd::default();
+        traces.iter().flat_map(|t| &t.pieces).for_each(|piece| crowd.add_polyline(piece));
+
+        let front = self.draw_front(&mut canvas, &frame);
+        let guides = self.draw_guides(&mut canvas, &frame);
+        guides.iter().for_each(|(_, path)| crowd.add_polyline(path));
+        traces.iter().for_each(|trace| trace.draw(&mut canvas));
+        let failures = Failures::of(self, &frame.x);
+        failures.draw(&mut canvas, self, &frame, styles);
+
+        let below = match labels {
+            Labels::Direct { .. } => {
+                let ends = self.label_ends(&traces, &failures, &frame);
+                draw_direct_labels(&mut canvas, &mut crowd, &frame, &ends);
+                frame.below
+            }
+            Labels::Legend => self.draw_legend(&mut canvas, &frame, layout, styles),
+        };
+        // A prediction may be named right of the plot, in the column that is kept for names.
+        let page = Rect { right: layout.width(), ..frame.data };
+        for (text, path) in guides
+            .iter()
+            .map(|(t, p)| (t.as_str(), p))
+            .chain(front.iter().map(|path| ("Pareto front", path)))
+        {
+            draw_along(&mut canvas, &mut crowd, &page, text, path);
+        }
+        Drawing { canvas, height: below }
+    }
+
+    fn labels(&self, layout: Layout) -> Labels {
+        let names = self.series.iter().map(|s| text_width(&s.name, TEXT));
+        let widest = names.fold(0.0, f64::max);
+        let fits = widest <= 190.0 && self.series.len() as f64 * GAP <= layout.plot_height();
+        match layout {
+            Layout::Wide if fits => Labels::Direct { room: widest + COLUMN + 4.0 },
+            Layout::Wide | Layout::Narrow => Labels::Legend,
+        }
+    }
+
+    fn extent(&self, scale: Scale, of: impl Fn((f64, f64)) -> f64, more: Vec<f64>) -> Ruler {
+        let shown = self.series.iter().flat_map(|s| s.shown(self.x.scale, self.y.scale));
+        Ruler::covering(scale, shown.map(of).chain(more), 0.045, (0.0, 1.0))
+    }
+
+    fn failed_at(&self) -> Vec<f64> {
+        self.series.iter().flat_map(Series::all_failures).map(|(x, _)| x).collect()
+    }
+
+    fn draw_front(&self, canvas: &mut Canvas, frame: &Frame) -> Option<Vec<(f64, f64)>> {
+        if self.front == Front::Unmarked {
+            return None;
+        }
+        let points = self.front_points().into_iter();
+        let path: Vec<(f64, f64)> =
+            points.filter_map(|(_, (x, y))| Some((frame.x.at(x)?, frame.y.at(y)?))).collect();
+        // A front of one point is a dot: the round cap of a line without length.
+        let drawn = if let [only] = path[..] { vec![only, only] } else { path.clone() };
+        canvas.path("front", &polyline(&drawn));
+        (!path.is_empty()).then_some(path)
+    }
+
+    fn draw_guides(&self, canvas: &mut Canvas, frame: &Frame) -> Vec<(String, Vec<(f64, f64)>)> {
+        let mut drawn = Vec::new();
+        for guide in &self.guides {
+            let (label, path) = match guide {
+                Guide::Slope { slope, through, label } => {
+                    (label, slope_path(frame, *slope, *through, (self.x.scale, self.y.scale)))
+                }
+                Guide::Curve { points, label } => {
+                    let at = |&(x, y): &(f64, f64)| Some((frame.x.at(x)?, frame.y.at(y)?));
+                    (label, points.iter().filter_map(at).collect())
+                }
+            };
+            let visible: Vec<[(f64, f64); 2]> =
+                path.windows(2).filter_map(|p| frame.data.clip(p[0], p[1])).collect();
+            canvas.path("guide", &visible.iter().map(|s| polyline(s)).collect::<String>());
+            drawn.push((label.clone(), visible.into_iter().flatten().collect()));
+        }
+        drawn
+    }
+
+    /// Where the label of each series wants to be: at its end, or at its last failure.
+    fn label_ends(&self, traces: &[Trace], failures: &Failures, frame: &Frame) -> Vec<End> {
+        let named = self.series.iter().zip(traces).enumerate();
+        named
+            .filter_map(|(i, (series, trace))| {
+                let failure = || failures.last_of(i, frame).map(|at| [at, at]);
+                let [start, end] = trace.ends().or_else(failure)?;
+                Some(End { name: series.name.clone(), class: trace.style.class(), start, end })
+            })
+            .collect()
+    }
+
+    fn draw_legend(
+        &self,
+        canvas: &mut Canvas,
+        frame: &Frame,
+        layout: Layout,
+        styles: &Styles,
+    ) -> f64 {
+        let entries: Vec<LegendEntry> = self
+            .series
+            .iter()
+            .map(|series| LegendEntry {
+                class: styles.of(&series.name).class(),
+                text: series.name.clone(),
+                swatch: match series.mark {
+                    Mark::Line => Swatch::Line(None),
+                    Mark::Markers | Mark::LineAndMarkers => {
+                        Swatch::Line(Some(styles.of(&series.name)))
+                    }
+                },
+            })
+            .collect();
+        draw_legend(canvas, &entries, frame.below, layout.width())
+    }
+}
+
+/// How the series are named.
+enum Labels {
+    /// At their ends.
+    Direct {
+        /// Room right of the plot.
+        room: f64,
+    },
+    /// In rows below the chart.
+    Legend,
+}
+
+impl Labels {
+    fn room(&self) -> f64 {
+        match self {
+            Labels::Direct { room } => *room,
+            Labels::Legend => 14.0,
+        }
+    }
+}
+
+/// From the plot's right edge to the column of labels.
+const COLUMN: f64 = 22.0;
+/// Distance between two labels in the column.
+const GAP: f64 = 17.0;
+
+/// A line's name and where the line begins and ends.
+struct End {
+    name: String,
+    class: String,
+    start: (f64, f64),
+    end: (f64, f64),
+}
+
+/// A name stands beside an end of its line where that covers nothing, else in the column at the
+/// right with a leader to the end.
+fn draw_direct_labels(canvas: &mut Canvas, crowd: &mut Crowd, frame: &Frame, ends: &[End]) {
+    let plot = &frame.data;
+    let mut column: Vec<&End> = Vec::new();
+    for label in ends {
+        let width = text_width(&label.name, TEXT);
+        let spot = if label.end.0 > plot.right - 40.0 {
+            None
+        } else {
+            crowd.free(beside(label.end, label.start, width), plot)
+        };
+        match spot {
+            Some(spot) => {
+                crowd.add_label(spot);
+                draw_name(canvas, label, (spot.left, spot.bottom - 4.0));
+            }
+            None => column.push(label),
+        }
+    }
+    let ideal: Vec<f64> = column.iter().map(|label| label.end.1).collect();
+    let heights = spread(&ideal, GAP, plot.top + 6.0, plot.bottom - 6.0);
+    for (label, y) in column.into_iter().zip(heights) {
+        let (x, end) = (label.end.0 + 7.0, label.end.1);
+        let turn = (plot.right.max(x) + 4.0, end);
+        let leader = [(x, end), turn, (plot.right + COLUMN - 6.0, y)];
+        crowd.add_polyline(&leader);
+        canvas.group(&label.class, |canvas| canvas.path("leader", &polyline(&leader)));
+        let left = plot.right + COLUMN;
+        let width = text_width(&label.name, TEXT);
+        crowd.add_label(Rect { left, top: y - 8.0, right: left + width, bottom: y + 8.0 });
+        draw_name(canvas, label, (left, y + 4.5));
+    }
+}
+
+/// Spots around the right end of a line, then around its left end.
+fn beside(end: (f64, f64), start: (f64, f64), width: f64) -> impl Iterator<Item = Rect> {
+    let half = 0.5 * width;
+    let around = move |(x, y): (f64, f64), side: f64| {
+        [
+            (x + side * (half + 11.0), y),
+            (x + side * (half + 6.0), y - 13.0),
+            (x + side * (half + 6.0), y + 13.0),
+            (x, y - 17.0),
+            (x, y + 17.0),
+        ]
+    };
+    let centres = around(end, 1.0).into_iter().chain(around(start, -1.0));
+    centres.map(move |centre| Rect::around(centre, width, 16.0))
+}
+
+fn draw_name(canvas: &mut Canvas, label: &End, at: (f64, f64)) {
+    canvas.group(&label.class, |canvas| {
+        canvas.text("name over", at, Anchor::Start, &Label::plain(label.name.clone()));
+    });
+}
+
+/// A label in muted ink beside a path, where it covers least.
+pub(super) fn draw_along(
+    canvas: &mut Canvas,
+    crowd: &mut Crowd,
+    page: &Rect,
+    text: &str,
+    path: &[(f64, f64)],
+) {
+    let width = text_width(text, TEXT);
+    let half = 0.5 * width;
+    let offsets = [
+        (half + 8.0, 0.0),
+        (half + 5.0, -13.0),
+        (half + 5.0, 13.0),
+        (0.0, -15.0),
+        (0.0, 15.0),
+        (-half - 5.0, -13.0),
+        (-half - 5.0, 13.0),
+        (-half - 8.0, 0.0),
+    ];
+    let spots = along(path)
+        .into_iter()
+        .flat_map(|(x, y)| offsets.map(|(dx, dy)| Rect::around((x + dx, y + dy), width, 16.0)));
+    if let Some(spot) = crowd.best(spots, page) {
+        crowd.add_label(spot);
+        let at = (spot.left, spot.bottom - 4.0);
+        canvas.text("muted over", at, Anchor::Start, &Label::plain(text));
+    }
+}
+
+/// Points along a path, the far end first.
+fn along(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> = path
+        .windows(2)
+        .flat_map(|p| {
+            (0..8)
+                .map(move |i| f64::from(i) / 8.0)
+                .map(move |t| (p[0].0 + t * (p[1].0 - p[0].0), p[0].1 + t * (p[1].1 - p[0].1)))
+        })
+        .collect();
+    points.extend(path.last());
+    points.reverse();
+    points
+}
+
+/// The straight line of a slope, from one side of the plot to the other.
+fn slope_path(
+    frame: &Frame,
+    slope: f64,
+    through: (f64, f64),
+    scales: (Scale, Scale),
+) -> Vec<(f64, f64)> {
+    let (Some(x), Some(y)) = (frame.x.at(through.0), frame.y.at(through.1)) else {
+        return Vec::new();
+    };
+    // A power law is straight on two logarithmic axes, a constant slope on two linear ones; on mixed
+    // axes neither is, and nothing is drawn.
+    if scales.0 != scales.1 || !slope.is_finite() {
+        return Vec::new();
+    }
+    let fall = slope * frame.y.density() / frame.x.density();
+    let at = |side: f64| (side, y - fall * (side - x));
+    vec![at(frame.plot.left), at(frame.plot.right)]
+}
+
+/// Crosses at the top of the plot, in rows so that none hides another.
+struct Failures(Vec<Cross>);
+
+struct Cross {
+    series: usize,
+    x: f64,
+    row: usize,
+    tip: String,
+}
+
+const ROW: f64 = 17.0;
+const ROWS: usize = 8;
+
+impl Failures {
+    fn of(lines: &Lines, ruler: &Ruler) -> Self {
+        let mut crosses: Vec<Cross> = Vec::new();
+        for (series, one) in lines.series.iter().enumerate() {
+            for (at, reason) in one.all_failures() {
+                // Without a place on the axis, at the end where the axis begins.
+                let x = match ruler.place(at) {
+                    Place::At(pixel) => pixel,
+                    Place::Before | Place::Nowhere => ruler.start() + 8.0,
+                };
+                let taken = |row| crosses.iter().any(|c| c.row == row && (c.x - x).abs() < 13.0);
+                let row = (0..ROWS).find(|&row| !taken(row)).unwrap_or(ROWS - 1);
+                let tip = format!("{} failed\n{}\n{reason}", one.name, quantity(&lines.x, at));
+                crosses.push(Cross { series, x, row, tip });
+            }
+        }
+        Failures(crosses)
+    }
+
+    fn lane(&self) -> f64 {
+        self.0.iter().map(|c| c.row + 1).max().map_or(0.0, |rows| rows as f64 * ROW + 3.0)
+    }
+
+    fn height(row: usize, frame: &Frame) -> f64 {
+        frame.plot.top + 1.5 + (row as f64 + 0.5) * ROW
+    }
+
+    /// The rightmost cross of a series.
+    fn last_of(&self, series: usize, frame: &Frame) -> Option<(f64, f64)> {
+        let own = self.0.iter().filter(|cross| cross.series == series);
+        let cross = own.max_by(|a, b| a.x.total_cmp(&b.x))?;
+        Some((cross.x, Failures::height(cross.row, frame)))
+    }
+
+    fn draw(&self, canvas: &mut Canvas, lines: &Lines, frame: &Frame, styles: &Styles) {
+        for cross in &self.0 {
+            let class = styles.of(&lines.series[cross.series].name).class();
+            let at = (cross.x, Failures::height(cross.row, frame));
+            let mark = r#"<path class="fail" d="M-4 -4L4 4M-4 4L4 -4"/>"#;
+            canvas.point(&class, at, &cross.tip, mark);
+        }
+    }
+}

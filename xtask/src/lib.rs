@@ -1,0 +1,27 @@
+//! The project's tools, run as `cargo xtask <task>`: what is measured, what is allowed, what it costs.
+//!
+//! - [`report`]: runs the studies and writes the page that shows them.
+//! - [`check_page`]: opens that page in a browser and complains about what a reader would.
+//! - [`run`]: a scene file to a trajectory.
+//! - [`layers`]: which crate may depend on what.
+//! - [`licenses`]: what the dependencies ask of whoever uses the crates.
+//! - [`cost`]: how many packages each crate pulls in, and how long it takes to build.
+//!
+//! A study is a [`study::Study`]: a table, its [`chart`]s and its claims; the list of them is
+//! [`studies::STUDIES`]. All but that list knows nothing of physics.
+
+pub mod chart;
+pub mod check_page;
+pub mod cost;
+pub mod layers;
+pub mod licenses;
+pub mod report;
+pub mod run;
+pub mod studies;
+pub mod study;
+
+mod pareto;
+mod timing;
+
+pub use pareto::pareto;
+pub use timing::{Wall, median_wall};

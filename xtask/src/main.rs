@@ -1,0 +1,153 @@
+//! `cargo xtask <task>`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use xtask::check_page::check_page;
+use xtask::cost::{Build, Cost, cost, table};
+use xtask::layers::{Metadata, check, check_tree};
+use xtask::licenses::unlicensed;
+use xtask::report::{Plan, Progress, catalogue, report, select, summary};
+use xtask::run::run_scene;
+use xtask::studies::{METHODS, STUDIES};
+use xtask::study::Size;
+
+/// The project's tools.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Runs the studies and writes the page, the numbers and the charts.
+    Report(Report),
+    /// Runs a scene file and writes its trajectory, observables and picture.
+    Run {
+        /// The scene, a TOML file.
+        file: PathBuf,
+        /// Where to write.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Says nothing but what failed.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Checks that every dependency may be used under the licences of the crates.
+    Licenses,
+    /// Checks which crate depends on what, and that the docs name what exists.
+    Layers,
+    /// Counts the packages that each crate pulls in, and times its clean release build.
+    Cost {
+        /// Counts only.
+        #[arg(long)]
+        no_build: bool,
+    },
+    /// Opens a report's page in headless Chromium and complains about what a reader would.
+    CheckPage {
+        /// The folder with index.html.
+        #[arg(default_value = "target/report")]
+        dir: PathBuf,
+    },
+}
+
+#[derive(clap::Args)]
+struct Report {
+    /// Where to write.
+    #[arg(long, value_name = "DIR", default_value = "target/report")]
+    out: PathBuf,
+    /// Names the studies and runs none.
+    #[arg(long)]
+    list: bool,
+    /// Runs this study only; may be given again.
+    #[arg(long, value_name = "ID")]
+    only: Vec<String>,
+    /// Runs full horizons; may take an hour.
+    #[arg(long)]
+    full: bool,
+    /// Says nothing but what failed.
+    #[arg(long)]
+    quiet: bool,
+}
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().task {
+        Task::Report(arguments) => run_report(&arguments),
+        Task::Run { file, out, quiet } => run_file(&file, &out, quiet),
+        Task::Licenses => run_licenses(),
+        Task::Layers => run_layers(),
+        Task::Cost { no_build } => run_cost(if no_build { Build::Skipped } else { Build::Timed }),
+        Task::CheckPage { dir } => run_check_page(&dir),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::FAILURE
+    })
+}
+
+fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {
+    let entries = select(STUDIES, &arguments.only)?;
+    if arguments.list {
+        print!("{}", catalogue(&entries));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let plan = Plan {
+        entries,
+        methods: METHODS.to_vec(),
+        size: if arguments.full { Size::Full } else { Size::Default },
+        out: arguments.out.clone(),
+        progress: if arguments.quiet { Progress::Hidden } else { Progress::Shown },
+    };
+    let outcomes = report(&plan)?;
+    if !arguments.quiet {
+        print!("{}", summary(&outcomes));
+        println!("\n{}", plan.out.join("index.html").display());
+    }
+    Ok(verdict(outcomes.iter().flat_map(|outcome| outcome.failures())))
+}
+
+fn run_file(file: &Path, out: &Path, quiet: bool) -> Result<ExitCode, Failure> {
+    let progress = if quiet { Progress::Hidden } else { Progress::Shown };
+    let summary = run_scene(file, out, progress)?;
+    if !quiet {
+        print!("{summary}");
+        println!("\n{}", out.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run_licenses() -> Result<ExitCode, Failure> {
+    Ok(verdict(unlicensed()?.iter().map(ToString::to_string)))
+}
+
+fn run_layers() -> Result<ExitCode, Failure> {
+    let metadata = Metadata::read()?;
+    let violations = check(&metadata).into_iter().chain(check_tree(&metadata)?);
+    Ok(verdict(violations.map(|violation| violation.to_string())))
+}
+
+fn run_cost(build: Build) -> Result<ExitCode, Failure> {
+    let costs = cost(build)?;
+    print!("{}", table(&costs));
+    Ok(verdict(costs.iter().filter_map(Cost::complaint)))
+}
+
+fn run_check_page(dir: &Path) -> Result<ExitCode, Failure> {
+    let complaints = check_page(dir)?;
+    Ok(verdict(complaints.iter().map(ToString::to_string)))
+}
+
+/// Failure where there is anything to say, and says it.
+fn verdict(lines: impl Iterator<Item = String>) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for line in lines {
+        eprintln!("{line}");
+        code = ExitCode::FAILURE;
+    }
+    code
+}

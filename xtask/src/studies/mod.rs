@@ -1,0 +1,42 @@
+//! The studies of the report, in the order of the page.
+
+mod convergence;
+mod derivative;
+mod long_run;
+mod newton;
+mod outer_solar_system;
+mod phase_portrait;
+mod stability;
+mod table_4_1;
+mod work_precision;
+
+use crate::study::Entry;
+
+/// Every study.
+pub const STUDIES: &[Entry] = &[
+    derivative::FIGURE_2_1,
+    newton::WRONG_DERIVATIVES,
+    newton::INITIAL_GUESSES,
+    phase_portrait::ONE_STEP,
+    convergence::KEPLER,
+    convergence::PENDULUM,
+    work_precision::KEPLER,
+    work_precision::OUTER_SOLAR_SYSTEM,
+    long_run::KEPLER,
+    table_4_1::TABLE,
+    stability::OSCILLATOR,
+    stability::SPRING_PENDULUM,
+];
+
+/// Methods that keep their colour and marker whatever subset of the studies is run. The others are
+/// given theirs in order of appearance.
+pub const METHODS: &[&str] = &[
+    "stormer-verlet",
+    "runge-kutta-4",
+    "implicit-midpoint",
+    "explicit-euler",
+    "implicit-euler",
+    "trapezoid",
+    "symplectic-euler-drift-kick",
+    "symplectic-euler-kick-drift",
+];

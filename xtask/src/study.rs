@@ -1,0 +1,273 @@
+//! A study: a table that a person wants to see, its charts, and the claims that it proves or breaks.
+
+use std::error::Error;
+
+use serde::Serialize;
+use stationary_calculus::Table;
+
+use crate::chart::{Chart, significant};
+
+/// How much of a study to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Short horizons, so that the whole report ends within three minutes.
+    Default,
+    /// Horizons as long as the claims deserve.
+    Full,
+}
+
+/// What a study compares with what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Error of a finite difference against its step.
+    Derivative,
+    /// Error against step or mesh size.
+    Convergence,
+    /// Error against cost.
+    WorkPrecision,
+    /// Energy, momentum or global error against time.
+    LongRun,
+    /// What survives in a plane of two parameters.
+    StabilityMap,
+    /// Error against cost over models of growing fidelity.
+    Ladder,
+}
+
+impl Kind {
+    /// The kind in words, for a reader.
+    pub fn words(self) -> &'static str {
+        match self {
+            Kind::Derivative => "derivative",
+            Kind::Convergence => "convergence",
+            Kind::WorkPrecision => "work-precision",
+            Kind::LongRun => "long run",
+            Kind::StabilityMap => "stability map",
+            Kind::Ladder => "ladder",
+        }
+    }
+}
+
+/// What a run measured.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Name in kebab-case, also of the files: `kepler-work-precision`.
+    pub id: &'static str,
+    /// The crate whose promise this is: `integrators`.
+    pub krate: &'static str,
+    /// The chapter of the notes, or a topic.
+    pub chapter: &'static str,
+    /// What is compared with what.
+    pub kind: Kind,
+    /// The heading.
+    pub title: String,
+    /// The caption: what to conclude, in words.
+    pub conclusion: String,
+    /// The measured numbers.
+    pub table: Table,
+    /// Pictures of the table.
+    pub charts: Vec<Chart>,
+    /// What the numbers must show.
+    pub claims: Vec<Claim>,
+}
+
+/// A sentence that the run's numbers prove or break.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// The sentence, true when it holds.
+    pub text: String,
+    /// What theory says, in words or as a number.
+    pub expected: String,
+    /// What the run says.
+    pub evidence: Evidence,
+}
+
+/// What a run says to a claim.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Evidence {
+    /// A number that must lie in a band, ends included.
+    Number {
+        /// The number.
+        measured: f64,
+        /// The smallest and the largest number that prove the claim.
+        band: (f64, f64),
+    },
+    /// Words that must equal the expected words.
+    Words(String),
+}
+
+impl Evidence {
+    /// The measured number or words, for a reader.
+    pub fn words(&self) -> String {
+        match self {
+            Evidence::Number { measured, .. } => significant(*measured, 4),
+            Evidence::Words(words) => words.clone(),
+        }
+    }
+}
+
+impl Claim {
+    /// A claim on a number.
+    pub fn number(
+        text: impl Into<String>,
+        expected: impl Into<String>,
+        measured: f64,
+        band: (f64, f64),
+    ) -> Self {
+        let evidence = Evidence::Number { measured, band };
+        Claim { text: text.into(), expected: expected.into(), evidence }
+    }
+
+    /// A claim on words: the methods on a front, the lowest rung that meets a tolerance.
+    pub fn words(
+        text: impl Into<String>,
+        expected: impl Into<String>,
+        measured: impl Into<String>,
+    ) -> Self {
+        let evidence = Evidence::Words(measured.into());
+        Claim { text: text.into(), expected: expected.into(), evidence }
+    }
+
+    /// Whether the run proves the claim. A number that is not finite proves nothing.
+    pub fn holds(&self) -> bool {
+        match &self.evidence {
+            Evidence::Number { measured, band: (low, high) } => {
+                measured.is_finite() && low <= measured && measured <= high
+            }
+            Evidence::Words(measured) => *measured == self.expected,
+        }
+    }
+}
+
+/// A study that can be run.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name in kebab-case, also of the files.
+    pub id: &'static str,
+    /// The crate whose promise this is.
+    pub krate: &'static str,
+    /// The chapter of the notes, or a topic.
+    pub chapter: &'static str,
+    /// What is compared with what.
+    pub kind: Kind,
+    /// The heading.
+    pub title: &'static str,
+    /// Measures.
+    pub run: fn(Size) -> Result<Study, StudyError>,
+}
+
+impl Entry {
+    /// Runs the study and checks that it is the one which the list announces.
+    ///
+    /// # Errors
+    /// What the study returns, and [`StudyError::Mislabelled`].
+    pub fn measure(&self, size: Size) -> Result<Study, StudyError> {
+        let study = (self.run)(size)?;
+        let labels = [
+            ("id", self.id, study.id),
+            ("crate", self.krate, study.krate),
+            ("chapter", self.chapter, study.chapter),
+            ("kind", self.kind.words(), study.kind.words()),
+        ];
+        match labels.into_iter().find(|(_, listed, own)| listed != own) {
+            Some((label, listed, own)) => Err(StudyError::Mislabelled { label, listed, own }),
+            None => Ok(study),
+        }
+    }
+}
+
+/// Why a study has no table.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A library call failed where the study needs it to succeed.
+    #[error("{stage}: {source}")]
+    Library {
+        /// What the study was doing.
+        stage: String,
+        /// The library's own error.
+        source: Box<dyn Error + Send + Sync>,
+    },
+    /// A number that everything else rests on is not finite.
+    #[error("{what} is {value}")]
+    NotFinite {
+        /// Which number.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+    /// The list of studies and the study disagree on what it is.
+    #[error("the list says {label} `{listed}`, the study says `{own}`")]
+    Mislabelled {
+        /// Which label.
+        label: &'static str,
+        /// The list's word.
+        listed: &'static str,
+        /// The study's word.
+        own: &'static str,
+    },
+}
+
+impl StudyError {
+    /// Wraps a library's error: `orbit.solve().map_err(StudyError::at("the reference orbit"))?`.
+    pub fn at<E: Error + Send + Sync + 'static>(
+        stage: impl Into<String>,
+    ) -> impl FnOnce(E) -> StudyError {
+        let stage = stage.into();
+        |source| StudyError::Library { stage, source: Box::new(source) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order(measured: f64) -> Claim {
+        Claim::number("order two", "2", measured, (1.9, 2.1))
+    }
+
+    #[test]
+    fn a_number_holds_inside_its_band_and_on_its_ends() {
+        assert!(order(1.9).holds() && order(2.0).holds() && order(2.1).holds());
+        assert!(!order(1.899).holds() && !order(2.101).holds());
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_proves_nothing() {
+        assert!(!order(f64::NAN).holds());
+        let unbounded = Claim::number("grows", "", f64::INFINITY, (1.0, f64::INFINITY));
+        assert!(!unbounded.holds());
+    }
+
+    #[test]
+    fn words_hold_when_they_are_the_expected_words() {
+        assert!(Claim::words("cheapest", "verlet", "verlet").holds());
+        assert!(!Claim::words("cheapest", "verlet", "rk4").holds());
+    }
+
+    #[test]
+    fn a_study_that_is_not_the_listed_one_is_an_error() {
+        fn other(_: Size) -> Result<Study, StudyError> {
+            Ok(Study {
+                id: "other",
+                krate: "calculus",
+                chapter: "2",
+                kind: Kind::Derivative,
+                title: String::new(),
+                conclusion: String::new(),
+                table: Table::new([]),
+                charts: Vec::new(),
+                claims: Vec::new(),
+            })
+        }
+        let entry = Entry {
+            id: "one",
+            krate: "calculus",
+            chapter: "2",
+            kind: Kind::Derivative,
+            title: "",
+            run: other,
+        };
+        let error = entry.measure(Size::Default).unwrap_err();
+        assert_eq!(error.to_string(), "the list says id `one`, the study says `other`");
+    }
+}

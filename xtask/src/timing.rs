@@ -1,0 +1,85 @@
+//! Wall time: the median of several runs, with their spread.
+
+use std::time::{Duration, Instant};
+
+/// Below this a clock does not resolve a call well; the call is repeated inside one measurement.
+const RESOLVED: Duration = Duration::from_millis(1);
+const FEWEST_RUNS: usize = 5;
+
+/// Wall time of one call, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// The middle run.
+    pub median: f64,
+    /// The fastest run.
+    pub min: f64,
+    /// The slowest run.
+    pub max: f64,
+}
+
+/// Times `call`: one warm-up, then the median of `runs` runs, at least five. A call shorter than a
+/// millisecond is repeated within a run, and its share is reported.
+pub fn median_wall(runs: usize, mut call: impl FnMut()) -> Wall {
+    call();
+    let repeats = repeats_to_resolve(&mut call);
+    let mut walls: Vec<f64> = (0..runs.max(FEWEST_RUNS))
+        .map(|_| elapsed(repeats, &mut call).as_secs_f64() / repeats as f64)
+        .collect();
+    walls.sort_by(f64::total_cmp);
+    let middle = walls.len() / 2;
+    let median = if walls.len() % 2 == 1 {
+        walls[middle]
+    } else {
+        0.5 * (walls[middle - 1] + walls[middle])
+    };
+    Wall { median, min: walls[0], max: walls[walls.len() - 1] }
+}
+
+fn repeats_to_resolve(call: &mut impl FnMut()) -> u32 {
+    let mut repeats = 1;
+    while elapsed(repeats, call) < RESOLVED && repeats < 1 << 24 {
+        repeats *= 2;
+    }
+    repeats
+}
+
+fn elapsed(repeats: u32, call: &mut impl FnMut()) -> Duration {
+    let start = Instant::now();
+    for _ in 0..repeats {
+        call();
+    }
+    start.elapsed()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::hint::black_box;
+
+    use super::*;
+
+    #[test]
+    fn the_median_lies_between_the_fastest_and_the_slowest_run() {
+        let wall = median_wall(6, || {
+            black_box((0..1000_u64).map(black_box).sum::<u64>());
+        });
+        assert!(wall.min <= wall.median && wall.median <= wall.max);
+    }
+
+    #[test]
+    fn a_call_too_short_for_the_clock_still_has_a_time() {
+        let wall = median_wall(5, || {
+            black_box(black_box(1.0_f64).sqrt());
+        });
+        assert!(wall.min > 0.0 && wall.median < 1e-4);
+    }
+
+    #[test]
+    fn a_call_is_run_at_least_five_times_after_its_warm_up() {
+        let mut calls = 0;
+        median_wall(0, || {
+            calls += 1;
+            std::thread::sleep(Duration::from_millis(2));
+        });
+        assert!(calls > FEWEST_RUNS);
+    }
+}
