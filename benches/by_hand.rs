@@ -3,8 +3,6 @@
 /// A planet's configuration and momentum.
 pub type Planet = ([f64; 2], [f64; 2]);
 
-/// A step by hand: from a planet and what it remembers (dV) to the next.
-pub type Step = fn(&mut Planet, &mut [f64; 2], f64);
 
 #[inline(always)]
 fn dv(q: &[f64; 2]) -> [f64; 2] {

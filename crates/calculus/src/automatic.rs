@@ -108,15 +108,13 @@ impl<E: StencilEnergy<V, D>, const V: usize, const D: usize> Stencil<V, D> for A
 
     fn hessian(&self, x: &[[f64; D]; V], curvature: Curvature) -> StencilHessian<V, D> {
         let mut hessian = [[[[0.0; D]; V]; D]; V];
-        for b in 0..V {
-            for a in 0..=b {
-                let mixed = self.0.energy(hyper_dual(x, a, b)).eps1eps2.0;
-                let mixed = mixed.map_or([[0.0; D]; D], |parts| parts.data.0);
-                for d in 0..D {
-                    for c in 0..D {
-                        hessian[b][d][a][c] = mixed[d][c];
-                        hessian[a][c][b][d] = mixed[d][c];
-                    }
+        for (a, b) in (0..V).flat_map(|b| (0..=b).map(move |a| (a, b))) {
+            let mixed = self.0.energy(hyper_dual(x, a, b)).eps1eps2.0;
+            let mixed = mixed.map_or([[0.0; D]; D], |parts| parts.data.0);
+            for (d, column) in mixed.iter().enumerate() {
+                for (c, &entry) in column.iter().enumerate() {
+                    hessian[b][d][a][c] = entry;
+                    hessian[a][c][b][d] = entry;
                 }
             }
         }

@@ -240,4 +240,50 @@ mod tests {
         assert_eq!(error.failure, crate::NewtonFailure::NotConverged);
         assert_eq!(error.history.len(), 51);
     }
+
+    #[cfg(feature = "sparse")]
+    #[test]
+    fn a_hanging_row_of_masses_stretches_as_the_closed_form_says() {
+        // Springs of energy 1/4 s^4 in a row from the ceiling, masses of weight 1 between them: the i-th
+        // spring carries n - i masses and stretches by the cube root of that.
+        struct Row(usize);
+        impl Row {
+            fn stretches<'q>(&self, q: &'q [f64]) -> impl Iterator<Item = f64> + 'q {
+                (0..self.0).map(move |i| q[i] - if i == 0 { 0.0 } else { q[i - 1] })
+            }
+        }
+        impl Potential for Row {
+            fn dim(&self) -> usize {
+                self.0
+            }
+            fn energy(&self, q: &[f64]) -> f64 {
+                self.stretches(q).map(|s| 0.25 * s.powi(4)).sum::<f64>() - q.iter().sum::<f64>()
+            }
+            fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+                for (i, s) in self.stretches(q).enumerate() {
+                    dv.0[i] += s.powi(3) - 1.0;
+                    if i > 0 {
+                        dv.0[i - 1] -= s.powi(3);
+                    }
+                }
+            }
+            fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+                for (i, s) in self.stretches(q).enumerate() {
+                    let k = 3.0 * s * s;
+                    let before = i.checked_sub(1).unwrap_or(crate::FIXED);
+                    hessian.add_symmetric(&[before, i], &[k, -k, -k, k]);
+                }
+            }
+        }
+        let (n, row) = (200, Row(200));
+        let metric = DiagonalMetric::new(vec![1.0; n]).unwrap();
+        let mut q: Vec<f64> = (1..=n).map(|i| i as f64).collect();
+        let solver = crate::SparseSolver::new(&metric, &row, &q).unwrap();
+        let mut search = Equilibrium::new(&metric, &row, solver, Newton::default()).unwrap();
+        let report = search.find(&mut q).unwrap();
+        assert_eq!((report.rung, report.highest_rung), (Rung::Cholesky, Rung::Cholesky));
+        for (i, s) in row.stretches(&q).enumerate() {
+            assert!((s - ((n - i) as f64).cbrt()).abs() < 1e-10, "{i}: {s}");
+        }
+    }
 }

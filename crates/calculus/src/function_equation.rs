@@ -22,6 +22,7 @@
 //! Not for large sparse Jacobians; those have `SparseEquation` (feature `sparse`).
 
 use crate::dense_lu::DenseLu;
+use crate::newton::length;
 use crate::{Equation, Unsolvable};
 
 /// The equation f(x) = 0 with the Jacobian df, solved by elimination with row exchanges.
@@ -56,7 +57,7 @@ impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut [f64])> Equation
 
     /// The Euclidean length, in the units of f.
     fn norm(&mut self, f: &[f64]) -> f64 {
-        f.iter().map(|f| f * f).sum::<f64>().sqrt()
+        length(f)
     }
 
     fn energy(&mut self, _: &[f64]) -> Option<f64> {

@@ -187,9 +187,9 @@ const SUFFICIENT: f64 = 1e-4;
 const HALVINGS: u32 = 30;
 /// Steps of this size relative to x are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Steps of this size relative to x are so small that a residual which no longer falls is rounding;
+/// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
 const NEARLY: f64 = 1e-9;
-/// and so are steps of this size relative to the guess, where the solution itself is close to zero.
+/// So are steps of this size relative to the guess, where the solution itself is close to zero.
 const NEARLY_OF_GUESS: f64 = 1e-12;
 /// Energies that differ by this much, relatively, cannot be told apart.
 const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
@@ -300,6 +300,11 @@ fn search<C: Storage>(
 #[inline]
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+/// The Euclidean length, not a number if any component is none.
+pub(crate) fn length(x: &[f64]) -> f64 {
+    dot(x, x).sqrt()
 }
 
 #[inline]

@@ -18,6 +18,7 @@ use faer::matrix_free::{InitialGuessStatus, LinOp, Precond};
 use faer::{MatMut, MatRef, Par};
 
 use crate::hessian_solver::Diagonal;
+use crate::newton::length;
 use crate::sparse::SparseError;
 use crate::sparse::scratch::Scratch;
 use crate::{Metric, Potential, ProductSink, SizeError};
@@ -132,10 +133,6 @@ impl<M: Metric, P: Potential> HessianProduct<'_, M, P> {
         }
         Ok(InverseDiagonal(values))
     }
-}
-
-fn length(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl<M, P> fmt::Debug for HessianProduct<'_, M, P> {

@@ -2,6 +2,10 @@
 
 use crate::{SizeError, Unsolvable};
 
+/// A solution of a system that is not definite is trusted up to this residual, relative to the
+/// right-hand side.
+pub(crate) const TRUSTED: f64 = 1e-8;
+
 /// A sparse matrix that cannot be assembled, factored or solved.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SparseError {
@@ -36,7 +40,7 @@ pub enum SparseError {
         /// Its freedoms.
         freedoms: usize,
     },
-    /// The blocks are not those that were analysed, in the same order.
+    /// The blocks, or entries, are not those that were analysed, in the same order.
     #[error("block {block} is not where it was when the pattern was analysed")]
     PatternChanged {
         /// The first block that differs, counted from 0 in visiting order.

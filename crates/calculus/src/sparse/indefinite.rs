@@ -32,12 +32,11 @@ use crate::hessian_solver::largest_or_nan;
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::cholesky::analysis_error;
+use crate::sparse::error::TRUSTED;
 use crate::sparse::lu::SparseLu;
 use crate::sparse::pattern::Pattern;
 use crate::sparse::scratch::Scratch;
 
-/// A relative residual up to this is trusted.
-const TRUSTED: f64 = 1e-8;
 /// A known vector that is found again up to this, relatively, shows that the matrix is regular.
 const FOUND_AGAIN: f64 = 1e-3;
 /// Refinement stops after this many corrections.
@@ -77,6 +76,7 @@ pub struct SparseIndefinite {
     given: Vec<f64>,
     correction: Vec<f64>,
     best: Vec<f64>,
+    product: Vec<f64>,
 }
 
 impl SparseIndefinite {
@@ -114,6 +114,7 @@ impl SparseIndefinite {
             given: vec![0.0; n],
             correction: vec![0.0; n],
             best: vec![0.0; n],
+            product: vec![0.0; n],
         })
     }
 
@@ -232,14 +233,15 @@ impl SparseIndefinite {
     /// Multiplies a vector without any pattern by the matrix and solves for it; keeps the factors
     /// if it is found again.
     fn finds_a_known_vector(&mut self, pivoting: Pivoting, matrix: &SymmetricMatrix) -> bool {
-        let n = matrix.dim();
         let known = |i: usize| 1.0 + (0.618_033_988_749_895 * i as f64).fract();
-        let x: Vec<f64> = (0..n).map(known).collect();
-        let mut b = vec![0.0; n];
-        matrix.add_product_unchecked(1.0, &x, &mut b);
+        self.best.iter_mut().enumerate().for_each(|(i, x)| *x = known(i));
+        let mut b = std::mem::take(&mut self.product);
+        b.fill(0.0);
+        matrix.add_product_unchecked(1.0, &self.best, &mut b);
         self.pivoting = Some(pivoting);
         let found = self.solve(matrix, &mut b).is_ok()
-            && x.iter().zip(&b).all(|(x, y)| (x - y).abs() <= FOUND_AGAIN);
+            && b.iter().enumerate().all(|(i, x)| (x - known(i)).abs() <= FOUND_AGAIN);
+        self.product = b;
         if !found {
             self.pivoting = None;
         }

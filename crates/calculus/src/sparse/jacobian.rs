@@ -6,11 +6,13 @@
 //! The pattern is found once from a first visit of the entries; later visits bring the same entries in
 //! the same order, duplicates are summed, and nothing is searched or allocated. [`SparseEquation`]
 //! solves `J delta = f` for a square J that need not be symmetric by elimination with row exchanges,
-//! and checks the residual. A symmetric J, a Hessian, is better served by `SymmetricMatrix`.
+//! and refuses it where the relative residual is above 1e-8. A symmetric J, a Hessian, is better served by `SymmetricMatrix`.
 
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 
+use crate::newton::length;
 use crate::sparse::SparseError;
+use crate::sparse::error::TRUSTED;
 use crate::sparse::lu::SparseLu;
 use crate::{Equation, SizeError, Unsolvable};
 
@@ -184,9 +186,6 @@ impl SparseJacobian {
     }
 }
 
-/// A relative residual up to this is trusted.
-const TRUSTED: f64 = 1e-8;
-
 /// The equation f(x) = 0 with a sparse square Jacobian.
 #[derive(Clone, Debug)]
 pub struct SparseEquation<F, D> {
@@ -224,10 +223,6 @@ impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut JacobianEntries)> Spars
             Err(SparseError::Untrusted { relative_residual })
         }
     }
-}
-
-fn length(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut JacobianEntries)> Equation

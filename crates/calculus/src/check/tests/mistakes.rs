@@ -1,0 +1,202 @@
+//! The mistakes that a check must find and name.
+
+use super::*;
+
+#[test]
+fn one_wrong_sign_among_a_thousand_entries_is_named() {
+    for bad in [0, 1, 499, 777, 999] {
+        let potential = chain(1000, 1.0).with_differential(move |dv| dv[bad] = -dv[bad]);
+        let entry = wrong(check_potential(&potential, &configuration(1000, 1.0)));
+        assert_eq!((entry.derivative, entry.column), (Derivative::Differential, bad));
+        assert!(entry.to_string().contains("measured  -1.000000 times the claim"), "{entry}");
+    }
+}
+
+#[test]
+fn one_wrong_coupling_among_a_thousand_rows_of_a_hessian_is_named() {
+    let potential = chain(1000, 1.0).with_hessian(|blocks| {
+        let (_, spring) = &mut blocks[1000 + 640];
+        (spring[1], spring[2]) = (-spring[1], -spring[2]);
+    });
+    let entry = wrong(check_potential(&potential, &configuration(1000, 1.0)));
+    assert_eq!(entry.derivative, Derivative::Hessian);
+    assert_eq!((entry.row.min(entry.column), entry.row.max(entry.column)), (640, 641));
+    assert_eq!(entry.others, 1);
+}
+
+#[test]
+fn a_lost_factor_of_two_is_named_with_its_ratio() {
+    for n in [5, 100] {
+        let halved = |dv: &mut [f64]| dv.iter_mut().for_each(|x| *x *= 0.5);
+        let potential = chain(n, 1.0).with_differential(halved);
+        let entry = wrong(check_potential(&potential, &configuration(n, 1.0)));
+        assert!((entry.measured / entry.claimed - 2.0).abs() < 1e-6, "{entry}");
+    }
+}
+
+#[test]
+fn an_error_of_a_millionth_of_the_largest_entry_is_found_and_one_of_a_billionth_is_not() {
+    for n in [8, 1000] {
+        for (epsilon, found) in [(1e-6, true), (1e-9, false)] {
+            let off = move |dv: &mut [f64]| dv[n / 3] += epsilon * largest(dv);
+            let potential = chain(n, 1.0).with_differential(off);
+            let checked = check_potential(&potential, &configuration(n, 1.0));
+            assert_eq!(checked.is_err(), found);
+            if found {
+                assert_eq!(wrong(checked).column, n / 3);
+            }
+            // No entry of the Hessian at this configuration exceeds 3.
+            let extra = 3.0 * epsilon;
+            let coupled = move |blocks: &mut Vec<Block>| {
+                blocks.push((vec![2, 5], vec![0.0, extra, extra, 0.0]));
+            };
+            let potential = chain(n, 1.0).with_hessian(coupled);
+            let checked = check_potential(&potential, &configuration(n, 0.2));
+            assert_eq!(checked.is_err(), found);
+            if found {
+                let entry = wrong(checked);
+                assert_eq!((entry.row.min(entry.column), entry.row.max(entry.column)), (2, 5));
+            }
+        }
+    }
+}
+
+/// V = x^T B y for two points of space, with a coupling B that is not symmetric.
+#[test]
+fn a_transposed_block_is_found_though_the_whole_stays_symmetric() {
+    fn coupling(b: fn(usize, usize) -> f64) -> Vec<f64> {
+        let entry = |e: usize| match (e % 6, e / 6) {
+            (i @ 0..3, j @ 3..) => b(i, j - 3),
+            (i @ 3.., j @ 0..3) => b(j, i - 3),
+            _ => 0.0,
+        };
+        (0..36).map(entry).collect()
+    }
+    let b = |i: usize, j: usize| (1 + i + 3 * j) as f64;
+    let transposed = |i: usize, j: usize| (1 + j + 3 * i) as f64;
+    let blocks = move |matrix: Vec<f64>| move |_: &[f64]| vec![((0..6).collect(), matrix.clone())];
+    let differential = move |q: &[f64]| -> Vec<f64> {
+        let matrix = coupling(b);
+        (0..6).map(|i| (0..6).map(|j| matrix[i + 6 * j] * q[j]).sum()).collect()
+    };
+    let energy =
+        move |q: &[f64]| 0.5 * differential(q).iter().zip(q).map(|(a, b)| a * b).sum::<f64>();
+    let q = configuration(6, 1.0);
+    assert_derivatives(&given(6, energy, differential, blocks(coupling(b))), &q);
+    let mistaken = given(6, energy, differential, blocks(coupling(transposed)));
+    let entry = wrong(check_potential(&mistaken, &q));
+    assert_eq!((entry.derivative, entry.row / 3 + entry.column / 3), (Derivative::Hessian, 1));
+    // Of 18 entries the 6 on the diagonal of B are right.
+    assert_eq!(entry.others, 11);
+}
+
+#[test]
+fn an_unsymmetric_hessian_is_named_by_the_entry_and_its_mirror() {
+    let lower_only = chain(5, 1.0).with_hessian(|blocks| blocks[5 + 2].1[2] = 0.0);
+    let error = check_potential(&lower_only, &configuration(5, 1.0)).unwrap_err();
+    let named =
+        matches!(error, DerivativeError::NotSymmetric { row: 3, column: 2, mirror: 0.0, .. });
+    assert!(named, "{error}");
+}
+
+#[test]
+fn a_differential_that_is_right_only_at_zero_is_found_from_zero() {
+    for n in [3, 100] {
+        let right = chain(n, 1.0);
+        let potential = given(n, right.energy, move |_| vec![0.0; n], |_| Vec::new());
+        let entry = wrong(check_potential(&potential, &vec![0.0; n]));
+        assert_eq!(entry.derivative, Derivative::Differential);
+        assert!(entry.configuration > 0, "{entry}");
+    }
+}
+
+#[test]
+fn a_projected_hessian_is_not_the_second_derivative() {
+    let cosine = given(
+        1,
+        |q| q[0].cos(),
+        |q| vec![-q[0].sin()],
+        |q| vec![(vec![0], vec![(-q[0].cos()).max(0.0)])],
+    );
+    assert_eq!(wrong(check_potential(&cosine, &[0.5])).derivative, Derivative::Hessian);
+}
+
+#[test]
+fn what_cannot_be_checked_is_refused_by_name() {
+    let root = given(
+        1,
+        |q| q[0].abs().sqrt(),
+        |q| vec![0.5 / q[0].sqrt()],
+        |_| vec![(vec![3], vec![0.0])],
+    );
+    let not_finite = |q: f64| match check_potential(&root, &[q]) {
+        Err(DerivativeError::NotFinite { what, .. }) => what,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(not_finite(f64::NAN), "the energy");
+    assert_eq!(not_finite(0.0), "the differential");
+    let error = check_potential(&root, &[1.0]).unwrap_err();
+    assert_eq!(error, DerivativeError::UnknownFreedom { freedom: 3, freedoms: 1 });
+    assert!(matches!(check_potential(&root, &[1.0, 2.0]), Err(DerivativeError::Size(_))));
+}
+
+#[test]
+fn a_jacobian_is_checked_row_by_row() {
+    let f = |q: &[f64]| vec![q[0] * q[1], 1e9 * q[1].sin(), q[0] - q[2]];
+    let df = |q: &[f64]| {
+        nalgebra::dmatrix![
+            q[1], q[0], 0.0;
+            0.0, 1e9 * q[1].cos(), 0.0;
+            1.0, 0.0, -1.0
+        ]
+    };
+    let q = [0.3, 0.8, 0.1];
+    assert_jacobian(f, df, &q);
+    assert!(check_jacobian(f, |q| df(q).transpose(), &q).is_err());
+    // A small row is judged by itself, not by the large one beside it.
+    let off = |q: &[f64]| {
+        let mut matrix = df(q);
+        matrix[(2, 1)] = 2e-6;
+        matrix
+    };
+    let entry = wrong(check_jacobian(f, off, &q));
+    assert_eq!((entry.row, entry.column, entry.claimed), (2, 1, 2e-6));
+    let narrow = |q: &[f64]| df(q).columns(0, 2).into_owned();
+    assert!(matches!(check_jacobian(f, narrow, &q), Err(DerivativeError::Size(_))));
+    assert_jacobian(|_| Vec::new(), |_| DMatrix::zeros(0, 3), &q);
+}
+
+#[test]
+fn the_message_names_the_entry_and_shows_errors_that_do_not_fall() {
+    let cubic = given(
+        1,
+        |q| q[0].powi(3),
+        |q| vec![-3.0 * q[0] * q[0]],
+        |q| vec![(vec![0], vec![6.0 * q[0]])],
+    );
+    let message = check_potential(&cubic, &[1.0]).unwrap_err().to_string();
+    let start = "\
+the differential is wrong at freedom 0
+  claimed   -3.000000e0
+  measured  3.000000e0, within ";
+    assert!(message.starts_with(start), "{message}");
+    let middle = "
+  off by    -6.000e0
+  measured  -1.000000 times the claim
+  where     at the given configuration
+  q         [1.0]
+errors of differences against the claim, over the row's largest entry:
+step     forward error  centred error
+2.5e-1   2.3e0          2.0e0
+3.1e-2   2.0e0          2.0e0
+3.9e-3   2.0e0          2.0e0
+";
+    assert!(message.contains(middle), "{message}");
+}
+
+#[test]
+#[should_panic(expected = "the differential is wrong at freedom 1")]
+fn the_assertion_fails_a_test_with_the_message() {
+    let potential = chain(3, 1.0).with_differential(|dv| dv[1] += 1e-3);
+    assert_derivatives(&potential, &[0.3, -0.2, 0.5]);
+}
