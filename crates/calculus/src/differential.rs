@@ -108,12 +108,12 @@ pub fn gradient<const N: usize>(
 }
 
 /// The coordinates as dual numbers, each with an infinitesimal part of its own.
-pub(crate) fn dual<const N: usize>(q: [f64; N]) -> [DualSVec64<N>; N] {
+fn dual<const N: usize>(q: [f64; N]) -> [DualSVec64<N>; N] {
     std::array::from_fn(|i| DualSVec64::from_re(q[i]).derivative(i))
 }
 
 /// The infinitesimal parts of a number.
-pub(crate) fn row<const N: usize>(number: DualSVec64<N>) -> [f64; N] {
+fn row<const N: usize>(number: DualSVec64<N>) -> [f64; N] {
     number.eps.0.map_or([0.0; N], |parts| parts.data.0[0])
 }
 

@@ -184,7 +184,7 @@ impl<C: Storage> NewtonMemory<C> {
 /// Armijo's constant: the part of the predicted fall that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 /// Step lengths tried: down to 2^-30, below which progress could not be told from rounding.
-const HALVINGS: u32 = 30;
+const HALVINGS: i32 = 30;
 /// Steps of this size relative to x are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
@@ -225,8 +225,8 @@ impl Newton {
                 return Err(memory.error(NewtonFailure::NonFinite(unknown)));
             }
             report.iterations += 1;
-            let length = largest(memory.step.as_ref());
-            let nearly = length <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
+            let longest = largest(memory.step.as_ref());
+            let nearly = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
             let Some(new_size) = search(equation, x, size, nearly, memory, &mut report) else {
                 if nearly {
                     report.end = NewtonEnd::Rounding;
@@ -237,7 +237,7 @@ impl Newton {
             x.copy_from_slice(memory.trial.as_ref());
             size = new_size;
             memory.history.push(size);
-            if size > self.tolerance && length <= ROUNDING * largest(x) {
+            if size > self.tolerance && longest <= ROUNDING * largest(x) {
                 report.end = NewtonEnd::Rounding;
                 break;
             }
@@ -261,8 +261,8 @@ fn search<C: Storage>(
     let slope = -dot(memory.residual.as_ref(), memory.step.as_ref());
     let must_lower_energy = equation.merit() == Merit::Energy && slope < 0.0;
     let mut start_energy = None;
-    let mut t = 1.0;
-    for _ in 0..=if nearly { 0 } else { HALVINGS } {
+    for halving in 0..=if nearly { 0 } else { HALVINGS } {
+        let t = 0.5_f64.powi(halving);
         for ((trial, x), step) in memory.trial.as_mut().iter_mut().zip(x).zip(memory.step.as_ref())
         {
             *trial = x - t * step;
@@ -270,13 +270,16 @@ fn search<C: Storage>(
         equation.residual(memory.trial.as_ref(), memory.residual.as_mut());
         report.residuals += 1;
         let new_size = equation.norm(memory.residual.as_ref());
+        if !new_size.is_finite() {
+            continue;
+        }
         let halved = new_size <= 0.5 * size && !must_lower_energy;
         if halved || (nearly && new_size <= size) {
             return Some(new_size);
         }
         if start_energy.is_none() && slope < 0.0 {
             start_energy = equation.energy(x);
-            report.energies += 1;
+            report.energies += u32::from(start_energy.is_some());
         }
         let less = new_size <= (1.0 - SUFFICIENT * t) * size;
         let enough = match start_energy {
@@ -289,10 +292,9 @@ fn search<C: Storage>(
             }
             None => less,
         };
-        if enough && new_size.is_finite() {
+        if enough {
             return Some(new_size);
         }
-        t *= 0.5;
     }
     None
 }
@@ -431,6 +433,7 @@ mod tests {
         let report = report.unwrap();
         assert!((x - 1.0).abs() < 1e-15);
         assert!(report.residuals > report.iterations + 1);
+        assert_eq!(report.energies, 0, "there is no energy to evaluate");
     }
 
     #[test]

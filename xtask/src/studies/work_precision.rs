@@ -134,7 +134,7 @@ fn study<M: Metric, P: Potential, C: Storage>(
         timed = timed.with(by_time);
     }
     let mut claims = Vec::new();
-    let mut verdicts = Vec::new();
+    let mut verdicts: Vec<(String, String)> = Vec::new();
     for (tolerance, expected) in TOLERANCES.into_iter().zip(expected) {
         let costs = counted
             .series
@@ -143,7 +143,12 @@ fn study<M: Metric, P: Potential, C: Storage>(
         let cheapest = costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or("no method", |best| best.1);
         let text = format!("cheapest by counted work at an error of {tolerance:e}");
         claims.push(Claim::words(text, expected, cheapest));
-        verdicts.push(format!("{cheapest} for an error of {tolerance:e}"));
+        match verdicts.last_mut() {
+            Some((name, tolerances)) if *name == cheapest => {
+                *tolerances = format!("{tolerances} and {tolerance:e}");
+            }
+            _ => verdicts.push((cheapest.to_owned(), format!("{tolerance:e}"))),
+        }
     }
     claims.push(Claim::number(
         "the answer that errors are taken against is better than the smallest error charted",
@@ -151,6 +156,10 @@ fn study<M: Metric, P: Potential, C: Storage>(
         problem.solution_error / smallest,
         (0.0, 1.0),
     ));
+    let verdicts: Vec<String> = verdicts
+        .into_iter()
+        .map(|(name, tolerances)| format!("{name} is cheapest for an error of {tolerances}"))
+        .collect();
     Ok(Study {
         id: entry.id,
         krate: entry.krate,
@@ -159,8 +168,8 @@ fn study<M: Metric, P: Potential, C: Storage>(
         title: entry.title.into(),
         conclusion: format!(
             "The largest error over {motion}, against what it costs: lower and further left is \
-             better, and the marked line joins the runs that no other run beats. The cheapest \
-             methods are {}. A cross at the top is a run that failed; pointing at it tells why.",
+             better, and the marked line joins the runs that no other run beats. By counted work \
+             {}. A cross at the top is a run that failed; pointing at it tells why.",
             verdicts.join(", ")
         ),
         table,

@@ -178,13 +178,13 @@ impl<'a> RefillSink<'a> {
         self
     }
 
-    /// The slots of the next block, if it has these freedoms.
+    /// The slots of the next block, if it has these freedoms and their number of entries.
     #[inline]
-    fn next_slots(&mut self, freedoms: &[usize]) -> Option<&'a [u32]> {
+    fn next_slots(&mut self, freedoms: &[usize], entries: usize) -> Option<&'a [u32]> {
         let k = freedoms.len();
         let (recorded, stream) = self.stream.split_at_checked(k + 1)?;
         let same = recorded[1..].iter().zip(freedoms).all(|(&r, &freedom)| r == stored(freedom));
-        if recorded[0] as usize != k || !same {
+        if recorded[0] as usize != k || entries != k * k || !same {
             return None;
         }
         let (slots, rest) = self.slots.split_at_checked(k * (k + 1) / 2)?;
@@ -197,7 +197,7 @@ impl<'a> RefillSink<'a> {
 impl Sink for RefillSink<'_> {
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        let Some(slots) = self.next_slots(freedoms) else {
+        let Some(slots) = self.next_slots(freedoms, block.len()) else {
             self.changed.get_or_insert(self.block);
             self.stream = &[];
             return;
@@ -288,6 +288,8 @@ mod tests {
         assert_eq!(changed(blocks[..2].to_vec()), block(2));
         assert_eq!(changed([blocks.clone(), blocks[..1].to_vec()].concat()), block(3));
         assert_eq!(changed(vec![]), block(0));
+        assert_eq!(changed(vec![blocks[0].clone(), (vec![], vec![])]), block(1));
+        assert_eq!(changed(vec![(vec![0, 1], vec![2.0])]), block(0));
         matrix.refill(|sink| visit(&blocks, sink)).unwrap();
         assert_eq!(matrix.values(), values);
     }
@@ -298,6 +300,16 @@ mod tests {
         assert_eq!(matrix.rows(), [0, 1, 2]);
         assert_eq!(matrix.values(), [0.0, 5.0, 0.0]);
         assert_eq!(matrix.diagonal(1), 5.0);
+    }
+
+    #[test]
+    fn a_matrix_may_have_no_freedoms_at_all() {
+        let none: [([usize; 1], [f64; 1]); 0] = [];
+        let matrix = SymmetricMatrix::from_blocks(0, &none).unwrap();
+        let mut cholesky = crate::SparseCholesky::analyse(&matrix).unwrap();
+        cholesky.factor(&matrix).unwrap();
+        cholesky.solve(&mut []);
+        crate::SparseIndefinite::analyse(&matrix).unwrap();
     }
 
     #[test]

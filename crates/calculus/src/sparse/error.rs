@@ -30,7 +30,7 @@ pub enum SparseError {
         /// The freedom.
         freedom: usize,
     },
-    /// A block of k freedoms has k x k entries.
+    /// A block of k freedoms, at least one, has k x k entries.
     #[error("block {block} has {entries} entries for {freedoms} freedoms")]
     BlockSize {
         /// The block, counted from 0 in visiting order.

@@ -41,7 +41,7 @@ impl PatternSink {
 
     fn check(&self, freedoms: &[usize], entries: usize) -> Result<(), SparseError> {
         let block = self.blocks;
-        if entries != freedoms.len() * freedoms.len() {
+        if freedoms.is_empty() || entries != freedoms.len() * freedoms.len() {
             return Err(SparseError::BlockSize { block, entries, freedoms: freedoms.len() });
         }
         for (place, &freedom) in freedoms.iter().enumerate() {
@@ -200,5 +200,7 @@ mod tests {
         sink.add_symmetric(&[0, 1], &[1.0; 3]);
         let error = sink.pattern().unwrap_err();
         assert_eq!(error, SparseError::BlockSize { block: 0, entries: 3, freedoms: 2 });
+        let error = pattern_of(2, &[&[0], &[]]).unwrap_err();
+        assert_eq!(error, SparseError::BlockSize { block: 1, entries: 0, freedoms: 0 });
     }
 }

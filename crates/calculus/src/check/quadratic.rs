@@ -1,143 +1,22 @@
-//! A Hessian as it arrives at a sink, and its check where configurations do not add.
+//! A Hessian checked as a quadratic form: what remains where configurations do not add.
 //!
 //! ```text
-//! symmetry       B_ij = B_ji                              each block as it was given
-//! flat spaces    H w   = d/dh dV(q + h w)                 row by row: see `examine`
-//! any space      w^T H w = d/dh dV(q_h) w                 q_h = q moved by h along w
-//! H_ij = 1/2 (Q(e_i + e_j) - Q(e_i) - Q(e_j))             polarization, Q(w) = w^T H w
+//! Q(w) = w^T H w = d/dh dV(q_h) w at h = 0                    q_h = q moved by h along w
+//! H_ij = 1/2 (Q(e_i + e_j) - Q(e_i) - Q(e_j))                 polarization
 //! ```
-//! On a curved space the derivative of one component of dV along another is not symmetric: it
-//! contains dV of the commutator of the two motions. Along a single motion that vanishes, so the
-//! quadratic form Q is compared, and it determines the symmetric H.
-//! Entries are summed by place and never formed densely.
+//! On a curved space the derivative of one component of dV along another motion is not symmetric: it
+//! contains dV of the commutator of the two motions. Along a single motion the commutator vanishes,
+//! so Q is compared, and Q determines the symmetric H. Of few freedoms every pair is examined; of
+//! many, random directions, and where Q disagrees the freedoms are halved until a pair is left.
 
-use crate::{FIXED, Sink, SplitMix64};
-
+use super::blocks::Entries;
 use super::differences::Differences;
-use super::examine::{Finding, Suspect, direction, excess};
+use super::examine::{DIRECTIONS, Finding, Suspect, direction, unit};
 use super::ladder::{Estimate, Ladder, Scale};
+use crate::SplitMix64;
 
-/// Up to this many freedoms every pair of them is examined on a curved space.
+/// Up to this many freedoms every pair of them is examined.
 const FEW: usize = 12;
-
-/// Directions examined where the freedoms are many.
-const DIRECTIONS: usize = 6;
-
-/// Two entries of a block that ought to be equal.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Asymmetry {
-    pub row: usize,
-    pub column: usize,
-    pub entry: f64,
-    pub mirror: f64,
-    /// Their difference over the block's largest entry.
-    pub relative: f64,
-}
-
-/// Keeps each block's entries with their places.
-#[derive(Debug, Default)]
-pub(super) struct Blocks {
-    freedoms: usize,
-    entries: Vec<(usize, usize, f64)>,
-    /// The worst pair of entries that ought to be equal.
-    pub asymmetry: Option<Asymmetry>,
-    /// A freedom that the potential does not have.
-    pub unknown: Option<usize>,
-    /// Row and column of an entry that is not finite.
-    pub not_finite: Option<(usize, usize)>,
-}
-
-impl Blocks {
-    pub fn new(freedoms: usize) -> Self {
-        Blocks { freedoms, ..Blocks::default() }
-    }
-
-    /// The sum of the blocks.
-    pub fn sum(mut self) -> Entries {
-        self.entries.sort_by_key(|&(row, column, _)| (row, column));
-        self.entries.dedup_by(|next, kept| {
-            let same = (next.0, next.1) == (kept.0, kept.1);
-            if same {
-                kept.2 += next.2;
-            }
-            same
-        });
-        Entries { freedoms: self.freedoms, entries: self.entries }
-    }
-}
-
-impl Sink for Blocks {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        let k = freedoms.len();
-        let largest = block.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for (j, &column) in freedoms.iter().enumerate().filter(|&(_, &f)| f != FIXED) {
-            if column >= self.freedoms {
-                self.unknown = Some(column);
-                return;
-            }
-            for (i, &row) in freedoms.iter().enumerate().filter(|&(_, &f)| f < self.freedoms) {
-                let (entry, mirror) = (block[i + k * j], block[j + k * i]);
-                if !entry.is_finite() {
-                    self.not_finite = Some((row, column));
-                }
-                let relative = (entry - mirror).abs() / largest;
-                if i > j && relative > self.asymmetry.map_or(0.0, |worst| worst.relative) {
-                    self.asymmetry = Some(Asymmetry { row, column, entry, mirror, relative });
-                }
-                self.entries.push((row, column, entry));
-            }
-        }
-    }
-}
-
-/// The entries of a matrix that were touched, by rows.
-#[derive(Debug)]
-pub(super) struct Entries {
-    freedoms: usize,
-    entries: Vec<(usize, usize, f64)>,
-}
-
-impl Entries {
-    /// The product with a vector.
-    pub fn product(&self, w: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; self.freedoms];
-        for &(row, column, entry) in &self.entries {
-            y[row] += entry * w[column];
-        }
-        y
-    }
-
-    /// The quadratic form `w^T H w`.
-    pub fn quadratic(&self, w: &[f64]) -> f64 {
-        self.entries.iter().map(|&(row, column, entry)| w[row] * entry * w[column]).sum()
-    }
-
-    /// The largest magnitude in each row.
-    pub fn largest(&self) -> Vec<f64> {
-        let mut largest = vec![0.0_f64; self.freedoms];
-        for &(row, _, entry) in &self.entries {
-            largest[row] = largest[row].max(entry.abs());
-        }
-        largest
-    }
-
-    /// The largest sum of magnitudes in a row.
-    pub fn norm(&self) -> f64 {
-        let mut sums = vec![0.0_f64; self.freedoms];
-        for &(row, _, entry) in &self.entries {
-            sums[row] += entry.abs();
-        }
-        sums.into_iter().fold(0.0, f64::max)
-    }
-
-    /// Row and column of the largest magnitude.
-    pub fn place_of_largest(&self) -> Option<(usize, usize)> {
-        let larger = |a: &&(usize, usize, f64), b: &&(usize, usize, f64)| {
-            a.2.abs().total_cmp(&b.2.abs()).then((b.0, b.1).cmp(&(a.0, a.1)))
-        };
-        self.entries.iter().max_by(larger).map(|&(row, column, _)| (row, column))
-    }
-}
 
 /// A quadratic form with the function whose derivative along w it claims to be.
 pub(super) struct QuadraticClaim<'a> {
