@@ -57,7 +57,7 @@ fn main() -> Result<(), DerivativeError> {
     let df = DMatrix::from_column_slice(3, 3, hat_differential(&SVector::from(q)).as_slice());
     let steps: Vec<f64> = (1..16).map(|k| 10_f64.powi(-k)).collect();
     let f = |q: &[f64]| hat([q[0], q[1], q[2]]).to_vec();
-    let figure = differences(f, &df, &q, Vector(&[0.3, 0.8, -0.5]), &steps);
+    let figure = differences(f, &df, &q, Vector(&[0.3, 0.8, -0.5]), &steps)?;
     println!("Figure 2.1, the hat function q/|q|:\n\n{figure}");
     Ok(())
 }

@@ -227,17 +227,22 @@ impl Newton {
             report.iterations += 1;
             let longest = largest(memory.step.as_ref());
             let nearly = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
-            let Some(new_size) = search(equation, x, size, nearly, memory, &mut report) else {
-                if nearly {
-                    report.end = NewtonEnd::Rounding;
-                    break;
+            let found = search(equation, x, size, nearly, memory, &mut report);
+            match found {
+                Some(new_size) => {
+                    x.copy_from_slice(memory.trial.as_ref());
+                    size = new_size;
+                    memory.history.push(size);
                 }
-                return Err(memory.error(NewtonFailure::Stalled));
-            };
-            x.copy_from_slice(memory.trial.as_ref());
-            size = new_size;
-            memory.history.push(size);
-            if size > self.tolerance && longest <= ROUNDING * largest(x) {
+                None if nearly => {}
+                None => return Err(memory.error(NewtonFailure::Stalled)),
+            }
+            let rounding = found.is_none() || longest <= ROUNDING * largest(x);
+            if rounding && size > self.tolerance {
+                // A residual larger than at the guess is no rounding, but the end of a fall.
+                if size > memory.history[0] {
+                    return Err(memory.error(NewtonFailure::Stalled));
+                }
                 report.end = NewtonEnd::Rounding;
                 break;
             }
@@ -472,6 +477,48 @@ mod tests {
         let newton = Newton { tolerance: 0.5, iterations: 0 };
         let (x, report, _) = root(newton, 1.5, |x| x * x - 2.0, |x| 2.0 * x);
         assert_eq!((x, report.unwrap().iterations), (1.5, 0));
+    }
+
+    /// A step towards a point mass, `x - y + a/x^2 = 0`, with the energy `1/2 (x - y)^2 - a/x`, which has
+    /// no lower bound: where it is not convex, the step is shifted to descend.
+    struct Fall {
+        y: f64,
+        a: f64,
+    }
+
+    impl Equation for Fall {
+        fn residual(&mut self, x: &[f64], f: &mut [f64]) {
+            f[0] = x[0] - self.y + self.a / x[0].powi(2);
+        }
+
+        fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
+            let curvature = 1.0 - 2.0 * self.a / x[0].powi(3);
+            f[0] /= curvature.abs();
+            Ok(())
+        }
+
+        fn norm(&mut self, f: &[f64]) -> f64 {
+            f[0].abs()
+        }
+
+        fn energy(&mut self, x: &[f64]) -> Option<f64> {
+            Some(0.5 * (x[0] - self.y).powi(2) - self.a / x[0])
+        }
+    }
+
+    #[test]
+    fn falling_into_an_abyss_of_the_energy_is_a_failure() {
+        // The equation has a root as long as y >= 3 (a/4)^(1/3).
+        let a = 1e-4;
+        let fold = 3.0 * (a / 4.0_f64).cbrt();
+        for (factor, solvable) in [(2.0, true), (1.01, true), (0.99, false), (0.5, false)] {
+            let mut x = [factor * fold];
+            let mut memory = NewtonMemory::<[f64; 1]>::new(1, 200).unwrap();
+            let newton = Newton { tolerance: 0.0, iterations: 200 };
+            let mut fall = Fall { y: x[0], a };
+            let result = newton.solve(&mut fall, &mut x, &mut memory);
+            assert_eq!(result.is_ok(), solvable, "{factor}: {result:?} at {x:?}");
+        }
     }
 
     #[test]

@@ -111,7 +111,7 @@ mod tests {
     ) -> Differences {
         let steps: Vec<f64> = (2..30).map(|k| 10_f64.powf(-0.5 * f64::from(k))).collect();
         let f = |q: &[f64]| f(std::array::from_fn(|i| q[i])).to_vec();
-        differences(f, &df, &q, Vector(&w), &steps)
+        differences(f, &df, &q, Vector(&w), &steps).unwrap()
     }
 
     /// The slopes of figure 2.1: one for forward and two for centred differences.

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
 use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, three_bodies};
 use stationary_integrators::{
-    Conservation, EnergyBehavior, ErrorGrowth, Horizon, Integrator, Method,
-    Stability, State, Symplecticity, angular_momentum, angular_momentum_scale, linear_momentum,
+    Conservation, EnergyBehavior, ErrorGrowth, Horizon, Integrator, Method, Stability, State,
+    Symplecticity, angular_momentum, angular_momentum_scale, linear_momentum,
     linear_momentum_scale, simulate,
 };
 

@@ -126,7 +126,7 @@ fn initial_guesses() -> Result<Study, StudyError> {
             "spread of the roots found where there are several, rad",
             "more than 1: the guess decides",
             spread(&stiff),
-            (1.0, f64::MAX),
+            (1.0, f64::INFINITY),
         ),
         Claim::number(
             "most iterations from any guess",

@@ -307,7 +307,8 @@ fn momentum_drift(method: Method) -> Result<(f64, f64), StudyError> {
     let (linear, angular) = (linear_momentum::<2>(&state), angular_momentum::<2>(&state)[2]);
     let mut drift = (0.0_f64, 0.0_f64);
     // Half a turn: in longer runs implicit Euler drops the inner planet into the sun.
-    let horizon = Horizon::divided(0.5 * problem.period, 200).map_err(StudyError::at("three bodies"))?;
+    let horizon =
+        Horizon::divided(0.5 * problem.period, 200).map_err(StudyError::at("three bodies"))?;
     let mut integrator =
         method.integrator(&problem.system).map_err(StudyError::at("three bodies"))?;
     simulate(&mut *integrator, &mut state, horizon, |now| {

@@ -15,7 +15,7 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Cell, Column, Table, Vector, loglog_slope, truncation_regime};
+use crate::{Cell, Column, SizeError, Table, Vector, loglog_slope, truncation_regime};
 
 /// A difference of f is called rounding below this much of f: enough that what is printed of
 /// larger ones is the same on every processor.
@@ -106,14 +106,15 @@ pub fn differences(
     q: &[f64],
     w: Vector<&[f64]>,
     steps: &[f64],
-) -> Differences {
+) -> Result<Differences, SizeError> {
+    SizeError::check("the Jacobian's columns", q.len(), df.ncols())?;
+    SizeError::check("the direction's components", q.len(), w.0.len())?;
+    SizeError::check("the Jacobian's rows", f(q).len(), df.nrows())?;
     let (q, w) = (DVector::from_column_slice(q), DVector::from_column_slice(w.0));
     let value = |q: &DVector<f64>| DVector::from_vec(f(q.as_slice()));
     let centre = value(&q);
-    let size = match (df * &w).norm() {
-        0.0 => 1.0,
-        size => size,
-    };
+    let slope = (df * &w).norm();
+    let size = if slope > 0.0 { slope } else { 1.0 };
     let row = |&step: &f64| {
         let (ahead, behind) = (&q + &w * step, &q - &w * step);
         let (plus, minus) = (value(&ahead), value(&behind));
@@ -124,7 +125,7 @@ pub fn differences(
             rounding: ROUNDING * centre.norm() / (step * size),
         }
     };
-    Differences { rows: steps.iter().map(row).collect() }
+    Ok(Differences { rows: steps.iter().map(row).collect() })
 }
 
 #[cfg(test)]
@@ -141,7 +142,7 @@ mod tests {
         let df = hat_differential(&SVector::from(Q));
         let df = DMatrix::from_column_slice(3, 3, df.as_slice());
         let steps: Vec<f64> = (8..=128).map(|k| 10_f64.powf(-f64::from(k) / 8.0)).collect();
-        differences(|q| hat([q[0], q[1], q[2]]).to_vec(), &df, &Q, W.view(), &steps)
+        differences(|q| hat([q[0], q[1], q[2]]).to_vec(), &df, &Q, W.view(), &steps).unwrap()
     }
 
     fn norm(v: &[f64]) -> f64 {
@@ -178,7 +179,7 @@ mod tests {
     fn the_errors_of_a_wrong_differential_stop_at_its_error() {
         let f = |q: &[f64]| vec![q[0] * q[0] * q[0]];
         let steps: Vec<f64> = (1..12).map(|k| 10_f64.powi(-k)).collect();
-        let wrong = differences(f, &dmatrix![3.003], &[1.0], Vector(&[1.0]), &steps);
+        let wrong = differences(f, &dmatrix![3.003], &[1.0], Vector(&[1.0]), &steps).unwrap();
         for row in &wrong.rows[2..] {
             assert!((row.centred - 1e-3).abs() < 2e-4, "{wrong}");
         }
@@ -188,7 +189,7 @@ mod tests {
     fn the_table_shows_truncation_and_calls_rounding_by_its_name() {
         let cube = |q: &[f64]| vec![q[0].powi(3)];
         let steps = [1e-1, 1e-2, 1e-3, 1e-15];
-        let study = differences(cube, &dmatrix![3.0], &[1.0], Vector(&[1.0]), &steps);
+        let study = differences(cube, &dmatrix![3.0], &[1.0], Vector(&[1.0]), &steps).unwrap();
         let expected = "\
 step     forward error  centred error
 1.0e-1   1.0e-1         3.3e-3

@@ -44,7 +44,7 @@ impl Scale {
     /// read off q: its magnitude, where that is not nearly zero, and 1.
     pub fn of(q: &[f64], length: Option<f64>) -> Self {
         let largest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let (near, far) = match length {
+        let (near, far) = match length.filter(|&length| length > 0.0 && length.is_finite()) {
             Some(length) => (length, length),
             None if largest > 1e-6 => (largest, largest.max(1.0)),
             None => (1.0, 1.0),
@@ -130,7 +130,8 @@ impl<'a> Ladder<'a> {
         let off = |candidate: &Candidate| (claimed - candidate.estimate.value).abs();
         let agrees = |candidate: &Candidate| off(candidate) <= margin + candidate.estimate.bar;
         let sure = |candidate: &Candidate| {
-            candidate.h <= self.scale.near && candidate.estimate.bar <= SURE * margin
+            let steps = best.h..=self.scale.near;
+            steps.contains(&candidate.h) && candidate.estimate.bar <= SURE * margin
         };
         let excused = |other: &Candidate| other.contradicts(best) && sure(other) && agrees(other);
         let right = agrees(best) || candidates.iter().any(excused);

@@ -11,7 +11,8 @@
 
 use super::blocks::Entries;
 use super::differences::Differences;
-use super::examine::{DIRECTIONS, Finding, Suspect, direction, unit};
+use super::examine::{DIRECTIONS, direction, part, unit};
+use super::finding::{Finding, Suspect, excess};
 use super::ladder::{Estimate, Ladder, Scale};
 use crate::SplitMix64;
 
@@ -22,111 +23,112 @@ const FEW: usize = 12;
 pub(super) struct QuadraticClaim<'a> {
     /// The Hessian H.
     pub hessian: &'a Entries,
-    /// `dV(q_h) w`, at the configuration moved by h along w.
-    pub value: &'a dyn Fn(&[f64], f64) -> f64,
+    /// The largest entry of each row.
+    pub largest: &'a [f64],
     /// The steps.
     pub scale: &'a Scale,
+    /// `dV(q_h) w`, at the configuration moved by h along w.
+    pub value: &'a dyn Fn(&[f64], f64) -> f64,
 }
-
-/// From one index to before another.
-type Range = (usize, usize);
 
 impl QuadraticClaim<'_> {
     /// Compares the claim with differences; `tolerance` is relative to each row's largest entry.
     pub fn examine(&self, tolerance: f64, random: &mut SplitMix64) -> Finding {
-        let n = self.hessian.freedoms;
-        let largest = self.hessian.largest();
-        let mut finding = Finding { suspect: None, unseen: vec![0.0; n] };
-        if n <= FEW {
-            let mut wrong = 0;
-            for (j, i) in (0..n).flat_map(|j| (0..=j).map(move |i| (j, i))) {
-                let (suspect, allowed) = self.pair(i, j, &largest, tolerance);
-                finding.unseen[i] = finding.unseen[i].max(2.0 * allowed);
-                finding.unseen[j] = finding.unseen[j].max(2.0 * allowed);
-                wrong += usize::from(suspect.excess > 1.0);
-                if suspect.excess > finding.suspect.as_ref().map_or(1.0, |worst| worst.excess) {
-                    finding.suspect = Some(suspect);
-                }
-            }
-            if let Some(suspect) = &mut finding.suspect {
-                suspect.others = wrong - 1;
-            }
-            return finding;
+        if self.largest.len() <= FEW {
+            self.pairs(tolerance)
+        } else {
+            self.directions(tolerance, random)
         }
-        let smallest = largest.iter().copied().filter(|&x| x > 0.0).reduce(f64::min);
-        for _ in 0..DIRECTIONS {
+    }
+
+    /// The error of differences along freedom `k` against the claim for it.
+    pub fn differences(&self, k: usize) -> Differences {
+        self.differences_along(&unit(self.largest.len(), k), self.largest[k])
+    }
+
+    /// Examines every pair of freedoms.
+    fn pairs(&self, tolerance: f64) -> Finding {
+        let n = self.largest.len();
+        let mut finding = Finding::new(n);
+        for (i, j) in (0..n).flat_map(|j| (0..=j).map(move |i| (i, j))) {
+            let suspect = self.pair(i, j, tolerance);
+            for row in [i, j] {
+                let margin = 0.5 * tolerance * self.largest[row];
+                finding.hides(row, 2.0 * (margin + suspect.measured.bar), self.largest[row]);
+            }
+            finding.blame(suspect);
+        }
+        finding
+    }
+
+    /// Examines random directions, and where the form disagrees looks for the pair.
+    fn directions(&self, tolerance: f64, random: &mut SplitMix64) -> Finding {
+        let n = self.largest.len();
+        let mut finding = Finding::new(n);
+        let present = self.largest.iter().copied().filter(|&entry| entry > 0.0);
+        let smallest = present.reduce(f64::min).unwrap_or(0.0);
+        // An entry off the diagonal counts twice, so few directions see it; one on it counts a
+        // quarter of its error at least.
+        for _ in 0..2 * DIRECTIONS {
             let w = direction(n, random);
             let (claimed, measured) = self.along(&w);
-            let allowed = 0.25 * tolerance * smallest.unwrap_or(0.0) + measured.bar;
-            finding.unseen.iter_mut().for_each(|unseen| *unseen = unseen.max(4.0 * allowed));
-            if excess(claimed - measured.value, allowed) > 1.0 {
+            let allowed = 0.125 * tolerance * smallest + measured.bar;
+            for (row, &largest) in self.largest.iter().enumerate() {
+                finding.hides(row, 8.0 * (0.125 * tolerance * largest + measured.bar), largest);
+            }
+            if excess(claimed - measured.value, allowed) > 0.0 {
                 let (i, j) = self.halve(&w);
-                let (suspect, _) = self.pair(i, j, &largest, tolerance);
-                if suspect.excess > 1.0 {
-                    finding.suspect = Some(suspect);
-                    break;
-                }
+                finding.blame(self.pair(i, j, tolerance));
+            }
+            if finding.worst.is_some() {
+                break;
             }
         }
         finding
     }
 
-    /// The entry (i, j) by polarization, and what it is allowed to be off.
-    fn pair(&self, i: usize, j: usize, largest: &[f64], tolerance: f64) -> (Suspect, f64) {
-        let unit = |k: usize| {
-            let mut w = vec![0.0; largest.len()];
-            w[k] = 1.0;
-            w
+    /// The entry (i, j) by polarization.
+    fn pair(&self, i: usize, j: usize, tolerance: f64) -> Suspect {
+        let n = self.largest.len();
+        let (claimed, measured, w) = if i == j {
+            let w = unit(n, i);
+            let (claimed, measured) = self.along(&w);
+            (claimed, measured, w)
+        } else {
+            let w = sum(&unit(n, i), &unit(n, j));
+            let [both, one, other] = [&w, &unit(n, i), &unit(n, j)].map(|w| self.along(w));
+            let value = 0.5 * (both.1.value - one.1.value - other.1.value);
+            let bar = 0.5 * (both.1.bar + one.1.bar + other.1.bar);
+            (0.5 * (both.0 - one.0 - other.0), Estimate { value, bar }, w)
         };
-        let (w, scale) = if i == j { (unit(i), 1.0) } else { (sum(&unit(i), &unit(j)), 0.5) };
-        let (mut claimed, mut measured) = self.along(&w);
-        if i != j {
-            for (c, m) in [self.along(&unit(i)), self.along(&unit(j))] {
-                (claimed, measured.value) = (claimed - c, measured.value - m.value);
-                measured.bar += m.bar;
-            }
-        }
-        (claimed, measured.value) = (scale * claimed, scale * measured.value);
-        measured.bar *= scale;
-        let row_largest = largest[i].min(largest[j]);
-        let allowed = 0.5 * tolerance * row_largest + measured.bar;
-        let differences =
-            self.climb(&w).differences(0, self.hessian.quadratic(&w), largest[i].max(largest[j]));
+        let allowed = 0.5 * tolerance * self.largest[i].min(self.largest[j]) + measured.bar;
         let excess = excess(claimed - measured.value, allowed);
-        (Suspect { row: i, column: j, claimed, measured, excess, others: 0, differences }, allowed)
+        let differences = if excess > 0.0 {
+            self.differences_along(&w, self.largest[i].max(self.largest[j]))
+        } else {
+            Differences::default()
+        };
+        Suspect { row: i, column: j, claimed, measured, excess, differences }
     }
 
-    /// The entry where most of the disagreement along `w` comes from.
+    /// The pair of freedoms where most of the disagreement along `w` comes from.
     fn halve(&self, w: &[f64]) -> (usize, usize) {
-        let part = |(from, to): Range| -> Vec<f64> {
-            (0..w.len()).map(|k| if (from..to).contains(&k) { w[k] } else { 0.0 }).collect()
-        };
         let off = |w: &[f64]| {
             let (claimed, measured) = self.along(w);
             claimed - measured.value
         };
-        let shared = |&(a, b): &(Range, Range)| match a == b {
-            true => off(&part(a)).abs(),
-            false => {
-                let (a, b) = (part(a), part(b));
-                (off(&sum(&a, &b)) - off(&a) - off(&b)).abs()
-            }
-        };
-        let halves = |(from, to): Range| {
-            let middle = usize::midpoint(from, to);
-            [(from, middle), (middle, to)]
+        let shared = |&(a, b): &(Range, Range)| {
+            let [x, y] = [a, b].map(|(from, to)| part(w, from, to));
+            let off = if a == b { off(&x) } else { off(&sum(&x, &y)) - off(&x) - off(&y) };
+            off.abs()
         };
         let mut pair = ((0, w.len()), (0, w.len()));
-        loop {
+        while length(pair.0).max(length(pair.1)) > 1 {
             let (a, b) = pair;
-            let [length_a, length_b] = [a, b].map(|(from, to)| to - from);
-            if length_a.max(length_b) == 1 {
-                return (a.0, b.0);
-            }
             let choices = if a == b {
                 let [low, high] = halves(a);
                 vec![(low, low), (high, high), (low, high)]
-            } else if length_a >= length_b {
+            } else if length(a) >= length(b) {
                 halves(a).map(|half| (half, b)).to_vec()
             } else {
                 halves(b).map(|half| (a, half)).to_vec()
@@ -134,6 +136,7 @@ impl QuadraticClaim<'_> {
             let most = choices.into_iter().max_by(|x, y| shared(x).total_cmp(&shared(y)));
             pair = most.unwrap_or(((a.0, a.0 + 1), (b.0, b.0 + 1)));
         }
+        (pair.0.0, pair.1.0)
     }
 
     /// Claimed and measured value of the form.
@@ -141,16 +144,25 @@ impl QuadraticClaim<'_> {
         (self.hessian.quadratic(w), self.climb(w).estimate(0))
     }
 
-    /// The error of differences along freedom `k` against the claim for it.
-    pub fn differences(&self, k: usize) -> Differences {
-        let mut w = vec![0.0; self.hessian.freedoms];
-        w[k] = 1.0;
-        self.climb(&w).differences(0, self.hessian.quadratic(&w), self.hessian.largest()[k])
+    fn differences_along(&self, w: &[f64], largest: f64) -> Differences {
+        self.climb(w).differences(0, self.hessian.quadratic(w), largest)
     }
 
     fn climb(&self, w: &[f64]) -> Ladder<'_> {
         Ladder::climb(self.scale, |h| vec![(self.value)(w, h)])
     }
+}
+
+/// From one index to before another.
+type Range = (usize, usize);
+
+fn length((from, to): Range) -> usize {
+    to - from
+}
+
+fn halves((from, to): Range) -> [Range; 2] {
+    let middle = usize::midpoint(from, to);
+    [(from, middle), (middle, to)]
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {

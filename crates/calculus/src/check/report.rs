@@ -117,17 +117,20 @@ impl fmt::Display for WrongEntry {
             0 => writeln!(f, "  where     at the given configuration")?,
             number => writeln!(f, "  where     at random configuration {number}, a move away")?,
         }
-        match (self.others, self.configuration) {
-            (0, _) => {}
-            (others, _) => writeln!(f, "  as well   {others} others")?,
+        if self.others > 0 {
+            writeln!(f, "  as well   {} others", self.others)?;
         }
-        let shown = self.q.len().min(12);
-        let rest = if shown < self.q.len() { ", ..." } else { "" };
-        let q: Vec<String> = self.q[..shown].iter().map(|x| format!("{x:?}")).collect();
-        writeln!(f, "  q         [{}{rest}]", q.join(", "))?;
+        writeln!(f, "  q         {}", shown(&self.q))?;
         writeln!(f, "errors of differences against the claim, over the row's largest entry:")?;
         write!(f, "{}", self.differences.table())
     }
+}
+
+/// The first dozen numbers, with every digit.
+fn shown(q: &[f64]) -> String {
+    let numbers: Vec<String> = q.iter().take(12).map(|x| format!("{x:?}")).collect();
+    let rest = if q.len() > numbers.len() { ", ..." } else { "" };
+    format!("[{}{rest}]", numbers.join(", "))
 }
 
 /// A derivative that is wrong, or cannot be checked.
@@ -137,7 +140,7 @@ pub enum DerivativeError {
     #[error(transparent)]
     Size(#[from] SizeError),
     /// Something is not finite at a configuration where the energy is.
-    #[error("{what} is not finite at q = {q:?}, first at place {place}")]
+    #[error("{what} is not finite, first at place {place}, where q is {}", shown(q))]
     NotFinite {
         /// What is not finite: "the energy", "the differential", ...
         what: &'static str,

@@ -5,7 +5,7 @@ mod mistakes;
 mod right;
 
 use super::*;
-use crate::Sink;
+use crate::{Covector, Sink};
 
 type Block = (Vec<usize>, Vec<f64>);
 type Function<F> = Box<dyn Fn(&[f64]) -> F>;

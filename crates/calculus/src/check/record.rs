@@ -1,0 +1,66 @@
+//! What is learned about one derivative, configuration by configuration.
+
+use super::differences::Differences;
+use super::finding::Finding;
+use super::report::{Agreement, Derivative, DerivativeError, WrongEntry};
+
+/// The findings so far, all of them right.
+#[derive(Debug)]
+pub(super) struct Record {
+    derivative: Derivative,
+    freedoms: usize,
+    configurations: usize,
+    /// For each row, the relative error that may stay unseen where it is seen best.
+    unseen: Vec<Option<f64>>,
+    differences: Differences,
+}
+
+impl Record {
+    pub fn new(derivative: Derivative, freedoms: usize) -> Self {
+        let (unseen, differences) = (Vec::new(), Differences::default());
+        Record { derivative, freedoms, configurations: 0, unseen, differences }
+    }
+
+    /// Adds what was found at one more configuration, or says what is wrong there. The first one's
+    /// `differences` are kept for the report.
+    pub fn add(
+        &mut self,
+        finding: Finding,
+        q: &[f64],
+        differences: impl FnOnce() -> Option<Differences>,
+    ) -> Result<(), DerivativeError> {
+        if let Some(worst) = finding.worst {
+            return Err(DerivativeError::Wrong(Box::new(WrongEntry {
+                derivative: self.derivative,
+                row: worst.row,
+                column: worst.column,
+                claimed: worst.claimed,
+                measured: worst.measured.value,
+                uncertainty: worst.measured.bar,
+                others: finding.wrong - 1,
+                q: q.to_vec(),
+                configuration: self.configurations,
+                differences: worst.differences,
+            })));
+        }
+        if self.configurations == 0 {
+            self.differences = differences().unwrap_or_default();
+        }
+        self.configurations += 1;
+        self.unseen.resize(finding.unseen.len(), None);
+        for (best, unseen) in self.unseen.iter_mut().zip(finding.unseen) {
+            *best = [*best, unseen].into_iter().flatten().reduce(f64::min);
+        }
+        Ok(())
+    }
+
+    pub fn agreement(self) -> Agreement {
+        Agreement {
+            derivative: self.derivative,
+            freedoms: self.freedoms,
+            configurations: self.configurations,
+            unseen: self.unseen.into_iter().flatten().fold(0.0, f64::max),
+            differences: self.differences,
+        }
+    }
+}
