@@ -3,7 +3,6 @@
 /// A planet's configuration and momentum.
 pub type Planet = ([f64; 2], [f64; 2]);
 
-
 #[inline(always)]
 fn dv(q: &[f64; 2]) -> [f64; 2] {
     let r2 = q[0] * q[0] + q[1] * q[1];

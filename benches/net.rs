@@ -217,12 +217,12 @@ impl ByHand {
             let d = [b[0] - a[0], b[1] - a[1]];
             let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
             let tension = STIFFNESS * (length - rest) / length;
-            for c in 0..2 {
+            for (c, d) in d.into_iter().enumerate() {
                 if 2 * i < n {
-                    self.dv[2 * i + c] -= tension * d[c];
+                    self.dv[2 * i + c] -= tension * d;
                 }
                 if 2 * j < n {
-                    self.dv[2 * j + c] += tension * d[c];
+                    self.dv[2 * j + c] += tension * d;
                 }
             }
         }

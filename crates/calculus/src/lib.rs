@@ -30,7 +30,9 @@ mod worked;
 
 pub use angle::{angle, signed_angle};
 pub use automatic::{Automatic, AutomaticStencil, Energy, StencilEnergy};
-pub use basis::{BasisError, BilinearForm, ChangeOfBasis, ContravariantTensor, LinearTransformation};
+pub use basis::{
+    BasisError, BilinearForm, ChangeOfBasis, ContravariantTensor, LinearTransformation,
+};
 pub use check::{
     Agreement, Derivative, DerivativeCheck, DerivativeError, Difference, Differences, Report,
     WrongEntry, assert_derivatives, assert_derivatives_on, assert_jacobian, check_jacobian,
@@ -41,12 +43,6 @@ pub use differential::{
     second_differential,
 };
 pub use eigen::{EigenError, Eigenpairs};
-pub use random::SplitMix64;
-pub use semidefinite::project_semidefinite;
-pub use worked::{
-    cross_differential, cross_matrix, dot_differential, hat, hat_differential, inverse_differential,
-    norm, norm_differential,
-};
 pub use equilibrium::{Equilibrium, EquilibriumReport};
 pub use error::{MetricError, SizeError};
 pub use fit::{loglog_slope, truncation_regime};
@@ -60,6 +56,8 @@ pub use newton::{
 };
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 pub use potential::Potential;
+pub use random::SplitMix64;
+pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 #[cfg(feature = "sparse")]
 pub use sparse::{
@@ -71,3 +69,7 @@ pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Flat, Space, System};
 pub use table::{Cell, Column, Precision, Table};
 pub use vectors::{Covector, Storage, Vector, first_non_finite};
+pub use worked::{
+    cross_differential, cross_matrix, dot_differential, hat, hat_differential,
+    inverse_differential, norm, norm_differential,
+};

@@ -1,6 +1,6 @@
 //! What is known of a method before it runs: table 4.1 of the notes as data, corrected.
 //!
-//! Studies and tests ask for these facts and assert them; the docs' table is printed from them.
+//! Studies and tests ask for these facts and assert them.
 
 /// Whether a step solves an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

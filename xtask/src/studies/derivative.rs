@@ -31,8 +31,9 @@ fn study() -> Result<Study, StudyError> {
     let dynamic =
         |df: nalgebra::Matrix3<f64>| nalgebra::DMatrix::from_column_slice(3, 3, df.as_slice());
     let along = Vector(ALONG);
-    let right = differences(f, &dynamic(right), &AT, along.view(), &steps);
-    let wrong = differences(f, &dynamic(wrong), &AT, along.view(), &steps);
+    let stage = || StudyError::at("the hat function");
+    let right = differences(f, &dynamic(right), &AT, along.view(), &steps).map_err(stage())?;
+    let wrong = differences(f, &dynamic(wrong), &AT, along.view(), &steps).map_err(stage())?;
     // Cancellation is noise: below this times 1/step, another processor prints other digits.
     let mut table = Table::new([
         Column::rounded("step", 3, 0.0),

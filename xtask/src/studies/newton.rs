@@ -142,9 +142,10 @@ fn initial_guesses() -> Result<Study, StudyError> {
         kind: INITIAL_GUESSES.kind,
         title: INITIAL_GUESSES.title.into(),
         conclusion:
-            "The same step from guesses up to a million radians away. A small step has one \
-                     root, and the line search finds it from everywhere. A large step has several: \
-                     an implicit step is no longer unique, and the guess decides which it takes."
+            "The same step from guesses near and far. A small step has one root, and the line \
+             search finds it from every guess in the table. A large step has several: an implicit \
+             step is no longer unique, the guess decides which root is taken, and from far away \
+             the search may stall, which it says."
                 .into(),
         table,
         charts: vec![chart.into()],

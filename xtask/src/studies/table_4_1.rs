@@ -115,9 +115,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: TABLE.chapter,
         kind: TABLE.kind,
         title: TABLE.title.into(),
-        conclusion: "The notes' table 4.1 beside what each method does. They part in six places: \
-                     RK4 is stable up to h ω = 2√2, loses energy slowly and does not keep angular \
-                     momentum; the trapezoid rule keeps angular momentum for linear forces only; \
+        conclusion: "The notes' table 4.1 beside what each method does. Where they part: \
+                     RK4 is stable up to h ω = 2√2, loses energy slowly, does not keep angular \
+                     momentum, and the error of its oscillator grows linearly; the trapezoid rule keeps angular momentum for linear forces only; \
                      implicit Euler's error stops growing once the motion is gone; the implicit \
                      methods have no stability limit on a linear system. One step has one order \
                      more than the whole. Energy left is that of an oscillator after 100 periods; \

