@@ -1,32 +1,67 @@
-//! Vectors and covectors, differentials and Hessians.
+//! What does an energy do when its configuration moves, and is what I wrote down right?
+//!
+//! ```text
+//! [v]~ = T^-1 [v]   [nu]~ = [nu] T   [g]~ = T^T [g] T     vectors, covectors, forms       (1.1-1.4)
+//! <nu, v>,   p = M v,   v = M^-1 p,   T = 1/2 <M v, v>    pairing and metric              (1.2-1.5)
+//! [f] v = lambda [g] v,   V^T g V = I                     eigenvectors of a form          (1.4.1)
+//! {df}(w) = d/ds f(q + s w),   {d2f}(v, w)                differentials                   (2.1-2.4)
+//! (V(q + h w) - V(q - h w)) / 2h -> {dV}(w)               the check, over all h           (2.5)
+//! V = sum W_s,   dV = sum dW_s,   d2V = sum d2W_s         energies of few vertices each   (3.3)
+//! df(x) delta = -f(x),   x <- x + t delta                 Newton's method                 (4.4)
+//! (m M + a d2V) x = r                                     what an implicit step solves    (4.4)
+//! atan2(|u x v|, <u, v>)                                  angles                          (A.2)
+//! ```
+//! `q` a configuration, `v w` vectors, `nu p` covectors, `M g` metrics, `V W` energies in joules. The
+//! numbers name sections of the notes.
+//!
+//! ```
+//! use stationary_calculus::{Covector, Potential, Sink, assert_derivatives};
+//!
+//! struct Pendulum; // V(theta) = -m g l cos theta, with m g l = 1 J
+//! impl Potential for Pendulum {
+//!     fn dim(&self) -> usize { 1 }
+//!     fn energy(&self, q: &[f64]) -> f64 { -q[0].cos() }
+//!     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) { dv.0[0] += q[0].sin(); }
+//!     fn add_hessian(&self, q: &[f64], h: &mut impl Sink) { h.add_symmetric(&[0], &[q[0].cos()]); }
+//! }
+//! assert_derivatives(&Pendulum, &[0.3]); // a wrong entry is a panic that names it
+//! ```
+//!
+//! Reading order: vectors and changes of basis; differentials, exact ones and the worked ones of 2.3;
+//! metrics and forms; potentials, their stencils and the sinks that Hessians flow into; the check of
+//! them all; a [`System`] of metric and potential; Newton's method with its solvers, dense and, with
+//! the feature `sparse`, sparse; equilibria and the shortest solution of a system of any rank; and
+//! what studies need: tables that print alike everywhere, slopes of power laws, repeatable randomness.
+//!
+//! The crate knows nothing of time, of meshes or of files.
 
-mod angle;
-mod automatic;
-mod basis;
-mod check;
-mod dense_lu;
-mod differential;
-mod eigen;
-mod equilibrium;
 mod error;
-mod fit;
+mod vectors;
+mod basis;
+mod differential;
+mod worked;
+mod angle;
+mod metric;
+mod eigen;
+mod potential;
+mod sink;
+mod stencil;
+mod automatic;
+mod check;
+mod system;
+mod newton;
 mod function_equation;
 mod hessian_solver;
-mod least_norm;
-mod metric;
-mod newton;
-mod newton_study;
-mod potential;
-mod random;
+mod dense_lu;
 mod semidefinite;
-mod sink;
 #[cfg(feature = "sparse")]
 mod sparse;
-mod stencil;
-mod system;
+mod equilibrium;
+mod least_norm;
+mod newton_study;
 mod table;
-mod vectors;
-mod worked;
+mod fit;
+mod random;
 
 pub use angle::{angle, signed_angle};
 pub use automatic::{Automatic, AutomaticStencil, Energy, StencilEnergy};
