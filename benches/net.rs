@@ -183,7 +183,7 @@ struct ByHand {
 
 impl ByHand {
     fn new(side: usize) -> Self {
-        let (system, State { q, p }) = hanging::<2>(side);
+        let (system, State { q, p, .. }) = hanging::<2>(side);
         let list = system.potential().0.stencils();
         let ends = |spring: &Spring| stationary_calculus::Stencil::<2, 2>::vertices(spring);
         let springs = list.iter().map(|spring| (ends(spring), spring.rest_length())).collect();

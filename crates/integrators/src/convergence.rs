@@ -35,7 +35,7 @@ pub fn deliver<M: Metric, P: Potential, C: Storage>(
     let start = problem.energy(&state);
     let (mut error, mut energy_error) = (0.0_f64, 0.0_f64);
     let cost = simulate(integrator, &mut state, steps, |now| {
-        if let Some(distance) = problem.error(now.time, &now.state.q) {
+        if let Some(distance) = problem.error(now.state.t, &now.state.q) {
             error = error.max(distance);
         }
         energy_error = energy_error.max((problem.energy(now.state) - start).abs());
@@ -145,7 +145,7 @@ mod tests {
         // One orbit: over many, RK4's loss of energy, of order 5, outgrows the rest.
         let mut problem = kepler(0.3).unwrap();
         problem.horizon = problem.period;
-        for method in Method::ALL {
+        for method in Method::TABLE_4_1 {
             let coarsest = if method.facts().order == 1 { 6400 } else { 400 };
             let steps = (0..4).map(|i| coarsest << i);
             let order = Convergence::measure(&problem, method, steps).unwrap().order().unwrap();

@@ -14,14 +14,15 @@ use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
 
 use crate::splitting::Splitting;
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What is known of the method.
 pub(crate) const FACTS: Facts = Facts {
     name: "explicit-euler",
     order: 1,
+    stages: 1,
     evaluation: Evaluation::Explicit,
     symmetric: false,
     symplecticity: Symplecticity::No,
@@ -29,6 +30,7 @@ pub(crate) const FACTS: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::ToOrder,
     stability: Stability::Never,
+    damping: Damping::Conditional,
     error_growth: ErrorGrowth::Exponential,
 };
 
@@ -52,7 +54,7 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for ExplicitEuler<'_, M,
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
         let mut phase = self.0.begin(state, h)?;
         phase.kick_and_drift_at_once(h);
-        phase.finish(state)
+        phase.finish(state, h)
     }
 }
 

@@ -55,6 +55,17 @@ pub enum Stability {
     Never,
 }
 
+/// What the method does to y' = lambda y where lambda decays, however large the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Damping {
+    /// It blows up above some step.
+    Conditional,
+    /// It stays bounded: A-stable.
+    AStable,
+    /// It dies out, within one step where the decay is fast: L-stable.
+    LStable,
+}
+
 /// How the error of a harmonic oscillator grows with time at a fixed step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorGrowth {
@@ -73,6 +84,9 @@ pub struct Facts {
     pub name: &'static str,
     /// The power of h in the error at a fixed end time.
     pub order: u32,
+    /// Configurations at which a step evaluates the force; a configuration that the next step
+    /// evaluates again counts once.
+    pub stages: u32,
     /// Whether a step solves an equation.
     pub evaluation: Evaluation,
     /// Whether a step back undoes a step.
@@ -87,6 +101,8 @@ pub struct Facts {
     pub angular_momentum: Conservation,
     /// The stability limit on an oscillator.
     pub stability: Stability,
+    /// What it does to fast decay.
+    pub damping: Damping,
     /// The growth of the error on an oscillator.
     pub error_growth: ErrorGrowth,
 }

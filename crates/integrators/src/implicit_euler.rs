@@ -19,14 +19,15 @@ use stationary_calculus::{
 use crate::integrator::{check_step, zeros};
 use crate::stage::{Stage, implicit_method};
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What is known of the method.
 pub(crate) const FACTS: Facts = Facts {
     name: "implicit-euler",
     order: 1,
+    stages: 1,
     evaluation: Evaluation::Implicit,
     symmetric: false,
     symplecticity: Symplecticity::No,
@@ -34,6 +35,7 @@ pub(crate) const FACTS: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::ToOrder,
     stability: Stability::Always,
+    damping: Damping::LStable,
     error_growth: ErrorGrowth::Saturates,
 };
 
@@ -57,7 +59,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
         let system = self.stage.system();
         check_step(state, system.dim(), h)?;
-        let State { q, p } = &mut self.next;
+        let State { q, p, .. } = &mut self.next;
         q.clone_from(&state.q);
         p.clone_from(&state.p);
         system.metric().sharp(state.p.view(), self.velocity.view_mut());
@@ -66,7 +68,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         let mut report = self.stage.solve(q, h * h)?;
         let dv = self.stage.differential_at(q, &mut report.differentials);
         p.add_scaled(-h, dv.view());
-        state.accept(&mut self.next)?;
+        state.accept(&mut self.next, h)?;
         Ok(report)
     }
 }

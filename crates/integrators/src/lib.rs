@@ -58,7 +58,7 @@ pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use error::{HorizonError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
 };
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;

@@ -38,8 +38,8 @@ pub enum Method {
 pub struct UnknownMethod(pub String);
 
 impl Method {
-    /// Every method, in the order of the notes' table.
-    pub const ALL: [Method; 8] = [
+    /// The methods of the notes' table 4.1, in its order.
+    pub const TABLE_4_1: [Method; 8] = [
         Method::ExplicitEuler,
         Method::ImplicitEuler,
         Method::Trapezoid,
@@ -49,6 +49,9 @@ impl Method {
         Method::StormerVerlet,
         Method::RungeKutta4,
     ];
+
+    /// Every method.
+    pub const ALL: &[Method] = &Method::TABLE_4_1;
 
     /// What is known of it.
     pub fn facts(self) -> Facts {
@@ -107,8 +110,8 @@ impl FromStr for Method {
     type Err = UnknownMethod;
 
     fn from_str(name: &str) -> Result<Self, UnknownMethod> {
-        let named = Method::ALL.into_iter().find(|method| method.facts().name == name);
-        named.ok_or_else(|| UnknownMethod(name.to_owned()))
+        let named = Method::ALL.iter().find(|method| method.facts().name == name);
+        named.copied().ok_or_else(|| UnknownMethod(name.to_owned()))
     }
 }
 
@@ -118,7 +121,7 @@ mod tests {
 
     #[test]
     fn every_method_is_found_by_its_name() {
-        for method in Method::ALL {
+        for &method in Method::ALL {
             assert_eq!(method.to_string().parse(), Ok(method));
         }
         assert!("velocity-verlet".parse::<Method>().is_err());

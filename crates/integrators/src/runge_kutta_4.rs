@@ -16,14 +16,15 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage
 
 use crate::integrator::{check_step, zeros};
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What is known of the method.
 pub(crate) const FACTS: Facts = Facts {
     name: "runge-kutta-4",
     order: 4,
+    stages: 4,
     evaluation: Evaluation::Explicit,
     symmetric: false,
     symplecticity: Symplecticity::No,
@@ -31,6 +32,7 @@ pub(crate) const FACTS: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::ToOrder,
     stability: Stability::Below(2.0 * std::f64::consts::SQRT_2),
+    damping: Damping::Conditional,
     error_growth: ErrorGrowth::Linear,
 };
 
@@ -122,7 +124,7 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for RungeKutta4<'_, M, P
         stages.place(h);
         stages.add(h / 6.0);
         let Stages { displacement, differential, stage, mut next, .. } = stages;
-        let accepted = state.accept(&mut next);
+        let accepted = state.accept(&mut next, h);
         self.displacement.0.put_back(displacement.0);
         self.differential.0.put_back(differential.0);
         self.stage.put_back(stage);

@@ -1,10 +1,11 @@
 //! A simulation: step after step to a horizon, with an observer that sees every one.
 //!
 //! ```text
-//! (q, p) at t = i h,    i = 0, 1, ..., N,    N h = the horizon
+//! (q, p) at t = t0 + i h,    i = 0, 1, ..., N,    N h = the duration
 //! ```
 //! Times are products, not sums, so that they do not drift. The observer may look at the state and
-//! may end the simulation; it allocates only what it wants to.
+//! may end the simulation; it allocates only what it wants to. A state that was saved after k steps
+//! goes on from there with [`Horizon::resumed`], to the same bits.
 
 use std::ops::ControlFlow;
 
@@ -13,8 +14,10 @@ use crate::{HorizonError, Integrator, SimulationError, State, StepReport};
 /// A number of equal steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Horizon {
+    start: f64,
     step: f64,
     steps: u64,
+    done: u64,
 }
 
 /// How far from a whole number of steps a duration may be, relative to it: rounding, no more.
@@ -34,7 +37,7 @@ impl Horizon {
         if whole < 1.0 || (steps - whole).abs() > WHOLE * whole || whole > 2_f64.powi(53) {
             return Err(HorizonError::NotWhole { duration, step, steps });
         }
-        Ok(Horizon { step: duration / whole, steps: whole as u64 })
+        Ok(Horizon { start: 0.0, step: duration / whole, steps: whole as u64, done: 0 })
     }
 
     /// The duration in this many equal steps, at least one.
@@ -42,9 +45,23 @@ impl Horizon {
         Horizon::new(duration, duration / steps.max(1) as f64)
     }
 
+    /// The same steps from another time than zero.
+    pub fn starting(self, start: f64) -> Self {
+        Horizon { start, ..self }
+    }
+
+    /// The same steps without the first `done`, for the state that followed those.
+    pub fn resumed(self, done: u64) -> Self {
+        Horizon { done, ..self }
+    }
+
     /// The step, seconds.
     pub fn step(&self) -> f64 {
         self.step
+    }
+
+    fn time(&self, step: u64) -> f64 {
+        self.start + step as f64 * self.step
     }
 
     /// The number of steps.
@@ -83,16 +100,14 @@ impl Cost {
 pub struct Observation<'a, C> {
     /// The number of steps taken so far.
     pub step: u64,
-    /// The time, seconds.
-    pub time: f64,
-    /// The state.
+    /// The state, with its time.
     pub state: &'a State<C>,
     /// What the step cost, and how it went.
     pub report: &'a StepReport,
 }
 
-/// Steps `state` to the horizon, or until the observer breaks off. On an error the state is that
-/// after the last good step.
+/// Steps `state` to the horizon, or until the observer breaks off. The horizon sets the state's time.
+/// On an error the state is that after the last good step.
 pub fn simulate<C, I: Integrator<C> + ?Sized>(
     integrator: &mut I,
     state: &mut State<C>,
@@ -100,15 +115,17 @@ pub fn simulate<C, I: Integrator<C> + ?Sized>(
     mut observe: impl FnMut(Observation<'_, C>) -> ControlFlow<()>,
 ) -> Result<Cost, SimulationError> {
     let mut cost = Cost::default();
-    for step in 1..=horizon.steps {
+    state.t = horizon.time(horizon.done);
+    for step in horizon.done + 1..=horizon.steps {
+        let time = state.t;
         let report = integrator.step(state, horizon.step).map_err(|source| SimulationError {
             step,
-            time: (step - 1) as f64 * horizon.step,
+            time,
             source,
         })?;
         cost.add(&report);
-        let time = step as f64 * horizon.step;
-        if observe(Observation { step, time, state, report: &report }).is_break() {
+        state.t = horizon.time(step);
+        if observe(Observation { step, state, report: &report }).is_break() {
             break;
         }
     }
@@ -118,6 +135,29 @@ pub fn simulate<C, I: Integrator<C> + ?Sized>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::StormerVerlet;
+    use crate::problems::kepler;
+
+    #[test]
+    fn a_resumed_simulation_ends_with_the_same_bits() {
+        let planet = kepler(0.6).unwrap();
+        let horizon = Horizon::new(3.0, 0.01).unwrap().starting(0.1);
+        let run = |state: &mut State<[f64; 2]>, horizon, last| {
+            let mut verlet = StormerVerlet::new(&planet.system).unwrap();
+            let until = |now: Observation<'_, _>| match now.step == last {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            simulate(&mut verlet, state, horizon, until).unwrap();
+        };
+        let (mut whole, mut parts) = (planet.initial.clone(), planet.initial.clone());
+        run(&mut whole, horizon, 300);
+        run(&mut parts, horizon, 77);
+        assert_ne!(whole, parts);
+        run(&mut parts, horizon.resumed(77), 300);
+        assert_eq!(whole, parts);
+        assert_eq!(whole.t, 0.1 + 300.0 * 0.01);
+    }
 
     #[test]
     fn a_horizon_that_is_not_a_number_of_steps_is_refused() {

@@ -97,8 +97,8 @@ impl<M: Metric, P: Potential, C: Storage> Phase<'_, '_, M, P, C> {
     }
 
     #[inline]
-    pub(crate) fn finish(mut self, state: &mut State<C>) -> Result<StepReport, StepError> {
-        let accepted = state.accept(&mut self.next);
+    pub(crate) fn finish(mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
+        let accepted = state.accept(&mut self.next, h);
         let Splitting { differential, displacement, next, .. } = self.splitting;
         differential.0.put_back(self.differential.0);
         displacement.0.put_back(self.displacement.0);

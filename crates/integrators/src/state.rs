@@ -4,9 +4,11 @@ use stationary_calculus::{Covector, Storage, first_non_finite};
 
 use crate::StepError;
 
-/// A configuration `q` and a momentum `p` (a covector), as many numbers each (notes 4.2).
+/// A configuration `q` and a momentum `p` (a covector), as many numbers each (notes 4.2), at a time.
 #[derive(Debug, Default, PartialEq)]
 pub struct State<C> {
+    /// The time, seconds.
+    pub t: f64,
     /// The configuration.
     pub q: C,
     /// The momentum.
@@ -16,12 +18,13 @@ pub struct State<C> {
 impl<C: Clone> Clone for State<C> {
     #[inline]
     fn clone(&self) -> Self {
-        State { q: self.q.clone(), p: self.p.clone() }
+        State { t: self.t, q: self.q.clone(), p: self.p.clone() }
     }
 
     /// Reuses the memory that is there.
     #[inline]
     fn clone_from(&mut self, source: &Self) {
+        self.t = source.t;
         self.q.clone_from(&source.q);
         self.p.clone_from(&source.p);
     }
@@ -31,7 +34,7 @@ impl<C: Storage> State<C> {
     /// See [`Storage::lend`].
     #[inline]
     pub(crate) fn lend(&mut self) -> Self {
-        State { q: self.q.lend(), p: Covector(self.p.0.lend()) }
+        State { t: self.t, q: self.q.lend(), p: Covector(self.p.0.lend()) }
     }
 
     /// See [`Storage::put_back`].
@@ -43,9 +46,9 @@ impl<C: Storage> State<C> {
 }
 
 impl<C: AsRef<[f64]>> State<C> {
-    /// The state at configuration `q` with momentum `p`.
+    /// The state at configuration `q` with momentum `p` at time zero.
     pub fn new(q: C, p: C) -> Self {
-        State { q, p: Covector(p) }
+        State { t: 0.0, q, p: Covector(p) }
     }
 
     /// An error that names the first number that is not finite, if there is one.
@@ -60,10 +63,11 @@ impl<C: AsRef<[f64]>> State<C> {
         Ok(())
     }
 
-    /// Takes over `next`, or returns an error and stays as it was.
+    /// Takes over `next`, `h` seconds later, or returns an error and stays as it was.
     #[inline]
-    pub(crate) fn accept(&mut self, next: &mut Self) -> Result<(), StepError> {
+    pub(crate) fn accept(&mut self, next: &mut Self, h: f64) -> Result<(), StepError> {
         next.check_finite()?;
+        next.t = self.t + h;
         std::mem::swap(self, next);
         Ok(())
     }

@@ -17,14 +17,15 @@ use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
 
 use crate::splitting::Splitting;
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What is known of the method.
 pub(crate) const FACTS: Facts = Facts {
     name: "stormer-verlet",
     order: 2,
+    stages: 1,
     evaluation: Evaluation::Explicit,
     symmetric: true,
     symplecticity: Symplecticity::Symplectic,
@@ -32,6 +33,7 @@ pub(crate) const FACTS: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::Exact,
     stability: Stability::Below(2.0),
+    damping: Damping::Conditional,
     error_growth: ErrorGrowth::Linear,
 };
 
@@ -57,7 +59,7 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for StormerVerlet<'_, M,
         phase.kick_again(0.5 * h);
         phase.drift(h);
         phase.kick_again(0.5 * h);
-        phase.finish(state)
+        phase.finish(state, h)
     }
 }
 

@@ -14,14 +14,15 @@ use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
 
 use crate::splitting::Splitting;
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What the two have in common.
 const SYMPLECTIC_EULER: Facts = Facts {
     name: "symplectic-euler",
     order: 1,
+    stages: 1,
     evaluation: Evaluation::Explicit,
     symmetric: false,
     symplecticity: Symplecticity::Symplectic,
@@ -29,6 +30,7 @@ const SYMPLECTIC_EULER: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::Exact,
     stability: Stability::Below(2.0),
+    damping: Damping::Conditional,
     error_growth: ErrorGrowth::Linear,
 };
 
@@ -61,7 +63,7 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for SymplecticEulerDrift
         let mut phase = self.0.begin(state, h)?;
         phase.drift(h);
         phase.kick(h);
-        phase.finish(state)
+        phase.finish(state, h)
     }
 }
 
@@ -86,6 +88,6 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for SymplecticEulerKickD
         let mut phase = self.0.begin(state, h)?;
         phase.kick(h);
         phase.drift(h);
-        phase.finish(state)
+        phase.finish(state, h)
     }
 }

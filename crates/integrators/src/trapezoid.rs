@@ -22,14 +22,15 @@ use stationary_calculus::{
 use crate::integrator::{check_step, zeros};
 use crate::stage::{Stage, implicit_method};
 use crate::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability, State,
-    StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
 };
 
 /// What is known of the method.
 pub(crate) const FACTS: Facts = Facts {
     name: "trapezoid",
     order: 2,
+    stages: 1,
     evaluation: Evaluation::Implicit,
     symmetric: true,
     symplecticity: Symplecticity::Conjugate,
@@ -37,6 +38,7 @@ pub(crate) const FACTS: Facts = Facts {
     linear_momentum: Conservation::Exact,
     angular_momentum: Conservation::LinearForces,
     stability: Stability::Always,
+    damping: Damping::AStable,
     error_growth: ErrorGrowth::Linear,
 };
 
@@ -60,7 +62,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
         let system = self.stage.system();
         check_step(state, system.dim(), h)?;
-        let State { q, p } = &mut self.next;
+        let State { q, p, .. } = &mut self.next;
         q.clone_from(&state.q);
         p.clone_from(&state.p);
         let mut start = 0;
@@ -74,7 +76,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         report.differentials += start;
         let dv = self.stage.differential_at(q, &mut report.differentials);
         p.add_scaled(-0.5 * h, dv.view());
-        state.accept(&mut self.next)?;
+        state.accept(&mut self.next, h)?;
         Ok(report)
     }
 }

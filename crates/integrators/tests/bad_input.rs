@@ -30,7 +30,7 @@ fn refused<M: Metric, P: Potential, const N: usize>(
 #[test]
 fn a_step_that_is_not_positive_and_finite_is_refused() {
     let problem = kepler(0.6).unwrap();
-    for method in Method::ALL {
+    for &method in Method::ALL {
         for h in [0.0, -0.1, f64::INFINITY, f64::NEG_INFINITY] {
             let error = refused(method, &problem.system, &problem.initial, h);
             assert_eq!(error, StepError::Step(h), "{method}");
@@ -43,7 +43,7 @@ fn a_step_that_is_not_positive_and_finite_is_refused() {
 #[test]
 fn initial_data_that_are_not_finite_are_named() {
     let problem = kepler(0.6).unwrap();
-    for method in Method::ALL {
+    for &method in Method::ALL {
         for bad in [f64::NAN, f64::INFINITY] {
             let state = State::new([0.4, bad], [0.0, 2.0]);
             let error = refused(method, &problem.system, &state, 0.1);
@@ -66,7 +66,7 @@ fn particles_that_meet_under_gravity_are_an_error_and_not_a_nan() {
     let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 2.0] };
     let system = System::new(DiagonalMetric::new([1.0, 1.0, 2.0, 2.0]).unwrap(), gravity).unwrap();
     let state = State::new([0.5, 0.5, 0.5, 0.5], [0.0; 4]);
-    for method in Method::ALL {
+    for &method in Method::ALL {
         let error = refused(method, &system, &state, 0.1);
         assert!(!matches!(error, StepError::Step(_) | StepError::Size(_)), "{method}: {error}");
     }
@@ -78,7 +78,7 @@ fn sizes_that_do_not_match_are_named() {
     let metric = DiagonalMetric::new([1.0; 3]).unwrap();
     let error = System::new(metric, *problem.system.potential()).unwrap_err();
     assert_eq!(error, SizeError { what: "the potential's freedoms", expected: 3, got: 2 });
-    for method in Method::ALL {
+    for &method in Method::ALL {
         let storage = method.integrator::<_, _, [f64; 3]>(&problem.system);
         assert!(matches!(storage, Err(SizeError { expected: 2, got: 3, .. })), "{method}");
         let mut state = State::new(vec![1.0, 0.0, 0.0], vec![0.0; 3]);
@@ -129,7 +129,7 @@ impl Potential for Cliff {
 fn an_implicit_step_without_a_solution_ends_and_says_so() {
     let system = System::new(DiagonalMetric::new([1.0]).unwrap(), Cliff).unwrap();
     let state = State::new([0.0], [1.0]);
-    for method in Method::ALL {
+    for &method in Method::ALL {
         if method.facts().evaluation == Evaluation::Implicit {
             let error = refused(method, &system, &state, 10.0);
             assert!(matches!(error, StepError::Newton(_)), "{method}: {error}");

@@ -22,7 +22,7 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         "integrator",
         declared.integrator.get_ref(),
         declared.integrator.span(),
-        &Method::ALL.map(|method| (method.facts().name, method)),
+        &Method::TABLE_4_1.map(|method| (method.facts().name, method)),
     )?;
 
     let mut roster = Roster::default();

@@ -83,20 +83,20 @@ impl Scene {
         let mut state = problem.initial.clone();
         let mut recorder = Recorder::new(self, &problem);
         let mut cost = Cost::default();
-        recorder.sample(0.0, &state);
+        recorder.sample(&state);
         let result = simulate(
             &mut *integrator,
             &mut state,
             horizon.map_err(AssemblyError::from)?,
-            |Observation { step, time, state, report }| {
+            |Observation { step, state, report }| {
                 cost.steps = step;
                 cost.differentials += u64::from(report.differentials);
                 cost.hessians += u64::from(report.hessians);
                 cost.energies += u64::from(report.energies);
                 cost.most_iterations = cost.most_iterations.max(report.hessians);
-                let flow = watch(Progress { step, steps, time, q: &state.q });
+                let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
                 if step % every == 0 || step == steps || flow.is_break() {
-                    recorder.sample(time, state);
+                    recorder.sample(state);
                 }
                 flow
             },
@@ -105,7 +105,7 @@ impl Scene {
             Ok(_) => Ok(recorder.finish(cost)),
             Err(failure) => {
                 if recorder.samples.times.last().is_some_and(|&last| last < failure.time) {
-                    recorder.sample(failure.time, &state);
+                    recorder.sample(&state);
                 }
                 Err(recorder.interrupt(failure, cost, &state))
             }
@@ -136,7 +136,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
         }
     }
 
-    fn sample(&mut self, time: f64, state: &State<Vec<f64>>) {
+    fn sample(&mut self, state: &State<Vec<f64>>) {
         let system = &self.problem.system;
         let mut v = Vector(vec![0.0; system.dim()]);
         system.metric().sharp(state.p.view(), v.view_mut());
@@ -158,7 +158,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
             velocities: &self.velocities,
         };
         let samples = &mut self.samples;
-        samples.times.push(time);
+        samples.times.push(state.t);
         samples.positions.extend(self.positions.iter().flat_map(|&x| leading::<D>(x)));
         samples.kinetic.push(moment.kinetic);
         samples.potential.push(moment.potential);

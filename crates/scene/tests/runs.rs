@@ -242,7 +242,7 @@ fn implicit_methods_solve_large_scenes_with_sparse_matrices() {
 
 #[test]
 fn every_method_runs_every_dimension() {
-    for method in Method::ALL {
+    for &method in Method::ALL {
         for (position, velocity) in
             [("[0]", "[1]"), ("[0, 0]", "[1, 0]"), ("[0, 0, 0]", "[1, 0, 0]")]
         {
