@@ -102,10 +102,12 @@ impl Convergence {
     /// large as the motion nor as small as rounding.
     pub fn order(&self) -> Option<f64> {
         let mut points = self.errors();
-        points.retain(|&(_, error)| (ROUNDING..ASYMPTOTIC).contains(&error));
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points.truncate(FINEST);
-        loglog_slope(&points)
+        points.retain(|&(_, error)| error < ASYMPTOTIC);
+        points.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Steps finer than the first that meets rounding add up more of it.
+        let rounding = points.iter().position(|&(_, error)| error < ROUNDING);
+        points.truncate(rounding.unwrap_or(points.len()));
+        loglog_slope(&points[points.len().saturating_sub(FINEST)..])
     }
 
     /// The rows as a table, rounded to what another processor reproduces.

@@ -117,9 +117,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
         title: TABLE.title.into(),
         conclusion: "The notes' table 4.1 beside what each method does. Where they part: \
                      RK4 is stable up to h ω = 2√2, loses energy slowly, does not keep angular \
-                     momentum, and the error of its oscillator grows linearly; the trapezoid rule keeps angular momentum for linear forces only; \
-                     implicit Euler's error stops growing once the motion is gone; the implicit \
-                     methods have no stability limit on a linear system. One step has one order \
+                     momentum, and the error of its oscillator grows linearly; the trapezoid rule \
+                     keeps angular momentum for linear forces only; implicit Euler's error stops \
+                     growing once the motion is gone; the implicit methods have no stability \
+                     limit on a linear system. One step has one order \
                      more than the whole. Energy left is that of an oscillator after 100 periods; \
                      the momenta are those of a sun and two planets."
             .into(),
@@ -236,14 +237,14 @@ fn oscillator_error(method: Method, periods: u64) -> Result<Vec<(f64, f64)>, Stu
     Ok(course)
 }
 
-/// Names the growth of an error.
+/// Names the growth of an error, over the last decade of time in which it is small.
 fn growth(method: Method, course: &[(f64, f64)]) -> String {
-    let Some(&(periods, last)) = course.last() else { return String::new() };
-    let late: Vec<_> =
-        course.iter().copied().filter(|&(t, error)| t * 10.0 >= periods && error < 0.5).collect();
+    let small: Vec<_> = course.iter().copied().filter(|&(_, error)| error < 0.5).collect();
+    let (last, until) = (course.last().map_or(0.0, |x| x.1), small.last().map_or(0.0, |x| x.0));
+    let late: Vec<_> = small.into_iter().filter(|&(t, _)| t * 10.0 >= until).collect();
     match loglog_slope(&late) {
         _ if last > 1e6 => "exponential".to_owned(),
-        _ if late.len() < 3 && (0.9..1.1).contains(&last) => "saturates".to_owned(),
+        _ if (0.9..1.1).contains(&last) => "saturates".to_owned(),
         Some(power) if (power - 1.0).abs() < 0.15 => "linear".to_owned(),
         Some(power) => format!("t^{power:.2}"),
         None => format!("{method} has no growth"),
