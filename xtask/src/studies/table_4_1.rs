@@ -240,11 +240,15 @@ fn oscillator_error(method: Method, periods: u64) -> Result<Vec<(f64, f64)>, Stu
 /// Names the growth of an error, over the last decade of time in which it is small.
 fn growth(method: Method, course: &[(f64, f64)]) -> String {
     let small: Vec<_> = course.iter().copied().filter(|&(_, error)| error < 0.5).collect();
-    let (last, until) = (course.last().map_or(0.0, |x| x.1), small.last().map_or(0.0, |x| x.0));
+    let until = small.last().map_or(0.0, |x| x.0);
     let late: Vec<_> = small.into_iter().filter(|&(t, _)| t * 10.0 >= until).collect();
+    let (end, last) = course.last().copied().unwrap_or_default();
+    // A phase error comes to 2, the motion's width; a motion that is gone leaves an error of 1.
+    let gone =
+        course.iter().filter(|&&(t, _)| 2.0 * t >= end).all(|&(_, e)| (0.9..1.1).contains(&e));
     match loglog_slope(&late) {
         _ if last > 1e6 => "exponential".to_owned(),
-        _ if (0.9..1.1).contains(&last) => "saturates".to_owned(),
+        _ if gone => "saturates".to_owned(),
         Some(power) if (power - 1.0).abs() < 0.15 => "linear".to_owned(),
         Some(power) => format!("t^{power:.2}"),
         None => format!("{method} has no growth"),
