@@ -134,7 +134,7 @@ fn study<M: Metric, P: Potential, C: Storage>(
         timed = timed.with(by_time);
     }
     let mut claims = Vec::new();
-    let mut verdicts: Vec<(String, String)> = Vec::new();
+    let mut verdicts: Vec<(String, Vec<String>)> = Vec::new();
     for (tolerance, expected) in TOLERANCES.into_iter().zip(expected) {
         let costs = counted
             .series
@@ -145,9 +145,9 @@ fn study<M: Metric, P: Potential, C: Storage>(
         claims.push(Claim::words(text, expected, cheapest));
         match verdicts.last_mut() {
             Some((name, tolerances)) if *name == cheapest => {
-                *tolerances = format!("{tolerances} and {tolerance:e}");
+                tolerances.push(format!("{tolerance:e}"));
             }
-            _ => verdicts.push((cheapest.to_owned(), format!("{tolerance:e}"))),
+            _ => verdicts.push((cheapest.to_owned(), vec![format!("{tolerance:e}")])),
         }
     }
     claims.push(Claim::number(
@@ -158,7 +158,7 @@ fn study<M: Metric, P: Potential, C: Storage>(
     ));
     let verdicts: Vec<String> = verdicts
         .into_iter()
-        .map(|(name, tolerances)| format!("{name} is cheapest for an error of {tolerances}"))
+        .map(|(name, at)| format!("{name} is cheapest for an error of {}", at.join(" or ")))
         .collect();
     Ok(Study {
         id: entry.id,
