@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use stationary_scene::Scene;
 use xtask::check_page::check_page;
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::layers::{Metadata, check, check_tree};
 use xtask::licenses::unlicensed;
 use xtask::report::{Plan, Progress, catalogue, report, select, summary};
 use xtask::run::run_scene;
-use xtask::studies::{METHODS, STUDIES};
-use xtask::study::Size;
+use xtask::studies::{METHODS, STUDIES, scene};
+use xtask::study::{Entry, Size};
 
 /// The project's tools.
 #[derive(Parser)]
@@ -65,6 +66,9 @@ struct Report {
     /// Runs this study only; may be given again.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
+    /// Studies this scene, a TOML file, and nothing else.
+    #[arg(long, value_name = "FILE")]
+    problem: Option<PathBuf>,
     /// Runs full horizons; may take an hour.
     #[arg(long)]
     full: bool,
@@ -91,7 +95,15 @@ fn main() -> ExitCode {
 }
 
 fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {
-    let entries = select(STUDIES, &arguments.only)?;
+    let Some(file) = &arguments.problem else { return run_studies(arguments, STUDIES) };
+    let file = Scene::read(file)?;
+    let work_precision = |size| scene::work_precision(&file, size);
+    let long_run = |size| scene::long_run(&file, size);
+    run_studies(arguments, &scene::entries(&work_precision, &long_run))
+}
+
+fn run_studies(arguments: &Report, studies: &[Entry<'_>]) -> Result<ExitCode, Failure> {
+    let entries = select(studies, &arguments.only)?;
     if arguments.list {
         print!("{}", catalogue(&entries));
         return Ok(ExitCode::SUCCESS);

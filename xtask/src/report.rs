@@ -25,9 +25,9 @@ pub use summary::{catalogue, summary};
 
 /// What to run, and where to write it.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct Plan<'a> {
     /// The studies, in the order of the page.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Entry<'a>>,
     /// Names that keep their look whatever is run.
     pub methods: Vec<&'static str>,
     /// How much of each study to run.
@@ -49,16 +49,16 @@ pub enum Progress {
 
 /// A study that was run.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct Outcome<'a> {
     /// Which study.
-    pub entry: Entry,
+    pub entry: Entry<'a>,
     /// How long it ran.
     pub wall: Duration,
     /// Its numbers, or why there are none.
     pub result: Result<Study, StudyError>,
 }
 
-impl Outcome {
+impl Outcome<'_> {
     /// What went wrong, a line each: claims that do not hold, or the study's error.
     pub fn failures(&self) -> Vec<String> {
         let id = self.entry.id;
@@ -115,7 +115,7 @@ fn hint(nearest: &Option<String>) -> String {
 ///
 /// # Errors
 /// [`ReportError::UnknownStudy`] with the most similar name.
-pub fn select(entries: &[Entry], only: &[String]) -> Result<Vec<Entry>, ReportError> {
+pub fn select<'a>(entries: &[Entry<'a>], only: &[String]) -> Result<Vec<Entry<'a>>, ReportError> {
     if let Some(asked) = only.iter().find(|id| entries.iter().all(|entry| entry.id != **id)) {
         let similarity = |entry: &&Entry| strsim::jaro_winkler(asked, entry.id);
         let nearest = entries
@@ -133,14 +133,14 @@ pub fn select(entries: &[Entry], only: &[String]) -> Result<Vec<Entry>, ReportEr
 ///
 /// # Errors
 /// [`ReportError::Unwritable`], before the first study is run if the folder is to blame.
-pub fn report(plan: &Plan) -> Result<Vec<Outcome>, ReportError> {
+pub fn report<'a>(plan: &Plan<'a>) -> Result<Vec<Outcome<'a>>, ReportError> {
     let folder = Folder::open(&plan.out)?;
     let outcomes = run(plan);
     write(&folder, plan, &outcomes)?;
     Ok(outcomes)
 }
 
-fn run(plan: &Plan) -> Vec<Outcome> {
+fn run<'a>(plan: &Plan<'a>) -> Vec<Outcome<'a>> {
     let bar = match plan.progress {
         // indicatif itself draws nothing where standard error is not a terminal.
         Progress::Shown => ProgressBar::new(plan.entries.len() as u64),
@@ -165,7 +165,7 @@ fn run(plan: &Plan) -> Vec<Outcome> {
     outcomes
 }
 
-fn write(folder: &Folder, plan: &Plan, outcomes: &[Outcome]) -> Result<(), ReportError> {
+fn write(folder: &Folder, plan: &Plan<'_>, outcomes: &[Outcome<'_>]) -> Result<(), ReportError> {
     let machine = Machine::read();
     let charts = outcomes.iter().filter_map(|o| o.result.as_ref().ok()).flat_map(|s| &s.charts);
     let names: Vec<Vec<String>> = charts.map(|chart| chart.names()).collect();
@@ -200,7 +200,7 @@ mod tests {
         path
     }
 
-    fn fake_report(out: &Path, only: &[&str]) -> Vec<Outcome> {
+    fn fake_report(out: &Path, only: &[&str]) -> Vec<Outcome<'static>> {
         let only: Vec<String> = only.iter().map(|id| (*id).to_owned()).collect();
         let entries = select(fake::STUDIES, &only).unwrap();
         let (size, progress) = (Size::Default, Progress::Hidden);

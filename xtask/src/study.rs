@@ -1,6 +1,7 @@
 //! A study: a table that a person wants to see, its charts, and the claims that it proves or breaks.
 
 use std::error::Error;
+use std::fmt;
 
 use serde::Serialize;
 use stationary_calculus::Table;
@@ -140,8 +141,8 @@ impl Claim {
 }
 
 /// A study that can be run.
-#[derive(Clone, Copy, Debug)]
-pub struct Entry {
+#[derive(Clone, Copy)]
+pub struct Entry<'a> {
     /// Name in kebab-case, also of the files.
     pub id: &'static str,
     /// The crate whose promise this is.
@@ -153,10 +154,10 @@ pub struct Entry {
     /// The heading.
     pub title: &'static str,
     /// Measures.
-    pub run: fn(Size) -> Result<Study, StudyError>,
+    pub run: &'a dyn Fn(Size) -> Result<Study, StudyError>,
 }
 
-impl Entry {
+impl Entry<'_> {
     /// Runs the study and checks that it is the one which the list announces.
     ///
     /// # Errors
@@ -173,6 +174,12 @@ impl Entry {
             Some((label, listed, own)) => Err(StudyError::Mislabelled { label, listed, own }),
             None => Ok(study),
         }
+    }
+}
+
+impl fmt::Debug for Entry<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Entry").field("id", &self.id).finish_non_exhaustive()
     }
 }
 
@@ -265,7 +272,7 @@ mod tests {
             chapter: "2",
             kind: Kind::Derivative,
             title: "",
-            run: other,
+            run: &other,
         };
         let error = entry.measure(Size::Default).unwrap_err();
         assert_eq!(error.to_string(), "the list says id `one`, the study says `other`");

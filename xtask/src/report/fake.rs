@@ -7,25 +7,25 @@ use stationary_calculus::{Cell, Column, Table};
 use crate::chart::{Axis, Chart, Lines, Map, Mark, Portrait, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
-pub(super) const STUDIES: &[Entry] = &[
-    entry("fake-work-precision", "integrators", "4.3", Kind::WorkPrecision, work_precision),
-    entry("fake-long-run", "integrators", "4.3", Kind::LongRun, long_run),
-    entry("fake-portrait", "integrators", "4.2", Kind::Derivative, portrait),
-    entry("fake-map", "constraints", "5.1", Kind::StabilityMap, map),
-    entry("fake-convergence", "elasticity", "8.2", Kind::Convergence, convergence),
-    entry("fake-difference", "calculus", "2.1", Kind::Derivative, difference),
-    entry("fake-error", "calculus", "checks", Kind::Ladder, error),
+pub(super) const STUDIES: &[Entry<'static>] = &[
+    entry("fake-work-precision", "integrators", "4.3", Kind::WorkPrecision, &work_precision),
+    entry("fake-long-run", "integrators", "4.3", Kind::LongRun, &long_run),
+    entry("fake-portrait", "integrators", "4.2", Kind::Derivative, &portrait),
+    entry("fake-map", "constraints", "5.1", Kind::StabilityMap, &map),
+    entry("fake-convergence", "elasticity", "8.2", Kind::Convergence, &convergence),
+    entry("fake-difference", "calculus", "2.1", Kind::Derivative, &difference),
+    entry("fake-error", "calculus", "checks", Kind::Ladder, &error),
 ];
 
-type Run = fn(Size) -> Result<Study, StudyError>;
+type Run = dyn Fn(Size) -> Result<Study, StudyError>;
 
 const fn entry(
     id: &'static str,
     krate: &'static str,
     chapter: &'static str,
     kind: Kind,
-    run: Run,
-) -> Entry {
+    run: &'static Run,
+) -> Entry<'static> {
     Entry { id, krate, chapter, kind, title: "A made-up study", run }
 }
 

@@ -53,12 +53,12 @@ impl From<f64> for Value<'_> {
 }
 
 /// The report as JSON, a study at a time readable by a person too.
-pub(super) fn json(machine: &Machine, outcomes: &[Outcome]) -> serde_json::Result<String> {
+pub(super) fn json(machine: &Machine, outcomes: &[Outcome<'_>]) -> serde_json::Result<String> {
     let studies = outcomes.iter().map(study_numbers).collect();
     serde_json::to_string_pretty(&Report { machine, studies }).map(|text| text + "\n")
 }
 
-fn study_numbers(outcome: &Outcome) -> StudyNumbers<'_> {
+fn study_numbers<'a>(outcome: &'a Outcome<'_>) -> StudyNumbers<'a> {
     let entry = &outcome.entry;
     let (title, columns, rows, claims) = match &outcome.result {
         Ok(study) => (study.title.as_str(), columns(study), rows(study), claims(study)),

@@ -18,7 +18,12 @@ const POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// The page.
-pub(super) fn page(machine: &Machine, size: Size, outcomes: &[Outcome], styles: &Styles) -> String {
+pub(super) fn page(
+    machine: &Machine,
+    size: Size,
+    outcomes: &[Outcome<'_>],
+    styles: &Styles,
+) -> String {
     let sections: String = outcomes.iter().map(|outcome| section(outcome, styles)).collect();
     format!(
         r#"<!doctype html>
@@ -56,7 +61,7 @@ pub(super) fn page(machine: &Machine, size: Size, outcomes: &[Outcome], styles: 
     )
 }
 
-fn header(machine: &Machine, size: Size, outcomes: &[Outcome]) -> String {
+fn header(machine: &Machine, size: Size, outcomes: &[Outcome<'_>]) -> String {
     let (held, claims) =
         outcomes.iter().map(Outcome::held).fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
     let broken = outcomes.iter().filter(|outcome| outcome.result.is_err()).count();
@@ -84,10 +89,11 @@ fn studies(count: usize) -> String {
 }
 
 /// The table of contents, by crate and chapter in the order of their first study.
-fn contents(outcomes: &[Outcome]) -> String {
+fn contents(outcomes: &[Outcome<'_>]) -> String {
     let mut text = String::from("<nav aria-label=\"Studies\">\n");
     for krate in in_order(outcomes.iter().map(|o| o.entry.krate)) {
-        let of_crate: Vec<&Outcome> = outcomes.iter().filter(|o| o.entry.krate == krate).collect();
+        let of_crate: Vec<&Outcome<'_>> =
+            outcomes.iter().filter(|o| o.entry.krate == krate).collect();
         let _ = writeln!(text, "<section><h2>{}</h2>", escaped(krate));
         for chapter in in_order(of_crate.iter().map(|o| o.entry.chapter)) {
             let _ = writeln!(text, "<h3>{}</h3>\n<ul>", escaped(&chapter_words(chapter)));
@@ -122,7 +128,7 @@ fn chapter_words(chapter: &str) -> String {
     }
 }
 
-fn title(outcome: &Outcome) -> &str {
+fn title<'a>(outcome: &'a Outcome<'_>) -> &'a str {
     outcome.result.as_ref().map_or(outcome.entry.title, |study| study.title.as_str())
 }
 
@@ -134,7 +140,7 @@ fn sign(holds: bool) -> &'static str {
     }
 }
 
-fn section(outcome: &Outcome, styles: &Styles) -> String {
+fn section(outcome: &Outcome<'_>, styles: &Styles) -> String {
     let entry = &outcome.entry;
     let body = match &outcome.result {
         Ok(study) => study_body(study, styles),

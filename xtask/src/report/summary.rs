@@ -6,7 +6,7 @@ use super::Outcome;
 use crate::study::Entry;
 
 /// The studies, a line each.
-pub fn catalogue(entries: &[Entry]) -> String {
+pub fn catalogue(entries: &[Entry<'_>]) -> String {
     let rows: Vec<Vec<String>> = entries
         .iter()
         .map(|e| [e.id, e.krate, e.chapter, e.kind.words(), e.title].map(String::from).to_vec())
@@ -15,7 +15,7 @@ pub fn catalogue(entries: &[Entry]) -> String {
 }
 
 /// What was run, how long it took and how many claims hold.
-pub fn summary(outcomes: &[Outcome]) -> String {
+pub fn summary(outcomes: &[Outcome<'_>]) -> String {
     let rows: Vec<Vec<String>> = outcomes
         .iter()
         .map(|outcome| {

@@ -8,13 +8,13 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Kepler's problem at e = 0.6.
-pub const KEPLER: Entry = Entry {
+pub const KEPLER: Entry<'static> = Entry {
     id: "kepler-convergence",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
     title: "Order of every method on an eccentric orbit",
-    run: |size| {
+    run: &|size| {
         let mut problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         problem.horizon = problem.period;
         study(KEPLER, &problem, size, "one orbit of eccentricity 0.6")
@@ -22,13 +22,13 @@ pub const KEPLER: Entry = Entry {
 };
 
 /// The pendulum released from 115 degrees.
-pub const PENDULUM: Entry = Entry {
+pub const PENDULUM: Entry<'static> = Entry {
     id: "pendulum-convergence",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
     title: "Order of every method on a swinging pendulum",
-    run: |size| {
+    run: &|size| {
         let mut problem = pendulum(2.0).map_err(StudyError::at("the pendulum"))?;
         problem.horizon = problem.period;
         study(PENDULUM, &problem, size, "one swing of a pendulum released from 2 rad")
@@ -39,7 +39,7 @@ pub const PENDULUM: Entry = Entry {
 const BAND: f64 = 0.1;
 
 fn study<M: Metric, P: Potential, const N: usize>(
-    entry: Entry,
+    entry: Entry<'_>,
     problem: &Problem<M, P, [f64; N]>,
     size: Size,
     motion: &str,

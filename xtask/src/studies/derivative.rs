@@ -6,13 +6,13 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// The derivative of the hat function, right and wrong.
-pub const FIGURE_2_1: Entry = Entry {
+pub const FIGURE_2_1: Entry<'static> = Entry {
     id: "derivative-check",
     krate: "calculus",
     chapter: "2.5",
     kind: Kind::Derivative,
     title: "A right derivative, a wrong one, and how to tell",
-    run: |_| study(),
+    run: &|_| study(),
 };
 
 /// Where the derivative is checked, and along which direction.

@@ -10,13 +10,13 @@ use crate::chart::{Axis, Chart, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Energy, angular momentum and error over many orbits.
-pub const KEPLER: Entry = Entry {
+pub const KEPLER: Entry<'static> = Entry {
     id: "kepler-long-run",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
     title: "A thousand orbits with every method",
-    run: study,
+    run: &study,
 };
 
 /// Steps an orbit.

@@ -4,8 +4,9 @@ mod convergence;
 mod derivative;
 mod long_run;
 mod newton;
-mod outer_solar_system;
 mod phase_portrait;
+mod reference;
+pub mod scene;
 mod stability;
 mod table_4_1;
 mod work_precision;
@@ -13,7 +14,7 @@ mod work_precision;
 use crate::study::Entry;
 
 /// Every study.
-pub const STUDIES: &[Entry] = &[
+pub const STUDIES: &[Entry<'static>] = &[
     derivative::FIGURE_2_1,
     newton::WRONG_DERIVATIVES,
     newton::INITIAL_GUESSES,

@@ -8,23 +8,23 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// Iterations against an injected error of the derivative.
-pub const WRONG_DERIVATIVES: Entry = Entry {
+pub const WRONG_DERIVATIVES: Entry<'static> = Entry {
     id: "newton-wrong-derivatives",
     krate: "calculus",
     chapter: "4.4",
     kind: Kind::Convergence,
     title: "Newton's method with a wrong derivative",
-    run: |_| wrong_derivatives(),
+    run: &|_| wrong_derivatives(),
 };
 
 /// Iterations and outcome against the initial guess.
-pub const INITIAL_GUESSES: Entry = Entry {
+pub const INITIAL_GUESSES: Entry<'static> = Entry {
     id: "newton-initial-guesses",
     krate: "calculus",
     chapter: "4.4",
     kind: Kind::Convergence,
     title: "Newton's method from near and far",
-    run: |_| initial_guesses(),
+    run: &|_| initial_guesses(),
 };
 
 /// The numbers of a column, NaN where a cell has none.

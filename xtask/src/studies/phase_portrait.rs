@@ -8,13 +8,13 @@ use crate::chart::{Axis, Portrait, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// One step of every method.
-pub const ONE_STEP: Entry = Entry {
+pub const ONE_STEP: Entry<'static> = Entry {
     id: "one-step",
     krate: "integrators",
     chapter: "4.3",
     kind: Kind::LongRun,
     title: "One large step of every method",
-    run: |_| study(),
+    run: &|_| study(),
 };
 
 /// A step of most of a radian: large enough to tell the methods apart by eye.

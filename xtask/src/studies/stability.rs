@@ -9,23 +9,23 @@ use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The linear oscillator.
-pub const OSCILLATOR: Entry = Entry {
+pub const OSCILLATOR: Entry<'static> = Entry {
     id: "oscillator-stability",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
     title: "Which steps survive on a spring",
-    run: linear,
+    run: &linear,
 };
 
 /// The spring that also swings.
-pub const SPRING_PENDULUM: Entry = Entry {
+pub const SPRING_PENDULUM: Entry<'static> = Entry {
     id: "spring-pendulum-stability",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
     title: "Where unconditional stability ends: a stiff spring that swings",
-    run: nonlinear,
+    run: &nonlinear,
 };
 
 /// The methods whose maps differ; the others are in the table and the claims.

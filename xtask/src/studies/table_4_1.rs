@@ -14,13 +14,13 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Table 4.1.
-pub const TABLE: Entry = Entry {
+pub const TABLE: Entry<'static> = Entry {
     id: "table-4-1",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
     title: "The notes' table of integrators, measured",
-    run: study,
+    run: &study,
 };
 
 /// What the notes print: order, global error, stability, energy, momentum.

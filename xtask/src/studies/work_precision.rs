@@ -1,24 +1,28 @@
 //! Error against cost: what each method's digits cost, on one planet and on five.
 
 use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::time::Instant;
 
 use stationary_calculus::{Cell, Column, Metric, Potential, Storage, Table};
 use stationary_integrators::problems::{Problem, kepler};
-use stationary_integrators::{Delivered, Evaluation, Horizon, Method, deliver, simulate};
+use stationary_integrators::{
+    Delivered, Evaluation, Horizon, Integrator, Method, SimulationError, deliver, simulate,
+};
 
-use super::outer_solar_system;
+use super::reference::{Samples, with_reference};
 use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
-use crate::timing::median_wall;
+use crate::timing::{Wall, median_wall};
 
 /// Kepler's problem at e = 0.6, ten orbits.
-pub const KEPLER: Entry = Entry {
+pub const KEPLER: Entry<'static> = Entry {
     id: "kepler-work-precision",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
     title: "What a digit costs on an eccentric orbit",
-    run: |size| {
+    run: &|size| {
         let problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         let steps = |method: Method| {
             let finest = match (size, method.facts().evaluation) {
@@ -28,20 +32,26 @@ pub const KEPLER: Entry = Entry {
             };
             (8..=finest).map(|k| 1_u64 << k).collect()
         };
-        let expected = ["runge-kutta-4", "runge-kutta-4", "runge-kutta-4"];
-        study(KEPLER, &problem, steps, expected, "ten orbits of eccentricity 0.6")
+        let expected = ["runge-kutta-4"; 3];
+        let motion = "ten orbits of eccentricity 0.6";
+        study(KEPLER, &problem, steps, expected, motion)
     },
 };
 
+/// Times at which the outer solar system is known.
+const OUTER: Samples = Samples { count: 500, coarsest: 128 };
+
 /// The outer solar system over 200,000 days.
-pub const OUTER_SOLAR_SYSTEM: Entry = Entry {
+pub const OUTER_SOLAR_SYSTEM: Entry<'static> = Entry {
     id: "outer-solar-system-work-precision",
     krate: "scene",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
     title: "What a digit costs in the outer solar system",
-    run: |size| {
-        let problem = outer_solar_system::with_reference()?;
+    run: &|size| {
+        let problem = stationary_scene::problems::outer_solar_system()
+            .map_err(StudyError::at("the outer solar system"))?;
+        let problem = with_reference(problem, OUTER)?;
         let steps = |method: Method| {
             let finest = match (size, method.facts().evaluation) {
                 (Size::Default, Evaluation::Explicit) => 9,
@@ -49,9 +59,9 @@ pub const OUTER_SOLAR_SYSTEM: Entry = Entry {
                 (Size::Full, Evaluation::Explicit) => 11,
                 (Size::Full, Evaluation::Implicit) => 9,
             };
-            (0..=finest).map(|k| outer_solar_system::SAMPLES << k).collect()
+            (0..=finest).map(|k| OUTER.count << k).collect()
         };
-        let expected = ["runge-kutta-4", "runge-kutta-4", "runge-kutta-4"];
+        let expected = ["runge-kutta-4"; 3];
         let motion = "200,000 days of the Sun, Jupiter, Saturn, Uranus, Neptune and Pluto";
         study(OUTER_SOLAR_SYSTEM, &problem, steps, expected, motion)
     },
@@ -60,27 +70,64 @@ pub const OUTER_SOLAR_SYSTEM: Entry = Entry {
 /// Errors for which the cheapest method is named.
 const TOLERANCES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 
-/// The least counted work at which a method meets a tolerance: read off between two runs.
-fn cost_at(tolerance: f64, runs: &Series) -> Option<f64> {
-    let mut least: Option<f64> = None;
-    for pair in runs.points.windows(2) {
-        let [(work, error), (more_work, less_error)] = [pair[0], pair[1]];
-        if error > tolerance && less_error <= tolerance {
-            let part = (error / tolerance).ln() / (error / less_error).ln();
-            let cost = work * (more_work / work).powf(part);
-            least = Some(least.map_or(cost, |least| least.min(cost)));
-        }
-    }
-    least
+/// A method at one step.
+pub(super) struct Run {
+    pub(super) method: Method,
+    pub(super) horizon: Horizon,
+    pub(super) outcome: Result<(Delivered, Wall), SimulationError>,
 }
 
-fn study<M: Metric, P: Potential, C: Storage>(
-    entry: Entry,
+impl Run {
+    /// The deterministic cost: evaluations of the force and of its derivative.
+    pub(super) fn evaluations(&self) -> Option<u64> {
+        let (Delivered { cost, .. }, _) = self.outcome.as_ref().ok()?;
+        Some(cost.differentials + cost.hessians)
+    }
+
+    /// The largest error along the trajectory.
+    pub(super) fn error(&self) -> Option<f64> {
+        self.outcome.as_ref().ok().map(|(delivered, _)| delivered.error)
+    }
+}
+
+/// Runs one method at growing numbers of steps, until a run takes longer than `longest` seconds; of
+/// that one the wall time is taken once, of the others five times.
+pub(super) fn run<M: Metric, P: Potential, C: Storage>(
     problem: &Problem<M, P, C>,
-    steps: impl Fn(Method) -> Vec<u64>,
-    expected: [&str; 3],
-    motion: &str,
-) -> Result<Study, StudyError> {
+    method: Method,
+    mut integrator: Box<dyn Integrator<C> + '_>,
+    steps: impl IntoIterator<Item = u64>,
+    longest: f64,
+) -> Result<Vec<Run>, StudyError> {
+    let mut runs = Vec::new();
+    for steps in steps {
+        let horizon = Horizon::divided(problem.horizon, steps)
+            .map_err(StudyError::at(method.facts().name))?;
+        let start = Instant::now();
+        let delivered = deliver(problem, &mut *integrator, horizon);
+        let once = start.elapsed().as_secs_f64();
+        let outcome = delivered.map(|delivered| {
+            if once > longest {
+                return (delivered, Wall { median: once, min: once, max: once });
+            }
+            let wall = median_wall(5, || {
+                let mut state = problem.initial.clone();
+                let run =
+                    simulate(&mut *integrator, &mut state, horizon, |_| ControlFlow::Continue(()));
+                black_box((run.is_ok(), state));
+            });
+            (delivered, wall)
+        });
+        runs.push(Run { method, horizon, outcome });
+        if once > longest {
+            break;
+        }
+    }
+    Ok(runs)
+}
+
+/// The runs as a table and two charts, by counted work and by wall time.
+pub(super) fn show(runs: &[Run], methods: &[Method]) -> (Table, Lines, Lines) {
     let error_axis = || Axis::log("largest error", "");
     let evaluations_axis = Axis::log("evaluations of the force and its derivative", "");
     let mut counted = Lines::new("By counted work", evaluations_axis, error_axis()).mark_front();
@@ -94,72 +141,101 @@ fn study<M: Metric, P: Potential, C: Storage>(
         Column::volatile("fastest [s]"),
         Column::volatile("slowest [s]"),
     ]);
-    let mut smallest = f64::INFINITY;
-    for method in Method::TABLE_4_1 {
+    for &method in methods {
         let name = method.facts().name;
         let (mut by_count, mut by_time) = (Series::new(name, []), Series::new(name, []));
-        for steps in steps(method) {
-            let horizon = Horizon::divided(problem.horizon, steps).map_err(StudyError::at(name))?;
-            let mut integrator =
-                method.integrator(&problem.system).map_err(StudyError::at(name))?;
-            let mut cells: Vec<Cell> = vec![name.into(), steps.into()];
-            match deliver(problem, &mut *integrator, horizon) {
-                Ok(Delivered { error, cost, .. }) => {
-                    let wall = median_wall(5, || {
-                        let mut state = problem.initial.clone();
-                        let run = simulate(&mut *integrator, &mut state, horizon, |_| {
-                            std::ops::ControlFlow::Continue(())
-                        });
-                        black_box((run.is_ok(), state));
-                    });
-                    let evaluations = cost.differentials + cost.hessians;
-                    by_count.points.push((evaluations as f64, error));
-                    by_time.points.push((wall.median, error));
-                    cells.extend([evaluations.into(), error.into()]);
+        for run in runs.iter().filter(|run| run.method == method) {
+            let mut cells: Vec<Cell> = vec![name.into(), run.horizon.steps().into()];
+            match (&run.outcome, run.evaluations()) {
+                (Ok((Delivered { error, .. }, wall)), Some(evaluations)) => {
+                    by_count.points.push((evaluations as f64, *error));
+                    by_time.points.push((wall.median, *error));
+                    cells.extend([evaluations.into(), (*error).into()]);
                     cells.extend([wall.median, wall.min, wall.max].map(Cell::from));
-                    smallest = smallest.min(error);
                 }
-                Err(failure) => {
+                (Err(failure), _) => {
                     // The cost that it would have had, at one evaluation a step, places the cross.
-                    by_count = by_count.failed(steps as f64, failure.to_string());
-                    cells.extend([
-                        Cell::from("-"),
-                        format!("failed at t = {:.1}", failure.time).into(),
-                    ]);
+                    by_count = by_count.failed(run.horizon.steps() as f64, failure.to_string());
+                    cells.push(Cell::from("-"));
+                    cells.push(format!("failed at t = {:.1}", failure.time).into());
                 }
+                (Ok(_), None) => {}
             }
             table.push(cells);
         }
         counted = counted.with(by_count);
         timed = timed.with(by_time);
     }
-    let mut claims = Vec::new();
-    let mut verdicts: Vec<(String, Vec<String>)> = Vec::new();
-    for (tolerance, expected) in TOLERANCES.into_iter().zip(expected) {
-        let costs = counted
-            .series
+    (table, counted, timed)
+}
+
+/// The method with the least counted work at which it meets a tolerance, read off between two runs,
+/// and that of its charted runs which meets it in the fewest steps.
+pub(super) fn cheapest(runs: &[Run], tolerance: f64) -> Option<&Run> {
+    let mut best: Option<(f64, &Run)> = None;
+    for runs in runs.chunk_by(|a, b| a.method == b.method) {
+        let measured: Vec<(f64, f64, &Run)> = runs
             .iter()
-            .filter_map(|runs| cost_at(tolerance, runs).map(|cost| (cost, runs.name.as_str())));
-        let cheapest = costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or("no method", |best| best.1);
-        let text = format!("cheapest by counted work at an error of {tolerance:e}");
-        claims.push(Claim::words(text, expected, cheapest));
-        match verdicts.last_mut() {
-            Some((name, tolerances)) if *name == cheapest => {
-                tolerances.push(format!("{tolerance:e}"));
+            .filter_map(|run| Some((run.evaluations()? as f64, run.error()?, run)))
+            .collect();
+        let Some(first) = measured.iter().position(|run| run.1 <= tolerance) else { continue };
+        let (work, error, run) = measured[first];
+        let cost = match first.checked_sub(1).map(|before| measured[before]) {
+            None => work,
+            Some((less_work, more_error, _)) => {
+                let part = (more_error / tolerance).ln() / (more_error / error).ln();
+                less_work * (work / less_work).powf(part)
             }
-            _ => verdicts.push((cheapest.to_owned(), vec![format!("{tolerance:e}")])),
+        };
+        if best.is_none_or(|(least, _)| cost < least) {
+            best = Some((cost, run));
         }
     }
+    best.map(|(_, run)| run)
+}
+
+/// Who is cheapest at which tolerances, neighbours with the same answer in one phrase.
+pub(super) fn verdicts(cheapest: &[(f64, &str)]) -> String {
+    let phrases = cheapest.chunk_by(|a, b| a.1 == b.1).map(|same| {
+        let at: Vec<String> = same.iter().map(|(tolerance, _)| format!("{tolerance:e}")).collect();
+        format!("{} is cheapest for an error of {}", same[0].1, at.join(" or "))
+    });
+    phrases.collect::<Vec<_>>().join(", ")
+}
+
+fn study<M: Metric, P: Potential, C: Storage>(
+    entry: Entry<'_>,
+    problem: &Problem<M, P, C>,
+    steps: impl Fn(Method) -> Vec<u64>,
+    expected: [&str; 3],
+    motion: &str,
+) -> Result<Study, StudyError> {
+    let methods = Method::TABLE_4_1;
+    let mut runs = Vec::new();
+    for method in methods {
+        let name = method.facts().name;
+        let integrator = method.integrator(&problem.system).map_err(StudyError::at(name))?;
+        runs.extend(run(problem, method, integrator, steps(method), f64::INFINITY)?);
+    }
+    let (table, counted, timed) = show(&runs, &methods);
+    let best = TOLERANCES.map(|tolerance| {
+        (tolerance, cheapest(&runs, tolerance).map_or("no method", |run| run.method.facts().name))
+    });
+    let mut claims: Vec<Claim> = best
+        .iter()
+        .zip(expected)
+        .map(|(&(tolerance, cheapest), expected)| {
+            let text = format!("cheapest by counted work at an error of {tolerance:e}");
+            Claim::words(text, expected, cheapest)
+        })
+        .collect();
+    let smallest = runs.iter().filter_map(Run::error).fold(f64::INFINITY, f64::min);
     claims.push(Claim::number(
         "the answer that errors are taken against is better than the smallest error charted",
         "below 1",
         problem.solution_error / smallest,
         (0.0, 1.0),
     ));
-    let verdicts: Vec<String> = verdicts
-        .into_iter()
-        .map(|(name, at)| format!("{name} is cheapest for an error of {}", at.join(" or ")))
-        .collect();
     Ok(Study {
         id: entry.id,
         krate: entry.krate,
@@ -170,7 +246,7 @@ fn study<M: Metric, P: Potential, C: Storage>(
             "The largest error over {motion}, against what it costs: lower and further left is \
              better, and the marked line joins the runs that no other run beats. By counted work \
              {}. A cross at the top is a run that failed; pointing at it tells why.",
-            verdicts.join(", ")
+            verdicts(&best)
         ),
         table,
         charts: vec![counted.into(), timed.into()],

@@ -1,0 +1,102 @@
+//! A reference where there is no closed form: Stormer-Verlet, extrapolated to a step of zero.
+//!
+//! ```text
+//! q(h) = q + c_2 h^2 + c_4 h^4 + ...       only even powers, since the method is symmetric
+//! ```
+//! Runs at h, h/2, h/4 and h/8 cancel the first three of them (Richardson; notes 4.5 for the order).
+//! The reference's own error is the larger of two differences: from the second best extrapolation,
+//! and from a run of another method.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use stationary_calculus::{Metric, Potential};
+use stationary_integrators::problems::Problem;
+use stationary_integrators::{Horizon, Method, simulate};
+
+use crate::study::StudyError;
+
+/// Times at which a reference is known, equally spaced over the horizon, the start left out.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples {
+    /// How many.
+    pub count: u64,
+    /// Steps between two of them in the coarsest of the extrapolated runs.
+    pub coarsest: u64,
+}
+
+/// Halvings of the coarsest step.
+const HALVINGS: u32 = 3;
+
+/// The method that the reference is compared with, at the finest step.
+const OTHER: Method = Method::RungeKutta4;
+
+/// The problem with its true configuration known at samples.
+pub fn with_reference<M: Metric, P: Potential>(
+    mut problem: Problem<M, P, Vec<f64>>,
+    at: Samples,
+) -> Result<Problem<M, P, Vec<f64>>, StudyError> {
+    let mut columns = Vec::new();
+    for halving in 0..=HALVINGS {
+        columns.push(samples(&problem, Method::StormerVerlet, at.count, at.coarsest << halving)?);
+    }
+    let mut previous = columns[HALVINGS as usize].clone();
+    for order in 1..=HALVINGS {
+        let power = 4.0_f64.powi(order as i32);
+        previous = columns[columns.len() - 1].clone();
+        columns = columns
+            .windows(2)
+            .map(|pair| extrapolate(&pair[0], &pair[1], 1.0 / (power - 1.0)))
+            .collect();
+    }
+    let best = columns.swap_remove(0);
+    let other = samples(&problem, OTHER, at.count, at.coarsest << HALVINGS)?;
+    let off = largest_distance(&best, &previous).max(largest_distance(&best, &other));
+    problem.solution_error = off / problem.scale;
+    let every = problem.horizon / at.count as f64;
+    let best = Arc::new(best);
+    problem.solution = Box::new(move |time| {
+        let index = (time / every).round();
+        let sampled = (time / every - index).abs() < 1e-6 && index >= 1.0;
+        if sampled { best.get(index as usize - 1).cloned() } else { None }
+    });
+    Ok(problem)
+}
+
+/// The configurations at the samples, with this many steps between two of them.
+fn samples<M: Metric, P: Potential>(
+    problem: &Problem<M, P, Vec<f64>>,
+    method: Method,
+    count: u64,
+    between: u64,
+) -> Result<Vec<Vec<f64>>, StudyError> {
+    let stage = "the reference";
+    let horizon =
+        Horizon::divided(problem.horizon, count * between).map_err(StudyError::at(stage))?;
+    let mut integrator = method.integrator(&problem.system).map_err(StudyError::at(stage))?;
+    let mut state = problem.initial.clone();
+    let mut samples = Vec::with_capacity(count as usize);
+    simulate(&mut *integrator, &mut state, horizon, |now| {
+        if now.step % between == 0 {
+            samples.push(now.state.q.clone());
+        }
+        ControlFlow::Continue(())
+    })
+    .map_err(StudyError::at(stage))?;
+    Ok(samples)
+}
+
+/// `fine + weight (fine - coarse)` at every sample.
+fn extrapolate(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {
+    let sample = |(coarse, fine): (&Vec<f64>, &Vec<f64>)| {
+        coarse.iter().zip(fine).map(|(coarse, fine)| fine + weight * (fine - coarse)).collect()
+    };
+    coarse.iter().zip(fine).map(sample).collect()
+}
+
+fn largest_distance(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    let square = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+    };
+    a.iter().zip(b).map(square).fold(0.0, f64::max).sqrt()
+}
