@@ -10,6 +10,7 @@ mod assembly;
 mod blocked_lu;
 mod cholesky;
 mod conjugate_gradient;
+mod dissection;
 mod error;
 mod indefinite;
 mod jacobian;
@@ -21,7 +22,7 @@ mod solver;
 
 pub use assembly::{RefillSink, SymmetricMatrix};
 pub(crate) use blocked_lu::BlockedLu;
-pub use cholesky::SparseCholesky;
+pub use cholesky::{Ordering, SparseCholesky};
 pub use conjugate_gradient::{ConjugateGradient, ConjugateGradientReport};
 pub use error::SparseError;
 pub use indefinite::{Pivoting, Refined, SparseIndefinite};
