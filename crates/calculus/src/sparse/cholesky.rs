@@ -129,12 +129,20 @@ impl SparseCholesky {
         }
     }
 
-    /// Solves `A x = b` in place; NaN where the last factorization failed.
+    /// Solves `A X = B` in place for right-hand sides one after the other, n numbers each: the factor
+    /// is read once for all of them. NaN where the last factorization failed. The first call with
+    /// more of them than before takes memory.
     pub fn solve(&mut self, b: &mut [f64]) {
-        if !self.factored {
+        let n = self.symbolic.nrows();
+        let columns = if n == 0 { 0 } else { b.len() / n };
+        if !self.factored || columns * n != b.len() {
             return b.fill(f64::NAN);
         }
-        let b = MatMut::from_column_major_slice_mut(b, self.symbolic.nrows(), 1);
+        let needed = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        if self.scratch.grow(needed).is_err() {
+            return b.fill(f64::NAN);
+        }
+        let b = MatMut::from_column_major_slice_mut(b, n, columns);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             b,
