@@ -134,7 +134,7 @@ impl SparseCholesky {
     /// more of them than before takes memory.
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.symbolic.nrows();
-        let columns = if n == 0 { 0 } else { b.len() / n };
+        let columns = b.len().checked_div(n).unwrap_or(0);
         if !self.factored || columns * n != b.len() {
             return b.fill(f64::NAN);
         }
