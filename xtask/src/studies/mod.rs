@@ -3,6 +3,7 @@
 mod convergence;
 mod derivative;
 mod long_run;
+mod modal;
 mod newton;
 mod phase_portrait;
 mod reference;
@@ -27,6 +28,8 @@ pub const STUDIES: &[Entry<'static>] = &[
     table_4_1::TABLE,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    modal::MODES_NEEDED,
+    modal::LARGE_MOTION,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
