@@ -19,7 +19,7 @@ use crate::ModalError;
 use crate::dense::{add_product, dot, mass_times, project_out};
 
 /// Vectors in a block.
-const BLOCK: usize = 4;
+const BLOCK: usize = 8;
 /// Restarts before the search is given up.
 const RESTARTS: usize = 60;
 /// An approximation is good where its residual is this small relative to theta, or what rounding of

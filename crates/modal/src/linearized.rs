@@ -8,7 +8,8 @@
 //! sparse and n x n, `lambda mu` in 1/s^2. Works on flat spaces.
 
 use stationary_calculus::{
-    Covector, Metric, Potential, SizeError, SparseInertia, SymmetricMatrix, Vector,
+    Covector, Metric, Ordering, Potential, SizeError, SparseCholesky, SparseError, SparseInertia,
+    SymmetricMatrix, Vector,
 };
 
 use crate::ModalError;
@@ -23,6 +24,7 @@ pub struct Linearized<'a, M, P> {
     mass: SymmetricMatrix,
     /// `m M + a H`, refilled for each pair of weights.
     pencil: SymmetricMatrix,
+    cholesky: SparseCholesky,
     scale: f64,
 }
 
@@ -51,7 +53,10 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(ModalError::Parameter { what: "the largest stiffness", value: scale });
         }
-        Ok(Linearized { metric, potential, q: q.to_vec(), stiffness, mass, pencil, scale })
+        // Many solves follow: a smaller factor is worth its search.
+        let cholesky = SparseCholesky::analyse_by(&pencil, Ordering::Smaller)?;
+        let q = q.to_vec();
+        Ok(Linearized { metric, potential, q, stiffness, mass, pencil, cholesky, scale })
     }
 
     /// The number of freedoms n.
@@ -79,14 +84,25 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         self.scale
     }
 
-    /// The matrix `m M + a H`.
-    pub(crate) fn pencil(&mut self, m: f64, a: f64) -> Result<&SymmetricMatrix, ModalError> {
+    /// Refills the pencil with `m M + a H`.
+    fn fill(&mut self, m: f64, a: f64) -> Result<(), ModalError> {
         let Linearized { metric, potential, q, pencil, .. } = self;
         pencil.refill(|sink| {
             metric.add_matrix(sink.weighted(m));
             potential.add_hessian(q, sink.weighted(a));
         })?;
-        Ok(pencil)
+        Ok(())
+    }
+
+    /// Factors `H + delta M`; the inner error says why it is not positive definite.
+    pub(crate) fn factor(&mut self, delta: f64) -> Result<Result<(), SparseError>, ModalError> {
+        self.fill(delta, 1.0)?;
+        Ok(self.cholesky.factor(&self.pencil))
+    }
+
+    /// The factor made last, and the mass.
+    pub(crate) fn factored(&mut self) -> (&mut SparseCholesky, &SymmetricMatrix) {
+        (&mut self.cholesky, &self.mass)
     }
 
     /// How many eigenvalues are smaller than `mu`, certified by an inertia that was checked.
@@ -94,8 +110,8 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// # Errors
     /// Where `mu` is so close to an eigenvalue that the count cannot be trusted.
     pub fn count_below(&mut self, mu: f64) -> Result<usize, ModalError> {
-        let matrix = self.pencil(-mu, 1.0)?;
-        Ok(SparseInertia::analyse(matrix)?.count(matrix)?.negative)
+        self.fill(-mu, 1.0)?;
+        Ok(SparseInertia::new(&self.cholesky)?.count(&self.pencil)?.negative)
     }
 }
 

@@ -47,11 +47,11 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         if count == 0 || count > there {
             return Err(ModalError::Count { asked: count, there });
         }
-        let (mut cholesky, _) = self.shifted()?;
         let mut searched = count;
         for _ in 0..SEARCHES {
-            let basis =
-                Krylov::new(&mut cholesky, self.mass(), &rigid.columns).largest(searched)?;
+            self.shift()?;
+            let (cholesky, mass) = self.factored();
+            let basis = Krylov::new(cholesky, mass, &rigid.columns).largest(searched)?;
             let mut modes = self.rayleigh_ritz(&basis)?;
             let there_below = self.certify(&mut modes, rigid)?;
             if there_below <= modes.len() {
@@ -63,21 +63,19 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         Err(ModalError::NotConverged { converged: searched, asked: count, restarts: SEARCHES })
     }
 
-    /// The factor of `H + delta M` for the smallest tried delta at which it is positive definite.
-    fn shifted(&mut self) -> Result<(SparseCholesky, f64), ModalError> {
-        let scale = self.scale();
-        let mut cholesky = SparseCholesky::analyse(self.pencil(0.0, 1.0)?)?;
-        let mut last = SparseError::Singular;
-        for tried in 0..=SHIFTS {
-            let delta = if tried == 0 { 0.0 } else { SMALLEST * GROWTH.powi(tried - 1) * scale };
-            match cholesky.factor(self.pencil(delta, 1.0)?) {
-                Ok(()) => return Ok((cholesky, delta)),
-                Err(error) => last = error,
+    /// Factors `H + delta M` for the smallest tried delta at which it is positive definite.
+    fn shift(&mut self) -> Result<(), ModalError> {
+        let smallest = SMALLEST * self.scale();
+        let mut refused = self.factor(0.0)?;
+        for tried in 0..SHIFTS {
+            if refused.is_ok() {
+                return Ok(());
             }
+            refused = self.factor(smallest * GROWTH.powi(tried))?;
         }
         let mass = self.mass().clone();
         SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
-        Err(ModalError::Stiffness(last))
+        refused.map_err(ModalError::Stiffness)
     }
 
     /// The best approximations to modes among the combinations of orthonormal vectors.

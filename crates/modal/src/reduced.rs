@@ -10,7 +10,7 @@
 //! Valid near the equilibrium: modes are straight lines, and a body that turns by an angle `phi` swells
 //! by `phi^2/2`. It cannot fold, and it does not know contact.
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, SparseCholesky, Vector};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Vector};
 
 use crate::motion::Propagator;
 use crate::{Linearized, ModalError, Modes, dense};
@@ -115,10 +115,9 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
         SizeError::check("the load's components", self.dim(), load.0.len())?;
         SizeError::check("the observable's components", self.dim(), observable.0.len())?;
-        let mut cholesky = SparseCholesky::analyse(self.stiffness())?;
-        cholesky.factor(self.stiffness()).map_err(ModalError::Stiffness)?;
+        self.factor(0.0)?.map_err(ModalError::Stiffness)?;
         let mut d = load.0.to_vec();
-        cholesky.solve(&mut d);
+        self.factored().0.solve(&mut d);
         let whole = dense::dot(observable.0, &d);
         let mut given = 0.0;
         let mut errors = vec![1.0];

@@ -15,14 +15,13 @@ use std::sync::Arc;
 
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
+    LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, supernodal::SupernodalLdltRef,
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
-use crate::sparse::cholesky::analysis_error;
+use crate::sparse::cholesky::SparseCholesky;
 use crate::sparse::pattern::Pattern;
 use crate::sparse::scratch::Scratch;
 use crate::{SplitMix64, first_non_finite};
@@ -54,16 +53,10 @@ const STARTS: u64 = 3;
 const SHORTENED: f64 = 0.5;
 
 impl SparseInertia {
-    /// Finds the order of elimination and takes all memory, from the pattern of `matrix`.
-    pub fn analyse(matrix: &SymmetricMatrix) -> Result<Self, SparseError> {
-        let n = matrix.dim();
-        let symbolic = factorize_symbolic_cholesky(
-            matrix.pattern().columns.as_ref(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|error| analysis_error(n, error))?;
+    /// Takes all memory for matrices of the pattern of `analysed`, and its order of elimination.
+    pub fn new(analysed: &SparseCholesky) -> Result<Self, SparseError> {
+        let symbolic = Arc::clone(analysed.symbolic());
+        let n = symbolic.nrows();
         let scratch = Scratch::new(
             n,
             &[
@@ -72,9 +65,9 @@ impl SparseInertia {
             ],
         )?;
         Ok(SparseInertia {
-            pattern: Arc::clone(matrix.pattern()),
+            pattern: Arc::clone(analysed.pattern()),
             factor: vec![0.0; symbolic.len_val()],
-            symbolic: Arc::new(symbolic),
+            symbolic,
             scratch,
             vector: vec![0.0; n],
             product: vec![0.0; n],
@@ -184,7 +177,7 @@ mod tests {
         for side in [4, 12, 40] {
             for limit in [-0.1, 0.1, 1.07, 2.123, 5.01, 9.0] {
                 let matrix = grid(side, -limit);
-                let counted = SparseInertia::analyse(&matrix).unwrap().count(&matrix).unwrap();
+                let counted = count(&matrix).unwrap();
                 assert_eq!(counted.negative, below(side, limit), "{side} {limit}");
                 assert_eq!(counted.negative + counted.positive, side * side);
             }
@@ -194,22 +187,20 @@ mod tests {
     #[test]
     fn a_singular_matrix_is_refused() {
         let matrix = grid(6, 0.0);
-        let mut inertia = SparseInertia::analyse(&matrix).unwrap();
-        assert_eq!(inertia.count(&matrix), Err(SparseError::Singular));
+        assert_eq!(count(&matrix), Err(SparseError::Singular));
     }
 
     #[test]
     fn a_regular_matrix_on_which_elimination_breaks_down_is_refused_and_not_miscounted() {
         let blocks = [(vec![0, 1], vec![0.0, 1.0, 1.0, 0.0])];
         let matrix = SymmetricMatrix::from_blocks(2, &blocks).unwrap();
-        let mut inertia = SparseInertia::analyse(&matrix).unwrap();
-        assert_eq!(inertia.count(&matrix), Err(SparseError::Singular));
+        assert_eq!(count(&matrix), Err(SparseError::Singular));
         let blocks = [(vec![0, 1], vec![1e-20, 1.0, 1.0, 0.0])];
         let matrix = SymmetricMatrix::from_blocks(2, &blocks).unwrap();
-        assert_eq!(inertia_of(&matrix), Err(SparseError::Singular));
+        assert_eq!(count(&matrix), Err(SparseError::Singular));
     }
 
-    fn inertia_of(matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
-        SparseInertia::analyse(matrix)?.count(matrix)
+    fn count(matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
+        SparseInertia::new(&SparseCholesky::analyse(matrix)?)?.count(matrix)
     }
 }
