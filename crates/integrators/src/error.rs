@@ -23,6 +23,9 @@ pub enum StepError {
         /// The first such freedom.
         freedom: usize,
     },
+    /// A discrete Lagrangian does not determine the next configuration from the momentum.
+    #[error("the discrete Legendre transform is singular: q and p do not determine the next q")]
+    SingularLegendreTransform,
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),
@@ -70,4 +73,25 @@ pub enum StudyError {
     /// The storage does not have the system's size.
     #[error(transparent)]
     Size(#[from] SizeError),
+}
+
+/// A force that is not what it says.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ForceError {
+    /// Drag takes energy away.
+    #[error("the drag of freedom {freedom} is {coefficient}; it must be finite and not negative")]
+    Drag {
+        /// The freedom.
+        freedom: usize,
+        /// Its coefficient, N s/m.
+        coefficient: f64,
+    },
+    /// A bump has a place and a width.
+    #[error("a bump from {start} s for {width} s; the width must be positive, both finite")]
+    Bump {
+        /// Where it starts, seconds.
+        start: f64,
+        /// How long it lasts, seconds.
+        width: f64,
+    },
 }

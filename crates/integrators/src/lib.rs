@@ -53,9 +53,18 @@ mod gravity;
 mod momentum;
 pub mod problems;
 mod convergence;
+mod lagrangian;
+mod mechanical;
+mod discrete_lagrangian;
+mod quadrature;
+mod variational;
+mod drag;
+mod load;
 
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
-pub use error::{HorizonError, SimulationError, StepError, StudyError};
+pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
+pub use drag::Drag;
+pub use error::{ForceError, HorizonError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
@@ -64,13 +73,18 @@ pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
 pub use integrator::{Integrator, StepReport};
+pub use lagrangian::{EulerLagrange, Lagrangian, LagrangianError};
+pub use load::{Load, bump};
+pub use mechanical::Mechanical;
 pub use method::{Method, UnknownMethod};
 pub use momentum::{
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
 };
+pub use quadrature::{Quadrature, Sampled};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;
 pub use symplectic_euler::{SymplecticEulerDriftKick, SymplecticEulerKickDrift};
 pub use trapezoid::Trapezoid;
+pub use variational::Variational;
