@@ -1,6 +1,6 @@
 //! What can go wrong in a step and in a simulation.
 
-use stationary_calculus::{NewtonError, SizeError};
+use stationary_calculus::{NewtonError, SizeError, Unsolvable};
 
 /// A step that could not be taken; the state is as it was before.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -94,4 +94,37 @@ pub enum ForceError {
         /// How long it lasts, seconds.
         width: f64,
     },
+}
+
+/// An action that is not defined, or a path on which it is not stationary.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ActionError {
+    /// A path has at least one step.
+    #[error("the action has no steps")]
+    NoSteps,
+    /// Steps go forward in time by a finite amount.
+    #[error("step {step} is {h} s; it must be positive and finite")]
+    Step {
+        /// The first such step, counted from 0.
+        step: usize,
+        /// Its length, seconds.
+        h: f64,
+    },
+    /// The path does not belong to the action.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// The guess is not a path.
+    #[error("point {point} of the path is not finite, first at freedom {freedom}")]
+    NonFinite {
+        /// The first such point, counted from 0.
+        point: usize,
+        /// Its first such freedom.
+        freedom: usize,
+    },
+    /// No stationary path was found near the guess.
+    #[error("no stationary path was found: {0}")]
+    Newton(#[from] NewtonError),
+    /// The action has no definite kind of stationary point.
+    #[error("the ends are conjugate on the path that was found: {0}")]
+    Conjugate(Unsolvable),
 }

@@ -6,9 +6,7 @@
 //! An integrator is bound to a system when it is made: sizes are checked and all memory is taken
 //! then, so that a step checks little and allocates nothing.
 
-use stationary_calculus::{
-    Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage,
-};
+use stationary_calculus::{Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage};
 
 use crate::{Facts, State, StepError};
 

@@ -58,13 +58,17 @@ mod mechanical;
 mod discrete_lagrangian;
 mod quadrature;
 mod variational;
+mod action;
+mod boundary_value;
 mod drag;
 mod load;
 
+pub use action::Action;
+pub use boundary_value::{Stationary, StationaryPath};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
 pub use drag::Drag;
-pub use error::{ForceError, HorizonError, SimulationError, StepError, StudyError};
+pub use error::{ActionError, ForceError, HorizonError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,

@@ -12,7 +12,7 @@ use stationary_calculus::{DiagonalMetric, Energy, MetricError, Number};
 use crate::Lagrangian;
 
 /// Masses and an energy.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanical<E, const N: usize> {
     mass: [f64; N],
     energy: E,

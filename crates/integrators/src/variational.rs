@@ -154,7 +154,11 @@ impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> StepEquation<L, F, N> {
     }
 
     /// p1 at `q1 - correction`, to first order in the correction.
-    fn momentum_after(&mut self, q1: &[f64; N], correction: &Vector<[f64; N]>) -> Covector<[f64; N]> {
+    fn momentum_after(
+        &mut self,
+        q1: &[f64; N],
+        correction: &Vector<[f64; N]>,
+    ) -> Covector<[f64; N]> {
         let mut p = self.lagrangian.momentum_after(self.q0, *q1, self.h);
         p.add_scaled(1.0, self.half_of_the_force(q1).view());
         self.block.fill(0.0);

@@ -267,7 +267,11 @@ fn the_double_pendulum_converges_with_order_two() {
         for steps in [100, 200, 400, 800] {
             let ratio = error_on_the_double_pendulum(quadrature, steps)
                 / error_on_the_double_pendulum(quadrature, 2 * steps);
-            println!("{quadrature:?} {} {:e}", ratio.log2(), error_on_the_double_pendulum(quadrature, 2*steps));
+            println!(
+                "{quadrature:?} {} {:e}",
+                ratio.log2(),
+                error_on_the_double_pendulum(quadrature, 2 * steps)
+            );
             assert!((ratio.log2() - 2.0).abs() < 0.1, "{quadrature:?}: {}", ratio.log2());
         }
     }
@@ -291,7 +295,7 @@ fn the_double_pendulum_keeps_its_energy_bounded() {
             let half = usize::from(step >= 25_000);
             worst[half] = worst[half].max((energy(&state) - start).abs());
         }
-            println!("{quadrature:?} {worst:?}");
+        println!("{quadrature:?} {worst:?}");
         // A drift would double it.
         assert!(worst[1] < 1.1 * worst[0] && worst[0] < 0.05, "{quadrature:?}: {worst:?}");
     }
