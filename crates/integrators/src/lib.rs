@@ -50,6 +50,7 @@ mod implicit_midpoint;
 mod method;
 mod simulate;
 mod gravity;
+mod noether;
 mod momentum;
 pub mod problems;
 mod convergence;
@@ -82,8 +83,10 @@ pub use load::{Load, bump};
 pub use mechanical::Mechanical;
 pub use method::{Method, UnknownMethod};
 pub use momentum::{
-    angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
+    Rotation, Translation, angular_momentum, angular_momentum_scale, linear_momentum,
+    linear_momentum_scale,
 };
+pub use noether::{Asymmetry, Symmetry, discrete_momentum_map, momentum_map};
 pub use quadrature::{Quadrature, Sampled};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
