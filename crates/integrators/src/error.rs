@@ -128,3 +128,44 @@ pub enum ActionError {
     #[error("the ends are conjugate on the path that was found: {0}")]
     Conjugate(Unsolvable),
 }
+
+/// Impulses that cannot be given, or a simulation that could not be finished.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ImpulseError {
+    /// An impulse does not belong to the system.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// An impulse is not finite.
+    #[error("impulse {index} is not finite, first at freedom {freedom}")]
+    NonFinite {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its first such freedom.
+        freedom: usize,
+    },
+    /// No step begins at an impulse or contains it.
+    #[error("impulse {index} is at {time} s, outside of [{start} s, {end} s)")]
+    OutsideTheHorizon {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its time, seconds.
+        time: f64,
+        /// When the horizon starts, seconds.
+        start: f64,
+        /// When it ends, seconds.
+        end: f64,
+    },
+    /// Impulses come in ascending order.
+    #[error("impulse {index} is at {time} s, before the one at {last} s that precedes it")]
+    Unsorted {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its time, seconds.
+        time: f64,
+        /// The time of the one before, seconds.
+        last: f64,
+    },
+    /// A step failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}

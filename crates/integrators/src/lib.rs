@@ -63,13 +63,16 @@ mod action;
 mod boundary_value;
 mod drag;
 mod load;
+mod impulse;
 
 pub use action::Action;
 pub use boundary_value::{Stationary, StationaryPath};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
 pub use drag::Drag;
-pub use error::{ActionError, ForceError, HorizonError, SimulationError, StepError, StudyError};
+pub use error::{
+    ActionError, ForceError, HorizonError, ImpulseError, SimulationError, StepError, StudyError,
+};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
@@ -77,6 +80,7 @@ pub use facts::{
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
+pub use impulse::{Impulse, simulate_with_impulses};
 pub use integrator::{Integrator, StepReport};
 pub use lagrangian::{EulerLagrange, Lagrangian, LagrangianError};
 pub use load::{Load, bump};

@@ -106,7 +106,6 @@ fn the_boundary_value_problem_finds_the_motion() {
     }
     assert!((0..2).all(|c| (found.momentum.0[c] - start.p.0[c]).abs() < 1e-10));
     assert_eq!(found.kind(), Stationary::Minimum);
-    println!("iterations {}", found.iterations);
 }
 
 /// The oscillator between 1 and its place after `duration` seconds, from a guess at rest.
