@@ -50,12 +50,29 @@ mod implicit_midpoint;
 mod method;
 mod simulate;
 mod gravity;
+mod noether;
 mod momentum;
 pub mod problems;
 mod convergence;
+mod lagrangian;
+mod mechanical;
+mod discrete_lagrangian;
+mod quadrature;
+mod variational;
+mod action;
+mod boundary_value;
+mod drag;
+mod load;
+mod impulse;
 
+pub use action::Action;
+pub use boundary_value::{Stationary, StationaryPath};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
-pub use error::{HorizonError, SimulationError, StepError, StudyError};
+pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
+pub use drag::Drag;
+pub use error::{
+    ActionError, ForceError, HorizonError, ImpulseError, SimulationError, StepError, StudyError,
+};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
@@ -63,14 +80,22 @@ pub use facts::{
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
+pub use impulse::{Impulse, simulate_with_impulses};
 pub use integrator::{Integrator, StepReport};
+pub use lagrangian::{EulerLagrange, Lagrangian, LagrangianError};
+pub use load::{Load, bump};
+pub use mechanical::Mechanical;
 pub use method::{Method, UnknownMethod};
 pub use momentum::{
-    angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
+    Rotation, Translation, angular_momentum, angular_momentum_scale, linear_momentum,
+    linear_momentum_scale,
 };
+pub use noether::{Asymmetry, Symmetry, discrete_momentum_map, momentum_map};
+pub use quadrature::{Quadrature, Sampled};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;
 pub use symplectic_euler::{SymplecticEulerDriftKick, SymplecticEulerKickDrift};
 pub use trapezoid::Trapezoid;
+pub use variational::Variational;
