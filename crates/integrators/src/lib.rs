@@ -49,6 +49,7 @@ mod trapezoid;
 mod implicit_midpoint;
 mod method;
 mod simulate;
+mod first_order;
 mod gravity;
 mod noether;
 mod momentum;
@@ -76,6 +77,12 @@ pub use error::{
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
+};
+pub use first_order::{
+    AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
+    DormandPrince853, Event, FirstOrderFacts, FunctionField, Jacobian, MechanicalField, Moment,
+    Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance, Unforced, VectorField, Work,
+    integrate, integrate_to_event,
 };
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;

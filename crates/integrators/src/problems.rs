@@ -7,16 +7,23 @@
 //! | [`pendulum`] | a rod's angle from hanging | Jacobi's elliptic functions |
 //! | [`spring_pendulum`] | a mass on a stiff spring that swings | none: it is there to fail |
 //! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
+//! | [`van_der_pol`] | a stiff oscillator, first order | 10 digits for mu = 1000 |
+//! | [`hires`] | eight reactions, stiff, first order | 10 digits at the end |
+//! | [`robertson`] | three reactions, very stiff, first order | 11 digits at the end |
 //!
 //! [`DoublePendulum`] is a Lagrangian: its mass depends on its configuration, so it is no system.
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
 mod double_pendulum;
+mod hires;
 mod kepler;
 mod oscillator;
 mod pendulum;
+mod robertson;
 mod spring_pendulum;
+mod stiff;
 mod three_bodies;
+mod van_der_pol;
 
 use std::fmt;
 
@@ -25,11 +32,15 @@ use stationary_calculus::{DiagonalMetric, Metric, MetricError, Potential, SizeEr
 use crate::State;
 
 pub use double_pendulum::DoublePendulum;
+pub use hires::{HiresField, hires};
 pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};
+pub use robertson::{ConstrainedRobertsonField, RobertsonField, constrained_robertson, robertson};
 pub use spring_pendulum::{TetherPotential, spring_pendulum};
+pub use stiff::StiffProblem;
 pub use three_bodies::three_bodies;
+pub use van_der_pol::{VanDerPolField, van_der_pol};
 
 /// A problem that cannot be stated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

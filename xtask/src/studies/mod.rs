@@ -9,6 +9,8 @@ mod phase_portrait;
 mod reference;
 pub mod scene;
 mod stability;
+mod stability_regions;
+mod stiff;
 mod table_4_1;
 mod work_precision;
 
@@ -30,6 +32,8 @@ pub const STUDIES: &[Entry<'static>] = &[
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
     modal::LARGE_MOTION,
+    stability_regions::REGIONS,
+    stiff::WORK_PRECISION,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

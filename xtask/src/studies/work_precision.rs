@@ -169,6 +169,18 @@ pub(super) fn show(runs: &[Run], methods: &[Method]) -> (Table, Lines, Lines) {
     (table, counted, timed)
 }
 
+/// The least cost at which a tolerance is met, by runs of growing cost: read off between the first
+/// that meets it and the one before.
+pub(super) fn cost_at(tolerance: f64, runs: &[(f64, f64)]) -> Option<f64> {
+    let first = runs.iter().position(|&(_, error)| error <= tolerance)?;
+    let (cost, error) = runs[first];
+    let Some(&(less_cost, more_error)) = first.checked_sub(1).map(|before| &runs[before]) else {
+        return Some(cost);
+    };
+    let part = (more_error / tolerance).ln() / (more_error / error).ln();
+    Some(less_cost * (cost / less_cost).powf(part))
+}
+
 /// The method with the least counted work at which it meets a tolerance, read off between two runs,
 /// and that of its charted runs which meets it in the fewest steps.
 pub(super) fn cheapest(runs: &[Run], tolerance: f64) -> Option<&Run> {
@@ -178,15 +190,9 @@ pub(super) fn cheapest(runs: &[Run], tolerance: f64) -> Option<&Run> {
             .iter()
             .filter_map(|run| Some((run.evaluations()? as f64, run.error()?, run)))
             .collect();
-        let Some(first) = measured.iter().position(|run| run.1 <= tolerance) else { continue };
-        let (work, error, run) = measured[first];
-        let cost = match first.checked_sub(1).map(|before| measured[before]) {
-            None => work,
-            Some((less_work, more_error, _)) => {
-                let part = (more_error / tolerance).ln() / (more_error / error).ln();
-                less_work * (work / less_work).powf(part)
-            }
-        };
+        let points: Vec<_> = measured.iter().map(|&(work, error, _)| (work, error)).collect();
+        let Some(cost) = cost_at(tolerance, &points) else { continue };
+        let Some(&(.., run)) = measured.iter().find(|run| run.1 <= tolerance) else { continue };
         if best.is_none_or(|(least, _)| cost < least) {
             best = Some((cost, run));
         }
