@@ -43,10 +43,20 @@ mod explicit_euler;
 mod symplectic_euler;
 mod stormer_verlet;
 mod runge_kutta_4;
+mod nystrom;
+mod scheme;
+mod composition;
 mod stage;
 mod implicit_euler;
 mod trapezoid;
 mod implicit_midpoint;
+mod collocation;
+mod gauss_legendre;
+mod newmark_weights;
+mod newmark;
+mod imex;
+mod gautschi;
+mod reversible;
 mod method;
 mod simulate;
 mod gravity;
@@ -54,13 +64,18 @@ mod momentum;
 pub mod problems;
 mod convergence;
 
+pub use collocation::Nodes;
+pub use composition::Composition;
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
-pub use error::{HorizonError, SimulationError, StepError, StudyError};
+pub use error::{HorizonError, ParameterError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
 };
+pub use gauss_legendre::GaussLegendre;
+pub use gautschi::{Filter, Gautschi, StiffnessError};
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
+pub use imex::Imex;
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
 pub use integrator::{Integrator, StepReport};
@@ -68,7 +83,12 @@ pub use method::{Method, UnknownMethod};
 pub use momentum::{
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
 };
+pub use newmark::{Newmark, Unforced};
+pub use newmark_weights::NewmarkWeights;
+pub use nystrom::Nystrom4;
+pub use reversible::{PotentialPower, ReversibleSteps, StepDensity};
 pub use runge_kutta_4::RungeKutta4;
+pub use scheme::Scheme;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;

@@ -1,0 +1,390 @@
+//! Newmark's method and the generalized-alpha method, with forces that no potential gives.
+//!
+//! ```text
+//! q' = q + h v + h^2 ((1/2 - beta) a + beta a'),      v' = v + h ((1 - gamma) a + gamma a')
+//! M ((1 - am) a' + am a) = -dV(x) + F(t~, x, w)
+//! x = (1 - af) q' + af q,   w = (1 - af) v' + af v,   t~ = t + (1 - af) h
+//! ```
+//! `q` configuration (n), `v = M^-1 p` velocity (n), `a` the method's acceleration (n), `M` the metric,
+//! `F` a [`Force`], `h` step in seconds; `beta gamma am af` the [`NewmarkWeights`]. Solved for x:
+//!
+//! ```text
+//! M (x - y) + A (dV(x) - F(t~, x, w)) = 0,    A = (1 - af) beta h^2/(1 - am),   dw/dx = gamma/(beta h)
+//! M + A (d2V + gamma/(beta h) C)              Newton's matrix, C = -dF/dw
+//! ```
+//! Implicit. Order, symmetry and stability depend on the weights, and the facts say which: the average
+//! acceleration is the trapezoid rule, and damps nothing; generalized alpha leaves the part `r` of the
+//! fastest oscillations after each step and keeps order 2 (`what_is_left_of_fast_oscillations`).
+//!
+//! The acceleration is remembered from step to step. A step from another state than the last one
+//! left, or of another length, starts anew with the acceleration `af - am` steps ago, to first order,
+//! which costs two evaluations more; a resumed run therefore agrees to the order of the method, not
+//! to the bit, unless am = af. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric
+//! dF/dv leave out costs iterations, which are bounded.
+
+use std::cell::RefCell;
+
+use stationary_calculus::{
+    Covector, DenseSolver, Equation, Force, HessianSolver, Metric, Newton, NewtonMemory, Potential,
+    Sink, SizeError, Space, Storage, System, Unsolvable, Vector,
+};
+
+use crate::integrator::{check_step, subtract, zeros};
+use crate::newmark_weights::NewmarkWeights;
+use crate::{Facts, Integrator, State, StepError, StepReport};
+
+/// No force but the potential's.
+#[derive(Clone, Copy, Debug)]
+pub enum Unforced {}
+
+impl Force for Unforced {
+    fn dim(&self) -> usize {
+        match *self {}
+    }
+
+    fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, _: Covector<&mut [f64]>) {
+        match *self {}
+    }
+}
+
+/// A method of Newmark's family.
+#[derive(Clone, Debug)]
+pub struct Newmark<'s, M, P, C, F = Unforced, L = DenseSolver<C>> {
+    weights: NewmarkWeights,
+    newton: Newton,
+    memory: NewtonMemory<C>,
+    equation: AlphaEquation<'s, M, P, C, F, L>,
+    /// `M a`, the state that it belongs to, and the step that led there: zero for none.
+    rate: Covector<C>,
+    left: State<C>,
+    left_step: f64,
+    next_rate: Covector<C>,
+    next: State<C>,
+}
+
+#[derive(Clone, Debug)]
+struct AlphaEquation<'s, M, P, C, F, L> {
+    system: &'s System<M, P>,
+    force: Option<F>,
+    solver: L,
+    y: C,
+    a: f64,
+    /// The time, and the velocity w = start + slope (x - origin).
+    t: f64,
+    slope: f64,
+    origin: C,
+    start: Vector<C>,
+    velocity: Vector<C>,
+    difference: Vector<C>,
+    flat: Covector<C>,
+    scratch: RefCell<Vec<f64>>,
+    report: StepReport,
+}
+
+impl<'s, M: Metric, P: Potential, C: Storage> Newmark<'s, M, P, C> {
+    /// The method on a system of few freedoms: each Newton step factors a dense matrix.
+    pub fn new(system: &'s System<M, P>, weights: NewmarkWeights) -> Result<Self, SizeError> {
+        Newmark::assembled(system, weights, None, dense(system.dim())?)
+    }
+}
+
+impl<'s, M: Metric, P: Potential, C: Storage, F: Force> Newmark<'s, M, P, C, F> {
+    /// The method on a system of few freedoms with a force beside its potential.
+    pub fn with_force(
+        system: &'s System<M, P>,
+        weights: NewmarkWeights,
+        force: F,
+    ) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        Newmark::assembled(system, weights, Some(force), dense(system.dim())?)
+    }
+}
+
+impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Newmark<'s, M, P, C, Unforced, L> {
+    /// The method on a system, with the caller's solver: a sparse one for many freedoms.
+    pub fn with_solver(
+        system: &'s System<M, P>,
+        weights: NewmarkWeights,
+        solver: L,
+    ) -> Result<Self, SizeError> {
+        Newmark::assembled(system, weights, None, solver)
+    }
+}
+
+fn dense<C: Storage>(n: usize) -> Result<DenseSolver<C>, SizeError> {
+    let got = zeros::<C>(n)?.as_ref().len();
+    DenseSolver::new(n).ok_or(SizeError { what: "the storage's numbers", expected: n, got })
+}
+
+impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
+    Newmark<'s, M, P, C, F, L>
+{
+    fn assembled(
+        system: &'s System<M, P>,
+        weights: NewmarkWeights,
+        force: Option<F>,
+        solver: L,
+    ) -> Result<Self, SizeError> {
+        let (n, newton) = (system.dim(), Newton::default());
+        let zero: C = zeros(n)?;
+        let memory = NewtonMemory::new(n, newton.iterations);
+        let got = zero.as_ref().len();
+        let missing = SizeError { what: "the storage's numbers", expected: n, got };
+        Ok(Newmark {
+            weights,
+            newton,
+            memory: memory.ok_or(missing)?,
+            equation: AlphaEquation {
+                system,
+                force,
+                solver,
+                y: zero.clone(),
+                a: 0.0,
+                t: 0.0,
+                slope: 0.0,
+                origin: zero.clone(),
+                start: Vector(zero.clone()),
+                velocity: Vector(zero.clone()),
+                difference: Vector(zero.clone()),
+                flat: Covector(zero.clone()),
+                scratch: RefCell::new(Vec::new()),
+                report: StepReport::default(),
+            },
+            rate: Covector(zero.clone()),
+            left: State::new(zero.clone(), zero.clone()),
+            left_step: 0.0,
+            next_rate: Covector(zero.clone()),
+            next: State::new(zero.clone(), zero),
+        })
+    }
+
+    /// Whether the remembered acceleration is that of this state.
+    fn continues(&self, state: &State<C>, h: f64) -> bool {
+        // The time of a simulation is a product, and so differs by rounding from this sum.
+        let same_time = (self.left.t - state.t).abs() <= 1e-6 * h;
+        self.left_step == h && same_time && self.left.q == state.q && self.left.p == state.p
+    }
+
+    /// The acceleration that lags behind the state by the weights' part of a step, to first order.
+    fn start(&mut self, state: &State<C>, h: f64) {
+        let (lag, equation) = (self.weights.lag() * h, &mut self.equation);
+        let system = equation.system;
+        equation.origin.clone_from(&state.q);
+        system.metric().sharp(state.p.view(), equation.velocity.view_mut());
+        equation.t = state.t;
+        self.left_step = 0.0;
+        if lag != 0.0 {
+            equation.evaluate(&mut self.rate);
+            let back = -lag;
+            system.space().advance(equation.origin.as_mut(), back, equation.velocity.view());
+            system.metric().sharp(self.rate.view(), equation.difference.view_mut());
+            equation.velocity.add_scaled(back, equation.difference.view());
+            equation.t += back;
+        }
+        equation.evaluate(&mut self.rate);
+    }
+
+    /// Sets the equation up for a step from this state; its unknown starts on the drift.
+    fn prepare(&mut self, state: &State<C>, h: f64) {
+        let NewmarkWeights { beta, gamma, old_inertia, old_force, .. } = self.weights;
+        let (new_force, equation) = (1.0 - old_force, &mut self.equation);
+        let metric = equation.system.metric();
+        equation.a = new_force * beta * h * h / (1.0 - old_inertia);
+        equation.slope = gamma / (beta * h);
+        equation.t = state.t + new_force * h;
+        // The velocity w at x = origin, where the new acceleration is zero.
+        self.next.p.clone_from(&state.p);
+        self.next.p.add_scaled(new_force * h * (1.0 - gamma), self.rate.view());
+        metric.sharp(self.next.p.view(), equation.start.view_mut());
+        // The origin: q + (1 - af) (h v + h^2 (1/2 - beta) a).
+        self.next.p.clone_from(&state.p);
+        self.next.p.add_scaled(h * (0.5 - beta), self.rate.view());
+        metric.drift(new_force * h, self.next.p.view(), equation.velocity.view_mut());
+        equation.origin.clone_from(&state.q);
+        let space = equation.system.space();
+        space.advance(equation.origin.as_mut(), 1.0, equation.velocity.view());
+        equation.y.clone_from(&equation.origin);
+        metric.sharp(self.rate.view(), equation.velocity.view_mut());
+        let back = -equation.a * old_inertia;
+        space.advance(equation.y.as_mut(), back, equation.velocity.view());
+        self.next.q.clone_from(&equation.y);
+    }
+
+    /// The state after the step, from the unknown in `next.q`.
+    fn finish(&mut self, state: &State<C>, h: f64) {
+        let NewmarkWeights { beta, gamma, old_inertia, .. } = self.weights;
+        let equation = &mut self.equation;
+        equation.follow(self.next.q.as_ref());
+        std::mem::swap(&mut equation.origin, &mut self.next.q);
+        equation.evaluate(&mut self.next_rate);
+        self.next_rate.add_scaled(-old_inertia, self.rate.view());
+        let scale = 1.0 / (1.0 - old_inertia);
+        self.next_rate.components_mut().iter_mut().for_each(|rate| *rate *= scale);
+        let (metric, State { q, p, .. }) = (equation.system.metric(), &mut self.next);
+        q.clone_from(&state.q);
+        p.clone_from(&state.p);
+        p.add_scaled(h * (0.5 - beta), self.rate.view());
+        p.add_scaled(h * beta, self.next_rate.view());
+        metric.drift(h, p.view(), equation.difference.view_mut());
+        equation.system.space().advance(q.as_mut(), 1.0, equation.difference.view());
+        p.clone_from(&state.p);
+        p.add_scaled(h * (1.0 - gamma), self.rate.view());
+        p.add_scaled(h * gamma, self.next_rate.view());
+    }
+}
+
+impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
+    AlphaEquation<'_, M, P, C, F, L>
+{
+    /// Writes `-dV + F` at the origin with the velocity and the time that are set.
+    fn evaluate(&mut self, rate: &mut Covector<C>) {
+        let q = self.origin.as_ref();
+        self.flat.clear();
+        self.system.potential().add_differential(q, self.flat.view_mut());
+        rate.clear();
+        if let Some(force) = &self.force {
+            force.add_force(self.t, q, self.velocity.view(), rate.view_mut());
+        }
+        rate.add_scaled(-1.0, self.flat.view());
+        self.report.differentials += 1;
+    }
+
+    /// Writes the velocity that belongs to x.
+    fn follow(&mut self, x: &[f64]) {
+        subtract(x, self.origin.as_ref(), &mut self.difference);
+        self.velocity.clone_from(&self.start);
+        self.velocity.add_scaled(self.slope, self.difference.view());
+    }
+}
+
+impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Equation
+    for AlphaEquation<'_, M, P, C, F, L>
+{
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) {
+        self.flat.clear();
+        if self.force.is_some() {
+            self.follow(x);
+        }
+        if let Some(force) = &self.force {
+            force.add_force(self.t, x, self.velocity.view(), self.flat.view_mut());
+            self.flat.components_mut().iter_mut().for_each(|f| *f = -*f);
+        }
+        self.system.potential().add_differential(x, self.flat.view_mut());
+        self.report.differentials += 1;
+        subtract(x, self.y.as_ref(), &mut self.difference);
+        let mut f = Covector(f);
+        self.system.metric().flat(self.difference.view(), f.view_mut());
+        f.add_scaled(self.a, self.flat.view());
+    }
+
+    fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
+        if self.force.is_some() {
+            self.follow(x);
+        }
+        let tangent = Tangent {
+            potential: self.system.potential(),
+            force: self.force.as_ref(),
+            t: self.t,
+            velocity: self.velocity.components(),
+            slope: self.slope,
+            scratch: &self.scratch,
+        };
+        let rung = self.solver.factor(self.system.metric(), &tangent, x, self.a)?;
+        self.report.hessians += 1;
+        self.report.rung = self.report.rung.max(rung);
+        self.solver.solve(f);
+        Ok(())
+    }
+
+    fn norm(&mut self, f: &[f64]) -> f64 {
+        let f = Covector(f);
+        self.system.metric().sharp(f.view(), self.difference.view_mut());
+        f.apply(&self.difference).sqrt()
+    }
+
+    fn energy(&mut self, x: &[f64]) -> Option<f64> {
+        if self.force.is_some() {
+            return None;
+        }
+        subtract(x, self.y.as_ref(), &mut self.difference);
+        self.system.metric().flat(self.difference.view(), self.flat.view_mut());
+        self.report.energies += 1;
+        let kinetic = 0.5 * self.flat.apply(&self.difference);
+        Some(kinetic + self.a * self.system.potential().energy(x))
+    }
+}
+
+/// What a solver takes for a potential: its Hessian is that of the potential and the damping that
+/// goes with the velocity.
+struct Tangent<'a, P, F> {
+    potential: &'a P,
+    force: Option<&'a F>,
+    t: f64,
+    velocity: &'a [f64],
+    slope: f64,
+    scratch: &'a RefCell<Vec<f64>>,
+}
+
+impl<P: Potential, F: Force> Potential for Tangent<'_, P, F> {
+    fn dim(&self) -> usize {
+        self.potential.dim()
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.potential.energy(q)
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.potential.add_differential(q, dv);
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        self.potential.add_hessian(q, hessian);
+        if let Some(force) = self.force {
+            let scratch = &mut *self.scratch.borrow_mut();
+            let mut scaled = Scaled { scale: self.slope, scratch, sink: hessian };
+            force.add_damping(self.t, q, Vector(self.velocity), &mut scaled);
+        }
+    }
+}
+
+/// Passes blocks on, multiplied.
+struct Scaled<'a, S> {
+    scale: f64,
+    scratch: &'a mut Vec<f64>,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Sink for Scaled<'_, S> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        self.scratch.clear();
+        self.scratch.extend(block.iter().map(|entry| self.scale * entry));
+        self.sink.add_symmetric(freedoms, self.scratch);
+    }
+}
+
+impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Integrator<C>
+    for Newmark<'_, M, P, C, F, L>
+{
+    fn facts(&self) -> Facts {
+        self.weights.facts()
+    }
+
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
+        check_step(state, self.equation.system.dim(), h)?;
+        self.equation.report = StepReport::default();
+        if !self.continues(state, h) {
+            self.start(state, h);
+        }
+        self.prepare(state, h);
+        let unknown = self.next.q.as_mut();
+        let solved = self.newton.solve(&mut self.equation, unknown, &mut self.memory)?;
+        self.finish(state, h);
+        let report = StepReport { residual: solved.residual, ..self.equation.report };
+        state.accept(&mut self.next, h)?;
+        std::mem::swap(&mut self.rate, &mut self.next_rate);
+        self.left.clone_from(state);
+        self.left_step = h;
+        Ok(report)
+    }
+}
