@@ -8,7 +8,7 @@
 //! keeps linear and angular momentum to rounding, as kicks and drifts do. Neighbouring kicks are made
 //! one, and the last kick's differential serves the next step's first. Drifts cost next to nothing.
 //!
-//! The larger the backward part, the larger the error: at equal cost the triple jump's is hundreds of
+//! The larger the backward part, the larger the error: at equal cost the triple jump's is some thirty
 //! times that of Blanes and Moan's six stages (`at_equal_cost_the_optimized_schemes_win`). Where the
 //! roles of kicks and drifts are exchanged the schemes named Nystrom lose their order:
 //! `nystrom_schemes_lose_their_order_where_kicks_and_drifts_are_exchanged`.
@@ -109,7 +109,7 @@ mod tests {
         let [jump, suzuki, blanes, nystrom] =
             [Scheme::TripleJump4, Scheme::Suzuki4, Scheme::BlanesMoan4, Scheme::BlanesMoanNystrom4]
                 .map(error);
-        assert!(jump > 5.0 * suzuki && suzuki > 5.0 * blanes, "{jump:e} {suzuki:e} {blanes:e}");
+        assert!(jump > 2.0 * suzuki && suzuki > 5.0 * blanes, "{jump:e} {suzuki:e} {blanes:e}");
         assert!(blanes > nystrom, "{blanes:e} {nystrom:e}");
         let [yoshida, kahan, blanes, nystrom] =
             [Scheme::Yoshida6, Scheme::KahanLi6, Scheme::BlanesMoan6, Scheme::BlanesMoanNystrom6]

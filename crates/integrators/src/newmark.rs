@@ -16,11 +16,13 @@
 //! acceleration is the trapezoid rule, and damps nothing; generalized alpha leaves the part `r` of the
 //! fastest oscillations after each step and keeps order 2 (`what_is_left_of_fast_oscillations`).
 //!
-//! The acceleration is remembered from step to step. A step from another state than the last one
-//! left, or of another length, starts anew with the acceleration `af - am` steps ago, to first order,
-//! which costs two evaluations more; a resumed run therefore agrees to the order of the method, not
-//! to the bit, unless am = af. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric
-//! dF/dv leave out costs iterations, which are bounded.
+//! The acceleration is remembered from step to step: `a` belongs to a moment `af - am` steps before
+//! the end of its step. A step from another state than the last one left, or of another length, takes
+//! the state's own acceleration instead, at the price of one evaluation and of a power of h in that
+//! one step; where am differs from af, a resumed run therefore agrees to the order of the method and
+//! not to the bit. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric dF/dv leave
+//! out costs iterations, which are bounded.
+//! Source: Newmark 1959; Chung and Hulbert 1993.
 
 use std::cell::RefCell;
 
@@ -165,22 +167,13 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         self.left_step == h && same_time && self.left.q == state.q && self.left.p == state.p
     }
 
-    /// The acceleration that lags behind the state by the weights' part of a step, to first order.
-    fn start(&mut self, state: &State<C>, h: f64) {
-        let (lag, equation) = (self.weights.lag() * h, &mut self.equation);
-        let system = equation.system;
+    /// The acceleration at a state.
+    fn start(&mut self, state: &State<C>) {
+        let equation = &mut self.equation;
         equation.origin.clone_from(&state.q);
-        system.metric().sharp(state.p.view(), equation.velocity.view_mut());
         equation.t = state.t;
+        equation.system.metric().sharp(state.p.view(), equation.velocity.view_mut());
         self.left_step = 0.0;
-        if lag != 0.0 {
-            equation.evaluate(&mut self.rate);
-            let back = -lag;
-            system.space().advance(equation.origin.as_mut(), back, equation.velocity.view());
-            system.metric().sharp(self.rate.view(), equation.difference.view_mut());
-            equation.velocity.add_scaled(back, equation.difference.view());
-            equation.t += back;
-        }
         equation.evaluate(&mut self.rate);
     }
 
@@ -374,7 +367,7 @@ impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Integrator
         check_step(state, self.equation.system.dim(), h)?;
         self.equation.report = StepReport::default();
         if !self.continues(state, h) {
-            self.start(state, h);
+            self.start(state);
         }
         self.prepare(state, h);
         let unknown = self.next.q.as_mut();

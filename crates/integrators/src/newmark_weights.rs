@@ -118,9 +118,4 @@ impl NewmarkWeights {
     pub const fn facts(&self) -> Facts {
         self.facts
     }
-
-    /// How far the remembered acceleration lags behind the end of a step, in steps.
-    pub(crate) fn lag(&self) -> f64 {
-        self.old_force - self.old_inertia
-    }
 }
