@@ -80,3 +80,77 @@ impl<M: Metric, P: Potential, Q: Potential, C: Storage, L: HessianSolver> Integr
         Ok(report)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::{Linear, PendulumPotential, oscillator};
+    use stationary_calculus::{DiagonalMetric, Newton};
+
+    /// A stiff spring of angular frequency `omega`, and a soft one of angular frequency 1.
+    fn largest(omega: f64, h: f64) -> f64 {
+        let stiff = oscillator(omega).unwrap();
+        let mut imex = Imex::new(&stiff.system, Linear::<1> { stiffness: 1.0 }).unwrap();
+        let mut state = State::new([1.0], [0.5]);
+        let mut largest = 0.0_f64;
+        for _ in 0..2000 {
+            if imex.step(&mut state, h).is_err() {
+                return f64::INFINITY;
+            }
+            largest = largest.max(state.q[0].abs());
+        }
+        largest
+    }
+
+    #[test]
+    fn the_soft_potential_alone_bounds_the_step() {
+        for omega in [1.0, 10.0, 31.4159, 100.0, 1e4] {
+            for i in 1..100 {
+                let h = 0.0199 * f64::from(i);
+                assert!(
+                    largest(omega, h) < 60.0,
+                    "omega = {omega}, h = {h}: {}",
+                    largest(omega, h)
+                );
+            }
+        }
+        // The trace of the step's matrix passes -2 there, whatever the stiffness.
+        for omega in [1e-3, 1.0, 10.0] {
+            assert!(largest(omega, 2.1) > 1e6, "omega = {omega}");
+        }
+    }
+
+    #[test]
+    fn it_has_order_2_is_symmetric_and_sees_only_the_stiff_potential() {
+        let metric = DiagonalMetric::new([1.0]).unwrap();
+        let stiff = System::new(metric, Linear::<1> { stiffness: 9.0 }).unwrap();
+        let after = |steps: u32| {
+            let mut state = State::new([1.0], [0.3]);
+            let mut imex = Imex::new(&stiff, PendulumPotential).unwrap();
+            for _ in 0..steps {
+                let report = imex.step(&mut state, 1.0 / f64::from(steps)).unwrap();
+                // One Newton step solves a quadratic potential, another one finds nothing to do.
+                assert!(report.hessians <= 2, "{report:?}");
+            }
+            state
+        };
+        let ends = [40, 80, 160].map(|steps| after(steps).q[0]);
+        let order = ((ends[0] - ends[1]) / (ends[1] - ends[2])).log2();
+        assert!((order - 2.0).abs() < 0.02, "{order}");
+        let mut state = after(1);
+        state.p.0[0] *= -1.0;
+        Imex::new(&stiff, PendulumPotential).unwrap().step(&mut state, 1.0).unwrap();
+        assert!((state.q[0] - 1.0).abs() < 1e-14 && (state.p.0[0] + 0.3).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_failed_step_leaves_the_state_as_it_was() {
+        let stiff = oscillator(10.0).unwrap();
+        let mut imex = Imex::new(&stiff.system, PendulumPotential).unwrap();
+        imex.stiff = imex.stiff.with_newton(Newton { tolerance: 0.0, iterations: 0 }).unwrap();
+        let mut state = State::new([1.0], [0.3]);
+        let start = state.clone();
+        assert!(imex.step(&mut state, 0.1).is_err());
+        assert_eq!(state, start);
+    }
+}

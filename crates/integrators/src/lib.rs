@@ -53,6 +53,7 @@ mod implicit_midpoint;
 mod collocation;
 mod gauss_legendre;
 mod newmark_weights;
+mod alpha_equation;
 mod newmark;
 mod imex;
 mod gautschi;
@@ -64,6 +65,7 @@ mod momentum;
 pub mod problems;
 mod convergence;
 
+pub use alpha_equation::Unforced;
 pub use collocation::Nodes;
 pub use composition::Composition;
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
@@ -83,7 +85,7 @@ pub use method::{Method, UnknownMethod};
 pub use momentum::{
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
 };
-pub use newmark::{Newmark, Unforced};
+pub use newmark::Newmark;
 pub use newmark_weights::NewmarkWeights;
 pub use nystrom::Nystrom4;
 pub use reversible::{PotentialPower, ReversibleSteps, StepDensity};

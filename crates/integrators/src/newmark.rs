@@ -24,30 +24,15 @@
 //! out costs iterations, which are bounded.
 //! Source: Newmark 1959; Chung and Hulbert 1993.
 
-use std::cell::RefCell;
-
 use stationary_calculus::{
-    Covector, DenseSolver, Equation, Force, HessianSolver, Metric, Newton, NewtonMemory, Potential,
-    Sink, SizeError, Space, Storage, System, Unsolvable, Vector,
+    Covector, DenseSolver, Force, HessianSolver, Metric, Newton, NewtonMemory, Potential,
+    SizeError, Space, Storage, System,
 };
 
-use crate::integrator::{check_step, subtract, zeros};
+use crate::alpha_equation::{AlphaEquation, Unforced};
+use crate::integrator::{check_step, zeros};
 use crate::newmark_weights::NewmarkWeights;
 use crate::{Facts, Integrator, State, StepError, StepReport};
-
-/// No force but the potential's.
-#[derive(Clone, Copy, Debug)]
-pub enum Unforced {}
-
-impl Force for Unforced {
-    fn dim(&self) -> usize {
-        match *self {}
-    }
-
-    fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, _: Covector<&mut [f64]>) {
-        match *self {}
-    }
-}
 
 /// A method of Newmark's family.
 #[derive(Clone, Debug)]
@@ -62,25 +47,6 @@ pub struct Newmark<'s, M, P, C, F = Unforced, L = DenseSolver<C>> {
     left_step: f64,
     next_rate: Covector<C>,
     next: State<C>,
-}
-
-#[derive(Clone, Debug)]
-struct AlphaEquation<'s, M, P, C, F, L> {
-    system: &'s System<M, P>,
-    force: Option<F>,
-    solver: L,
-    y: C,
-    a: f64,
-    /// The time, and the velocity w = start + slope (x - origin).
-    t: f64,
-    slope: f64,
-    origin: C,
-    start: Vector<C>,
-    velocity: Vector<C>,
-    difference: Vector<C>,
-    flat: Covector<C>,
-    scratch: RefCell<Vec<f64>>,
-    report: StepReport,
 }
 
 impl<'s, M: Metric, P: Potential, C: Storage> Newmark<'s, M, P, C> {
@@ -136,28 +102,22 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
             weights,
             newton,
             memory: memory.ok_or(missing)?,
-            equation: AlphaEquation {
-                system,
-                force,
-                solver,
-                y: zero.clone(),
-                a: 0.0,
-                t: 0.0,
-                slope: 0.0,
-                origin: zero.clone(),
-                start: Vector(zero.clone()),
-                velocity: Vector(zero.clone()),
-                difference: Vector(zero.clone()),
-                flat: Covector(zero.clone()),
-                scratch: RefCell::new(Vec::new()),
-                report: StepReport::default(),
-            },
+            equation: AlphaEquation::new(system, force, solver, &zero),
             rate: Covector(zero.clone()),
             left: State::new(zero.clone(), zero.clone()),
             left_step: 0.0,
             next_rate: Covector(zero.clone()),
             next: State::new(zero.clone(), zero),
         })
+    }
+
+    /// The same method with other bounds on Newton's method. The tolerance is in kg^1/2 m: the size
+    /// of an error of x in the metric.
+    pub fn with_newton(self, newton: Newton) -> Result<Self, SizeError> {
+        let (n, got) = (self.equation.system.dim(), self.next.q.as_ref().len());
+        let missing = SizeError { what: "the storage's numbers", expected: n, got };
+        let memory = NewtonMemory::new(n, newton.iterations).ok_or(missing)?;
+        Ok(Newmark { newton, memory, ..self })
     }
 
     /// Whether the remembered acceleration is that of this state.
@@ -223,136 +183,6 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         p.clone_from(&state.p);
         p.add_scaled(h * (1.0 - gamma), self.rate.view());
         p.add_scaled(h * gamma, self.next_rate.view());
-    }
-}
-
-impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
-    AlphaEquation<'_, M, P, C, F, L>
-{
-    /// Writes `-dV + F` at the origin with the velocity and the time that are set.
-    fn evaluate(&mut self, rate: &mut Covector<C>) {
-        let q = self.origin.as_ref();
-        self.flat.clear();
-        self.system.potential().add_differential(q, self.flat.view_mut());
-        rate.clear();
-        if let Some(force) = &self.force {
-            force.add_force(self.t, q, self.velocity.view(), rate.view_mut());
-        }
-        rate.add_scaled(-1.0, self.flat.view());
-        self.report.differentials += 1;
-    }
-
-    /// Writes the velocity that belongs to x.
-    fn follow(&mut self, x: &[f64]) {
-        subtract(x, self.origin.as_ref(), &mut self.difference);
-        self.velocity.clone_from(&self.start);
-        self.velocity.add_scaled(self.slope, self.difference.view());
-    }
-}
-
-impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Equation
-    for AlphaEquation<'_, M, P, C, F, L>
-{
-    fn residual(&mut self, x: &[f64], f: &mut [f64]) {
-        self.flat.clear();
-        if self.force.is_some() {
-            self.follow(x);
-        }
-        if let Some(force) = &self.force {
-            force.add_force(self.t, x, self.velocity.view(), self.flat.view_mut());
-            self.flat.components_mut().iter_mut().for_each(|f| *f = -*f);
-        }
-        self.system.potential().add_differential(x, self.flat.view_mut());
-        self.report.differentials += 1;
-        subtract(x, self.y.as_ref(), &mut self.difference);
-        let mut f = Covector(f);
-        self.system.metric().flat(self.difference.view(), f.view_mut());
-        f.add_scaled(self.a, self.flat.view());
-    }
-
-    fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
-        if self.force.is_some() {
-            self.follow(x);
-        }
-        let tangent = Tangent {
-            potential: self.system.potential(),
-            force: self.force.as_ref(),
-            t: self.t,
-            velocity: self.velocity.components(),
-            slope: self.slope,
-            scratch: &self.scratch,
-        };
-        let rung = self.solver.factor(self.system.metric(), &tangent, x, self.a)?;
-        self.report.hessians += 1;
-        self.report.rung = self.report.rung.max(rung);
-        self.solver.solve(f);
-        Ok(())
-    }
-
-    fn norm(&mut self, f: &[f64]) -> f64 {
-        let f = Covector(f);
-        self.system.metric().sharp(f.view(), self.difference.view_mut());
-        f.apply(&self.difference).sqrt()
-    }
-
-    fn energy(&mut self, x: &[f64]) -> Option<f64> {
-        if self.force.is_some() {
-            return None;
-        }
-        subtract(x, self.y.as_ref(), &mut self.difference);
-        self.system.metric().flat(self.difference.view(), self.flat.view_mut());
-        self.report.energies += 1;
-        let kinetic = 0.5 * self.flat.apply(&self.difference);
-        Some(kinetic + self.a * self.system.potential().energy(x))
-    }
-}
-
-/// What a solver takes for a potential: its Hessian is that of the potential and the damping that
-/// goes with the velocity.
-struct Tangent<'a, P, F> {
-    potential: &'a P,
-    force: Option<&'a F>,
-    t: f64,
-    velocity: &'a [f64],
-    slope: f64,
-    scratch: &'a RefCell<Vec<f64>>,
-}
-
-impl<P: Potential, F: Force> Potential for Tangent<'_, P, F> {
-    fn dim(&self) -> usize {
-        self.potential.dim()
-    }
-
-    fn energy(&self, q: &[f64]) -> f64 {
-        self.potential.energy(q)
-    }
-
-    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
-        self.potential.add_differential(q, dv);
-    }
-
-    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        self.potential.add_hessian(q, hessian);
-        if let Some(force) = self.force {
-            let scratch = &mut *self.scratch.borrow_mut();
-            let mut scaled = Scaled { scale: self.slope, scratch, sink: hessian };
-            force.add_damping(self.t, q, Vector(self.velocity), &mut scaled);
-        }
-    }
-}
-
-/// Passes blocks on, multiplied.
-struct Scaled<'a, S> {
-    scale: f64,
-    scratch: &'a mut Vec<f64>,
-    sink: &'a mut S,
-}
-
-impl<S: Sink> Sink for Scaled<'_, S> {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        self.scratch.clear();
-        self.scratch.extend(block.iter().map(|entry| self.scale * entry));
-        self.sink.add_symmetric(freedoms, self.scratch);
     }
 }
 

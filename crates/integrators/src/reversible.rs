@@ -147,3 +147,112 @@ impl<'s, M: Metric, P: Potential, C: Storage, I: Integrator<C>, D: StepDensity>
         self.du.apply(&self.velocity) / self.u
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::{SmallProblem, kepler};
+    use crate::{CentralGravity, StormerVerlet};
+    use std::f64::consts::TAU;
+
+    type Planet = SmallProblem<CentralGravity<2>, 2>;
+
+    /// Steps evenly spread over an encounter: `scale |q|^(-3/2)` a second.
+    fn density(planet: &Planet, scale: f64) -> PotentialPower<CentralGravity<2>> {
+        PotentialPower { potential: *planet.system.potential(), power: 1.5, scale }
+    }
+
+    #[test]
+    fn reversed_in_time_it_returns_to_its_start() {
+        let planet = kepler(0.9).unwrap();
+        let verlet = StormerVerlet::new(&planet.system).unwrap();
+        let mut steps =
+            ReversibleSteps::new(&planet.system, verlet, density(&planet, 20.0)).unwrap();
+        let mut state = planet.initial.clone();
+        for _ in 0..1030 {
+            steps.advance(&mut state).unwrap();
+        }
+        let away = state.q[0].hypot(state.q[1]);
+        state.p.0 = state.p.0.map(|p| -p);
+        for _ in 0..1030 {
+            steps.advance(&mut state).unwrap();
+        }
+        let miss = (state.q[0] - planet.initial.q[0]).hypot(state.q[1] - planet.initial.q[1]);
+        assert!(away > 0.2 && miss < 1e-9, "{away} {miss:e}");
+    }
+
+    #[test]
+    fn the_density_that_is_used_follows_the_one_that_is_wished_for() {
+        let planet = kepler(0.9).unwrap();
+        let wished = density(&planet, 40.0);
+        let verlet = StormerVerlet::new(&planet.system).unwrap();
+        let mut steps = ReversibleSteps::new(&planet.system, verlet, wished).unwrap();
+        let mut state = planet.initial.clone();
+        let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
+        while state.t < 10.0 * TAU {
+            let before = state.t;
+            steps.advance(&mut state).unwrap();
+            (shortest, longest) = (shortest.min(state.t - before), longest.max(state.t - before));
+            let ratio = steps.steps_a_second().unwrap() / wished.density(&state.q);
+            assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+        }
+        assert!(longest > 50.0 * shortest, "{shortest} {longest}");
+    }
+
+    /// The largest error of the energy in the first and in the last tenth of a number of orbits.
+    fn energy_errors(
+        planet: &Planet,
+        orbits: f64,
+        mut advance: impl FnMut(&mut State<[f64; 2]>),
+    ) -> [f64; 2] {
+        let mut state = planet.initial.clone();
+        let start = planet.energy(&state);
+        let mut worst = [0.0_f64; 2];
+        while state.t < orbits * TAU {
+            advance(&mut state);
+            let error = (planet.energy(&state) - start).abs();
+            if state.t < 0.1 * orbits * TAU {
+                worst[0] = worst[0].max(error);
+            } else if state.t > 0.9 * orbits * TAU {
+                worst[1] = worst[1].max(error);
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn steps_chosen_at_their_start_let_the_energy_drift() {
+        for e in [0.9, 0.99] {
+            let planet = kepler(e).unwrap();
+            let wished = density(&planet, 30.0);
+            let mut verlet = StormerVerlet::new(&planet.system).unwrap();
+            let naive = energy_errors(&planet, 200.0, |state| {
+                let h = wished.density(&state.q).recip();
+                verlet.step(state, h).unwrap();
+            });
+            let verlet = StormerVerlet::new(&planet.system).unwrap();
+            let mut steps = ReversibleSteps::new(&planet.system, verlet, wished).unwrap();
+            let reversible = energy_errors(&planet, 200.0, |state| {
+                steps.advance(state).unwrap();
+            });
+            assert!(naive[1] > 3.0 * naive[0], "{e}: {naive:?}");
+            assert!(reversible[1] < 1.05 * reversible[0], "{e}: {reversible:?}");
+            assert!(naive[1] > 10.0 * reversible[1], "{e}: {naive:?} {reversible:?}");
+        }
+    }
+
+    #[test]
+    fn a_density_that_gives_no_step_is_named_and_the_state_is_as_it_was() {
+        let planet = kepler(0.9).unwrap();
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
+            let verlet = StormerVerlet::new(&planet.system).unwrap();
+            let wished = density(&planet, scale);
+            let mut steps = ReversibleSteps::new(&planet.system, verlet, wished).unwrap();
+            let mut state = State { t: 1.0, ..planet.initial.clone() };
+            let before = state.clone();
+            let error = steps.advance(&mut state).unwrap_err();
+            assert!(matches!(error, StepError::Density { .. }), "{scale}: {error}");
+            assert_eq!(state, before);
+        }
+    }
+}
