@@ -10,9 +10,9 @@
 //! is soft, `h` step in seconds. Functions of W are taken on the eigenvectors V of `K v = w^2 M v`,
 //! found when the method is made: `f(W) = V f(w) V^T M`. Dense: a step costs a few products with V.
 //!
-//! Exact where U is linear in time and space away; order 2 in h however large W, symmetric, explicit;
-//! symplectic where psi = phi. Which resonances are felt, `h w = k pi`, is the [`Filter`]'s matter:
-//! `each_filter_resonates_where_it_says`. Momenta are kept as far as K has the symmetry, linear
+//! Exact where U is constant; order 2, symmetric, explicit; symplectic where psi = phi. Which of the
+//! resonances `h w = k pi` are felt is the [`Filter`]'s matter: on a linear soft force a motion grows
+//! near every one, near the odd ones, or near none (`each_filter_resonates_where_it_says`). Momenta are kept as far as K has the symmetry, linear
 //! momentum by every filter, angular momentum by the symplectic ones.
 //! Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, XIII.2 (their psi is our
 //! `sinc psi`); Gautschi 1961, Deuflhard 1979, Garcia-Archilla, Sanz-Serna and Skeel 1999.
@@ -96,8 +96,8 @@ pub struct Gautschi<'s, M, P, C> {
     next: State<C>,
 }
 
-/// Negative eigenvalues this small relative to the largest are rounding of zero.
-const ROUNDING: f64 = 1e-12;
+/// Eigenvalues this small relative to the largest are rounding of zero: their modes move freely.
+const ROUNDING: f64 = 1e-13;
 
 impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
     /// The method on a system whose own potential is soft, beside the stiffness K (N/m).
@@ -116,10 +116,11 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             system.metric().add_matrix(&mut sink);
         }
         let pairs = stiffness.eigenpairs(&mass)?;
-        let zero_below = -ROUNDING * pairs.values.amax();
-        if let Some(&eigenvalue) = pairs.values.iter().find(|value| **value < zero_below) {
+        let zero_below = ROUNDING * pairs.values.amax();
+        if let Some(&eigenvalue) = pairs.values.iter().find(|value| **value < -zero_below) {
             return Err(StiffnessError::Negative { eigenvalue });
         }
+        let frequency = |value: &f64| if *value > zero_below { value.sqrt() } else { 0.0 };
         let column = |j: usize| {
             let mut mode = zero.clone();
             mode.as_mut().copy_from_slice(&pairs.vectors.as_slice()[j * n..][..n]);
@@ -129,7 +130,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             system,
             filter,
             modes: (0..n).map(column).collect(),
-            frequencies: pairs.values.iter().map(|value| value.max(0.0).sqrt()).collect(),
+            frequencies: pairs.values.iter().map(frequency).collect(),
             amplitudes: vec![(0.0, 0.0); n],
             filtered: zero.clone(),
             differential: Covector(zero.clone()),
