@@ -32,10 +32,11 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Filter {
     /// `phi = psi = 1`: kicks without a filter, the impulse method. Symplectic. Resonates at every
-    /// `h w = k pi`.
+    /// `h w = k pi`, and where the sum with a coupled soft frequency is a multiple of `2 pi/h`.
     Impulse,
     /// `phi = psi = sinc x`: the mollified impulse method. Symplectic, since the kick is that of the
-    /// potential `U(phi q)`. The kick vanishes at `h w = k pi`, and resonance with it.
+    /// potential `U(phi q)`. The kick vanishes at `h w = k pi`, and resonance with it. Narrow bands of
+    /// growth remain where the sum with a coupled soft frequency is a multiple of `2 pi/h`.
     Mollified,
     /// `phi = 1, psi = tan(x/2)/(x/2)`: Gautschi's own. Exact for a constant force; not symplectic; psi
     /// is unbounded, and resonates, at odd k.
@@ -78,6 +79,26 @@ pub enum StiffnessError {
     },
 }
 
+/// The functions of a mode that a step needs.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    phi: f64,
+    psi: f64,
+    cosine: f64,
+    /// `sin(h w)/w`, seconds.
+    sine_over: f64,
+    /// `w sin(h w)`, 1/s.
+    sine_times: f64,
+}
+
+impl Turn {
+    fn new(filter: Filter, w: f64, h: f64) -> Self {
+        let x = h * w;
+        let (phi, psi) = filter.at(x);
+        Turn { phi, psi, cosine: x.cos(), sine_over: h * sinc(x), sine_times: w * x.sin() }
+    }
+}
+
 /// A trigonometric method.
 #[derive(Clone, Debug)]
 pub struct Gautschi<'s, M, P, C> {
@@ -86,6 +107,9 @@ pub struct Gautschi<'s, M, P, C> {
     /// Columns of V, with `V^T M V = I`.
     modes: Vec<C>,
     frequencies: Vec<f64>,
+    /// What a step of `turn_step` seconds does to each mode.
+    turns: Vec<Turn>,
+    turn_step: f64,
     amplitudes: Vec<(f64, f64)>,
     filtered: C,
     /// dU at the filtered configuration of the last state, and the step that led there: zero for none.
@@ -131,6 +155,8 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             filter,
             modes: (0..n).map(column).collect(),
             frequencies: pairs.values.iter().map(frequency).collect(),
+            turns: Vec::with_capacity(n),
+            turn_step: 0.0,
             amplitudes: vec![(0.0, 0.0); n],
             filtered: zero.clone(),
             differential: Covector(zero.clone()),
@@ -139,6 +165,15 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             flat: Covector(zero.clone()),
             next: State::new(zero.clone(), zero),
         })
+    }
+
+    /// Sets the modes' functions up for steps of h seconds.
+    fn turn(&mut self, h: f64) {
+        if self.turn_step != h {
+            self.turns.clear();
+            self.turns.extend(self.frequencies.iter().map(|&w| Turn::new(self.filter, w, h)));
+            self.turn_step = h;
+        }
     }
 
     /// Writes the amplitudes of q and p in each mode: `V^T M q` and `V^T p`.
@@ -152,11 +187,10 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
     }
 
     /// Evaluates dU where the amplitudes of q, filtered, put the system.
-    fn evaluate(&mut self, h: f64) {
+    fn evaluate(&mut self) {
         self.filtered.as_mut().fill(0.0);
-        for ((mode, w), (q, _)) in self.modes.iter().zip(&self.frequencies).zip(&self.amplitudes) {
-            let (phi, _) = self.filter.at(h * w);
-            Vector(self.filtered.as_mut()).add_scaled(phi * q, Vector(mode.as_ref()));
+        for ((mode, turn), (q, _)) in self.modes.iter().zip(&self.turns).zip(&self.amplitudes) {
+            Vector(self.filtered.as_mut()).add_scaled(turn.phi * q, Vector(mode.as_ref()));
         }
         self.differential.clear();
         let dv = self.differential.view_mut();
@@ -165,19 +199,16 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
 
     /// Kicks the amplitudes of p with the differential evaluated last, filtered.
     fn kick(&mut self, h: f64) {
-        for ((mode, w), (_, p)) in
-            self.modes.iter().zip(&self.frequencies).zip(&mut self.amplitudes)
-        {
-            let (_, psi) = self.filter.at(h * w);
-            *p -= 0.5 * h * psi * self.differential.apply(&Vector(mode.as_ref()));
+        for ((mode, turn), (_, p)) in self.modes.iter().zip(&self.turns).zip(&mut self.amplitudes) {
+            *p -= h * turn.psi * self.differential.apply(&Vector(mode.as_ref()));
         }
     }
 
     /// The exact motion without the soft potential.
-    fn rotate(&mut self, h: f64) {
-        for (w, (q, p)) in self.frequencies.iter().zip(&mut self.amplitudes) {
-            let (sine, cosine) = (h * w).sin_cos();
-            (*q, *p) = (cosine * *q + h * sinc(h * w) * *p, cosine * *p - w * sine * *q);
+    fn rotate(&mut self) {
+        for (turn, (q, p)) in self.turns.iter().zip(&mut self.amplitudes) {
+            let Turn { cosine, sine_over, sine_times, .. } = turn;
+            (*q, *p) = (cosine * *q + sine_over * *p, cosine * *p - sine_times * *q);
         }
     }
 
@@ -224,17 +255,18 @@ impl<M: Metric, P: Potential, C: Storage> Integrator<C> for Gautschi<'_, M, P, C
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
         check_step(state, self.system.dim(), h)?;
         self.next.clone_from(state);
+        self.turn(h);
         self.analyse();
         let mut differentials = 1;
         if self.left_step != h || self.left != state.q {
-            self.evaluate(h);
+            self.evaluate();
             differentials += 1;
         }
-        self.kick(h);
-        self.rotate(h);
+        self.kick(0.5 * h);
+        self.rotate();
         self.left_step = 0.0;
-        self.evaluate(h);
-        self.kick(h);
+        self.evaluate();
+        self.kick(0.5 * h);
         self.synthesise();
         state.accept(&mut self.next, h)?;
         self.left.clone_from(&state.q);

@@ -59,6 +59,7 @@ mod imex;
 mod gautschi;
 mod reversible;
 mod method;
+mod facts_table;
 mod simulate;
 mod gravity;
 mod momentum;
@@ -74,6 +75,7 @@ pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
 };
+pub use facts_table::facts_table;
 pub use gauss_legendre::GaussLegendre;
 pub use gautschi::{Filter, Gautschi, StiffnessError};
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};

@@ -3,10 +3,13 @@
 mod convergence;
 mod derivative;
 mod long_run;
+mod multiscale;
+mod newmark_damping;
 mod newton;
 mod outer_solar_system;
 mod phase_portrait;
 mod stability;
+mod step_control;
 mod table_4_1;
 mod work_precision;
 
@@ -26,6 +29,9 @@ pub const STUDIES: &[Entry] = &[
     table_4_1::TABLE,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    step_control::STUDY,
+    multiscale::STUDY,
+    newmark_damping::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
