@@ -27,7 +27,9 @@
 //!
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
 //! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
-//! explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
+//! explicit ones, one equation for the implicit ones); those of high order ([`Composition`],
+//! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
+//! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
 //! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A

@@ -71,13 +71,13 @@ const SCHEMES: [(&str, &str); 6] = [
 /// The angular frequency of the soft springs where the stiff one holds still.
 const SOFT: f64 = std::f64::consts::SQRT_2;
 
-/// The resonance that a growing motion at `x = h w/pi` belongs to: they are at most 1/w and 1.6/w wide.
+/// The resonance that a growing motion at `x = h w/pi` belongs to: they lie within 1/w and 2/w of theirs.
 fn resonance(x: f64, w: f64) -> Option<String> {
     let own = x.round();
     let sum = 0.5 * x * (w + SOFT) / w;
     if (x - own).abs() * w < 1.0 {
         Some(format!("h ω = {own}π"))
-    } else if (sum - sum.round()).abs() * 2.0 * w < 1.6 {
+    } else if (sum - sum.round()).abs() * 2.0 * w < 2.0 {
         Some(format!("h (ω + μ) = {}π", 2.0 * sum.round()))
     } else {
         None
