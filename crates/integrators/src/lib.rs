@@ -27,7 +27,9 @@
 //!
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
 //! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
-//! explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
+//! explicit ones, one equation for the implicit ones); those of high order ([`Composition`],
+//! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
+//! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
 //! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
@@ -43,11 +45,23 @@ mod explicit_euler;
 mod symplectic_euler;
 mod stormer_verlet;
 mod runge_kutta_4;
+mod nystrom;
+mod scheme;
+mod composition;
 mod stage;
 mod implicit_euler;
 mod trapezoid;
 mod implicit_midpoint;
+mod collocation;
+mod gauss_legendre;
+mod newmark_weights;
+mod alpha_equation;
+mod newmark;
+mod imex;
+mod gautschi;
+mod reversible;
 mod method;
+mod facts_table;
 mod simulate;
 mod first_order;
 mod gravity;
@@ -68,23 +82,30 @@ mod impulse;
 
 pub use action::Action;
 pub use boundary_value::{Stationary, StationaryPath};
+pub use collocation::Nodes;
+pub use composition::Composition;
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
 pub use drag::Drag;
 pub use error::{
-    ActionError, ForceError, HorizonError, ImpulseError, SimulationError, StepError, StudyError,
+    ActionError, ForceError, HorizonError, ImpulseError, ParameterError, SimulationError,
+    StepError, StudyError,
 };
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
 };
+pub use facts_table::facts_table;
 pub use first_order::{
     AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
     DormandPrince853, Event, FirstOrderFacts, FunctionField, Jacobian, MechanicalField, Moment,
-    Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance, Unforced, VectorField, Work,
-    integrate, integrate_to_event,
+    Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance, VectorField, Work, integrate,
+    integrate_to_event,
 };
+pub use gauss_legendre::GaussLegendre;
+pub use gautschi::{Filter, Gautschi, StiffnessError};
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
+pub use imex::Imex;
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
 pub use impulse::{Impulse, simulate_with_impulses};
@@ -97,9 +118,14 @@ pub use momentum::{
     Rotation, Translation, angular_momentum, angular_momentum_scale, linear_momentum,
     linear_momentum_scale,
 };
+pub use newmark::Newmark;
+pub use newmark_weights::NewmarkWeights;
 pub use noether::{Asymmetry, Symmetry, discrete_momentum_map, momentum_map};
+pub use nystrom::Nystrom4;
 pub use quadrature::{Quadrature, Sampled};
+pub use reversible::{PotentialPower, ReversibleSteps, StepDensity};
 pub use runge_kutta_4::RungeKutta4;
+pub use scheme::Scheme;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;

@@ -4,6 +4,8 @@ mod convergence;
 mod derivative;
 mod long_run;
 mod modal;
+mod multiscale;
+mod newmark_damping;
 mod newton;
 mod phase_portrait;
 mod reference;
@@ -11,6 +13,7 @@ pub mod scene;
 mod stability;
 mod stability_regions;
 mod stiff;
+mod step_control;
 mod table_4_1;
 mod work_precision;
 
@@ -34,6 +37,9 @@ pub const STUDIES: &[Entry<'static>] = &[
     modal::LARGE_MOTION,
     stability_regions::REGIONS,
     stiff::WORK_PRECISION,
+    step_control::STUDY,
+    multiscale::STUDY,
+    newmark_damping::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
