@@ -3,7 +3,8 @@
 //! ```text
 //! P A = L U
 //! ```
-//! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken once.
+//! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken
+//! once.
 
 use std::ops::{Add, Mul, Sub};
 

@@ -3,8 +3,8 @@
 //! ```text
 //! d_0 = y_n,   d_m = D^m y_n,      y(t_n + x h) = sum_m d_m x (x + 1) ... (x + m - 1) / m!
 //! ```
-//! When the step or the order changes, the differences become those of the same polynomial on the new
-//! grid: d' = (R(factor) U)^T d with two small triangular matrices.
+//! When the step or the order changes, the differences become those of the same polynomial on the
+//! new grid: d' = (R(factor) U)^T d with two small triangular matrices.
 
 use stationary_calculus::{SizeError, Storage};
 
@@ -190,8 +190,8 @@ mod tests {
 
     #[test]
     fn each_formula_is_exact_for_polynomials_of_its_order_and_no_higher() {
-        // sum 1/m D^m y' = h y'(t') on y' of degree k, as predict and accept have it: with the exact
-        // next state, harmonic(k) (psi + d) = h f.
+        // sum 1/m D^m y' = h y'(t') on y' of degree k, as predict and accept have it: with the
+        // exact next state, harmonic(k) (psi + d) = h f.
         let h = 0.1;
         for k in 1..=HIGHEST {
             for (degree, holds) in [(k, true), (k + 1, false)] {
