@@ -233,8 +233,8 @@ fn run(size: Size) -> Result<Study, StudyError> {
                      over 322 s, and Robertson's three reactions over 10^11 s, against published \
                      answers that two methods here confirm. Radau IIA costs least at every accuracy \
                      worth asking for; the formulas of variable order follow, and pay where f is \
-                     costly and few digits are needed; order 2 alone pays for each digit with three \
-                     times the steps. The explicit method solves the first two at a price set by the \
+                     costly and few digits are needed; order 2 alone pays for each digit with more \
+                     than twice the steps. The explicit method solves the first two at a price set by the \
                      stiffness, whatever accuracy is asked, and does not come to the end of the third."
             .into(),
         table,
