@@ -3,9 +3,9 @@
 //! ```text
 //! y' = lambda y,      y_(n+1) = R(h lambda) y_n,      survives where |R| <= 1
 //! ```
-//! The measured runs take steps of y' = lambda y in two real components. The borders are closed forms
-//! for Radau and root loci for the multistep formulas; that of the explicit method comes from its
-//! Taylor polynomial to order 8 and the growth of a single step.
+//! The measured runs take steps of y' = lambda y in two real components. The borders are closed
+//! forms for Radau and root loci for the multistep formulas; that of the explicit method comes from
+//! its Taylor polynomial to order 8 and the growth of a single step.
 
 use nalgebra::Complex;
 use stationary_calculus::{Column, Table};
@@ -270,8 +270,8 @@ fn run(size: Size) -> Result<Study, StudyError> {
         title: REGIONS.title.into(),
         conclusion: format!(
             "y' = λ y, {STEPS} steps of h, the upper half of the plane of h λ (the lower is its mirror \
-             image). The explicit method keeps bounded what decays or turns less than about six times \
-             per step; beyond, its step is bounded by stability. Radau IIA and BDF of order 2 keep all of \
+             image). The explicit method keeps bounded what decays at a rate of up to about six a \
+             step; beyond, its step is bounded by stability. Radau IIA and BDF of order 2 keep all of \
              the left half plane, and much of the right one, where the truth grows and they decay: a \
              large step hides an instability. BDF of order 5 loses a lens along the imaginary axis, \
              which is why motion that oscillates wants order 2 or Radau."

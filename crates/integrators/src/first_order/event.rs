@@ -3,10 +3,10 @@
 //! ```text
 //! g(t, y(t)) = 0,      y(t) the polynomial of the step
 //! ```
-//! A crossing is found from the signs of g at the ends of a step, and at points between them if asked
-//! for, and located by a bracketing search: secants on a bracket that halves whenever they do not
-//! shrink it enough, so that the number of evaluations is bounded. Two crossings between neighbouring
-//! points are not seen: shorten the longest step, or look at more points.
+//! A crossing is found from the signs of g at the ends of a step, and at points between them if
+//! asked for, and located by a bracketing search: secants on a bracket that halves whenever they do
+//! not shrink it enough, so that the number of evaluations is bounded. Two crossings between
+//! neighbouring points are not seen: shorten the longest step, or look at more points.
 
 use stationary_calculus::Storage;
 
@@ -150,7 +150,7 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
                 middle
             };
             if evaluation % 3 == 0 {
-                halve_above = 0.5 * halve_above;
+                halve_above *= 0.5;
             }
             let value = self.evaluate_within(step, t)?;
             if value * sign > 0.0 {

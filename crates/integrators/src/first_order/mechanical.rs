@@ -6,9 +6,9 @@
 //! df/dy = [  0      M^-1    ]
 //!         [ -d2V   -C M^-1  ]
 //! ```
-//! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules, `F` a
-//! force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the Jacobian,
-//! which costs implicit methods iterations, not correctness.
+//! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules,
+//! `F` a force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the
+//! Jacobian, which costs implicit methods iterations, not correctness.
 
 use stationary_calculus::{
     Covector, FIXED, Force, Metric, Potential, ProductSink, Sink, SizeError, System, Vector,
@@ -16,22 +16,9 @@ use stationary_calculus::{
 
 use super::{Jacobian, VectorField};
 
-/// The absence of forces other than the potential's.
-#[derive(Clone, Copy, Debug)]
-pub struct Unforced(usize);
-
-impl Force for Unforced {
-    fn dim(&self) -> usize {
-        self.0
-    }
-
-    #[inline]
-    fn add_force(&self, _t: f64, _q: &[f64], _v: Vector<&[f64]>, _f: Covector<&mut [f64]>) {}
-}
-
 /// The field of a mechanical system, with y = (q, p).
 #[derive(Clone, Debug)]
-pub struct MechanicalField<'s, M, P, F = Unforced> {
+pub struct MechanicalField<'s, M, P, F = ()> {
     system: &'s System<M, P>,
     force: F,
 }
@@ -39,7 +26,7 @@ pub struct MechanicalField<'s, M, P, F = Unforced> {
 impl<'s, M: Metric, P: Potential> MechanicalField<'s, M, P> {
     /// The field of a system on which no other force acts.
     pub fn new(system: &'s System<M, P>) -> Self {
-        MechanicalField { system, force: Unforced(system.dim()) }
+        MechanicalField { system, force: () }
     }
 }
 

@@ -1,4 +1,5 @@
-//! The coefficients of the Radau IIA method of order 5, and the transformation that splits its stages.
+//! The coefficients of the Radau IIA method of order 5, and the transformation that splits its
+//! stages.
 //!
 //! ```text
 //! T^-1 A^-1 T = [ GAMMA          ]
@@ -21,20 +22,19 @@ pub(super) const BETA: f64 = 3.050_430_199_247_410_5;
 /// The transformation, by rows.
 pub(super) const T: [[f64; 3]; 3] = [
     [0.091_232_394_870_892_94, -0.141_255_295_020_954_2, -0.030_029_194_105_147_424],
-    [0.241_717_932_707_107_0, 0.204_129_352_293_799_93, 0.382_942_112_757_261_94],
-    [0.966_048_182_615_092_9, 1.0, 0.0],
+    [0.241_717_932_707_107, 0.204_129_352_293_799_94, 0.382_942_112_757_261_9],
+    [0.966_048_182_615_093, 1.0, 0.0],
 ];
 
 /// Its inverse, by rows.
 pub(super) const T_INVERSE: [[f64; 3]; 3] = [
-    [4.325_579_890_063_155, 0.339_199_251_815_809_87, 0.541_770_539_935_874_9],
-    [-4.178_718_591_551_905, -0.327_682_820_761_062_4, 0.476_623_554_500_550_45],
-    [-0.502_872_634_945_786_9, 2.571_926_949_855_605_4, -0.596_039_204_828_224_9],
+    [4.325_579_890_063_155, 0.339_199_251_815_809_84, 0.541_770_539_935_874_9],
+    [-4.178_718_591_551_905, -0.327_682_820_761_062_4, 0.476_623_554_500_550_44],
+    [-0.502_872_634_945_786_9, 2.571_926_949_855_605, -0.596_039_204_828_224_9],
 ];
 
-/// The weights of the error estimate, e_1 = e_2-conjugate over the three stages.
-pub(super) const E: [f64; 3] =
-    [-10.048_809_399_827_415, 1.382_142_733_160_748_9, -0.333_333_333_333_333_3];
+/// The weights of the stages in the error estimate, of order 3.
+pub(super) const E: [f64; 3] = [-10.048_809_399_827_414, 1.382_142_733_160_749, -1.0 / 3.0];
 
 #[cfg(test)]
 mod tests {
@@ -82,8 +82,7 @@ mod tests {
 
     #[test]
     fn the_error_estimate_sees_order_three_and_no_less() {
-        // gamma0 h f0 + e.z, with z_i = y(c_i h) - y0, vanishes for y = x, x^2, x^3 only (gamma0
-        // scaled to 1): the embedded formula is of order 3.
+        // h f0 + e.z, with z_i = y(c_i h) - y0, vanishes for y = x, x^2, x^3 and no further.
         let c = [C1, C2, 1.0];
         let defect = |power: i32| {
             let derivative = if power == 1 { 1.0 } else { 0.0 };
