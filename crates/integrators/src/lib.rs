@@ -5,9 +5,13 @@
 //! (q, p) -> Phi_h(q, p), close to the flow       a time integrator                  (4.3)
 //! M (x - y) + a dV(x) = 0, by Newton's method    what an implicit step solves       (4.4)
 //! order, stability, energy, momentum             what makes a good one, as data     (4.5)
+//! S = sum h L_d, p0 = -h d1 L_d, p1 = h d2 L_d   the same from one function    (5.4, 5.5)
+//! <p, xi(q)> is constant where xi is a symmetry  Noether's theorem                  (8.3)
+//! p0 + h d1 L_d + h/2 F = 0,   p <- p + J        forces and impulses         (10.1-10.3)
 //! ```
 //! `q` a configuration, `p` its momentum (a covector), `M` the metric, `V` the potential, `h` the
-//! step in seconds. The numbers name sections of the notes.
+//! step in seconds; `L_d` a discrete Lagrangian, `S` the action, `xi` the generator of a symmetry,
+//! `F` a force, `J` an impulse. The numbers name sections of the notes.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -28,7 +32,10 @@
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
 //! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
 //! explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
-//! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
+//! [`simulate`], the potentials of chapter 0, momenta with the symmetries that keep them
+//! ([`Symmetry`]), and [`problems`] with known answers. Last, Hamilton's principle: [`Lagrangian`],
+//! [`DiscreteLagrangian`] and its integrator [`Variational`], the [`Action`] and motions between two
+//! ends, [`Drag`], [`Load`] and [`Impulse`].
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
 //! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by a

@@ -286,7 +286,7 @@ fn boundary_value() -> Result<Study, StudyError> {
     let mut claims = Vec::new();
     for (name, course) in [
         ("oscillator", course(Spring, 1.0, PI)?),
-        ("pendulum, 2 rad", course(Rod, 2.0 * 1.0_f64.sin(), 0.5 * swing.period)?),
+        ("wide pendulum", course(Rod, 2.0 * 1.0_f64.sin(), 0.5 * swing.period)?),
     ] {
         for found in &course {
             let kind = match found.kind {
