@@ -5,7 +5,7 @@
 //! C = -dF/dv                       damping, n x n, for those who solve with it
 //! ```
 //! `t` seconds, `q` a configuration, `v` a velocity (n). The power that a force puts into the
-//! system is `<F, v>` (notes 10.1).
+//! system is `<F, v>` (notes 10.1). Forces are added, never assigned: a tuple of them is their sum.
 
 use crate::{Covector, Sink, Vector};
 

@@ -6,9 +6,13 @@
 //! M (x - y) + a dV(x) = 0, by Newton's method    what an implicit step solves       (4.4)
 //! M y' = f(t, y)                                 systems of first order, steps chosen on the way
 //! order, stability, energy, momentum             what makes a good one, as data     (4.5)
+//! S = sum h L_d, p0 = -h d1 L_d, p1 = h d2 L_d   the same from one function    (5.4, 5.5)
+//! <p, xi(q)> is constant where xi is a symmetry  Noether's theorem                  (8.3)
+//! p0 + h d1 L_d + h/2 F = 0,   p <- p + J        forces and impulses         (10.1-10.3)
 //! ```
 //! `q` a configuration, `p` its momentum (a covector), `M` the metric, `V` the potential, `h` the
-//! step in seconds. The numbers name sections of the notes.
+//! step in seconds; `L_d` a discrete Lagrangian, `S` the action, `xi` the generator of a symmetry,
+//! `F` a force, `J` an impulse. The numbers name sections of the notes.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -32,8 +36,10 @@
 //! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
 //! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
 //! [`simulate`]; systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
-//! [`BackwardDifferences`], [`integrate`]); the potentials of chapter 0, momenta, and [`problems`]
-//! with known answers.
+//! [`BackwardDifferences`], [`integrate`]); the potentials of chapter 0, momenta with the symmetries
+//! that keep them ([`Symmetry`]), and [`problems`] with known answers. Last, Hamilton's principle:
+//! [`Lagrangian`], [`DiscreteLagrangian`] and its integrator [`Variational`], the [`Action`] and
+//! motions between two ends, [`Drag`], [`Load`] and [`Impulse`].
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
 //! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by

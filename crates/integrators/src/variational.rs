@@ -135,7 +135,7 @@ fn or_singular(error: NewtonError) -> StepError {
 impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> StepEquation<L, F, N> {
     fn begin(&mut self, state: &State<[f64; N]>, h: f64) {
         (self.t, self.h, self.report) = (state.t, h, StepReport::default());
-        (self.q0, self.p0) = (state.q, state.p.clone());
+        (self.q0, self.p0) = (state.q, state.p);
     }
 
     /// The middle of the step, and the velocity there.

@@ -276,7 +276,7 @@ fn the_double_pendulum_converges_with_order_two() {
 fn the_double_pendulum_keeps_its_energy_bounded() {
     let equations = EulerLagrange::new(DoublePendulum);
     let energy = |state: &State<[f64; 2]>| {
-        let v = equations.velocity(state.q, state.p.clone()).unwrap();
+        let v = equations.velocity(state.q, state.p).unwrap();
         DoublePendulum.energy(state.q, v)
     };
     for quadrature in Quadrature::ALL {
@@ -295,12 +295,11 @@ fn the_double_pendulum_keeps_its_energy_bounded() {
     }
 }
 
+type Driven<S> =
+    Variational<Sampled<Mechanical<Spring, 1>>, 1, (Drag<[f64; 1]>, Load<[f64; 1], S>)>;
+
 /// A damped and driven unit oscillator: q'' = -q - c q' + s(t).
-fn driven<S: Fn(f64) -> f64>(
-    quadrature: Quadrature,
-    c: f64,
-    strength: S,
-) -> Variational<Sampled<Mechanical<Spring, 1>>, 1, (Drag<[f64; 1]>, Load<[f64; 1], S>)> {
+fn driven<S: Fn(f64) -> f64>(quadrature: Quadrature, c: f64, strength: S) -> Driven<S> {
     let load = Load { direction: Covector([1.0]), strength };
     Variational::forced(sampled(Spring, quadrature), (Drag::new([c]).unwrap(), load)).unwrap()
 }

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod derivative;
+mod hamilton;
 mod long_run;
 mod modal;
 mod multiscale;
@@ -40,6 +41,8 @@ pub const STUDIES: &[Entry<'static>] = &[
     step_control::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
+    hamilton::BOUNDARY_VALUE,
+    hamilton::IMPULSE_LIMIT,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -13,13 +13,13 @@ use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Step against frequency ratio.
-pub const STUDY: Entry = Entry {
+pub const STUDY: Entry<'static> = Entry {
     id: "multiscale-stability",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
     title: "Steps longer than the fast oscillation, and where they resonate",
-    run: study,
+    run: &study,
 };
 
 /// Two unit masses: `k/2 y^2` on the second alone, `1/2 x^2 + 1/2 (x - y)^2` on both.

@@ -13,13 +13,13 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Spectral radius against h omega.
-pub const STUDY: Entry = Entry {
+pub const STUDY: Entry<'static> = Entry {
     id: "newmark-damping",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
     title: "What is left of an oscillation after each step",
-    run: study,
+    run: &study,
 };
 
 /// A method, its name, and what theory leaves of an oscillation at h omega.

@@ -13,13 +13,13 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Kepler's problem at e = 0.9 and 0.99.
-pub const STUDY: Entry = Entry {
+pub const STUDY: Entry<'static> = Entry {
     id: "step-control",
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
     title: "Step control that keeps the energy, and one that does not",
-    run: study,
+    run: &study,
 };
 
 type Planet = SmallProblem<CentralGravity<2>, 2>;
