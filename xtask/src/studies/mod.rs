@@ -3,6 +3,7 @@
 mod convergence;
 mod derivative;
 mod hamilton;
+mod high_order;
 mod long_run;
 mod modal;
 mod multiscale;
@@ -30,6 +31,10 @@ pub const STUDIES: &[Entry<'static>] = &[
     convergence::PENDULUM,
     work_precision::KEPLER,
     work_precision::OUTER_SOLAR_SYSTEM,
+    high_order::KEPLER_ORDERS,
+    high_order::PENDULUM_ORDERS,
+    high_order::KEPLER_WORK,
+    high_order::PLANETS_WORK,
     long_run::KEPLER,
     table_4_1::TABLE,
     stability::OSCILLATOR,
