@@ -49,11 +49,15 @@ mod trapezoid;
 mod implicit_midpoint;
 mod method;
 mod simulate;
+mod tolerance;
+mod adaptive;
+mod nystrom;
 mod gravity;
 mod momentum;
 pub mod problems;
 mod convergence;
 
+pub use adaptive::{AdaptiveCost, AdaptiveError, AdaptiveFailure};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use error::{HorizonError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
@@ -68,9 +72,13 @@ pub use method::{Method, UnknownMethod};
 pub use momentum::{
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
 };
+pub use nystrom::{
+    InterpolationError, Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8, Pair12,
+};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;
 pub use symplectic_euler::{SymplecticEulerDriftKick, SymplecticEulerKickDrift};
+pub use tolerance::{Tolerance, ToleranceError};
 pub use trapezoid::Trapezoid;

@@ -13,6 +13,7 @@
 mod kepler;
 mod oscillator;
 mod pendulum;
+mod pleiades;
 mod spring_pendulum;
 mod three_bodies;
 
@@ -25,6 +26,7 @@ use crate::State;
 pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};
+pub use pleiades::pleiades;
 pub use spring_pendulum::{TetherPotential, spring_pendulum};
 pub use three_bodies::three_bodies;
 
