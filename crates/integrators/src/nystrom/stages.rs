@@ -195,3 +195,45 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         (time * motion.powf(-1.0 / f64::from(T::ORDERS.1 + 1))).min(left)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use stationary_calculus::loglog_slope;
+
+    use super::*;
+    use crate::problems::kepler;
+    use crate::{Pair8, Pair12};
+
+    /// The largest error along an orbit in this many equal steps. It is nearly a circle: on a long
+    /// ellipse a method of order 12 meets rounding before its error follows a power of the step.
+    fn error_in_equal_steps<T: NystromPair<S>, const S: usize>(steps: u32) -> f64 {
+        let problem = kepler(0.05).unwrap();
+        let mut stages = Stages::<[f64; 2], S>::new(2).unwrap();
+        let mut state = problem.initial.clone();
+        let h = problem.period / f64::from(steps);
+        let mut worst = 0.0_f64;
+        for step in 1..=steps {
+            stages.begin(&problem.system, &state.q);
+            stages.advance::<T, _, _>(&problem.system, &state, h);
+            std::mem::swap(&mut state, &mut stages.next);
+            state.t = f64::from(step) * h;
+            worst = worst.max(problem.error(state.t, &state.q).unwrap());
+        }
+        worst
+    }
+
+    /// The slope of the error over three decades or more, in steps of about 2^(1/4).
+    fn order<T: NystromPair<S>, const S: usize>(coarsest: f64) -> f64 {
+        let steps = (0..).map(|i| (coarsest * 2_f64.powf(0.25 * f64::from(i))).round() as u32);
+        let errors = steps.map(|n| (1.0 / f64::from(n), error_in_equal_steps::<T, S>(n)));
+        let errors: Vec<_> = errors.take_while(|&(_, error)| error > 1e-12).collect();
+        assert!(errors[0].1 > 1e3 * errors[errors.len() - 1].1, "{errors:?}");
+        loglog_slope(&errors).unwrap()
+    }
+
+    #[test]
+    fn the_measured_order_is_the_claimed_one() {
+        let (eight, twelve) = (order::<Pair8, 9>(11.0), order::<Pair12, 17>(5.0));
+        assert!((eight - 8.0).abs() < 0.3 && (twelve - 12.0).abs() < 0.3, "{eight} {twelve}");
+    }
+}
