@@ -1,18 +1,18 @@
-//! A Runge-Kutta-Nystrom pair: the numbers that make one method of high order and its error estimate.
+//! A Runge-Kutta-Nystrom pair: the numbers that make a method of high order and its error estimate.
 //!
 //! ```text
-//! p_i = c_i p - h sum_j a_ij dV_j        q_i = q + h M^-1 p_i        dV_i = dV(q_i)     i = 1..S
+//! p_i = c_i p - h sum_j a_ij dV_j        q_i = q + h M^-1 p_i        dV_i = dV(q_i)    i = 1..S
 //! q'  = q + h M^-1 (p - h sum_j b_j dV_j)
 //! p'  = p - h sum_j b'_j dV_j
 //! ```
-//! `q` configuration (n), `p` momentum covector (n), `M` the metric, `h` step in seconds; `c` nodes,
-//! `a` (S x S) strictly lower triangular, `b` weights of the configuration and `b'` of the momentum.
-//! It is made for q.. = -M^-1 dV(q): forces that depend on velocity have no place in it, and for
-//! that it needs far fewer evaluations than a Runge-Kutta method of its order.
+//! `q` configuration (n), `p` momentum covector (n), `M` the metric, `h` step in seconds; `c`
+//! nodes, `a` (S x S) strictly lower triangular, `b` weights of the configuration and `b'` of the
+//! momentum. It is made for q.. = -M^-1 dV(q): forces that depend on velocity have no place in it,
+//! and for that it needs far fewer evaluations than a Runge-Kutta method of its order.
 //!
 //! A second pair of weights, of lower order, gives another end of the same step; the difference is
-//! the estimate of the step's error. Necessary order conditions are tested here, the order itself is
-//! measured in `nystrom::tests`.
+//! the estimate of the step's error. Necessary order conditions are tested here; the order itself
+//! is measured beside the stages.
 
 /// The coefficients of a pair with `S` stages.
 pub trait NystromPair<const S: usize> {

@@ -1,7 +1,7 @@
 //! The pair of order 12 and 10 of Dormand, El-Mikkawy and Prince, RKN 12(10)17M.
 //!
-//! Seventeen stages, none shared with the next step. A step is long: on orbits it is the cheapest
-//! method of this crate for errors below about 1e-6. Source: Dormand, El-Mikkawy, Prince, High-order
+//! Seventeen stages, none shared with the next step, and a step so long that on orbits it is the
+//! cheapest method of this crate for small errors. Source: Dormand, El-Mikkawy, Prince, High-order
 //! embedded Runge-Kutta-Nystrom formulae, IMA Journal of Numerical Analysis 7 (1987) 423-430.
 
 use super::NystromPair;

@@ -1,8 +1,8 @@
 //! The pair of order 8 and 6 of Dormand, El-Mikkawy and Prince, RKN 8(6)9FM.
 //!
-//! Nine stages, the last of which is the first of the next step: eight evaluations. Source: Dormand,
-//! El-Mikkawy, Prince, High-order embedded Runge-Kutta-Nystrom formulae, IMA Journal of Numerical
-//! Analysis 7 (1987) 423-430.
+//! Nine stages, the last of which is the first of the next step: eight evaluations. Source:
+//! Dormand, El-Mikkawy, Prince, High-order embedded Runge-Kutta-Nystrom formulae, IMA Journal of
+//! Numerical Analysis 7 (1987) 423-430.
 
 use super::NystromPair;
 

@@ -69,7 +69,9 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         system.metric().drift(h, state.p.view(), self.velocity.view_mut());
         system.metric().drift(h * h, self.first.view(), self.displacements[0].view_mut());
         macro_rules! stages {
-            ($($i:literal)+) => { $(if $i < S { self.stage::<T, M, P, $i>(system, &state.q, h); })+ };
+            ($($i:literal)+) => {
+                $(if $i < S { self.stage::<T, M, P, $i>(system, &state.q, h); })+
+            };
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
         self.configuration(&state.q, 1.0, |j| T::B[j]);
@@ -105,9 +107,9 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         let u: [&[f64]; S] = array::from_fn(|j| &self.displacements[j].components()[..n]);
         for k in 0..n {
             let mut total = q[k] + c * v[k];
-            for j in 0..S {
+            for (j, u) in u.iter().enumerate() {
                 if weight(j) != 0.0 {
-                    total -= weight(j) * u[j][k];
+                    total -= weight(j) * u[k];
                 }
             }
             stage[k] = total;
@@ -122,9 +124,9 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         let u: [&[f64]; S] = array::from_fn(|j| &self.displacements[j].components()[..n]);
         for k in 0..n {
             let mut total = 0.0;
-            for j in 0..S {
+            for (j, u) in u.iter().enumerate() {
                 if weight(j) != 0.0 {
-                    total += weight(j) * u[j][k];
+                    total += weight(j) * u[k];
                 }
             }
             sum[k] = total;

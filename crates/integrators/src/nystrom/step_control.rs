@@ -35,7 +35,7 @@ impl StepControl {
     #[inline]
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
         let factor = SAFETY * error.powf(self.exponent);
-        // Two errors of zero have no trend: their quotient is not a number, which `min` passes over.
+        // Two errors of zero have no trend: their quotient is not a number, and `min` ignores it.
         let trend = self.before.map_or(1.0, |(length, before)| h / length * (factor / before));
         let next = h * (factor * trend.min(1.0)).clamp(SHRINK, self.growth);
         self.before = Some((h, factor));
