@@ -53,7 +53,7 @@ fn fixed(mut integrator: impl Integrator<Vec<f64>>, chain: &Chain, h: f64) -> f6
 
 fn adaptive(chain: &Chain) -> f64 {
     let tolerance = Tolerance::new(1e-6, 1e-6).expect("a tolerance");
-    let mut nystrom = Nystrom12::new(&chain.system, tolerance).expect("a chain");
+    let mut nystrom = Nystrom12::new(&chain.system, tolerance.into()).expect("a chain");
     let mut state = chain.initial.clone();
     let steps = (WORK / 10 / state.q.len()).max(2) as u64;
     seconds_a_step(steps as usize, |steps| {

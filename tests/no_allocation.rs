@@ -48,7 +48,7 @@ fn no_method_allocates_in_a_step() {
 fn allocations_of_a_run<T: NystromPair<S>, C: Storage, const S: usize>(state: State<C>) -> u64 {
     let planet = kepler(0.6).unwrap();
     let tolerance = Tolerance::new(1e-9, 1e-9).unwrap();
-    let mut nystrom = Nystrom::<T, _, _, C, S>::new(&planet.system, tolerance).unwrap();
+    let mut nystrom = Nystrom::<T, _, _, C, S>::new(&planet.system, tolerance.into()).unwrap();
     let (mut state, mut middle) = (state.clone(), state);
     let counted = measure(|| {
         let run = nystrom.run(&mut state, 10.0, |step| {

@@ -38,11 +38,11 @@ pub fn nystrom<T: NystromPair<S>, M: Metric, P: Potential, const N: usize, const
 ) -> Contestant<'_> {
     let run = |tolerance: f64| {
         let tolerance = Tolerance::new(tolerance, tolerance).ok()?;
-        let mut nystrom = Nystrom::<T, M, P, _, S>::new(&problem.system, tolerance).ok()?;
+        let mut nystrom = Nystrom::<T, M, P, _, S>::new(&problem.system, tolerance.into()).ok()?;
         let mut state = problem.initial.clone();
         let on = |_: stationary_integrators::NystromStep<'_, _, _>| ControlFlow::Continue(());
-        let cost = nystrom.run(&mut state, problem.horizon, on).ok()?;
-        Some(Outcome { end: state.q.to_vec(), evaluations: cost.differentials })
+        let work = nystrom.run(&mut state, problem.horizon, on).ok()?;
+        Some(Outcome { end: state.q.to_vec(), evaluations: work.evaluations })
     };
     Contestant { name: T::NAME, run: Box::new(run) }
 }

@@ -31,7 +31,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Optional("vtkio"),
         ],
     ),
-    ("integrators", &[Always("nalgebra"), Always("thiserror")]),
+    ("integrators", &[Always("nalgebra"), Always("thiserror"), Optional("serde")]),
     ("constraints", &[Always("nalgebra"), Always("thiserror")]),
     ("rigid", &[Always("nalgebra"), Always("thiserror")]),
     (

@@ -50,12 +50,6 @@ pub(crate) fn check_step<C: Storage>(state: &State<C>, n: usize, h: f64) -> Resu
     if !(h > 0.0 && h.is_finite()) {
         return Err(StepError::Step(h));
     }
-    check_size(state, n)
-}
-
-/// An error unless the state has the system's size.
-#[inline]
-pub(crate) fn check_size<C: Storage>(state: &State<C>, n: usize) -> Result<(), StepError> {
     SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
     SizeError::check("the momentum's components", n, state.p.components().len())?;
     Ok(())

@@ -49,20 +49,24 @@ mod trapezoid;
 mod implicit_midpoint;
 mod method;
 mod simulate;
-mod tolerance;
-mod adaptive;
+mod first_order;
 mod nystrom;
 mod gravity;
 mod momentum;
 pub mod problems;
 mod convergence;
 
-pub use adaptive::{AdaptiveCost, AdaptiveError, AdaptiveFailure};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
 pub use error::{HorizonError, SimulationError, StepError, StudyError};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
+};
+pub use first_order::{
+    AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
+    DormandPrince853, Event, FirstOrderFacts, FunctionField, Jacobian, MechanicalField, Moment,
+    Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance, Unforced, VectorField, Work,
+    integrate, integrate_to_event,
 };
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;
@@ -72,13 +76,10 @@ pub use method::{Method, UnknownMethod};
 pub use momentum::{
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
 };
-pub use nystrom::{
-    InterpolationError, Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8, Pair12,
-};
+pub use nystrom::{Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8, Pair12};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;
 pub use symplectic_euler::{SymplecticEulerDriftKick, SymplecticEulerKickDrift};
-pub use tolerance::{Tolerance, ToleranceError};
 pub use trapezoid::Trapezoid;

@@ -13,10 +13,10 @@
 //!
 //! let planet = kepler(0.9)?;
 //! let mut state = planet.initial.clone();
-//! let mut nystrom = Nystrom12::new(&planet.system, Tolerance::new(1e-12, 1e-12)?)?;
-//! let cost = nystrom.run(&mut state, planet.horizon, |_| ControlFlow::Continue(()))?;
+//! let mut nystrom = Nystrom12::new(&planet.system, Tolerance::new(1e-12, 1e-12)?.into())?;
+//! let work = nystrom.run(&mut state, planet.horizon, |_| ControlFlow::Continue(()))?;
 //! assert!(planet.error(state.t, &state.q).unwrap() < 1e-9);
-//! assert!(cost.differentials < 8000);
+//! assert!(work.evaluations < 8000);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -29,9 +29,9 @@ mod pair_8_6;
 mod pair_12_10;
 mod solver;
 mod stages;
-mod step_control;
+mod step_trend;
 
-pub use hermite::{InterpolationError, NystromStep};
+pub use hermite::NystromStep;
 pub use pair::NystromPair;
 pub use pair_8_6::Pair8;
 pub use pair_12_10::Pair12;

@@ -11,18 +11,25 @@
 //! | [`henon_heiles`] | a star in a galaxy, regular or chaotic | none: its energy |
 //! | [`pleiades`] | seven stars that pass each other closely | the test set's, at t = 3 |
 //! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
+//! | [`van_der_pol`] | a stiff oscillator, first order | 10 digits for mu = 1000 |
+//! | [`hires`] | eight reactions, stiff, first order | 10 digits at the end |
+//! | [`robertson`] | three reactions, very stiff, first order | 9 digits at the end |
 //!
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
 mod fermi_pasta_ulam;
 mod henon_heiles;
+mod hires;
 mod kepler;
 mod oscillator;
 mod pendulum;
 mod pleiades;
+mod robertson;
 mod spring_chain;
 mod spring_pendulum;
+mod stiff;
 mod three_bodies;
+mod van_der_pol;
 
 use std::fmt;
 
@@ -32,13 +39,17 @@ use crate::State;
 
 pub use fermi_pasta_ulam::{AlternatingSprings, fermi_pasta_ulam};
 pub use henon_heiles::{HenonHeilesPotential, henon_heiles};
+pub use hires::{HiresField, hires};
 pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};
 pub use pleiades::pleiades;
+pub use robertson::{ConstrainedRobertsonField, RobertsonField, constrained_robertson, robertson};
 pub use spring_chain::{SpringChain, spring_chain};
 pub use spring_pendulum::{TetherPotential, spring_pendulum};
+pub use stiff::StiffProblem;
 pub use three_bodies::three_bodies;
+pub use van_der_pol::{VanDerPolField, van_der_pol};
 
 /// A problem that cannot be stated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -7,29 +7,30 @@ use stationary_calculus::{
 };
 use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, pleiades};
 use stationary_integrators::{
-    AdaptiveCost, AdaptiveError, AdaptiveFailure, InterpolationError, NewtonianGravity, Nystrom,
-    Nystrom8, Nystrom12, NystromPair, Pair8, Pair12, State, StepError, Tolerance, ToleranceError,
-    angular_momentum, linear_momentum, linear_momentum_scale,
+    AdaptiveError, NewtonianGravity, Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8,
+    Pair12, State, StepControl, Tolerance, Work, angular_momentum, linear_momentum,
+    linear_momentum_scale,
 };
 
-fn both(tolerance: f64) -> Tolerance {
-    Tolerance::new(tolerance, tolerance).unwrap()
+/// The same tolerance, absolute and relative.
+fn both(tolerance: f64) -> StepControl {
+    Tolerance::new(tolerance, tolerance).unwrap().into()
 }
 
 /// Runs a pair to a problem's horizon and gives the largest error along the way.
 fn worst_error<T: NystromPair<S>, M: Metric, P: Potential, const N: usize, const S: usize>(
     problem: &Problem<M, P, [f64; N]>,
     tolerance: f64,
-) -> (f64, AdaptiveCost) {
+) -> (f64, Work) {
     let mut nystrom = Nystrom::<T, M, P, _, S>::new(&problem.system, both(tolerance)).unwrap();
     let mut state = problem.initial.clone();
     let mut worst = 0.0_f64;
-    let cost = nystrom.run(&mut state, problem.horizon, |step| {
+    let work = nystrom.run(&mut state, problem.horizon, |step| {
         worst = worst.max(problem.error(step.after.t, &step.after.q).unwrap_or(0.0));
         Continue(())
     });
     assert_eq!(state.t, problem.horizon);
-    (worst, cost.unwrap())
+    (worst, work.unwrap())
 }
 
 #[test]
@@ -70,13 +71,13 @@ fn the_pleiades_end_where_the_test_set_says() {
 
 #[test]
 fn few_steps_are_refused_on_the_way_into_a_close_encounter() {
-    let cost = worst_error::<Pair12, _, _, 2, 17>(&kepler(0.9).unwrap(), 1e-9).1;
-    assert!(10 * cost.refused < cost.steps, "{cost:?}");
-    let evaluations = 1 + 17 * cost.steps + 16 * cost.refused;
-    assert_eq!(cost.differentials, evaluations);
-    let cost = worst_error::<Pair8, _, _, 2, 9>(&kepler(0.9).unwrap(), 1e-9).1;
-    assert!(10 * cost.refused < cost.steps, "{cost:?}");
-    assert_eq!(cost.differentials, 1 + 8 * (cost.steps + cost.refused));
+    let work = worst_error::<Pair12, _, _, 2, 17>(&kepler(0.9).unwrap(), 1e-9).1;
+    assert!(10 * work.rejected < work.steps, "{work:?}");
+    let evaluations = 1 + 17 * work.steps + 16 * work.rejected;
+    assert_eq!(work.evaluations, evaluations);
+    let work = worst_error::<Pair8, _, _, 2, 9>(&kepler(0.9).unwrap(), 1e-9).1;
+    assert!(10 * work.rejected < work.steps, "{work:?}");
+    assert_eq!(work.evaluations, 1 + 8 * (work.steps + work.rejected));
 }
 
 #[test]
@@ -102,7 +103,7 @@ fn linear_momentum_is_kept_to_rounding_and_energy_and_angular_momentum_only_to_t
         let (angular, energy) = (angular_momentum::<2>(&state)[2], problem.energy(&state));
         let mut nystrom = Nystrom12::new(&problem.system, both(tolerance)).unwrap();
         let mut worst = 0.0_f64;
-        let observe = |step: stationary_integrators::NystromStep<'_, _, _>| {
+        let observe = |step: NystromStep<'_, _, _>| {
             let now: [f64; 2] = linear_momentum::<2>(step.after);
             let drift = (now[0] - linear[0]).hypot(now[1] - linear[1]);
             worst = worst.max(drift / linear_momentum_scale::<2>(step.after));
@@ -141,11 +142,11 @@ fn error_within_a_step(h: f64) -> [f64; 2] {
     let mut middle = state.clone();
     let end = state.t + h;
     let exact = |t| (problem.solution)(t).unwrap();
-    let cost = nystrom.run(&mut state, end, |step| {
+    let work = nystrom.run(&mut state, end, |step| {
         step.at(end - 0.4 * h, &mut middle).unwrap();
         Continue(())
     });
-    assert_eq!(cost.unwrap().steps, 1);
+    assert_eq!(work.unwrap().steps, 1);
     let at = exact(end - 0.4 * h);
     // The solution's difference quotient is good to ten digits.
     let (ahead, behind) = (exact(end - 0.4 * h + 1e-4), exact(end - 0.4 * h - 1e-4));
@@ -185,7 +186,7 @@ fn a_step_holds_its_ends_exactly_and_nothing_outside() {
             }
             for t in [step.before.t - 1e-9, step.after.t + 1e-9, f64::NAN] {
                 let error = step.at(t, &mut within).unwrap_err();
-                assert!(matches!(error, InterpolationError::Outside { .. }), "{error}");
+                assert!(matches!(error, AdaptiveError::OutsideStep { .. }), "{error}");
             }
             Continue(())
         })
@@ -198,10 +199,10 @@ fn an_observer_that_breaks_off_leaves_the_state_it_saw_and_the_run_goes_on_from_
     let problem = kepler(0.6).unwrap();
     let mut nystrom = Nystrom12::new(&problem.system, both(1e-10)).unwrap();
     let mut state = problem.initial.clone();
-    let cost = nystrom
+    let work = nystrom
         .run(&mut state, 10.0, |step| if step.number == 5 { Break(()) } else { Continue(()) })
         .unwrap();
-    assert_eq!(cost.steps, 5);
+    assert_eq!(work.steps, 5);
     assert!(state.t < 10.0);
     assert!(problem.error(state.t, &state.q).unwrap() < 1e-9);
     nystrom.run(&mut state, 10.0, |_| Continue(())).unwrap();
@@ -214,28 +215,12 @@ fn a_body_at_rest_stays_there_in_one_step() {
     let problem = oscillator(1.0).unwrap();
     let mut state = State::new([0.0; 1], [0.0; 1]);
     let mut nystrom = Nystrom8::new(&problem.system, both(1e-9)).unwrap();
-    let cost = nystrom.run(&mut state, 5.0, |_| Continue(())).unwrap();
-    assert_eq!((cost.steps, state.q, state.t), (1, [0.0], 5.0));
-    // There is nothing to do, and nothing is done.
-    assert_eq!(nystrom.run(&mut state, 5.0, |_| Continue(())).unwrap().steps, 0);
-}
-
-#[test]
-fn tolerances_that_no_step_can_meet_are_refused() {
-    assert_eq!(Tolerance::new(0.0, 0.0), Err(ToleranceError::Zero));
-    for bad in [-1e-9, 1.0, f64::INFINITY] {
-        assert_eq!(Tolerance::new(bad, 1e-9), Err(ToleranceError::Relative(bad)));
-    }
-    for bad in [-1e-9, f64::INFINITY] {
-        assert_eq!(Tolerance::new(1e-9, bad), Err(ToleranceError::Absolute(bad)));
-    }
-    assert!(matches!(Tolerance::new(f64::NAN, 0.1), Err(ToleranceError::Relative(_))));
-    assert!(matches!(Tolerance::new(0.1, f64::NAN), Err(ToleranceError::Absolute(_))));
-    assert!(Tolerance::new(1e-9, 0.0).is_ok() && Tolerance::new(0.0, 1e-9).is_ok());
+    let work = nystrom.run(&mut state, 5.0, |_| Continue(())).unwrap();
+    assert_eq!((work.steps, state.q, state.t), (1, [0.0], 5.0));
 }
 
 /// What a run from a state that cannot be run from says; the state must stay as it was.
-fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveFailure {
+fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveError {
     let problem = kepler(0.6).unwrap();
     let mut nystrom = Nystrom12::new(&problem.system, both(1e-9)).unwrap();
     let bits = |state: &State<Vec<f64>>| {
@@ -243,32 +228,35 @@ fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveFailure {
         numbers.map(|x| x.to_bits()).collect::<Vec<_>>()
     };
     let mut after = state.clone();
-    let seen = |_: stationary_integrators::NystromStep<'_, _, _>| panic!("a step was taken");
-    let error: AdaptiveError = nystrom.run(&mut after, end, seen).unwrap_err();
+    let seen = |_: NystromStep<'_, _, _>| panic!("a step was taken");
+    let error = nystrom.run(&mut after, end, seen).unwrap_err();
     assert_eq!(bits(&after), bits(&state));
-    assert_eq!(error.step, 1);
-    error.failure
+    error
 }
 
 #[test]
 fn states_and_ends_that_cannot_be_run_from_are_refused_by_name() {
     let state = || State::new(vec![0.4, 0.0], vec![0.0, 2.0]);
-    for end in [-1.0, f64::INFINITY] {
-        assert_eq!(refused(state(), end), AdaptiveFailure::End(end));
+    for end in [-1.0, 0.0, f64::INFINITY] {
+        assert_eq!(refused(state(), end), AdaptiveError::End { end, t: 0.0 });
     }
-    assert!(matches!(refused(state(), f64::NAN), AdaptiveFailure::End(_)));
-    let bad = State::new(vec![0.4, f64::NAN], vec![0.0, 2.0]);
-    let named = AdaptiveFailure::State(StepError::NonFiniteConfiguration { freedom: 1 });
+    assert!(matches!(refused(state(), f64::NAN), AdaptiveError::End { .. }));
+    let late = State { t: f64::NAN, ..state() };
+    assert!(matches!(refused(late, 1.0), AdaptiveError::End { .. }));
+    let bad = State::new(vec![0.4, f64::INFINITY], vec![0.0, 2.0]);
+    let named = AdaptiveError::NonFinite { what: "the configuration", t: 0.0, component: 1 };
     assert_eq!(refused(bad, 1.0), named);
-    let bad = State::new(vec![0.4, 0.0], vec![f64::INFINITY, 2.0]);
-    let named = AdaptiveFailure::State(StepError::NonFiniteMomentum { freedom: 0 });
+    let bad = State::new(vec![0.4, 0.0], vec![f64::NAN, 2.0]);
+    let named = AdaptiveError::NonFinite { what: "the momentum", t: 0.0, component: 0 };
     assert_eq!(refused(bad, 1.0), named);
     let bad = State::new(vec![0.4, 0.0, 0.0], vec![0.0; 3]);
-    let failure = refused(bad, 1.0);
-    assert!(matches!(failure, AdaptiveFailure::State(StepError::Size(_))), "{failure}");
+    assert!(matches!(refused(bad, 1.0), AdaptiveError::Size(_)));
+    let uneven = Tolerance::componentwise(1e-9, vec![1e-9; 3]).unwrap();
     let problem = kepler(0.6).unwrap();
     let storage = Nystrom8::<_, _, [f64; 3]>::new(&problem.system, both(1e-9)).map(drop);
     assert!(matches!(storage, Err(SizeError { expected: 2, got: 3, .. })));
+    let tolerances = Nystrom8::<_, _, [f64; 2]>::new(&problem.system, uneven.into()).map(drop);
+    assert!(matches!(tolerances, Err(SizeError { expected: 2, got: 3, .. })));
 }
 
 #[test]
@@ -285,21 +273,21 @@ fn bodies_that_fall_into_each_other_are_an_error_with_the_last_good_state() {
         })
         .unwrap_err();
     // Two unit masses at distance 1 meet after pi/4 seconds.
-    assert!((error.time - std::f64::consts::FRAC_PI_4).abs() < 1e-6, "{error}");
-    assert!(matches!(error.failure, AdaptiveFailure::Resolution { .. }), "{error}");
     assert_eq!(state, last);
-    assert_eq!(state.t, error.time);
+    assert!((state.t - std::f64::consts::FRAC_PI_4).abs() < 1e-6, "{error}");
+    let AdaptiveError::StepTooSmall { last, .. } = error else { panic!("{error}") };
+    assert_eq!((last.t, last.y), (state.t, [state.q, state.p.0].concat()));
 }
 
 #[test]
 fn a_run_that_takes_too_many_steps_says_so() {
     let problem = kepler(0.6).unwrap();
-    let nystrom = Nystrom12::new(&problem.system, both(1e-10)).unwrap();
+    let control = both(1e-10).most_steps(20).unwrap();
+    let mut nystrom = Nystrom12::new(&problem.system, control).unwrap();
     let mut state = problem.initial.clone();
-    let error =
-        nystrom.with_most_steps(20).run(&mut state, problem.horizon, |_| Continue(())).unwrap_err();
-    assert_eq!(error.failure, AdaptiveFailure::Steps(20));
-    assert_eq!(error.time, state.t);
+    let error = nystrom.run(&mut state, problem.horizon, |_| Continue(())).unwrap_err();
+    let AdaptiveError::TooManySteps { steps: 20, last } = error else { panic!("{error}") };
+    assert_eq!(last.t, state.t);
     assert!(state.t > 0.0 && problem.error(state.t, &state.q).unwrap() < 1e-8);
 }
 
@@ -328,6 +316,28 @@ fn a_force_that_is_not_a_number_ahead_is_an_error_and_not_a_nan() {
     let mut state = State::new([0.0], [3.0]);
     let mut nystrom = Nystrom8::new(&system, both(1e-8)).unwrap();
     let error = nystrom.run(&mut state, 1.0, |_| Continue(())).unwrap_err();
-    assert!(matches!(error.failure, AdaptiveFailure::Resolution { .. }), "{error}");
+    assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");
     assert!(state.q[0] < 1.0 && state.q[0] > 0.99, "{state:?}");
+}
+
+#[test]
+fn steps_are_as_long_as_the_caller_says() {
+    let problem = kepler(0.6).unwrap();
+    let lengths = |control: StepControl| {
+        let mut nystrom = Nystrom12::new(&problem.system, control).unwrap();
+        let mut lengths = Vec::new();
+        let mut state = problem.initial.clone();
+        nystrom
+            .run(&mut state, 3.0, |step| {
+                lengths.push(step.after.t - step.before.t);
+                Continue(())
+            })
+            .unwrap();
+        lengths
+    };
+    let constant = lengths(both(1e-9).constant_step(0.3).unwrap());
+    assert!(constant.len() == 10 && constant.iter().all(|h| (h - 0.3).abs() < 1e-14));
+    let short = lengths(both(1e-9).longest_step(0.05).unwrap());
+    assert!(short.len() >= 60 && short.iter().all(|&h| h < 0.0506));
+    assert_eq!(lengths(both(1e-9).first_step(1e-3).unwrap())[0], 1e-3);
 }

@@ -13,7 +13,7 @@
 
 use stationary_calculus::{Covector, Metric, SizeError, Storage, Vector};
 
-use crate::State;
+use crate::{AdaptiveError, State};
 
 /// A step that was accepted.
 #[derive(Debug)]
@@ -28,36 +28,18 @@ pub struct NystromStep<'a, M, C> {
     pub(super) metric: &'a M,
 }
 
-/// A state that a step does not hold.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum InterpolationError {
-    /// The time is not within the step.
-    #[error("t = {t} s does not lie in the step from {start} s to {end} s")]
-    Outside {
-        /// The time that was asked for, seconds.
-        t: f64,
-        /// Where the step starts, seconds.
-        start: f64,
-        /// Where it ends, seconds.
-        end: f64,
-    },
-    /// The storage for the state has another size.
-    #[error(transparent)]
-    Size(#[from] SizeError),
-}
-
 impl<M: Metric, C: Storage> NystromStep<'_, M, C> {
     /// Writes the state at time `t` within the step to `state`.
-    pub fn at(&self, t: f64, state: &mut State<C>) -> Result<(), InterpolationError> {
-        let (start, end) = (self.before.t, self.after.t);
-        if !(start <= t && t <= end) {
-            return Err(InterpolationError::Outside { t, start, end });
+    pub fn at(&self, t: f64, state: &mut State<C>) -> Result<(), AdaptiveError> {
+        let (from, to) = (self.before.t, self.after.t);
+        if !(from <= t && t <= to) {
+            return Err(AdaptiveError::OutsideStep { t, from, to });
         }
         let n = self.metric.dim();
         SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
         SizeError::check("the momentum's components", n, state.p.components().len())?;
-        let h = end - start;
-        let s = (t - start) / h;
+        let h = to - from;
+        let s = (t - from) / h;
         self.configuration(s, h, state);
         self.momentum(s, h, &mut state.p);
         state.t = t;

@@ -11,27 +11,25 @@
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
+use stationary_calculus::{Metric, Potential, SizeError, Storage, System, first_non_finite};
 
 use super::stages::Stages;
-use super::step_control::StepControl;
+use super::step_trend::StepTrend;
 use super::{NystromPair, NystromStep};
-use crate::integrator::check_size;
-use crate::{AdaptiveCost, AdaptiveError, AdaptiveFailure, State, Tolerance};
+use crate::first_order::ErrorScale;
+use crate::{AdaptiveError, Moment, State, StepControl, Work};
 
-/// Attempts in one run, unless the caller sets another bound.
-const MOST_STEPS: u64 = 100_000_000;
 /// A step that comes this near to the end takes all that is left, so that no sliver remains.
 const NEARLY: f64 = 1.01;
 /// The least part of a step that time must resolve: stages lie closer to each other than its ends.
 const RESOLVED: f64 = 0.1;
 
-/// The pair `T` of `S` stages on a system, with step control.
+/// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]
 pub struct Nystrom<'s, T, M, P, C, const S: usize> {
     system: &'s System<M, P>,
-    tolerance: Tolerance,
-    most_steps: u64,
+    control: StepControl,
+    scale: ErrorScale<C>,
     stages: Stages<C, S>,
     pair: PhantomData<T>,
 }
@@ -45,18 +43,14 @@ where
 {
     /// The method on a system. The tolerance is on configurations, and on what the velocity's error
     /// moves them by within a step.
-    pub fn new(system: &'s System<M, P>, tolerance: Tolerance) -> Result<Self, SizeError> {
-        let stages = Stages::new(system.dim())?;
-        Ok(Nystrom { system, tolerance, most_steps: MOST_STEPS, stages, pair: PhantomData })
-    }
-
-    /// The same with a bound on the steps that one run may try.
-    pub fn with_most_steps(self, most_steps: u64) -> Self {
-        Nystrom { most_steps, ..self }
+    pub fn new(system: &'s System<M, P>, control: StepControl) -> Result<Self, SizeError> {
+        let n = system.dim();
+        let scale = ErrorScale::new(&control.tolerance, n)?;
+        Ok(Nystrom { system, scale, control, stages: Stages::new(n)?, pair: PhantomData })
     }
 
     /// Moves `state` to the time `end`, or until the observer, which sees every accepted step,
-    /// breaks off.
+    /// breaks off. The bound on the number of steps is one on each run.
     ///
     /// # Errors
     /// Where no step meets the tolerance; the state is that after the last good step.
@@ -65,33 +59,35 @@ where
         state: &mut State<C>,
         end: f64,
         mut observe: impl FnMut(NystromStep<'_, M, C>) -> ControlFlow<()>,
-    ) -> Result<AdaptiveCost, AdaptiveError> {
-        let mut cost = AdaptiveCost::default();
-        let Nystrom { system, tolerance, stages, .. } = self;
+    ) -> Result<Work, AdaptiveError> {
+        let mut work = Work::default();
+        let Nystrom { system, control, scale, stages, .. } = self;
         check(state, system.dim(), end)?;
         stages.begin(system, &state.q);
-        cost.differentials += 1;
-        let mut control = StepControl::new(T::ORDERS.1);
-        let mut h = stages.first_step::<T, M, P>(system, state, tolerance, end - state.t);
+        work.evaluations += 1;
+        let guess = stages.first_step::<T, M, P>(system, state, scale, end - state.t);
+        let mut h = control.begin(guess);
+        let mut trend = StepTrend::new(T::ORDERS.1);
         while state.t < end {
             let left = end - state.t;
             let length = if NEARLY * h >= left { left } else { h };
-            check_attempt(state.t, length, &cost, self.most_steps)?;
+            check_attempt(state, length, &work, control.most_steps)?;
             stages.advance::<T, M, P>(system, state, length);
-            cost.differentials += S as u64 - 1;
-            let error = stages.error::<T>(state, tolerance);
-            if !(error <= 1.0 && stages.next.check_finite().is_ok()) {
-                cost.refused += 1;
-                h = control.refused(length, error);
+            work.evaluations += S as u64 - 1;
+            let error = stages.error::<T>(state, scale);
+            let tolerable = error <= 1.0 || control.constant.is_some();
+            if !(tolerable && stages.next.check_finite().is_ok()) {
+                work.rejected += 1;
+                h = trend.refused(length, error);
                 continue;
             }
-            cost.steps += 1;
-            cost.differentials += stages.finish::<T, M, P>(system);
+            work.steps += 1;
+            work.evaluations += stages.finish::<T, M, P>(system);
             stages.next.t = if length == left { end } else { state.t + length };
             std::mem::swap(state, &mut stages.next);
-            h = control.accepted(length, error);
+            h = control.next(trend.accepted(length, error));
             let step = NystromStep {
-                number: cost.steps,
+                number: work.steps,
                 before: &stages.next,
                 after: state,
                 differentials: [&stages.first, &stages.last],
@@ -103,30 +99,42 @@ where
                 break;
             }
         }
-        Ok(cost)
+        Ok(work)
     }
 }
 
-/// An error unless the state has the system's size, is finite and does not lie beyond the end.
+/// An error unless the state has the system's size and is finite, and the end lies ahead of it.
 fn check<C: Storage>(state: &State<C>, n: usize, end: f64) -> Result<(), AdaptiveError> {
-    let fail = |failure| AdaptiveError { step: 1, time: state.t, failure };
-    check_size(state, n).map_err(|error| fail(error.into()))?;
-    state.check_finite().map_err(|error| fail(error.into()))?;
-    if !(end >= state.t && end.is_finite()) {
-        return Err(fail(AdaptiveFailure::End(end)));
+    let t = state.t;
+    let parts = [("the configuration", state.q.as_ref()), ("the momentum", state.p.components())];
+    for (what, numbers) in parts {
+        SizeError::check("the state's numbers", n, numbers.len())?;
+        if let Some(component) = first_non_finite(numbers) {
+            return Err(AdaptiveError::NonFinite { what, t, component });
+        }
     }
-    Ok(())
+    // The negation catches a time that is not a number.
+    if end > t && end.is_finite() { Ok(()) } else { Err(AdaptiveError::End { end, t }) }
 }
 
 /// An error where time does not resolve the step or where there were too many.
 #[inline]
-fn check_attempt(t: f64, h: f64, cost: &AdaptiveCost, most: u64) -> Result<(), AdaptiveError> {
-    let failure = if t + RESOLVED * h <= t || !h.is_finite() {
-        AdaptiveFailure::Resolution { step: h }
-    } else if cost.steps + cost.refused >= most {
-        AdaptiveFailure::Steps(most)
-    } else {
-        return Ok(());
+fn check_attempt<C: Storage>(
+    state: &State<C>,
+    h: f64,
+    work: &Work,
+    most: u64,
+) -> Result<(), AdaptiveError> {
+    let last = || {
+        let y = [state.q.as_ref(), state.p.components()].concat();
+        Moment::new(state.t, y)
     };
-    Err(AdaptiveError { step: cost.steps + 1, time: t, failure })
+    let steps = work.steps + work.rejected;
+    if state.t + RESOLVED * h <= state.t || !(h > f64::MIN_POSITIVE) {
+        return Err(AdaptiveError::StepTooSmall { step: h, last: last() });
+    }
+    if steps >= most {
+        return Err(AdaptiveError::TooManySteps { steps, last: last() });
+    }
+    Ok(())
 }

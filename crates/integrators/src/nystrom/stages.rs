@@ -17,8 +17,9 @@ use std::array;
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, System, Vector};
 
 use super::NystromPair;
+use crate::State;
+use crate::first_order::ErrorScale;
 use crate::integrator::zeros;
-use crate::{State, Tolerance};
 
 /// The memory of a step.
 #[derive(Clone, Debug)]
@@ -150,24 +151,26 @@ impl<C: Storage, const S: usize> Stages<C, S> {
     /// How far the step's two ends are apart, in units of what is tolerated: the larger one of the
     /// difference of the configurations and of what the difference of the velocities moves in `h`.
     #[inline]
-    pub fn error<T: NystromPair<S>>(&mut self, state: &State<C>, tolerance: &Tolerance) -> f64 {
+    pub fn error<T: NystromPair<S>>(&mut self, state: &State<C>, scale: &ErrorScale<C>) -> f64 {
         self.sum(|j| T::ERROR[j]);
-        let configuration = self.largest(state, tolerance);
+        let configuration = self.size(state, scale);
         self.sum(|j| T::ERROR_MOMENTUM[j]);
-        configuration.max(self.largest(state, tolerance))
+        configuration.max(self.size(state, scale))
     }
 
-    /// The largest component of `sum`, in units of what is tolerated there.
+    /// The root mean square of `sum`, in units of what is tolerated there.
     #[inline(always)]
-    fn largest(&self, state: &State<C>, tolerance: &Tolerance) -> f64 {
+    fn size(&self, state: &State<C>, scale: &ErrorScale<C>) -> f64 {
         let u = self.sum.components();
         let n = u.len();
         let (before, after) = (&state.q.as_ref()[..n], &self.next.q.as_ref()[..n]);
-        let mut largest = 0.0_f64;
+        let absolute = &scale.absolute.as_ref()[..n];
+        let mut squares = 0.0;
         for k in 0..n {
-            largest = largest.max(u[k].abs() / tolerance.of(before[k], after[k]));
+            let tolerated = absolute[k] + scale.relative * before[k].abs().max(after[k].abs());
+            squares += (u[k] / tolerated) * (u[k] / tolerated);
         }
-        largest
+        (squares / n as f64).sqrt()
     }
 
     /// A first step, from how fast the state moves: the shortest of the times in which velocity
@@ -177,16 +180,16 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         &mut self,
         system: &System<M, P>,
         state: &State<C>,
-        tolerance: &Tolerance,
+        scale: &ErrorScale<C>,
         left: f64,
     ) -> f64 {
         self.next.q.clone_from(&state.q);
         self.sum.components_mut().copy_from_slice(state.q.as_ref());
-        let size = self.largest(state, tolerance);
+        let size = self.size(state, scale);
         system.metric().sharp(state.p.view(), self.sum.view_mut());
-        let speed = self.largest(state, tolerance);
+        let speed = self.size(state, scale);
         system.metric().sharp(self.first.view(), self.sum.view_mut());
-        let acceleration = self.largest(state, tolerance);
+        let acceleration = self.size(state, scale);
         let times = [size / speed, (size / acceleration).sqrt(), speed / acceleration];
         let moves = times.into_iter().filter(|time| *time > 0.0 && time.is_finite());
         let time = moves.fold(f64::INFINITY, f64::min);

@@ -123,7 +123,7 @@ mod tests {
         let [first, second, third] = springs.oscillatory_energies(&problem.initial);
         assert!((first - 1.0).abs() < 1e-12 && second == 0.0 && third == 0.0);
         let tolerance = Tolerance::new(1e-10, 1e-10).unwrap();
-        let mut nystrom = Nystrom12::new(&problem.system, tolerance).unwrap();
+        let mut nystrom = Nystrom12::new(&problem.system, tolerance.into()).unwrap();
         let mut state = problem.initial.clone();
         let (mut most, mut least_first) = ([0.0_f64; 3], 1.0_f64);
         let seen = nystrom.run(&mut state, problem.horizon, |step| {

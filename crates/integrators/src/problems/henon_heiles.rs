@@ -79,7 +79,7 @@ mod tests {
             let problem = henon_heiles(energy).unwrap();
             assert!((problem.energy(&problem.initial) - energy).abs() < 1e-16);
             let tolerance = Tolerance::new(1e-12, 1e-12).unwrap();
-            let mut nystrom = Nystrom12::new(&problem.system, tolerance).unwrap();
+            let mut nystrom = Nystrom12::new(&problem.system, tolerance.into()).unwrap();
             let mut state = problem.initial.clone();
             let seen = nystrom.run(&mut state, problem.horizon, |step| {
                 let [x, y] = step.after.q;
@@ -98,7 +98,7 @@ mod tests {
             let problem = henon_heiles(energy).unwrap();
             let end = |shift: f64| {
                 let tolerance = Tolerance::new(1e-13, 1e-13).unwrap();
-                let mut nystrom = Nystrom12::new(&problem.system, tolerance).unwrap();
+                let mut nystrom = Nystrom12::new(&problem.system, tolerance.into()).unwrap();
                 let mut state = problem.initial.clone();
                 state.q[0] += shift;
                 nystrom.run(&mut state, 1000.0, |_| ControlFlow::Continue(())).unwrap();

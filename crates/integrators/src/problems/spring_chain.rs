@@ -144,7 +144,7 @@ mod tests {
     fn an_accurate_run_follows_the_closed_form() {
         let problem = spring_chain(30, 100.0).unwrap();
         let tolerance = Tolerance::new(1e-12, 1e-12).unwrap();
-        let mut nystrom = Nystrom12::new(&problem.system, tolerance).unwrap();
+        let mut nystrom = Nystrom12::new(&problem.system, tolerance.into()).unwrap();
         let mut state = problem.initial.clone();
         let run = nystrom.run(&mut state, problem.horizon, |step| {
             assert!(problem.error(step.after.t, &step.after.q).unwrap() < 1e-10);

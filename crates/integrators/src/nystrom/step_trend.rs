@@ -20,15 +20,15 @@ const SHRINK: f64 = 0.1;
 
 /// What is remembered of the steps so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StepControl {
+pub(super) struct StepTrend {
     exponent: f64,
     before: Option<(f64, f64)>,
     growth: f64,
 }
 
-impl StepControl {
+impl StepTrend {
     pub fn new(order: u32) -> Self {
-        StepControl { exponent: -1.0 / f64::from(order + 1), before: None, growth: GROWTH }
+        StepTrend { exponent: -1.0 / f64::from(order + 1), before: None, growth: GROWTH }
     }
 
     /// The step after an accepted one of `h` seconds.
@@ -60,20 +60,20 @@ mod tests {
     #[test]
     fn an_error_that_is_not_a_number_shrinks_the_step_the_most() {
         for error in [f64::NAN, f64::INFINITY, 1e300] {
-            assert_eq!(StepControl::new(10).refused(2.0, error), 0.2);
+            assert_eq!(StepTrend::new(10).refused(2.0, error), 0.2);
         }
     }
 
     #[test]
     fn no_error_at_all_grows_the_step_the_most() {
-        let mut control = StepControl::new(6);
+        let mut control = StepTrend::new(6);
         assert_eq!(control.accepted(1.0, 0.0), 5.0);
         assert_eq!(control.accepted(5.0, 0.0), 25.0);
     }
 
     #[test]
     fn a_step_that_keeps_getting_shorter_is_followed() {
-        let mut control = StepControl::new(6);
+        let mut control = StepTrend::new(6);
         assert!(control.accepted(1.0, 0.9_f64.powi(7)) >= 1.0);
         // The same margin at half the length: the next can be half as long again.
         assert!((control.accepted(0.5, 0.9_f64.powi(7)) - 0.25).abs() < 1e-12);
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn after_a_refusal_the_step_does_not_grow() {
-        let mut control = StepControl::new(6);
+        let mut control = StepTrend::new(6);
         let shorter = control.refused(1.0, 2.0);
         assert!(shorter < 0.9);
         assert_eq!(control.accepted(shorter, 1e-9), shorter);
