@@ -2,18 +2,20 @@
 //!
 //! `cargo bench --bench peers --features peers` prints, for each problem and each error, the
 //! tolerance that each solver needs for it, the error it then has, its evaluations, and the ratios of
-//! times. The peers are the crates `ode_solvers` (DOP853) and `diffsol` (Tsitouras 5(4)).
+//! times. The peers are the crates `ode_solvers` (DOP853) and `diffsol` (Tsitouras 5(4), BDF).
 
 mod in_turn;
 #[path = "peers/contest.rs"]
 mod contest;
 #[path = "peers/mechanics.rs"]
 mod mechanics;
+#[path = "peers/stiff.rs"]
+mod stiff;
 
 use contest::contest;
 use mechanics::{Small, contestants, nystrom, their_dop853};
 use stationary_calculus::{DiagonalMetric, System};
-use stationary_integrators::problems::{Problem, kepler, pleiades};
+use stationary_integrators::problems::{Problem, kepler, pleiades, van_der_pol};
 use stationary_integrators::{Pair12, State};
 use stationary_scene::{ScenePotential, SceneProblem, problems::outer_solar_system};
 
@@ -75,4 +77,8 @@ fn main() {
     for target in TARGETS {
         contest(planets.name, target, &error, &contestants::<_, _, 18, 36>(&planets));
     }
+    let oscillator = van_der_pol(1000.0).expect("an oscillator");
+    let error =
+        |y: &[f64]| oscillator.error(y.try_into().expect("two numbers")).expect("known at its end");
+    contest("van der pol, mu = 1000", TARGETS[0], &error, &stiff::contestants(&oscillator));
 }

@@ -20,6 +20,8 @@ pub struct Outcome {
 pub struct Contestant<'a> {
     /// Its name.
     pub name: &'static str,
+    /// Whose it is: ours come first and are compared with all that follow.
+    pub ours: bool,
     /// A run at a tolerance; `None` where the solver gives up.
     pub run: Box<dyn Fn(f64) -> Option<Outcome> + 'a>,
 }
@@ -73,7 +75,7 @@ impl<'c, 'a> Tuned<'c, 'a> {
     }
 }
 
-/// Prints what each solver needs for this error, and the ratios of times of the first one to each.
+/// Prints what each solver needs for this error, and the ratios of times of ours to all that follow.
 pub fn contest(
     problem: &str,
     target: f64,
@@ -96,10 +98,12 @@ pub fn contest(
         }
         tuned.push(entry);
     }
-    let Some((ours, theirs)) = tuned.split_first() else { return };
-    println!("  time of {} over that of, median of pairs (quartiles)", ours.contestant.name);
-    for peer in theirs {
-        let repeats = ours.repeats.max(peer.repeats);
-        in_turn::ratio(peer.contestant.name, || ours.time(repeats), || peer.time(repeats));
+    println!("  ratios of times, median of pairs (quartiles)");
+    for (place, ours) in tuned.iter().enumerate().filter(|(_, entry)| entry.contestant.ours) {
+        for theirs in &tuned[place + 1..] {
+            let repeats = ours.repeats.max(theirs.repeats);
+            let name = format!("  {} / {}", ours.contestant.name, theirs.contestant.name);
+            in_turn::ratio(&name, || ours.time(repeats), || theirs.time(repeats));
+        }
     }
 }

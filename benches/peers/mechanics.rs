@@ -1,5 +1,6 @@
 //! Mechanical problems for every solver: ours on (q, p), theirs on y = (q, p) with the same force.
 
+use std::array::from_fn;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
@@ -7,7 +8,10 @@ use diffsol::{NalgebraMat, OdeBuilder, OdeSolverMethod};
 use ode_solvers::{Dop853, OutputType, SVector};
 use stationary_calculus::{Covector, Metric, Potential, Vector};
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{Nystrom, NystromPair, Pair8, Pair12, Tolerance};
+use stationary_integrators::{
+    AdaptiveMethod, DormandPrince853, MechanicalField, Moment, Nystrom, NystromPair, NystromStep,
+    Pair8, Pair12, Tolerance, integrate,
+};
 
 use crate::contest::{Contestant, Outcome};
 
@@ -40,11 +44,28 @@ pub fn nystrom<T: NystromPair<S>, M: Metric, P: Potential, const N: usize, const
         let tolerance = Tolerance::new(tolerance, tolerance).ok()?;
         let mut nystrom = Nystrom::<T, M, P, _, S>::new(&problem.system, tolerance.into()).ok()?;
         let mut state = problem.initial.clone();
-        let on = |_: stationary_integrators::NystromStep<'_, _, _>| ControlFlow::Continue(());
+        let on = |_: NystromStep<'_, _, _>| ControlFlow::Continue(());
         let work = nystrom.run(&mut state, problem.horizon, on).ok()?;
         Some(Outcome { end: state.q.to_vec(), evaluations: work.evaluations })
     };
-    Contestant { name: T::NAME, run: Box::new(run) }
+    Contestant { name: T::NAME, ours: true, run: Box::new(run) }
+}
+
+/// Our DOP853, on arrays on the stack; D is 2 N.
+pub fn our_dop853<M: Metric, P: Potential, const N: usize, const D: usize>(
+    problem: &Small<M, P, N>,
+) -> Contestant<'_> {
+    const { assert!(D == 2 * N) };
+    let run = |tolerance: f64| {
+        let tolerance = Tolerance::new(tolerance, tolerance).ok()?;
+        let field = MechanicalField::new(&problem.system);
+        let moment = Moment::new(0.0, from_fn::<_, D, _>(|i| start(problem, i)));
+        let mut method = DormandPrince853::new(field, tolerance.into(), moment).ok()?;
+        integrate(&mut method, problem.horizon, |_| ControlFlow::Continue(())).ok()?;
+        let end = method.moment().y[..N].to_vec();
+        Some(Outcome { end, evaluations: method.work().evaluations })
+    };
+    Contestant { name: "our dop853", ours: true, run: Box::new(run) }
 }
 
 /// The right-hand side as `ode_solvers` wants it.
@@ -95,7 +116,7 @@ pub fn their_dop853<M: Metric, P: Potential, const N: usize, const D: usize>(
         let end = solver.y_out().last()?.as_slice()[..N].to_vec();
         Some(Outcome { end, evaluations: evaluations.get() })
     };
-    Contestant { name: "ode_solvers dop853", run: Box::new(run) }
+    Contestant { name: "ode_solvers dop853", ours: false, run: Box::new(run) }
 }
 
 /// `diffsol`'s explicit method.
@@ -127,16 +148,17 @@ pub fn their_tsit45<M: Metric, P: Potential, const N: usize>(
         let end = solver.state().y.batch_as_slice(0)[..N].to_vec();
         Some(Outcome { end, evaluations: evaluations.get() })
     };
-    Contestant { name: "diffsol tsit45", run: Box::new(run) }
+    Contestant { name: "diffsol tsit45", ours: false, run: Box::new(run) }
 }
 
 /// Every solver on a problem, ours first; D is 2 N.
 pub fn contestants<M: Metric, P: Potential, const N: usize, const D: usize>(
     problem: &Small<M, P, N>,
-) -> [Contestant<'_>; 4] {
+) -> [Contestant<'_>; 5] {
     [
         nystrom::<Pair12, _, _, N, 17>(problem),
         nystrom::<Pair8, _, _, N, 9>(problem),
+        our_dop853::<_, _, N, D>(problem),
         their_dop853::<_, _, N, D>(problem),
         their_tsit45(problem),
     ]
