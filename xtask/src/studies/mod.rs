@@ -4,6 +4,7 @@ mod convergence;
 mod derivative;
 mod long_run;
 mod newton;
+mod orbits;
 mod outer_solar_system;
 mod phase_portrait;
 mod stability;
@@ -22,6 +23,7 @@ pub const STUDIES: &[Entry] = &[
     convergence::PENDULUM,
     work_precision::KEPLER,
     work_precision::OUTER_SOLAR_SYSTEM,
+    orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
     stability::OSCILLATOR,

@@ -61,7 +61,7 @@ pub const OUTER_SOLAR_SYSTEM: Entry = Entry {
 const TOLERANCES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 
 /// The least counted work at which a method meets a tolerance: read off between two runs.
-fn cost_at(tolerance: f64, runs: &Series) -> Option<f64> {
+pub(super) fn cost_at(tolerance: f64, runs: &Series) -> Option<f64> {
     let mut least: Option<f64> = None;
     for pair in runs.points.windows(2) {
         let [(work, error), (more_work, less_error)] = [pair[0], pair[1]];
