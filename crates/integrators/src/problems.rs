@@ -13,7 +13,7 @@
 //! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
 //! | [`van_der_pol`] | a stiff oscillator, first order | 10 digits for mu = 1000 |
 //! | [`hires`] | eight reactions, stiff, first order | 10 digits at the end |
-//! | [`robertson`] | three reactions, very stiff, first order | 9 digits at the end |
+//! | [`robertson`] | three reactions, very stiff, first order | 11 digits at the end |
 //!
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 

@@ -8,6 +8,8 @@ mod orbits;
 mod outer_solar_system;
 mod phase_portrait;
 mod stability;
+mod stability_regions;
+mod stiff;
 mod table_4_1;
 mod work_precision;
 
@@ -28,6 +30,8 @@ pub const STUDIES: &[Entry] = &[
     table_4_1::TABLE,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    stability_regions::REGIONS,
+    stiff::WORK_PRECISION,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -6,6 +6,8 @@
 //! `y` the state (n), `t` the time in seconds, `f` n numbers, `J` n x n, `M` a constant n x n matrix,
 //! the identity unless said otherwise. Matrices are stored by columns.
 
+use std::fmt;
+
 /// What a field knows of its Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Jacobian {
@@ -69,10 +71,16 @@ impl<F: VectorField> VectorField for &F {
 /// assert!((method.moment().y[0] - (-2.0_f64).exp()).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct FunctionField<F> {
     n: usize,
     function: F,
+}
+
+impl<F> fmt::Debug for FunctionField<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("FunctionField").field("n", &self.n).finish_non_exhaustive()
+    }
 }
 
 impl<F: Fn(f64, &[f64], &mut [f64])> FunctionField<F> {
