@@ -213,8 +213,8 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
             16 into 4 A16 [1, 6, 7, 8, 9, 13, 2, 3];
         }
         self.work.evaluations += 3;
-        for i in 0..y.len() {
-            let step = self.moment.y.as_ref()[i] - y[i];
+        for (i, (y, next)) in y.iter().zip(self.moment.y.as_ref()).enumerate() {
+            let step = next - y;
             let bend = h * k[0].as_ref()[i] - step;
             dense[0].as_mut()[i] = step;
             dense[1].as_mut()[i] = bend;

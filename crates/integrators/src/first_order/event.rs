@@ -150,7 +150,7 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
                 middle
             };
             if evaluation % 3 == 0 {
-                halve_above = 0.5 * halve_above;
+                halve_above *= 0.5;
             }
             let value = self.evaluate_within(step, t)?;
             if value * sign > 0.0 {

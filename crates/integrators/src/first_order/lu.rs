@@ -148,13 +148,13 @@ mod tests {
             let exact: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
             let mut b = vec![0.0; n];
             let mut c = vec![Complex::new(0.0, 0.0); n];
-            for j in 0..n {
+            for (j, &x) in exact.iter().enumerate() {
                 for i in 0..n {
                     let a = Complex::new(pseudo_random(i, j), pseudo_random(j + 3, i));
                     real.matrix()[i + n * j] = a.re;
                     complex.matrix()[i + n * j] = a;
-                    b[i] += a.re * exact[j];
-                    c[i] += a * Complex::new(exact[j], -2.0 * exact[j]);
+                    b[i] += a.re * x;
+                    c[i] += a * Complex::new(x, -2.0 * x);
                 }
             }
             real.factor().unwrap();

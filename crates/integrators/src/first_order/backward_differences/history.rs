@@ -137,8 +137,9 @@ impl<C: Storage> History<C> {
 fn change(factor: f64) -> [[f64; SIZE]; SIZE] {
     let mut r = [[1.0; SIZE]; SIZE];
     for i in 1..SIZE {
-        for j in 0..SIZE {
-            r[i][j] = r[i - 1][j] * (i as f64 - 1.0 - factor * j as f64) / i as f64;
+        let above = r[i - 1];
+        for (j, (entry, above)) in r[i].iter_mut().zip(above).enumerate() {
+            *entry = above * (i as f64 - 1.0 - factor * j as f64) / i as f64;
         }
     }
     r
