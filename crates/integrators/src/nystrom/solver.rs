@@ -130,7 +130,8 @@ fn check_attempt<C: Storage>(
         Moment::new(state.t, y)
     };
     let steps = work.steps + work.rejected;
-    if state.t + RESOLVED * h <= state.t || !(h > f64::MIN_POSITIVE) {
+    let resolved = state.t + RESOLVED * h > state.t && h > f64::MIN_POSITIVE;
+    if !resolved {
         return Err(AdaptiveError::StepTooSmall { step: h, last: last() });
     }
     if steps >= most {
