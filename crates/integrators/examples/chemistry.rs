@@ -1,5 +1,5 @@
-//! Three reactions whose rates differ by nine powers of ten: when is half of the first species gone,
-//! and what is left after an hour, a year, three thousand years?
+//! Three reactions whose rates differ by nine powers of ten: when is half of the first species
+//! gone, and what is left after an hour, a year, three thousand years?
 //!
 //! `cargo run --example chemistry -p stationary-integrators`
 

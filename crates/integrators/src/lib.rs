@@ -4,6 +4,7 @@
 //! q. = M^-1 p,   p. = -dV(q)                     the equations of motion            (4.2)
 //! (q, p) -> Phi_h(q, p), close to the flow       a time integrator                  (4.3)
 //! M (x - y) + a dV(x) = 0, by Newton's method    what an implicit step solves       (4.4)
+//! M y' = f(t, y)                                 systems of first order, steps chosen on the way
 //! order, stability, energy, momentum             what makes a good one, as data     (4.5)
 //! ```
 //! `q` a configuration, `p` its momentum (a covector), `M` the metric, `V` the potential, `h` the
@@ -26,13 +27,15 @@
 //! ```
 //!
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
-//! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
-//! explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
-//! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
+//! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for
+//! the explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
+//! [`simulate`]; systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
+//! [`BackwardDifferences`], [`integrate`]); the potentials of chapter 0, momenta, and [`problems`]
+//! with known answers.
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
-//! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by a
-//! test. The crate knows nothing of constraints, rotations or files.
+//! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by
+//! a test. The crate knows nothing of constraints, rotations or files.
 
 mod error;
 mod state;

@@ -206,7 +206,8 @@ fn bdf_of_high_order_blows_up_near_the_imaginary_axis() {
     assert!(size_after(3, lambda, 300) < 1.0 && size_after(1, lambda, 300) < 1.0);
 }
 
-/// Prothero and Robinson: y' = lambda (y - cos t) - sin t, whose solution is cos t for every lambda.
+/// Prothero and Robinson: y' = lambda (y - cos t) - sin t, whose solution is cos t for every
+/// lambda.
 fn prothero_robinson(lambda: f64, steps: u32) -> f64 {
     let field = FunctionField::new(1, move |t: f64, y: &[f64], f: &mut [f64]| {
         f[0] = lambda * (y[0] - t.cos()) - t.sin();

@@ -3,9 +3,9 @@
 //! ```text
 //! y' = lambda y,      y_(n+1) = R(h lambda) y_n,      survives where |R| <= 1
 //! ```
-//! The measured runs take steps of y' = lambda y in two real components. The borders are closed forms
-//! for Radau and root loci for the multistep formulas; that of the explicit method comes from its
-//! Taylor polynomial to order 8 and the growth of a single step.
+//! The measured runs take steps of y' = lambda y in two real components. The borders are closed
+//! forms for Radau and root loci for the multistep formulas; that of the explicit method comes from
+//! its Taylor polynomial to order 8 and the growth of a single step.
 
 use nalgebra::Complex;
 use stationary_calculus::{Column, Table};

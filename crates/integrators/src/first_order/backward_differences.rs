@@ -1,18 +1,20 @@
-//! Backward differentiation formulas of order 1 to 5, the order and the step chosen on the way (BDF).
+//! Backward differentiation formulas of order 1 to 5, the order and the step chosen on the way
+//! (BDF).
 //!
 //! ```text
 //! sum_{m=1..k} 1/m D^m y' = h f(t', y')      D y' = y' - y,  D^m its m-th power
 //! ```
-//! `y` the state (n), primes mark the end of the step, `D^m` backward differences on a grid of equal
-//! steps `h` in seconds; when the step changes, the differences are those of the same polynomial on
-//! the new grid. One evaluation of f an iteration, one real factorization for as long as the step
-//! stays: cheap where f and its Jacobian are costly and few digits are asked for.
+//! `y` the state (n), primes mark the end of the step, `D^m` backward differences on a grid of
+//! equal steps `h` in seconds; when the step changes, the differences are those of the same
+//! polynomial on the new grid. One evaluation of f an iteration, one real factorization for as long
+//! as the step stays: cheap where f and its Jacobian are costly and few digits are asked for.
 //!
-//! Orders 1 and 2 are L-stable. From order 3 on the formulas are stable in a sector only: motion that
-//! oscillates fast makes them fail, see `bdf_of_high_order_blows_up_near_the_imaginary_axis`; ask for
-//! at most order 2 there. Constraints of index 1 (rows of M that are zero) are met at the end of each
-//! step. Dense matrices only. Source: Hairer and Wanner, Solving Ordinary Differential Equations II
-//! (1996), V.1-V.2; Shampine and Reichelt, SIAM J. Sci. Comput. 18 (1997) 1, for the change of grid.
+//! Orders 1 and 2 are L-stable. From order 3 on the formulas are stable in a sector only: motion
+//! that oscillates fast makes them fail, see `bdf_of_high_order_blows_up_near_the_imaginary_axis`;
+//! ask for at most order 2 there. Constraints of index 1 (rows of M that are zero) are met at the
+//! end of each step. Dense matrices only. Source: Hairer and Wanner, Solving Ordinary Differential
+//! Equations II (1996), V.1-V.2; Shampine and Reichelt, SIAM J. Sci. Comput. 18 (1997) 1, for the
+//! change of grid.
 
 mod history;
 
@@ -117,7 +119,8 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         Ok(method)
     }
 
-    /// Solves for the next state, a Jacobian of the prediction taken where an older one does not do.
+    /// Solves for the next state, a Jacobian of the prediction taken where an older one does not
+    /// do.
     fn solve(&mut self, h: f64, to: f64) -> Option<u32> {
         let k = self.history.order;
         self.next.t = to;

@@ -1,4 +1,5 @@
-//! Dormand and Prince's explicit Runge-Kutta method of order 8 with errors of order 5 and 3 (DOP853).
+//! Dormand and Prince's explicit Runge-Kutta method of order 8 with errors of order 5 and 3
+//! (DOP853).
 //!
 //! ```text
 //! k_s = f(t + c_s h, y + h sum_j a_sj k_j)       s = 1 ... 12
@@ -6,14 +7,14 @@
 //! err = |e5| |e5| / sqrt(|e5|^2 + 0.01 |e3|^2)    two embedded estimates, combined
 //! h'  = h min(6, max(1/3, 0.8 err^(-1/8)))
 //! ```
-//! `y` the state (n), `h` the step in seconds, `err` against the tolerance. Twelve evaluations a step;
-//! three more, once they are asked for, make the step a polynomial of order 7. Few memory accesses:
-//! each stage is one pass over the state.
+//! `y` the state (n), `h` the step in seconds, `err` against the tolerance. Twelve evaluations a
+//! step; three more, once they are asked for, make the step a polynomial of order 7. Few memory
+//! accesses: each stage is one pass over the state.
 //!
-//! For smooth motion and many digits. On stiff systems its step is bounded by stability: it then takes
-//! a number of steps that grows with the stiffness and says so in [`Work::stiff`], see
-//! `an_explicit_method_pays_for_stiffness_with_steps`. Knows no mass matrix.
-//! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4-II.6.
+//! For smooth motion and many digits. On stiff systems its step is bounded by stability: it then
+//! takes a number of steps that grows with the stiffness and says so in [`Work::stiff`], see
+//! `an_explicit_method_pays_for_stiffness_with_steps`. Knows no mass matrix. Source: Hairer,
+//! Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4-II.6.
 
 mod coefficients;
 
@@ -42,8 +43,9 @@ const FACTS: FirstOrderFacts = FirstOrderFacts {
     sector: 0.0,
 };
 
-/// The safety factor of the step control. At the customary 0.9 a quarter of the steps on an eccentric
-/// orbit is rejected; at 0.8 none is, and the same final error takes a sixth fewer evaluations.
+/// The safety factor of the step control. At the customary 0.9 a quarter of the steps on an
+/// eccentric orbit is rejected; at 0.8 none is, and the same final error takes a sixth fewer
+/// evaluations.
 const SAFETY: f64 = 0.8;
 /// A step grows at most to this multiple of the last.
 const GROWTH: f64 = 6.0;

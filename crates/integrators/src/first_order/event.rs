@@ -3,10 +3,10 @@
 //! ```text
 //! g(t, y(t)) = 0,      y(t) the polynomial of the step
 //! ```
-//! A crossing is found from the signs of g at the ends of a step, and at points between them if asked
-//! for, and located by a bracketing search: secants on a bracket that halves whenever they do not
-//! shrink it enough, so that the number of evaluations is bounded. Two crossings between neighbouring
-//! points are not seen: shorten the longest step, or look at more points.
+//! A crossing is found from the signs of g at the ends of a step, and at points between them if
+//! asked for, and located by a bracketing search: secants on a bracket that halves whenever they do
+//! not shrink it enough, so that the number of evaluations is bounded. Two crossings between
+//! neighbouring points are not seen: shorten the longest step, or look at more points.
 
 use stationary_calculus::Storage;
 

@@ -3,9 +3,9 @@
 //! ```text
 //! t0 -> t1 -> ... -> end,      and between them the polynomial of each step
 //! ```
-//! The observer may look at the state at the step's end, at the dense output within the step, and for
-//! crossings of an [`Event`]; it may end the run; it allocates only what it wants to. On an error the
-//! method stands at its last good moment.
+//! The observer may look at the state at the step's end, at the dense output within the step, and
+//! for crossings of an [`Event`]; it may end the run; it allocates only what it wants to. On an
+//! error the method stands at its last good moment.
 
 use std::ops::ControlFlow;
 

@@ -3,9 +3,9 @@
 //! ```text
 //! J_ij = (f_i(y + d e_j) - f_i(y)) / d,      d = sqrt(eps) max(|y_j|, absolute_j / relative)
 //! ```
-//! Differences are taken where the field does not know its Jacobian: in proportion to the component,
-//! or to the size below which the tolerance calls it zero, and to the side to which it is moving, so
-//! that a component that must not become negative does not.
+//! Differences are taken where the field does not know its Jacobian: in proportion to the
+//! component, or to the size below which the tolerance calls it zero, and to the side to which it
+//! is moving, so that a component that must not become negative does not.
 
 use stationary_calculus::{SizeError, Storage};
 

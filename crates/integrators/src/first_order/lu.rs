@@ -3,7 +3,8 @@
 //! ```text
 //! P A = L U
 //! ```
-//! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken once.
+//! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken
+//! once.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -135,14 +136,13 @@ impl<T: Entry> Lu<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use stationary_calculus::SplitMix64;
 
-    fn pseudo_random(i: usize, j: usize) -> f64 {
-        ((i * 7919 + 1) * (j * 104_729 + 13) % 9973) as f64 / 9973.0 - 0.4
-    }
+    use super::*;
 
     #[test]
     fn the_solution_solves_the_system_real_and_complex() {
+        let mut random = SplitMix64::new(4);
         for n in [1, 2, 3, 8, 40] {
             let (mut real, mut complex) = (Lu::new(n), Lu::new(n));
             let exact: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
@@ -150,7 +150,7 @@ mod tests {
             let mut c = vec![Complex::new(0.0, 0.0); n];
             for (j, &x) in exact.iter().enumerate() {
                 for i in 0..n {
-                    let a = Complex::new(pseudo_random(i, j), pseudo_random(j + 3, i));
+                    let a = Complex::new(random.symmetric(), random.symmetric());
                     real.matrix()[i + n * j] = a.re;
                     complex.matrix()[i + n * j] = a;
                     b[i] += a.re * x;

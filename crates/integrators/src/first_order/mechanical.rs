@@ -6,9 +6,9 @@
 //! df/dy = [  0      M^-1    ]
 //!         [ -d2V   -C M^-1  ]
 //! ```
-//! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules, `F` a
-//! force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the Jacobian,
-//! which costs implicit methods iterations, not correctness.
+//! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules,
+//! `F` a force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the
+//! Jacobian, which costs implicit methods iterations, not correctness.
 
 use stationary_calculus::{
     Covector, FIXED, Force, Metric, Potential, ProductSink, Sink, SizeError, System, Vector,

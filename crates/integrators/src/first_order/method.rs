@@ -3,9 +3,9 @@
 //! ```text
 //! (t, y) -> (t + h, y + ...),    h such that the error of the step is tolerable
 //! ```
-//! The method owns its moment: it never leaves the last accepted one, whatever fails. Between steps it
-//! is data, a list of numbers that [`AdaptiveMethod::save`] hands out and [`AdaptiveMethod::load`]
-//! takes back; from there it goes on to the same bits.
+//! The method owns its moment: it never leaves the last accepted one, whatever fails. Between steps
+//! it is data, a list of numbers that [`AdaptiveMethod::save`] hands out and
+//! [`AdaptiveMethod::load`] takes back; from there it goes on to the same bits.
 
 use stationary_calculus::{SizeError, Storage, first_non_finite};
 

@@ -5,10 +5,10 @@
 //! y'    = y + z_3
 //! ```
 //! `y` the state (n), `z_i` the stages less y, `M` the mass matrix (n x n, the identity unless the
-//! field says otherwise; it may be singular), `h` the step in seconds. The 3n equations are solved by
-//! Newton's method with the Jacobian of one point, in coordinates that split them into a real and a
-//! complex system of size n. A Jacobian serves as long as the iterations contract well, its factors
-//! as long as the step stays.
+//! field says otherwise; it may be singular), `h` the step in seconds. The 3n equations are solved
+//! by Newton's method with the Jacobian of one point, in coordinates that split them into a real
+//! and a complex system of size n. A Jacobian serves as long as the iterations contract well, its
+//! factors as long as the step stays.
 //!
 //! L-stable: fast decay dies out within a step. Keeps order 5 on smooth solutions, but loses some
 //! where a fast part is driven: see `radau_loses_order_on_a_stiff_part_that_is_driven`. Constraints

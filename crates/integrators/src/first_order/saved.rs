@@ -1,7 +1,8 @@
 //! What a method leaves behind, to go on from later.
 //!
-//! With the feature `serde` it saves and loads, as does [`State`](crate::State). Numbers are written
-//! as text, the shortest that reads back to the same bits, because readers of some formats round.
+//! With the feature `serde` it saves and loads, as does [`State`](crate::State). Numbers are
+//! written as text, the shortest that reads back to the same bits, because readers of some formats
+//! round.
 
 /// Everything on which the next steps of a method depend: `save` makes it, `load` takes it back.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 //! ```text
 //! M y' = f(t, y),      J = df/dy
 //! ```
-//! `y` the state (n), `t` the time in seconds, `f` n numbers, `J` n x n, `M` a constant n x n matrix,
-//! the identity unless said otherwise. Matrices are stored by columns.
+//! `y` the state (n), `t` the time in seconds, `f` n numbers, `J` n x n, `M` a constant n x n
+//! matrix, the identity unless said otherwise. Matrices are stored by columns.
 
 use std::fmt;
 

@@ -3,10 +3,10 @@
 //! ```text
 //! y' = f(y),   8 concentrations;   y6 + y8 -> y7 at the rate 280 y6 y8, the rest linear
 //! ```
-//! Moderately stiff: rates from 0.04 to about 10 and the fast one. The state at t = 321.8122 is that
-//! of the Test Set for IVP Solvers (Bari, release 2.4), confirmed to 10 digits by Radau IIA and to 9
-//! by BDF. Source: Schaefer, Photochemistry and Photobiology 21 (1975) 251; Hairer and Wanner, Solving
-//! Ordinary Differential Equations II (1996), IV.10.
+//! Moderately stiff: rates from 0.04 to about 10 and the fast one. The state at t = 321.8122 is
+//! that of the Test Set for IVP Solvers (Bari, release 2.4), confirmed to 10 digits by Radau IIA
+//! and to 9 by BDF. Source: Schaefer, Photochemistry and Photobiology 21 (1975) 251; Hairer and
+//! Wanner, Solving Ordinary Differential Equations II (1996), IV.10.
 
 use super::StiffProblem;
 use crate::{Jacobian, Moment, VectorField};

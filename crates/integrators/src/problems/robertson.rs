@@ -3,10 +3,10 @@
 //! ```text
 //! a' = -0.04 a + 10^4 b c,    c' = 3 10^7 b^2,    b' = -a' - c'
 //! ```
-//! `a b c` concentrations, with a + b + c = 1. The state at t = 10^11 is that of the Test Set for IVP
-//! Solvers (Bari, release 2.4), confirmed to 11 digits by Radau IIA and to 9 by BDF; there b is
-//! 8.3e-14, so that an absolute tolerance for b must be far below.
-//! Source: Robertson (1966); Hairer and Wanner, Solving Ordinary Differential Equations II, IV.1.
+//! `a b c` concentrations, with a + b + c = 1. The state at t = 10^11 is that of the Test Set for
+//! IVP Solvers (Bari, release 2.4), confirmed to 11 digits by Radau IIA and to 9 by BDF; there b is
+//! 8.3e-14, so that an absolute tolerance for b must be far below. Source: Robertson (1966); Hairer
+//! and Wanner, Solving Ordinary Differential Equations II, IV.1.
 
 use super::StiffProblem;
 use crate::{Jacobian, Moment, VectorField};

@@ -3,9 +3,9 @@
 //! ```text
 //! x' = v,      v' = mu (1 - x^2) v - x
 //! ```
-//! For mu = 1000 the state at t = 2000 is known from the Test Set for IVP Solvers (Bari, release 2.4),
-//! confirmed to 11 digits by Radau IIA and to 9 by BDF. One period takes about
-//! (3 - 2 ln 2) mu.
+//! For mu = 1000 the state at t = 2000 is known from the Test Set for IVP Solvers (Bari, release
+//! 2.4), confirmed to 11 digits by Radau IIA and to 9 by BDF. One period takes about (3 - 2 ln 2)
+//! mu.
 
 use super::{ProblemError, StiffProblem, within};
 use crate::{Jacobian, Moment, VectorField};

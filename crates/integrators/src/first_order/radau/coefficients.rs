@@ -1,4 +1,5 @@
-//! The coefficients of the Radau IIA method of order 5, and the transformation that splits its stages.
+//! The coefficients of the Radau IIA method of order 5, and the transformation that splits its
+//! stages.
 //!
 //! ```text
 //! T^-1 A^-1 T = [ GAMMA          ]

@@ -4,8 +4,9 @@
 //! w = (T^-1 x I) z,      (GAMMA/h M - J) dw_1 = (T^-1 f)_1 - GAMMA/h M w_1      and likewise
 //! ((ALPHA + i BETA)/h M - J) (dw_2 + i dw_3) = ...
 //! ```
-//! `z` three stages (n each), `w` the same in the coordinates in which they decouple, `J` the Jacobian
-//! at one point. The iteration ends where the next change would be below a part of the tolerance.
+//! `z` three stages (n each), `w` the same in the coordinates in which they decouple, `J` the
+//! Jacobian at one point. The iteration ends where the next change would be below a part of the
+//! tolerance.
 
 use nalgebra::Complex;
 use stationary_calculus::{SizeError, Storage};
