@@ -1,5 +1,7 @@
 //! No step allocates: every method, on arrays and on vectors, dense and sparse.
 
+use std::ops::ControlFlow;
+
 use allocation_counter::measure;
 use nalgebra::dmatrix;
 use stationary_calculus::{BilinearForm, Covector, Force, Sink, Vector};
@@ -8,8 +10,9 @@ use stationary_calculus::{Metric, Potential, Stencils};
 use stationary_elasticity::{Net, Strain, net};
 use stationary_integrators::problems::kepler;
 use stationary_integrators::{
-    Evaluation, Filter, Gautschi, Imex, Integrator, Method, Newmark, NewmarkWeights,
-    PotentialPower, ReversibleSteps, State, StormerVerlet, UniformGravity,
+    Evaluation, Filter, Gautschi, Imex, Integrator, Method, Newmark, NewmarkWeights, Nystrom,
+    NystromPair, Pair8, Pair12, PotentialPower, ReversibleSteps, State, StormerVerlet, Tolerance,
+    UniformGravity,
 };
 
 /// Allocations in ten steps after a first one.
@@ -42,6 +45,33 @@ fn no_method_allocates_in_a_step() {
         checked(method, &planet.system, &planet.initial, 0.01);
         checked(method, &planet.system, &State::new(q.to_vec(), p.0.to_vec()), 0.01);
     }
+}
+
+/// Allocations in a run of many steps.
+fn allocations_of_a_run<T: NystromPair<S>, C: Storage, const S: usize>(state: State<C>) -> u64 {
+    let planet = kepler(0.6).unwrap();
+    let tolerance = Tolerance::new(1e-9, 1e-9).unwrap();
+    let mut nystrom = Nystrom::<T, _, _, C, S>::new(&planet.system, tolerance.into()).unwrap();
+    let (mut state, mut middle) = (state.clone(), state);
+    let counted = measure(|| {
+        let run = nystrom.run(&mut state, 10.0, |step| {
+            let half = 0.5 * (step.before.t + step.after.t);
+            assert!(step.at(half, &mut middle).is_ok());
+            ControlFlow::Continue(())
+        });
+        assert!(run.unwrap().steps > 10);
+    });
+    counted.count_total
+}
+
+#[test]
+fn no_run_with_adaptive_steps_allocates() {
+    let initial = kepler(0.6).unwrap().initial;
+    let long = State::new(initial.q.to_vec(), initial.p.0.to_vec());
+    assert_eq!(allocations_of_a_run::<Pair8, _, 9>(initial.clone()), 0);
+    assert_eq!(allocations_of_a_run::<Pair12, _, 17>(initial), 0);
+    assert_eq!(allocations_of_a_run::<Pair8, _, 9>(long.clone()), 0);
+    assert_eq!(allocations_of_a_run::<Pair12, _, 17>(long), 0);
 }
 
 #[test]

@@ -37,6 +37,7 @@ mod vector_field;
 pub use backward_differences::BackwardDifferences;
 pub use dormand_prince::DormandPrince853;
 pub use error::{AdaptiveError, ControlError};
+pub(crate) use error_scale::ErrorScale;
 pub use event::{Direction, Event};
 pub use facts::FirstOrderFacts;
 pub use integrate::{AcceptedStep, Outcome, integrate, integrate_to_event};

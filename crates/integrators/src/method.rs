@@ -9,7 +9,7 @@ use crate::{
     Composition, ExplicitEuler, Facts, GaussLegendre, ImplicitEuler, ImplicitMidpoint, Integrator,
     Newmark, NewmarkWeights, Nodes, Nystrom4, RungeKutta4, Scheme, StormerVerlet,
     SymplecticEulerDriftKick, SymplecticEulerKickDrift, Trapezoid, explicit_euler, implicit_euler,
-    implicit_midpoint, nystrom, runge_kutta_4, stormer_verlet, symplectic_euler, trapezoid,
+    implicit_midpoint, nystrom_4, runge_kutta_4, stormer_verlet, symplectic_euler, trapezoid,
 };
 
 /// A method of this crate.
@@ -105,7 +105,7 @@ impl Method {
             Method::SymplecticEulerKickDrift => symplectic_euler::KICK_DRIFT,
             Method::StormerVerlet => stormer_verlet::FACTS,
             Method::RungeKutta4 => runge_kutta_4::FACTS,
-            Method::Nystrom4 => nystrom::FACTS,
+            Method::Nystrom4 => nystrom_4::FACTS,
             Method::Composition(scheme) => scheme.facts(),
             Method::GaussLegendre(nodes) => nodes.facts(),
             Method::Newmark => AVERAGE.facts(),

@@ -9,6 +9,7 @@ mod modal;
 mod multiscale;
 mod newmark_damping;
 mod newton;
+mod orbits;
 mod phase_portrait;
 mod reference;
 pub mod scene;
@@ -35,6 +36,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     high_order::PENDULUM_ORDERS,
     high_order::KEPLER_WORK,
     high_order::PLANETS_WORK,
+    orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
     stability::OSCILLATOR,
