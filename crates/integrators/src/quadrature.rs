@@ -58,11 +58,11 @@ impl<L: Lagrangian<N>, const N: usize> DiscreteLagrangian<N> for Sampled<L> {
     }
 
     fn facts(&self) -> Facts {
-        let explicit = Facts { stability: Stability::Below(2.0), ..VARIATIONAL };
-        let second = Facts { order: 2, symmetric: true, ..explicit };
+        let first = Facts { stability: Stability::Below(2.0), ..VARIATIONAL };
+        let second = Facts { order: 2, symmetric: true, ..first };
         match self.quadrature {
-            Quadrature::Start => Facts { name: "variational-start", ..explicit },
-            Quadrature::End => Facts { name: "variational-end", ..explicit },
+            Quadrature::Start => Facts { name: "variational-start", ..first },
+            Quadrature::End => Facts { name: "variational-end", ..first },
             Quadrature::Ends => Facts { name: "variational-ends", ..second },
             Quadrature::Middle => Facts {
                 name: "variational-middle",
