@@ -26,15 +26,16 @@
 //! ```
 //!
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
-//! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
-//! explicit ones, one equation for the implicit ones); those of high order ([`Composition`],
-//! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
-//! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
-//! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
+//! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for
+//! the explicit ones, one equation for the implicit ones); those of high order ([`Composition`],
+//! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps
+//! that vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone
+//! makes; then [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known
+//! answers.
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
-//! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by a
-//! test. The crate knows nothing of constraints, rotations or files.
+//! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by
+//! a test. The crate knows nothing of constraints, rotations or files.
 
 mod error;
 mod state;
