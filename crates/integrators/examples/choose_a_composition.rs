@@ -1,4 +1,5 @@
-//! Which composition is cheapest at a given accuracy? Ten years of a planet, by counted evaluations.
+//! Which composition is cheapest at a given accuracy? Ten years of a planet, by counted
+//! evaluations.
 //!
 //! `cargo run --example choose_a_composition -p stationary-integrators`
 

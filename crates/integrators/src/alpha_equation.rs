@@ -4,9 +4,9 @@
 //! M (x - y) + A (dV(x) - F(t, x, w(x))) = 0,      w(x) = start + slope (x - origin)
 //! M + A (d2V + slope C),                          C = -dF/dw
 //! ```
-//! `x` the unknown configuration (n), `y` and `origin` known ones, `w` the velocity that goes with x,
-//! `slope` in 1/s, `A` in s^2, `M` the metric, `V` the potential, `F` the force, which may be absent.
-//! A force has no energy, so that with one the line search goes by the residual alone.
+//! `x` the unknown configuration (n), `y` and `origin` known ones, `w` the velocity that goes with
+//! x, `slope` in 1/s, `A` in s^2, `M` the metric, `V` the potential, `F` the force, which may be
+//! absent. A force has no energy, so that with one the line search goes by the residual alone.
 
 use std::cell::RefCell;
 

@@ -3,16 +3,17 @@
 //! ```text
 //! Phi_h = kick(b1 h) drift(a1 h) kick(b2 h) ... drift(a1 h) kick(b1 h)       or with drifts first
 //! ```
-//! `a b` the times of a [`Scheme`], palindromes, some of them negative: from order 3 on a composition
-//! of kicks and drifts must go backward in part. Each is symplectic, symmetric and explicit, and
-//! keeps linear and angular momentum to rounding, as kicks and drifts do. Neighbouring kicks are made
-//! one, and the last kick's differential serves the next step's first. Drifts cost next to nothing.
+//! `a b` the times of a [`Scheme`], palindromes, some of them negative: from order 3 on a
+//! composition of kicks and drifts must go backward in part. Each is symplectic, symmetric and
+//! explicit, and keeps linear and angular momentum to rounding, as kicks and drifts do.
+//! Neighbouring kicks are made one, and the last kick's differential serves the next step's first.
+//! Drifts cost next to nothing.
 //!
-//! The larger the backward part, the larger the error: at equal cost the triple jump's is some thirty
-//! times that of Blanes and Moan's six stages (`at_equal_cost_the_optimized_schemes_win`). Where the
-//! roles of kicks and drifts are exchanged the schemes named Nystrom lose their order:
-//! `nystrom_schemes_lose_their_order_where_kicks_and_drifts_are_exchanged`.
-//! Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3; see [`Scheme`].
+//! The larger the backward part, the larger the error: at equal cost the triple jump's is some
+//! thirty times that of Blanes and Moan's six stages (`at_equal_cost_the_optimized_schemes_win`).
+//! Where the roles of kicks and drifts are exchanged the schemes named Nystrom lose their order:
+//! `nystrom_schemes_lose_their_order_where_kicks_and_drifts_are_exchanged`. Source: Hairer, Lubich
+//! and Wanner, Geometric Numerical Integration, V.3; see [`Scheme`].
 
 use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
 

@@ -6,24 +6,26 @@
 //! p'  = p - h sum_i b_i dV(Q_i)
 //! ```
 //! `c` the nodes in (0, 1), `b` the weights, `A` (s x s) the integrals of the Lagrange polynomials
-//! from 0 to the nodes; `Q_i` configurations (n), `v = M^-1 p`, `M` the metric, `h` step in seconds.
-//! Order 2 s, implicit, symmetric, symplectic; keeps linear and angular momentum, and every other
-//! quadratic invariant, to rounding. With s = 1 it is the implicit midpoint rule. On linear systems an
-//! oscillator keeps its energy at any step; on nonlinear ones stability is conditional. On a stiff spring
-//! that is led along a path the order falls to s, or s + 1 where s is odd (`stiff_stages_cost_order`).
+//! from 0 to the nodes; `Q_i` configurations (n), `v = M^-1 p`, `M` the metric, `h` step in
+//! seconds. Order 2 s, implicit, symmetric, symplectic; keeps linear and angular momentum, and
+//! every other quadratic invariant, to rounding. With s = 1 it is the implicit midpoint rule. On
+//! linear systems an oscillator keeps its energy at any step; on nonlinear ones stability is
+//! conditional. On a stiff spring that is led along a path the order falls to s, or s + 1 where s
+//! is odd (`stiff_stages_cost_order`).
 //!
-//! The s n coupled equations are solved with one n x n factorization a step, of `M + g h^2 d2V` at the
-//! middle of the drift, so that a sparse solver serves as well as a dense one. With S its inverse
+//! The s n coupled equations are solved with one n x n factorization a step, of `M + g h^2 d2V` at
+//! the middle of the drift, so that a sparse solver serves as well as a dense one. With S its
+//! inverse
 //!
 //! ```text
 //! r_i = M (Q_i - q - c_i h v) + h^2 sum_j (A^2)_ij dV(Q_j),    r~ = g A^-2 r
 //! Q  <- Q - S (r~ + M S (r - r~))
 //! ```
 //! which divides the error on a linear force of any stiffness by at least 4, 2 and 1.6 for s = 2, 3
-//! and 4, and by far more where `h omega` is small: `g` is the smallest squared eigenvalue of A. The
-//! iteration ends where rounding lets it go no further, or with an error.
-//! Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Brugnano and
-//! Magherini 2002 (blended iteration).
+//! and 4, and by far more where `h omega` is small: `g` is the smallest squared eigenvalue of A.
+//! The iteration ends where rounding lets it go no further, or with an error. Source: Hairer,
+//! Lubich and Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Brugnano and Magherini
+//! 2002 (blended iteration).
 
 use stationary_calculus::{
     Covector, DenseSolver, HessianSolver, Metric, NewtonError, NewtonFailure, Potential, SizeError,

@@ -6,16 +6,18 @@
 //! q^ = cos(h W) q + W^-1 sin(h W) M^-1 p~,    p^ = M (cos(h W) M^-1 p~ - W sin(h W) q)
 //! p' = p^ - h/2 M psi(h W) M^-1 dU(phi(h W) q^)
 //! ```
-//! `K` symmetric positive semidefinite (n x n, N/m), `W^2 = M^-1 K`, `U` the system's potential, which
-//! is soft, `h` step in seconds. Functions of W are taken on the eigenvectors V of `K v = w^2 M v`,
-//! found when the method is made: `f(W) = V f(w) V^T M`. Dense: a step costs a few products with V.
+//! `K` symmetric positive semidefinite (n x n, N/m), `W^2 = M^-1 K`, `U` the system's potential,
+//! which is soft, `h` step in seconds. Functions of W are taken on the eigenvectors V of
+//! `K v = w^2 M v`, found when the method is made: `f(W) = V f(w) V^T M`. Dense: a step costs a few
+//! products with V.
 //!
-//! Exact where U is constant; order 2, symmetric, explicit; symplectic where psi = phi. Which of the
-//! resonances `h w = k pi` are felt is the [`Filter`]'s matter: on a linear soft force a motion grows
-//! near every one, near the odd ones, or near none (`each_filter_resonates_where_it_says`). Momenta are kept as far as K has the symmetry, linear
-//! momentum by every filter, angular momentum by the symplectic ones.
-//! Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, XIII.2 (their psi is our
-//! `sinc psi`); Gautschi 1961, Deuflhard 1979, Garcia-Archilla, Sanz-Serna and Skeel 1999.
+//! Exact where U is constant; order 2, symmetric, explicit; symplectic where psi = phi. Which of
+//! the resonances `h w = k pi` are felt is the [`Filter`]'s matter: on a linear soft force a motion
+//! grows near every one, near the odd ones, or near none (`each_filter_resonates_where_it_says`).
+//! Momenta are kept as far as K has the symmetry, linear momentum by every filter, angular momentum
+//! by the symplectic ones. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration,
+//! XIII.2 (their psi is our `sinc psi`); Gautschi 1961, Deuflhard 1979, Garcia-Archilla, Sanz-Serna
+//! and Skeel 1999.
 
 use stationary_calculus::{
     BilinearForm, Covector, DenseSink, EigenError, Metric, Potential, SizeError, Storage, System,
@@ -34,14 +36,16 @@ pub enum Filter {
     /// `phi = psi = 1`: kicks without a filter, the impulse method. Symplectic. Resonates at every
     /// `h w = k pi`, and where the sum with a coupled soft frequency is a multiple of `2 pi/h`.
     Impulse,
-    /// `phi = psi = sinc x`: the mollified impulse method. Symplectic, since the kick is that of the
-    /// potential `U(phi q)`. The kick vanishes at `h w = k pi`, and resonance with it. Narrow bands of
-    /// growth remain where the sum with a coupled soft frequency is a multiple of `2 pi/h`.
+    /// `phi = psi = sinc x`: the mollified impulse method. Symplectic, since the kick is that of
+    /// the potential `U(phi q)`. The kick vanishes at `h w = k pi`, and resonance with it. Narrow
+    /// bands of growth remain where the sum with a coupled soft frequency is a multiple of
+    /// `2 pi/h`.
     Mollified,
-    /// `phi = 1, psi = tan(x/2)/(x/2)`: Gautschi's own. Exact for a constant force; not symplectic; psi
-    /// is unbounded, and resonates, at odd k.
+    /// `phi = 1, psi = tan(x/2)/(x/2)`: Gautschi's own. Exact for a constant force; not symplectic;
+    /// psi is unbounded, and resonates, at odd k.
     Gautschi,
-    /// `phi = 1, psi = sinc x`: keeps energy over long times away from `h w = k pi`. Not symplectic.
+    /// `phi = 1, psi = sinc x`: keeps energy over long times away from `h w = k pi`. Not
+    /// symplectic.
     Long,
 }
 
@@ -112,7 +116,8 @@ pub struct Gautschi<'s, M, P, C> {
     turn_step: f64,
     amplitudes: Vec<(f64, f64)>,
     filtered: C,
-    /// dU at the filtered configuration of the last state, and the step that led there: zero for none.
+    /// dU at the filtered configuration of the last state, and the step that led there: zero for
+    /// none.
     differential: Covector<C>,
     left: C,
     left_step: f64,

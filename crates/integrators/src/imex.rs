@@ -5,14 +5,14 @@
 //! (q', p^) = one step of the implicit midpoint rule for V from (q, p~)
 //! p' = p^ - h/2 dU(q')
 //! ```
-//! `q` configuration (n), `p` momentum covector (n), `V` the system's potential, which is stiff, `U`
-//! the soft one, `h` step in seconds; the energy is that of the system and U. Order 2, symmetric,
-//! symplectic; keeps linear and angular momentum to rounding. Newton's method sees V alone, whose
-//! Hessian may be constant or sparse where that of the sum is neither.
+//! `q` configuration (n), `p` momentum covector (n), `V` the system's potential, which is stiff,
+//! `U` the soft one, `h` step in seconds; the energy is that of the system and U. Order 2,
+//! symmetric, symplectic; keeps linear and angular momentum to rounding. Newton's method sees V
+//! alone, whose Hessian may be constant or sparse where that of the sum is neither.
 //!
-//! Where V is quadratic no step resonates with it: the step is bounded by U alone,
-//! `h < 2/sqrt(max d2U)` (`the_soft_potential_alone_bounds_the_step`). The price is the fast motion's
-//! phase, which is that of the midpoint rule. Source: Stern and Grinspun 2009.
+//! Where V is quadratic no step resonates with it: the step is bounded by U alone, `h < 2/sqrt(max
+//! d2U)` (`the_soft_potential_alone_bounds_the_step`). The price is the fast motion's phase, which
+//! is that of the midpoint rule. Source: Stern and Grinspun 2009.
 
 use stationary_calculus::{
     DenseSolver, HessianSolver, Metric, Potential, SizeError, Storage, System,

@@ -5,23 +5,25 @@
 //! M ((1 - am) a' + am a) = -dV(x) + F(t~, x, w)
 //! x = (1 - af) q' + af q,   w = (1 - af) v' + af v,   t~ = t + (1 - af) h
 //! ```
-//! `q` configuration (n), `v = M^-1 p` velocity (n), `a` the method's acceleration (n), `M` the metric,
-//! `F` a [`Force`], `h` step in seconds; `beta gamma am af` the [`NewmarkWeights`]. Solved for x:
+//! `q` configuration (n), `v = M^-1 p` velocity (n), `a` the method's acceleration (n), `M` the
+//! metric, `F` a [`Force`], `h` step in seconds; `beta gamma am af` the [`NewmarkWeights`]. Solved
+//! for x:
 //!
 //! ```text
-//! M (x - y) + A (dV(x) - F(t~, x, w)) = 0,    A = (1 - af) beta h^2/(1 - am),   dw/dx = gamma/(beta h)
-//! M + A (d2V + gamma/(beta h) C)              Newton's matrix, C = -dF/dw
+//! M (x - y) + A (dV(x) - F(t~, x, w)) = 0,    A = (1 - af) beta h^2/(1 - am)
+//! M + A (d2V + gamma/(beta h) C)              Newton's matrix, C = -dF/dw,  dw/dx = gamma/(beta h)
 //! ```
-//! Implicit. Order, symmetry and stability depend on the weights, and the facts say which: the average
-//! acceleration is the trapezoid rule, and damps nothing; generalized alpha leaves the part `r` of the
-//! fastest oscillations after each step and keeps order 2 (`what_is_left_of_fast_oscillations`).
+//! Implicit. Order, symmetry and stability depend on the weights, and the facts say which: the
+//! average acceleration is the trapezoid rule, and damps nothing; generalized alpha leaves the part
+//! `r` of the fastest oscillations after each step and keeps order 2
+//! (`what_is_left_of_fast_oscillations`).
 //!
 //! The acceleration is remembered from step to step: `a` belongs to a moment `af - am` steps before
-//! the end of its step. A step from another state than the last one left, or of another length, takes
-//! the state's own acceleration instead, at the price of one evaluation and of a power of h in that
-//! one step; where am differs from af, a resumed run therefore agrees to the order of the method and
-//! not to the bit. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric dF/dv leave
-//! out costs iterations, which are bounded.
+//! the end of its step. A step from another state than the last one left, or of another length,
+//! takes the state's own acceleration instead, at the price of one evaluation and of a power of h in
+//! that one step. A resumed run therefore agrees to rounding where am = af, and to the order of the
+//! method elsewhere. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric dF/dv
+//! leave out costs iterations, which are bounded.
 //! Source: Newmark 1959; Chung and Hulbert 1993.
 
 use stationary_calculus::{

@@ -5,10 +5,11 @@
 //! generalized alpha    am = (2 r - 1)/(r + 1),  af = r/(r + 1)
 //!                      gamma = 1/2 - am + af,   beta = (1 - am + af)^2/4
 //! ```
-//! `r` in [0, 1] is the spectral radius at infinite frequency: what is left of the fastest oscillation
-//! after each step. Order 2 where `gamma = 1/2 - am + af`, else 1. With `gamma < 1/2` motions would
-//! grow at every step, and with beta = 0 the step is explicit: that is Stormer-Verlet.
-//! Source: Newmark 1959; Chung and Hulbert 1993; Hughes, The Finite Element Method, 9.1.
+//! `r` in [0, 1] is the spectral radius at infinite frequency: what is left of the fastest
+//! oscillation after each step. Order 2 where `gamma = 1/2 - am + af`, else 1. With `gamma < 1/2`
+//! motions would grow at every step, and with beta = 0 the step is explicit: that is
+//! Stormer-Verlet. Source: Newmark 1959; Chung and Hulbert 1993; Hughes, The Finite Element Method,
+//! 9.1.
 
 use crate::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, ParameterError,

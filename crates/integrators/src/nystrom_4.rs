@@ -1,15 +1,16 @@
-//! Nystrom's method of order 4: a Runge-Kutta method for accelerations that depend on position alone.
+//! Nystrom's method of order 4: a Runge-Kutta method for accelerations that depend on position
+//! alone.
 //!
 //! ```text
 //! f1 = f(q)    f2 = f(q + h/2 v + h^2/8 f1)    f3 = f(q + h v + h^2/2 f2)
 //! q' = q + h v + h^2/6 (f1 + 2 f2),    v' = v + h/6 (f1 + 4 f2 + f3),     f(q) = -M^-1 dV(q)
 //! ```
-//! `q` configuration (n), `v = M^-1 p` velocity (n), `M` the metric, `h` step in seconds.
-//! Order 4, explicit, three differentials a step where the classical Runge-Kutta method takes four;
-//! neither symmetric nor symplectic. Keeps linear momentum to rounding. Damps an oscillator while
-//! `h omega < 2.5865`, the root of `x^6 - 24 x^4 + 288 x^2 = 1152`, and blows it up above; energy and
-//! angular momentum drift with the order of the method.
-//! Source: Nystrom 1925; Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.14.
+//! `q` configuration (n), `v = M^-1 p` velocity (n), `M` the metric, `h` step in seconds. Order 4,
+//! explicit, three differentials a step where the classical Runge-Kutta method takes four; neither
+//! symmetric nor symplectic. Keeps linear momentum to rounding. Damps an oscillator while `h omega
+//! < 2.5865`, the root of `x^6 - 24 x^4 + 288 x^2 = 1152`, and blows it up above; energy and
+//! angular momentum drift with the order of the method. Source: Nystrom 1925; Hairer, Norsett and
+//! Wanner, Solving Ordinary Differential Equations I, II.14.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
 
@@ -60,8 +61,8 @@ impl<'s, M: Metric, P: Potential, C: Storage> Nystrom4<'s, M, P, C> {
         })
     }
 
-    /// Evaluates dV at the stage and adds `-weight dV` to the momentum, `-weight reach M^-1 dV` to the
-    /// configuration.
+    /// Evaluates dV at the stage and adds `-weight dV` to the momentum, `-weight reach M^-1 dV` to
+    /// the configuration.
     fn add(&mut self, weight: f64, reach: f64) {
         let (system, next) = (self.system, &mut self.next);
         self.differential.clear();

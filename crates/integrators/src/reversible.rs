@@ -6,14 +6,15 @@
 //! ```
 //! `u(q)` the density of steps that is wished for, in steps a second, `du` its differential, `v`
 //! velocity; `rho` the density that is used, which follows u (since `u. = <du, v>` and a step lasts
-//! 1/u) and is part of the state. The map of (q, p, rho) is symmetric: with the momentum reversed it
-//! returns (`reversed_in_time_it_returns_to_its_start`). On reversible systems energy errors therefore
-//! stay bounded over long times, as with equal steps. Steps of length 1/u(q_n), chosen at each
-//! step's start, spoil this: energy drifts (`steps_chosen_at_their_start_let_the_energy_drift`).
+//! 1/u) and is part of the state. The map of (q, p, rho) is symmetric: with the momentum reversed
+//! it returns (`reversed_in_time_it_returns_to_its_start`). On reversible systems energy errors
+//! therefore stay bounded over long times, as with equal steps. Steps of length 1/u(q_n), chosen at
+//! each step's start, spoil this: energy drifts
+//! (`steps_chosen_at_their_start_let_the_energy_drift`).
 //!
-//! The method inside must be symmetric; the order is its own in the density's scale, and momenta are
-//! kept as it keeps them. The whole is reversible but not symplectic. The times of the steps follow
-//! from the motion and do not land on given ones. Each step costs one differential of u.
+//! The method inside must be symmetric; the order is its own in the density's scale, and momenta
+//! are kept as it keeps them. The whole is reversible but not symplectic. The times of the steps
+//! follow from the motion and do not land on given ones. Each step costs one differential of u.
 //! Source: Hairer and Soderlind 2005; Hairer, Lubich and Wanner, Geometric Numerical Integration,
 //! VIII.3.2.
 

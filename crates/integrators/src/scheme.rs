@@ -4,12 +4,12 @@
 //! kick b1, drift a1, kick b2, ..., drift a1, kick b1        or the same with drifts first
 //! S(g1 h) S(g2 h) ... S(g1 h),   S Stormer-Verlet:   b = g1/2, (g1 + g2)/2, ...,  a = g1, g2, ...
 //! ```
-//! Every set is a palindrome, written down up to its middle, and its times add up to 1 for the kicks
-//! and 1 for the drifts; the entry in the middle follows from that. A set of order k makes the product
-//! of exponentials `e^(b1 B) e^(a1 A) ...` agree with `e^(A + B)` up to products of k factors, for any
-//! A and B (`the_order_conditions_hold_to_rounding`); those named Nystrom do so only where
-//! `[B, [B, [B, A]]] = 0`, which is so when the kinetic energy is quadratic in p and the kicks come
-//! from a potential of q alone. There they need fewer stages for the same error.
+//! Every set is a palindrome, written down up to its middle, and its times add up to 1 for the
+//! kicks and 1 for the drifts; the entry in the middle follows from that. A set of order k makes
+//! the product of exponentials `e^(b1 B) e^(a1 A) ...` agree with `e^(A + B)` up to products of k
+//! factors, for any A and B (`the_order_conditions_hold_to_rounding`); those named Nystrom do so
+//! only where `[B, [B, [B, A]]] = 0`, which is so when the kinetic energy is quadratic in p and the
+//! kicks come from a potential of q alone. There they need fewer stages for the same error.
 //!
 //! Sources: Suzuki 1990 (fractal), Yoshida 1990 (triple jump, orders 6 and 8), Kahan and Li 1997
 //! (s9odr6a, s17odr8a), Blanes and Moan 2002, tables 2 and 3 (S6, S10, SRKN6b, SRKN11b).
@@ -80,8 +80,8 @@ impl Scheme {
         Scheme::KahanLi8,
     ];
 
-    /// What is known of the composition. Its stability limit is where the first band of growth on an
-    /// oscillator begins; some bands near `h omega = pi` are narrow, with stable steps beyond.
+    /// What is known of the composition. Its stability limit is where the first band of growth on
+    /// an oscillator begins; some bands near `h omega = pi` are narrow, with stable steps beyond.
     pub const fn facts(self) -> Facts {
         match self {
             Scheme::TripleJump4 => facts("triple-jump-4", 4, 3, 1.573_401_947_434_539_8),
@@ -244,9 +244,9 @@ fn mirrored(mut half: Vec<f64>, middle: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// How far a product of exponentials is from `e^(A + B)`: for each number of factors up to `most`,
-    /// the largest error of the coefficient of a word in A and B. A word of n letters has 2^n forms,
-    /// kept as bits; its coefficient in `e^(A + B)` is 1/n!.
+    /// How far a product of exponentials is from `e^(A + B)`: for each number of factors up to
+    /// `most`, the largest error of the coefficient of a word in A and B. A word of n letters has
+    /// 2^n forms, kept as bits; its coefficient in `e^(A + B)` is 1/n!.
     fn defects(scheme: Scheme, most: usize) -> Vec<f64> {
         let (first, times) = scheme.times();
         let mut words: Vec<Vec<f64>> = (0..=most).map(|n| vec![0.0; 1 << n]).collect();
@@ -257,7 +257,8 @@ mod tests {
                 for word in 0..1_usize << n {
                     let (mut sum, mut factor) = (words[n][word], 1.0);
                     for taken in 1..=n {
-                        // The last letters of the word come from this exponential, if they are its own.
+                        // The last letters of the word come from this exponential, if they are its
+                        // own.
                         if (word >> (taken - 1) & 1 == 1) != drift {
                             break;
                         }

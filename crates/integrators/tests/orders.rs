@@ -78,7 +78,8 @@ fn one_step_has_one_order_more() {
         // High orders need steps long enough for their error to stand out from rounding.
         let h = [0.02, 0.02, 0.02, 0.02, 0.04, 0.0, 0.12, 0.0, 0.25][method.facts().order as usize];
         let measured = (one(h) / one(0.5 * h)).log2();
-        // The first step of generalized alpha takes an acceleration from a third of a step too late.
+        // The first step of generalized alpha takes an acceleration from a third of a step too
+        // late.
         let late = method == Method::GeneralizedAlpha;
         let expected = f64::from(method.facts().order) + if late { 0.0 } else { 1.0 };
         assert!((measured - expected).abs() < 0.3, "{method}: {measured}");

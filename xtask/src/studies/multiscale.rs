@@ -71,7 +71,8 @@ const SCHEMES: [(&str, &str); 6] = [
 /// The angular frequency of the soft springs where the stiff one holds still.
 const SOFT: f64 = std::f64::consts::SQRT_2;
 
-/// The resonance that a growing motion at `x = h w/pi` belongs to: they lie within 1/w and 2/w of theirs.
+/// The resonance that a growing motion at `x = h w/pi` belongs to: they lie within 1/w and 2/w of
+/// theirs.
 fn resonance(x: f64, w: f64) -> Option<String> {
     let own = x.round();
     let sum = 0.5 * x * (w + SOFT) / w;
@@ -180,15 +181,15 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: STUDY.chapter,
         kind: STUDY.kind,
         title: STUDY.title.into(),
-        conclusion: "A stiff spring of angular frequency ω coupled to soft ones of frequency about \
-                     1, 1200 steps. Störmer-Verlet ends at h ω = 2. The trigonometric methods take \
-                     steps that are longer than the fast oscillation, but a kick without a filter \
-                     pushes the spring in step with it where h ω is a multiple of π, and more strongly where \
-                     the sum with the soft frequency, h (ω + μ), is one of 2π; Gautschi's \
-                     filter leaves the odd multiples; the mollified kick vanishes at all of them, and leaves \
-                     narrow bands of the sum. The implicit \
-                     midpoint rule for the stiff spring never turns it by half a turn, and has no \
-                     resonance at all."
+        conclusion: "A stiff spring of angular frequency ω coupled to soft ones of frequency \
+                     about 1, 1200 steps. Störmer-Verlet ends at h ω = 2. The trigonometric \
+                     methods take steps that are longer than the fast oscillation, but a kick \
+                     without a filter pushes the spring in step with it where h ω is a multiple \
+                     of π, and more strongly where the sum with the soft frequency, h (ω + μ), \
+                     is one of 2π; Gautschi's filter leaves the odd multiples; the mollified \
+                     kick vanishes at all of them, and leaves narrow bands of the sum. The \
+                     implicit midpoint rule for the stiff spring never turns it by half a turn, \
+                     and has no resonance at all."
             .into(),
         table,
         charts,

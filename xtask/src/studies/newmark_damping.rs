@@ -157,12 +157,13 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: STUDY.chapter,
         kind: STUDY.kind,
         title: STUDY.title.into(),
-        conclusion: "The part of an undamped oscillation that is left after each step. Generalized \
-                     alpha leaves slow oscillations alone and takes the fast ones down to the radius \
-                     that it is given; Newmark's own damping does so at the price of an order; \
-                     implicit Euler takes from all. The average acceleration, which is the trapezoid \
-                     rule, takes nothing: let go of a spring that the step does not resolve, and it \
-                     rings from step to step for ever."
+        conclusion: "The part of an undamped oscillation that is left after each step. \
+                     Generalized alpha leaves slow oscillations alone and takes the fast ones \
+                     down to the radius that it is given; Newmark's own damping does so at the \
+                     price of an order; implicit Euler takes from all. The average \
+                     acceleration, which is the trapezoid rule, takes nothing: let go of a \
+                     spring that the step does not resolve, and it rings from step to step for \
+                     ever."
             .into(),
         table,
         charts: vec![chart.into(), chart_of_ringing.into()],

@@ -154,10 +154,11 @@ fn study(size: Size) -> Result<Study, StudyError> {
         kind: STUDY.kind,
         title: STUDY.title.into(),
         conclusion: "Störmer-Verlet at equal cost, with steps that are equal, proportional to \
-                     |q|^(3/2) at each step's start, and proportional to it reversibly. Short steps \
-                     near the sun are worth a great deal on an eccentric orbit; but chosen at the \
-                     step's start they are longer on the way in than on the way out, and the energy \
-                     climbs with every orbit. Reversible steps keep it as equal steps do."
+                     |q|^(3/2) at each step's start, and proportional to it reversibly. Short \
+                     steps near the sun are worth a great deal on an eccentric orbit; but \
+                     chosen at the step's start they are longer on the way in than on the way \
+                     out, and the energy climbs with every orbit. Reversible steps keep it as \
+                     equal steps do."
             .into(),
         table,
         charts,
