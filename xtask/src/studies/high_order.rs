@@ -51,7 +51,7 @@ pub const KEPLER_WORK: Entry<'static> = Entry {
         let cheapest = [
             (1e-3, "blanes-moan-nystrom-6"),
             (1e-6, "blanes-moan-nystrom-6"),
-            (1e-9, "kahan-li-8"),
+            (1e-9, "blanes-moan-nystrom-6"),
         ];
         work_precision::study(
             KEPLER_WORK,
@@ -79,7 +79,7 @@ pub const PLANETS_WORK: Entry<'static> = Entry {
             (0..=8).map(|k| OUTER.count << k).take_while(|n| n * stages <= most).collect()
         };
         let cheapest = [
-            (1e-3, "blanes-moan-nystrom-6"),
+            (1e-3, "blanes-moan-nystrom-4"),
             (1e-6, "blanes-moan-nystrom-6"),
             (1e-8, "blanes-moan-nystrom-6"),
         ];
