@@ -153,38 +153,56 @@ pub struct NewtonError {
 /// The memory of a solve, so that solving again allocates nothing.
 #[derive(Clone, Debug)]
 pub struct NewtonMemory<C> {
+    iterate: Iterate<C>,
+    history: Vec<f64>,
+}
+
+/// An iterate's residual, the Newton step from there, and the next iterate on trial.
+#[derive(Clone, Debug)]
+struct Iterate<C> {
     residual: C,
     step: C,
     trial: C,
-    history: Vec<f64>,
 }
 
 impl<C: Storage> NewtonMemory<C> {
     /// Memory for `n` unknowns and a bound of `iterations`; `None` where C holds another number.
     pub fn new(n: usize, iterations: usize) -> Option<Self> {
         let zeros = C::zeros(n)?;
-        Some(NewtonMemory {
-            residual: zeros.clone(),
-            step: zeros.clone(),
-            trial: zeros,
-            history: Vec::with_capacity(iterations + 1),
-        })
+        let iterate = Iterate { residual: zeros.clone(), step: zeros.clone(), trial: zeros };
+        Some(NewtonMemory { iterate, history: Vec::with_capacity(iterations + 1) })
     }
 
     /// The residual's size at the initial guess and after each step of the last solve.
     pub fn history(&self) -> &[f64] {
         &self.history
     }
+}
 
-    fn error(&self, failure: NewtonFailure) -> NewtonError {
-        NewtonError { failure, history: self.history.clone() }
+impl<C: Storage> Iterate<C> {
+    /// See [`Storage::lend`].
+    #[inline]
+    fn lend(&mut self) -> Self {
+        Iterate {
+            residual: self.residual.lend(),
+            step: self.step.lend(),
+            trial: self.trial.lend(),
+        }
+    }
+
+    /// See [`Storage::put_back`].
+    #[inline]
+    fn put_back(&mut self, lent: Self) {
+        self.residual.put_back(lent.residual);
+        self.step.put_back(lent.step);
+        self.trial.put_back(lent.trial);
     }
 }
 
 /// Armijo's constant: the part of the predicted fall that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 /// Step lengths tried: down to 2^-30, below which progress could not be told from rounding.
-const HALVINGS: i32 = 30;
+const LENGTHS: usize = 31;
 /// Steps of this size relative to x are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
@@ -197,51 +215,65 @@ const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
 impl Newton {
     /// Solves f(x) = 0 from the guess in `x`, where the solution is left. On failure `x` holds the
     /// last iterate.
+    #[inline]
     pub fn solve<C: Storage>(
         &self,
         equation: &mut impl Equation,
         x: &mut [f64],
         memory: &mut NewtonMemory<C>,
     ) -> Result<NewtonReport, NewtonError> {
+        let mut iterate = memory.iterate.lend();
+        memory.history.clear();
+        let solved = self.iterate(equation, x, &mut iterate, &mut memory.history);
+        memory.iterate.put_back(iterate);
+        solved.map_err(|failure| NewtonError { failure, history: memory.history.clone() })
+    }
+
+    #[inline]
+    fn iterate<C: Storage>(
+        &self,
+        equation: &mut impl Equation,
+        x: &mut [f64],
+        iterate: &mut Iterate<C>,
+        history: &mut Vec<f64>,
+    ) -> Result<NewtonReport, NewtonFailure> {
         let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
         let guess = largest(x);
-        memory.history.clear();
-        equation.residual(x, memory.residual.as_mut());
-        let mut size = equation.norm(memory.residual.as_ref());
-        memory.history.push(size);
-        if !size.is_finite() {
-            let unknown = first_non_finite(memory.residual.as_ref()).unwrap_or(0);
-            return Err(memory.error(NewtonFailure::NonFinite(unknown)));
+        equation.residual(x, iterate.residual.as_mut());
+        let first = equation.norm(iterate.residual.as_ref());
+        history.push(first);
+        if !first.is_finite() {
+            let unknown = first_non_finite(iterate.residual.as_ref()).unwrap_or(0);
+            return Err(NewtonFailure::NonFinite(unknown));
         }
+        let mut size = first;
         while size > self.tolerance {
             if report.iterations as usize >= self.iterations {
-                return Err(memory.error(NewtonFailure::NotConverged));
+                return Err(NewtonFailure::NotConverged);
             }
-            memory.step.clone_from(&memory.residual);
-            if let Err(why) = equation.solve(x, memory.step.as_mut()) {
-                return Err(memory.error(NewtonFailure::Unsolvable(why)));
-            }
-            if let Some(unknown) = first_non_finite(memory.step.as_ref()) {
-                return Err(memory.error(NewtonFailure::NonFinite(unknown)));
+            iterate.step.clone_from(&iterate.residual);
+            equation.solve(x, iterate.step.as_mut()).map_err(NewtonFailure::Unsolvable)?;
+            if let Some(unknown) = first_non_finite(iterate.step.as_ref()) {
+                return Err(NewtonFailure::NonFinite(unknown));
             }
             report.iterations += 1;
-            let longest = largest(memory.step.as_ref());
+            let longest = largest(iterate.step.as_ref());
             let nearly = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
-            let found = search(equation, x, size, nearly, memory, &mut report);
+            let found = search(equation, x, size, nearly, iterate, &mut report);
             match found {
                 Some(new_size) => {
-                    x.copy_from_slice(memory.trial.as_ref());
+                    x.copy_from_slice(iterate.trial.as_ref());
                     size = new_size;
-                    memory.history.push(size);
+                    history.push(size);
                 }
                 None if nearly => {}
-                None => return Err(memory.error(NewtonFailure::Stalled)),
+                None => return Err(NewtonFailure::Stalled),
             }
             let rounding = found.is_none() || longest <= ROUNDING * largest(x);
             if rounding && size > self.tolerance {
                 // A residual larger than at the guess is no rounding, but the end of a fall.
-                if size > memory.history[0] {
-                    return Err(memory.error(NewtonFailure::Stalled));
+                if size > first {
+                    return Err(NewtonFailure::Stalled);
                 }
                 report.end = NewtonEnd::Rounding;
                 break;
@@ -252,29 +284,30 @@ impl Newton {
     }
 }
 
-/// Leaves an acceptable next iterate in `memory.trial`, its residual in `memory.residual`, and
-/// returns the residual's size. Where there is none, `memory.residual` is that of a rejected trial.
+/// Leaves an acceptable next iterate in `iterate.trial`, its residual in `iterate.residual`, and
+/// returns the residual's size. Where there is none, `iterate.residual` is that of a rejected trial.
+#[inline]
 fn search<C: Storage>(
     equation: &mut impl Equation,
     x: &[f64],
     size: f64,
     nearly: bool,
-    memory: &mut NewtonMemory<C>,
+    iterate: &mut Iterate<C>,
     report: &mut NewtonReport,
 ) -> Option<f64> {
     // The energy changes at this rate along the step, if f is its differential.
-    let slope = -dot(memory.residual.as_ref(), memory.step.as_ref());
+    let slope = -dot(iterate.residual.as_ref(), iterate.step.as_ref());
     let must_lower_energy = equation.merit() == Merit::Energy && slope < 0.0;
     let mut start_energy = None;
-    for halving in 0..=if nearly { 0 } else { HALVINGS } {
-        let t = 0.5_f64.powi(halving);
-        for ((trial, x), step) in memory.trial.as_mut().iter_mut().zip(x).zip(memory.step.as_ref())
+    let lengths = std::iter::successors(Some(1.0), |t| Some(0.5 * t));
+    for t in lengths.take(if nearly { 1 } else { LENGTHS }) {
+        for ((trial, x), step) in iterate.trial.as_mut().iter_mut().zip(x).zip(iterate.step.as_ref())
         {
             *trial = x - t * step;
         }
-        equation.residual(memory.trial.as_ref(), memory.residual.as_mut());
+        equation.residual(iterate.trial.as_ref(), iterate.residual.as_mut());
         report.residuals += 1;
-        let new_size = equation.norm(memory.residual.as_ref());
+        let new_size = equation.norm(iterate.residual.as_ref());
         if !new_size.is_finite() {
             continue;
         }
@@ -290,7 +323,7 @@ fn search<C: Storage>(
         let enough = match start_energy {
             Some(start) => {
                 report.energies += 1;
-                equation.energy(memory.trial.as_ref()).is_some_and(|energy| {
+                equation.energy(iterate.trial.as_ref()).is_some_and(|energy| {
                     energy <= start + SUFFICIENT * t * slope
                         || (less && energy <= start + SAME_ENERGY * start.abs())
                 })

@@ -64,7 +64,6 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         p.clone_from(&state.p);
         system.metric().sharp(state.p.view(), self.velocity.view_mut());
         system.space().advance(q.as_mut(), h, self.velocity.view());
-        self.stage.y().clone_from(q);
         let mut report = self.stage.solve(q, h * h)?;
         let dv = self.stage.differential_at(q, &mut report.differentials);
         p.add_scaled(-h, dv.view());

@@ -64,7 +64,6 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         p.clone_from(&state.p);
         system.metric().sharp(p.view(), self.velocity.view_mut());
         system.space().advance(q.as_mut(), 0.5 * h, self.velocity.view());
-        self.stage.y().clone_from(q);
         let mut report = self.stage.solve(q, 0.25 * h * h)?;
         let dv = self.stage.differential_at(q, &mut report.differentials);
         p.add_scaled(-0.5 * h, dv.view());

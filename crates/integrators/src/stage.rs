@@ -22,16 +22,20 @@ use crate::{StepError, StepReport};
 /// A system, a solver, and the memory that solving needs.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage<'s, M, P, C, L> {
+    system: &'s System<M, P>,
+    solver: L,
     newton: Newton,
-    equation: StageEquation<'s, M, P, C, L>,
     memory: NewtonMemory<C>,
+    y: C,
+    difference: Vector<C>,
+    flat: Covector<C>,
     differential: Remembered<C>,
 }
 
-#[derive(Clone, Debug)]
-struct StageEquation<'s, M, P, C, L> {
-    system: &'s System<M, P>,
-    solver: L,
+/// The equation of one step: a stage whose memory is lent to it.
+struct StageEquation<'a, M, P, C, L> {
+    system: &'a System<M, P>,
+    solver: &'a mut L,
     y: C,
     a: f64,
     difference: Vector<C>,
@@ -46,48 +50,53 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
         newton: Newton,
     ) -> Result<Self, SizeError> {
         let n = system.dim();
-        let y: C = zeros(n)?;
         Ok(Stage {
+            system,
+            solver,
             newton,
             memory: memory(n, newton)?,
+            y: zeros(n)?,
+            difference: Vector(zeros(n)?),
+            flat: Covector(zeros(n)?),
             differential: Remembered::new(n)?,
-            equation: StageEquation {
-                system,
-                solver,
-                a: 0.0,
-                difference: Vector(y.clone()),
-                flat: Covector(y.clone()),
-                y,
-                report: StepReport::default(),
-            },
         })
     }
 
     pub(crate) fn with_newton(self, newton: Newton) -> Result<Self, SizeError> {
-        let memory = memory(self.system().dim(), newton)?;
+        let memory = memory(self.system.dim(), newton)?;
         Ok(Stage { newton, memory, ..self })
     }
 
     pub(crate) fn system(&self) -> &'s System<M, P> {
-        self.equation.system
+        self.system
     }
 
-    /// The known configuration y, to be written before a solve.
-    pub(crate) fn y(&mut self) -> &mut C {
-        &mut self.equation.y
-    }
-
-    /// Solves for x from the guess in `x`.
+    /// Moves `x` from y to the solution.
+    #[inline]
     pub(crate) fn solve(&mut self, x: &mut C, a: f64) -> Result<StepReport, StepError> {
-        self.equation.a = a;
-        self.equation.report = StepReport::default();
-        let solved = self.newton.solve(&mut self.equation, x.as_mut(), &mut self.memory)?;
-        Ok(StepReport { residual: solved.residual, ..self.equation.report })
+        let mut y = self.y.lend();
+        y.clone_from(x);
+        let mut equation = StageEquation {
+            system: self.system,
+            solver: &mut self.solver,
+            y,
+            a,
+            difference: Vector(self.difference.0.lend()),
+            flat: Covector(self.flat.0.lend()),
+            report: StepReport::default(),
+        };
+        let solved = self.newton.solve(&mut equation, x.as_mut(), &mut self.memory);
+        let StageEquation { y, difference, flat, report, .. } = equation;
+        self.y.put_back(y);
+        self.difference.0.put_back(difference.0);
+        self.flat.0.put_back(flat.0);
+        Ok(StepReport { residual: solved?.residual, ..report })
     }
 
     /// dV(q), evaluated unless it was at this very `q` last time.
+    #[inline]
     pub(crate) fn differential_at(&mut self, q: &C, evaluations: &mut u32) -> &Covector<C> {
-        self.differential.at(self.equation.system.potential(), q, evaluations)
+        self.differential.at(self.system.potential(), q, evaluations)
     }
 }
 
@@ -98,11 +107,11 @@ fn memory<C: Storage>(n: usize, newton: Newton) -> Result<NewtonMemory<C>, SizeE
 }
 
 impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> StageEquation<'_, M, P, C, L> {
+    #[inline]
     fn subtract(&mut self, x: &[f64]) {
         let difference = self.difference.components_mut();
-        difference.copy_from_slice(x);
-        for (difference, y) in difference.iter_mut().zip(self.y.as_ref()) {
-            *difference -= y;
+        for ((difference, x), y) in difference.iter_mut().zip(x).zip(self.y.as_ref()) {
+            *difference = x - y;
         }
     }
 }
@@ -110,6 +119,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> StageEquation<'_, M,
 impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
     for StageEquation<'_, M, P, C, L>
 {
+    #[inline]
     fn residual(&mut self, x: &[f64], f: &mut [f64]) {
         self.subtract(x);
         self.flat.clear();
@@ -120,6 +130,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         f.add_scaled(self.a, self.flat.view());
     }
 
+    #[inline]
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
         let rung = self.solver.factor(self.system.metric(), self.system.potential(), x, self.a)?;
         self.report.hessians += 1;
@@ -128,12 +139,14 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         Ok(())
     }
 
+    #[inline]
     fn norm(&mut self, f: &[f64]) -> f64 {
         let f = Covector(f);
         self.system.metric().sharp(f.view(), self.difference.view_mut());
         f.apply(&self.difference).sqrt()
     }
 
+    #[inline]
     fn energy(&mut self, x: &[f64]) -> Option<f64> {
         self.subtract(x);
         self.system.metric().flat(self.difference.view(), self.flat.view_mut());

@@ -71,7 +71,6 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         system.metric().sharp(p.view(), self.velocity.view_mut());
         p.add_scaled(-0.25 * h, dv.view());
         system.space().advance(q.as_mut(), h, self.velocity.view());
-        self.stage.y().clone_from(q);
         let mut report = self.stage.solve(q, 0.25 * h * h)?;
         report.differentials += start;
         let dv = self.stage.differential_at(q, &mut report.differentials);
