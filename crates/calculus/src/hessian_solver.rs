@@ -120,6 +120,32 @@ impl<C: Storage> DenseSolver<C> {
         potential.add_hessian(q, &mut Columns { weight: a, columns });
     }
 
+    /// The second rung.
+    #[cold]
+    fn shifted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable> {
+        self.mass.as_mut().fill(0.0);
+        metric.add_matrix(&mut Diagonal { weight: 1.0, values: self.mass.as_mut() });
+        self.assemble(m, metric, a, potential, q);
+        let scale = self.shift_scale();
+        if !scale.is_finite() {
+            return Err(Unsolvable::NonFinite);
+        }
+        for tries in 1..=SHIFTS {
+            self.assemble(m + shift(scale, tries), metric, a, potential, q);
+            if self.factor_in_place() {
+                return Ok(Rung::Shifted { tries });
+            }
+        }
+        Err(Unsolvable::Singular)
+    }
+
     /// The scale `s` of the shifts. The matrix must be in `columns`, the diagonal of M in `mass`.
     fn shift_scale(&self) -> f64 {
         let mass = self.mass.as_ref();
@@ -170,22 +196,10 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
     ) -> Result<Rung, Unsolvable> {
         self.assemble(m, metric, a, potential, q);
         if self.factor_in_place() {
-            return Ok(Rung::Cholesky);
+            Ok(Rung::Cholesky)
+        } else {
+            self.shifted(m, metric, a, potential, q)
         }
-        self.mass.as_mut().fill(0.0);
-        metric.add_matrix(&mut Diagonal { weight: 1.0, values: self.mass.as_mut() });
-        self.assemble(m, metric, a, potential, q);
-        let scale = self.shift_scale();
-        if !scale.is_finite() {
-            return Err(Unsolvable::NonFinite);
-        }
-        for tries in 1..=SHIFTS {
-            self.assemble(m + shift(scale, tries), metric, a, potential, q);
-            if self.factor_in_place() {
-                return Ok(Rung::Shifted { tries });
-            }
-        }
-        Err(Unsolvable::Singular)
     }
 
     #[inline]

@@ -183,11 +183,7 @@ impl<C: Storage> Iterate<C> {
     /// See [`Storage::lend`].
     #[inline]
     fn lend(&mut self) -> Self {
-        Iterate {
-            residual: self.residual.lend(),
-            step: self.step.lend(),
-            trial: self.trial.lend(),
-        }
+        Iterate { residual: self.residual.lend(), step: self.step.lend(), trial: self.trial.lend() }
     }
 
     /// See [`Storage::put_back`].
@@ -215,7 +211,7 @@ const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
 impl Newton {
     /// Solves f(x) = 0 from the guess in `x`, where the solution is left. On failure `x` holds the
     /// last iterate.
-    #[inline]
+    #[inline(always)]
     pub fn solve<C: Storage>(
         &self,
         equation: &mut impl Equation,
@@ -229,7 +225,7 @@ impl Newton {
         solved.map_err(|failure| NewtonError { failure, history: memory.history.clone() })
     }
 
-    #[inline]
+    #[inline(always)]
     fn iterate<C: Storage>(
         &self,
         equation: &mut impl Equation,
@@ -286,7 +282,7 @@ impl Newton {
 
 /// Leaves an acceptable next iterate in `iterate.trial`, its residual in `iterate.residual`, and
 /// returns the residual's size. Where there is none, `iterate.residual` is that of a rejected trial.
-#[inline]
+#[inline(always)]
 fn search<C: Storage>(
     equation: &mut impl Equation,
     x: &[f64],
@@ -298,10 +294,17 @@ fn search<C: Storage>(
     // The energy changes at this rate along the step, if f is its differential.
     let slope = -dot(iterate.residual.as_ref(), iterate.step.as_ref());
     let must_lower_energy = equation.merit() == Merit::Energy && slope < 0.0;
+    // A residual this small is taken as it is.
+    let small = match must_lower_energy {
+        _ if nearly => size,
+        false => 0.5 * size,
+        true => f64::NEG_INFINITY,
+    };
     let mut start_energy = None;
     let lengths = std::iter::successors(Some(1.0), |t| Some(0.5 * t));
     for t in lengths.take(if nearly { 1 } else { LENGTHS }) {
-        for ((trial, x), step) in iterate.trial.as_mut().iter_mut().zip(x).zip(iterate.step.as_ref())
+        for ((trial, x), step) in
+            iterate.trial.as_mut().iter_mut().zip(x).zip(iterate.step.as_ref())
         {
             *trial = x - t * step;
         }
@@ -311,8 +314,7 @@ fn search<C: Storage>(
         if !new_size.is_finite() {
             continue;
         }
-        let halved = new_size <= 0.5 * size && !must_lower_energy;
-        if halved || (nearly && new_size <= size) {
+        if new_size <= small {
             return Some(new_size);
         }
         if start_energy.is_none() && slope < 0.0 {

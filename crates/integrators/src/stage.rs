@@ -16,8 +16,8 @@ use stationary_calculus::{
     System, Unsolvable, Vector,
 };
 
-use crate::integrator::{Remembered, zeros};
-use crate::{StepError, StepReport};
+use crate::integrator::{Remembered, check_step, zeros};
+use crate::{State, StepError, StepReport};
 
 /// A system, a solver, and the memory that solving needs.
 #[derive(Clone, Debug)]
@@ -30,6 +30,15 @@ pub(crate) struct Stage<'s, M, P, C, L> {
     difference: Vector<C>,
     flat: Covector<C>,
     differential: Remembered<C>,
+    velocity: Vector<C>,
+    next: State<C>,
+}
+
+/// A step under way: a copy of the state, and a velocity.
+pub(crate) struct Phase<'a, C> {
+    pub(crate) start: &'a State<C>,
+    pub(crate) next: State<C>,
+    pub(crate) velocity: Vector<C>,
 }
 
 /// The equation of one step: a stage whose memory is lent to it.
@@ -59,6 +68,8 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
             difference: Vector(zeros(n)?),
             flat: Covector(zeros(n)?),
             differential: Remembered::new(n)?,
+            velocity: Vector(zeros(n)?),
+            next: State::new(zeros(n)?, zeros(n)?),
         })
     }
 
@@ -67,12 +78,37 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
         Ok(Stage { newton, memory, ..self })
     }
 
+    /// A step of a method, which moves a copy of the state.
+    #[inline]
+    pub(crate) fn step(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+        method: impl FnOnce(&mut Self, &mut Phase<'_, C>) -> Result<StepReport, StepError>,
+    ) -> Result<StepReport, StepError> {
+        check_step(state, self.system.dim(), h)?;
+        let mut next = self.next.lend();
+        next.clone_from(state);
+        let velocity = Vector(self.velocity.0.lend());
+        let mut phase = Phase { start: state, next, velocity };
+        let stepped = method(self, &mut phase);
+        let Phase { mut next, velocity, .. } = phase;
+        let accepted = match &stepped {
+            Ok(_) => state.accept(&mut next, h),
+            Err(_) => Ok(()),
+        };
+        self.next.put_back(next);
+        self.velocity.0.put_back(velocity.0);
+        accepted?;
+        stepped
+    }
+
     pub(crate) fn system(&self) -> &'s System<M, P> {
         self.system
     }
 
     /// Moves `x` from y to the solution.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn solve(&mut self, x: &mut C, a: f64) -> Result<StepReport, StepError> {
         let mut y = self.y.lend();
         y.clone_from(x);
@@ -130,7 +166,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         f.add_scaled(self.a, self.flat.view());
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
         let rung = self.solver.factor(self.system.metric(), self.system.potential(), x, self.a)?;
         self.report.hessians += 1;
@@ -175,11 +211,7 @@ macro_rules! implicit_method {
         impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> $name<'s, M, P, C, L> {
             /// The method on a system, with the caller's solver: a sparse one for many freedoms.
             pub fn with_solver(system: &'s System<M, P>, solver: L) -> Result<Self, SizeError> {
-                Ok($name {
-                    stage: Stage::new(system, solver, Newton::default())?,
-                    velocity: Vector(zeros(system.dim())?),
-                    next: State::new(zeros(system.dim())?, zeros(system.dim())?),
-                })
+                Ok($name { stage: Stage::new(system, solver, Newton::default())? })
             }
 
             /// The same method with other bounds on Newton's method. The tolerance is in

@@ -16,11 +16,9 @@
 
 use stationary_calculus::{
     DenseSolver, HessianSolver, Metric, Newton, Potential, SizeError, Space, Storage, System,
-    Vector,
 };
 
-use crate::integrator::{check_step, zeros};
-use crate::stage::{Stage, implicit_method};
+use crate::stage::{Phase, Stage, implicit_method};
 use crate::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
     State, StepError, StepReport, Symplecticity,
@@ -46,8 +44,6 @@ pub(crate) const FACTS: Facts = Facts {
 #[derive(Clone, Debug)]
 pub struct Trapezoid<'s, M, P, C, L = DenseSolver<C>> {
     stage: Stage<'s, M, P, C, L>,
-    velocity: Vector<C>,
-    next: State<C>,
 }
 
 implicit_method!(Trapezoid);
@@ -59,23 +55,22 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         FACTS
     }
 
+    #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        let system = self.stage.system();
-        check_step(state, system.dim(), h)?;
-        let State { q, p, .. } = &mut self.next;
-        q.clone_from(&state.q);
-        p.clone_from(&state.p);
-        let mut start = 0;
-        let dv = self.stage.differential_at(q, &mut start);
-        p.add_scaled(-0.25 * h, dv.view());
-        system.metric().sharp(p.view(), self.velocity.view_mut());
-        p.add_scaled(-0.25 * h, dv.view());
-        system.space().advance(q.as_mut(), h, self.velocity.view());
-        let mut report = self.stage.solve(q, 0.25 * h * h)?;
-        report.differentials += start;
-        let dv = self.stage.differential_at(q, &mut report.differentials);
-        p.add_scaled(-0.5 * h, dv.view());
-        state.accept(&mut self.next, h)?;
-        Ok(report)
+        self.stage.step(state, h, |stage, Phase { next, velocity, .. }| {
+            let system = stage.system();
+            let State { q, p, .. } = next;
+            let mut start = 0;
+            let dv = stage.differential_at(q, &mut start);
+            p.add_scaled(-0.25 * h, dv.view());
+            system.metric().sharp(p.view(), velocity.view_mut());
+            p.add_scaled(-0.25 * h, dv.view());
+            system.space().advance(q.as_mut(), h, velocity.view());
+            let mut report = stage.solve(q, 0.25 * h * h)?;
+            report.differentials += start;
+            let dv = stage.differential_at(q, &mut report.differentials);
+            p.add_scaled(-0.5 * h, dv.view());
+            Ok(report)
+        })
     }
 }
