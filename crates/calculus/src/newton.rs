@@ -218,10 +218,8 @@ impl Newton {
         x: &mut [f64],
         memory: &mut NewtonMemory<C>,
     ) -> Result<NewtonReport, NewtonError> {
-        let mut iterate = memory.iterate.lend();
         memory.history.clear();
-        let solved = self.iterate(equation, x, &mut iterate, &mut memory.history);
-        memory.iterate.put_back(iterate);
+        let solved = self.iterate(equation, x, &mut memory.iterate, &mut memory.history);
         solved.map_err(|failure| NewtonError { failure, history: memory.history.clone() })
     }
 
