@@ -16,35 +16,22 @@ use stationary_calculus::{
     System, Unsolvable, Vector,
 };
 
-use crate::integrator::{Remembered, check_step, zeros};
-use crate::{State, StepError, StepReport};
+use crate::integrator::{Remembered, zeros};
+use crate::{StepError, StepReport};
 
 /// A system, a solver, and the memory that solving needs.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage<'s, M, P, C, L> {
+    newton: Newton,
+    equation: StageEquation<'s, M, P, C, L>,
+    memory: NewtonMemory<C>,
+    differential: Remembered<C>,
+}
+
+#[derive(Clone, Debug)]
+struct StageEquation<'s, M, P, C, L> {
     system: &'s System<M, P>,
     solver: L,
-    newton: Newton,
-    memory: NewtonMemory<C>,
-    y: C,
-    difference: Vector<C>,
-    flat: Covector<C>,
-    differential: Remembered<C>,
-    velocity: Vector<C>,
-    next: State<C>,
-}
-
-/// A step under way: a copy of the state, and a velocity.
-pub(crate) struct Phase<'a, C> {
-    pub(crate) start: &'a State<C>,
-    pub(crate) next: State<C>,
-    pub(crate) velocity: Vector<C>,
-}
-
-/// The equation of one step: a stage whose memory is lent to it.
-struct StageEquation<'a, M, P, C, L> {
-    system: &'a System<M, P>,
-    solver: &'a mut L,
     y: C,
     a: f64,
     difference: Vector<C>,
@@ -59,80 +46,50 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
         newton: Newton,
     ) -> Result<Self, SizeError> {
         let n = system.dim();
+        let y: C = zeros(n)?;
         Ok(Stage {
-            system,
-            solver,
             newton,
             memory: memory(n, newton)?,
-            y: zeros(n)?,
-            difference: Vector(zeros(n)?),
-            flat: Covector(zeros(n)?),
             differential: Remembered::new(n)?,
-            velocity: Vector(zeros(n)?),
-            next: State::new(zeros(n)?, zeros(n)?),
+            equation: StageEquation {
+                system,
+                solver,
+                a: 0.0,
+                difference: Vector(y.clone()),
+                flat: Covector(y.clone()),
+                y,
+                report: StepReport::default(),
+            },
         })
     }
 
     pub(crate) fn with_newton(self, newton: Newton) -> Result<Self, SizeError> {
-        let memory = memory(self.system.dim(), newton)?;
+        let memory = memory(self.system().dim(), newton)?;
         Ok(Stage { newton, memory, ..self })
     }
 
-    /// A step of a method, which moves a copy of the state.
-    #[inline]
-    pub(crate) fn step(
-        &mut self,
-        state: &mut State<C>,
-        h: f64,
-        method: impl FnOnce(&mut Self, &mut Phase<'_, C>) -> Result<StepReport, StepError>,
-    ) -> Result<StepReport, StepError> {
-        check_step(state, self.system.dim(), h)?;
-        let mut next = self.next.lend();
-        next.clone_from(state);
-        let velocity = Vector(self.velocity.0.lend());
-        let mut phase = Phase { start: state, next, velocity };
-        let stepped = method(self, &mut phase);
-        let Phase { mut next, velocity, .. } = phase;
-        let accepted = match &stepped {
-            Ok(_) => state.accept(&mut next, h),
-            Err(_) => Ok(()),
-        };
-        self.next.put_back(next);
-        self.velocity.0.put_back(velocity.0);
-        accepted?;
-        stepped
-    }
-
     pub(crate) fn system(&self) -> &'s System<M, P> {
-        self.system
+        self.equation.system
     }
 
-    /// Moves `x` from y to the solution.
+    /// The known configuration y, to be written before a solve.
+    pub(crate) fn y(&mut self) -> &mut C {
+        &mut self.equation.y
+    }
+
+    /// Solves for x from the guess in `x`.
     #[inline(always)]
     pub(crate) fn solve(&mut self, x: &mut C, a: f64) -> Result<StepReport, StepError> {
-        let mut y = self.y.lend();
-        y.clone_from(x);
-        let mut equation = StageEquation {
-            system: self.system,
-            solver: &mut self.solver,
-            y,
-            a,
-            difference: Vector(self.difference.0.lend()),
-            flat: Covector(self.flat.0.lend()),
-            report: StepReport::default(),
-        };
-        let solved = self.newton.solve(&mut equation, x.as_mut(), &mut self.memory);
-        let StageEquation { y, difference, flat, report, .. } = equation;
-        self.y.put_back(y);
-        self.difference.0.put_back(difference.0);
-        self.flat.0.put_back(flat.0);
-        Ok(StepReport { residual: solved?.residual, ..report })
+        self.equation.a = a;
+        self.equation.report = StepReport::default();
+        let solved = self.newton.solve(&mut self.equation, x.as_mut(), &mut self.memory)?;
+        Ok(StepReport { residual: solved.residual, ..self.equation.report })
     }
 
     /// dV(q), evaluated unless it was at this very `q` last time.
     #[inline]
     pub(crate) fn differential_at(&mut self, q: &C, evaluations: &mut u32) -> &Covector<C> {
-        self.differential.at(self.system.potential(), q, evaluations)
+        self.differential.at(self.equation.system.potential(), q, evaluations)
     }
 }
 
@@ -146,8 +103,9 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> StageEquation<'_, M,
     #[inline]
     fn subtract(&mut self, x: &[f64]) {
         let difference = self.difference.components_mut();
-        for ((difference, x), y) in difference.iter_mut().zip(x).zip(self.y.as_ref()) {
-            *difference = x - y;
+        difference.copy_from_slice(x);
+        for (difference, y) in difference.iter_mut().zip(self.y.as_ref()) {
+            *difference -= y;
         }
     }
 }
@@ -211,7 +169,11 @@ macro_rules! implicit_method {
         impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> $name<'s, M, P, C, L> {
             /// The method on a system, with the caller's solver: a sparse one for many freedoms.
             pub fn with_solver(system: &'s System<M, P>, solver: L) -> Result<Self, SizeError> {
-                Ok($name { stage: Stage::new(system, solver, Newton::default())? })
+                Ok($name {
+                    stage: Stage::new(system, solver, Newton::default())?,
+                    velocity: Vector(zeros(system.dim())?),
+                    next: State::new(zeros(system.dim())?, zeros(system.dim())?),
+                })
             }
 
             /// The same method with other bounds on Newton's method. The tolerance is in

@@ -16,9 +16,11 @@
 
 use stationary_calculus::{
     DenseSolver, HessianSolver, Metric, Newton, Potential, SizeError, Space, Storage, System,
+    Vector,
 };
 
-use crate::stage::{Phase, Stage, implicit_method};
+use crate::integrator::{check_step, zeros};
+use crate::stage::{Stage, implicit_method};
 use crate::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
     State, StepError, StepReport, Symplecticity,
@@ -44,6 +46,8 @@ pub(crate) const FACTS: Facts = Facts {
 #[derive(Clone, Debug)]
 pub struct Trapezoid<'s, M, P, C, L = DenseSolver<C>> {
     stage: Stage<'s, M, P, C, L>,
+    velocity: Vector<C>,
+    next: State<C>,
 }
 
 implicit_method!(Trapezoid);
@@ -57,17 +61,19 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
 
     #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        self.stage.step(state, h, |stage, Phase { next, velocity, .. }| {
-            let system = stage.system();
-            let State { q, p, .. } = next;
-            let mut start = 0;
-            let dv = stage.differential_at(q, &mut start);
+        let Trapezoid { stage, velocity, next } = self;
+        let system = stage.system();
+        check_step(state, system.dim(), h)?;
+        state.step(next, h, |_, State { q, p, .. }| {
+            let mut differentials = 0;
+            let dv = stage.differential_at(q, &mut differentials);
             p.add_scaled(-0.25 * h, dv.view());
             system.metric().sharp(p.view(), velocity.view_mut());
             p.add_scaled(-0.25 * h, dv.view());
             system.space().advance(q.as_mut(), h, velocity.view());
+            stage.y().clone_from(q);
             let mut report = stage.solve(q, 0.25 * h * h)?;
-            report.differentials += start;
+            report.differentials += differentials;
             let dv = stage.differential_at(q, &mut report.differentials);
             p.add_scaled(-0.5 * h, dv.view());
             Ok(report)
