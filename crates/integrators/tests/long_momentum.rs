@@ -68,7 +68,7 @@ impl Potential for WideSpring {
     }
 }
 
-/// The largest relative drifts of the linear and the angular momentum on the way.
+/// The largest relative drift of the linear and of the angular momentum on the way.
 fn drifts<M: Metric, P: Potential, const N: usize>(
     method: Method,
     system: &System<M, P>,
@@ -90,7 +90,7 @@ fn drifts<M: Metric, P: Potential, const N: usize>(
     largest
 }
 
-/// Both momenta drift by no more than rounding if, and only if, the method promises to keep them.
+/// A momentum that the method promises to keep drifts by no more than rounding.
 fn assert_kept_as_promised<M: Metric, P: Potential, const N: usize>(
     method: Method,
     system: &System<M, P>,
@@ -101,10 +101,11 @@ fn assert_kept_as_promised<M: Metric, P: Potential, const N: usize>(
         Evaluation::Explicit => 1e-12,
         Evaluation::Implicit => 1e-11,
     };
-    let promises = [facts.linear_momentum, facts.angular_momentum];
-    let promised = promises.map(|momentum| momentum == Conservation::Exact);
     let drifts = drifts(method, system, initial);
-    assert_eq!(drifts.map(|drift| drift <= rounding), promised, "{method}: {drifts:?}");
+    for (drift, promise) in drifts.iter().zip([facts.linear_momentum, facts.angular_momentum]) {
+        let kept = *drift <= rounding;
+        assert!(kept || promise != Conservation::Exact, "{method}: {drifts:?}");
+    }
 }
 
 fn lasts_on_three_bodies(method: Method) -> bool {
