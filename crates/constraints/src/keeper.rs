@@ -47,7 +47,7 @@ pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers> {
     pub(crate) differentials: u32,
 }
 
-fn zeros<C: Storage>(n: usize) -> Result<C, ConstraintError> {
+pub(crate) fn zeros<C: Storage>(n: usize) -> Result<C, ConstraintError> {
     let got = size_of::<C>() / size_of::<f64>();
     C::zeros(n).ok_or(SizeError { what: "the storage's numbers", expected: n, got }.into())
 }
@@ -274,7 +274,7 @@ fn work<C: Storage, X>(
 }
 
 /// Iterations that left the finite numbers, from a distance of this size.
-fn diverged(iterations: u32, violation: f64) -> ConstraintError {
+pub(crate) fn diverged(iterations: u32, violation: f64) -> ConstraintError {
     ConstraintError::NotConverged { iterations, row: 0, violation }
 }
 

@@ -21,13 +21,20 @@ mod schur;
 mod saddle;
 mod integrator;
 mod keeper;
+mod arcsine;
+mod penalty;
+mod projection;
+mod step_and_project;
+mod critical_point;
 mod hamilton;
 mod rattle;
 mod breaking;
 pub mod problems;
 
+pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
 pub use constraint::{Constraint, Rows, Scale};
+pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{DenseMultipliers, Few};
 pub use error::ConstraintError;
 pub use function::{Function, FunctionConstraint};
@@ -36,11 +43,14 @@ pub use integrator::{ConstrainedIntegrator, ConstrainedReport};
 pub use linear::Linear;
 pub use multipliers::{Multipliers, Redundancy, Solver};
 pub use pairing::Pairing;
+pub use penalty::Penalty;
 pub use points::FixedPoint;
+pub use projection::{Projection, ProjectionReport};
 pub use rattle::Rattle;
 pub use rods::{Rod, Rods};
 #[cfg(feature = "sparse")]
 pub use saddle::{Coupled, SaddleMultipliers};
 #[cfg(feature = "sparse")]
 pub use schur::{Many, SchurMultipliers};
+pub use step_and_project::StepAndProject;
 pub use surface::{Level, OnLevel};
