@@ -74,6 +74,7 @@ pub use check::{
     WrongEntry, assert_derivatives, assert_derivatives_on, assert_jacobian, check_jacobian,
     check_potential, check_potential_on, differences,
 };
+pub use dense_lu::DenseLu;
 pub use differential::{
     Number, differential, directional_derivative, gradient, hessian, jacobian, jacobian_of_matrix,
     second_differential,

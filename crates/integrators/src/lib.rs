@@ -5,9 +5,13 @@
 //! (q, p) -> Phi_h(q, p), close to the flow       a time integrator                  (4.3)
 //! M (x - y) + a dV(x) = 0, by Newton's method    what an implicit step solves       (4.4)
 //! order, stability, energy, momentum             what makes a good one, as data     (4.5)
+//! S = sum h L_d, p0 = -h d1 L_d, p1 = h d2 L_d   the same from one function    (5.4, 5.5)
+//! <p, xi(q)> is constant where xi is a symmetry  Noether's theorem                  (8.3)
+//! p0 + h d1 L_d + h/2 F = 0,   p <- p + J        forces and impulses         (10.1-10.3)
 //! ```
 //! `q` a configuration, `p` its momentum (a covector), `M` the metric, `V` the potential, `h` the
-//! step in seconds. The numbers name sections of the notes.
+//! step in seconds; `L_d` a discrete Lagrangian, `S` the action, `xi` the generator of a symmetry,
+//! `F` a force, `J` an impulse. The numbers name sections of the notes.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -28,7 +32,10 @@
 //! Reading order: what a step is ([`State`], [`Integrator`], [`Facts`]); the methods of 4.3, from
 //! [`ExplicitEuler`] to [`RungeKutta4`], with the two ideas that they share (kicks and drifts for the
 //! explicit ones, one equation for the implicit ones); [`Method`], which names them all; then
-//! [`simulate`], the potentials of chapter 0, momenta, and [`problems`] with known answers.
+//! [`simulate`], the potentials of chapter 0, momenta with the symmetries that keep them
+//! ([`Symmetry`]), and [`problems`] with known answers. Last, Hamilton's principle: [`Lagrangian`],
+//! [`DiscreteLagrangian`] and its integrator [`Variational`], the [`Action`] and motions between two
+//! ends, [`Drag`], [`Load`] and [`Impulse`].
 //!
 //! An integrator is bound to its system: sizes are checked and memory is taken when it is made. A
 //! step allocates nothing, and a failed step leaves the state as it was. Every fact is asserted by a
@@ -50,12 +57,29 @@ mod implicit_midpoint;
 mod method;
 mod simulate;
 mod gravity;
+mod noether;
 mod momentum;
 pub mod problems;
 mod convergence;
+mod lagrangian;
+mod mechanical;
+mod discrete_lagrangian;
+mod quadrature;
+mod variational;
+mod action;
+mod boundary_value;
+mod drag;
+mod load;
+mod impulse;
 
+pub use action::Action;
+pub use boundary_value::{Stationary, StationaryPath};
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
-pub use error::{HorizonError, SimulationError, StepError, StudyError};
+pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
+pub use drag::Drag;
+pub use error::{
+    ActionError, ForceError, HorizonError, ImpulseError, SimulationError, StepError, StudyError,
+};
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
@@ -63,14 +87,22 @@ pub use facts::{
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use implicit_euler::ImplicitEuler;
 pub use implicit_midpoint::ImplicitMidpoint;
+pub use impulse::{Impulse, simulate_with_impulses};
 pub use integrator::{Integrator, StepReport};
+pub use lagrangian::{EulerLagrange, Lagrangian, LagrangianError};
+pub use load::{Load, bump};
+pub use mechanical::Mechanical;
 pub use method::{Method, UnknownMethod};
 pub use momentum::{
-    angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale,
+    Rotation, Translation, angular_momentum, angular_momentum_scale, linear_momentum,
+    linear_momentum_scale,
 };
+pub use noether::{Asymmetry, Symmetry, discrete_momentum_map, momentum_map};
+pub use quadrature::{Quadrature, Sampled};
 pub use runge_kutta_4::RungeKutta4;
 pub use simulate::{Cost, Horizon, Observation, simulate};
 pub use state::State;
 pub use stormer_verlet::StormerVerlet;
 pub use symplectic_euler::{SymplecticEulerDriftKick, SymplecticEulerKickDrift};
 pub use trapezoid::Trapezoid;
+pub use variational::Variational;

@@ -8,8 +8,10 @@
 //! | [`spring_pendulum`] | a mass on a stiff spring that swings | none: it is there to fail |
 //! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
 //!
+//! [`DoublePendulum`] is a Lagrangian: its mass depends on its configuration, so it is no system.
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
+mod double_pendulum;
 mod kepler;
 mod oscillator;
 mod pendulum;
@@ -22,6 +24,7 @@ use stationary_calculus::{DiagonalMetric, Metric, MetricError, Potential, SizeEr
 
 use crate::State;
 
+pub use double_pendulum::DoublePendulum;
 pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod derivative;
+mod hamilton;
 mod long_run;
 mod newton;
 mod phase_portrait;
@@ -27,6 +28,8 @@ pub const STUDIES: &[Entry<'static>] = &[
     table_4_1::TABLE,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    hamilton::BOUNDARY_VALUE,
+    hamilton::IMPULSE_LIMIT,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
