@@ -26,6 +26,12 @@ pub enum StepError {
     /// A discrete Lagrangian does not determine the next configuration from the momentum.
     #[error("the discrete Legendre transform is singular: q and p do not determine the next q")]
     SingularLegendreTransform,
+    /// Steps are counted forward, and each moves the time.
+    #[error("there are {density} steps a second; it must be a positive number that moves the time")]
+    Density {
+        /// Steps a second.
+        density: f64,
+    },
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),
@@ -168,4 +174,27 @@ pub enum ImpulseError {
     /// A step failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+}
+
+/// A parameter of a method outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} is {value}; it must be in {range}")]
+pub struct ParameterError {
+    /// The parameter.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The values it may have.
+    pub range: &'static str,
+}
+
+impl ParameterError {
+    pub(crate) fn check(
+        name: &'static str,
+        value: f64,
+        range: &'static str,
+        inside: bool,
+    ) -> Result<(), ParameterError> {
+        if inside { Ok(()) } else { Err(ParameterError { name, value, range }) }
+    }
 }

@@ -6,7 +6,9 @@
 //! An integrator is bound to a system when it is made: sizes are checked and all memory is taken
 //! then, so that a step checks little and allocates nothing.
 
-use stationary_calculus::{Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage};
+use stationary_calculus::{
+    Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage, Vector,
+};
 
 use crate::{Facts, State, StepError};
 
@@ -69,6 +71,13 @@ pub(crate) fn newton_memory<C: Storage>(
     let got = zeros::<C>(n)?.as_ref().len();
     let what = "the storage's numbers";
     NewtonMemory::new(n, newton.iterations).ok_or(SizeError { what, expected: n, got })
+}
+
+/// `difference = x - y`, entry by entry.
+pub(crate) fn subtract<C: Storage>(x: &[f64], y: &[f64], difference: &mut Vector<C>) {
+    for ((difference, x), y) in difference.components_mut().iter_mut().zip(x).zip(y) {
+        *difference = x - y;
+    }
 }
 
 /// The differential of a potential at a configuration, remembered for the next step.

@@ -14,23 +14,23 @@ use crate::chart::{Axis, Lines, Mark, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// A short force against the impulse that it tends to.
-pub const IMPULSE_LIMIT: Entry = Entry {
+pub const IMPULSE_LIMIT: Entry<'static> = Entry {
     id: "impulse-limit",
     krate: "integrators",
     chapter: "10.2",
     kind: Kind::Convergence,
     title: "A short force tends to an impulse",
-    run: |_| impulse_limit(),
+    run: &|_| impulse_limit(),
 };
 
 /// Index and action of motions between two ends.
-pub const BOUNDARY_VALUE: Entry = Entry {
+pub const BOUNDARY_VALUE: Entry<'static> = Entry {
     id: "action-boundary-value",
     krate: "integrators",
     chapter: "5.4",
     kind: Kind::Convergence,
     title: "Least action, for half a period",
-    run: |_| boundary_value(),
+    run: &|_| boundary_value(),
 };
 
 /// A unit mass on a spring of stiffness 1.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use stationary_calculus::{Metric, Potential};
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{Horizon, Method, simulate};
+use stationary_integrators::{Horizon, Method, Scheme, simulate};
 
 use crate::study::StudyError;
 
@@ -29,7 +29,7 @@ pub struct Samples {
 const HALVINGS: u32 = 3;
 
 /// The method that the reference is compared with, at the finest step.
-const OTHER: Method = Method::RungeKutta4;
+const OTHER: Method = Method::Composition(Scheme::KahanLi8);
 
 /// The problem with its true configuration known at samples.
 pub fn with_reference<M: Metric, P: Potential>(

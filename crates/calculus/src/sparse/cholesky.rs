@@ -36,6 +36,8 @@ pub enum Ordering {
     MinimumDegree,
     /// Nested dissection: slower to find; less fill and a faster factor for bodies in space.
     NestedDissection,
+    /// Both are found, and the one with the smaller factor is kept: for factors of long use.
+    Smaller,
 }
 
 /// The factor of a matrix, or the memory for it.
@@ -66,22 +68,14 @@ impl SparseCholesky {
     /// The same with a choice of how the order is found.
     pub fn analyse_by(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Self, SparseError> {
         let n = matrix.dim();
-        let columns = matrix.pattern().columns.as_ref();
-        let parameters = CholeskySymbolicParams::default();
-        let analysed = |order| factorize_symbolic_cholesky(columns, Side::Lower, order, parameters);
         let symbolic = match ordering {
-            Ordering::MinimumDegree => analysed(SymmetricOrdering::Amd),
-            Ordering::NestedDissection => {
-                let order = nested_dissection(columns.col_ptr(), columns.row_idx())?;
-                let mut places = vec![0; n];
-                for (place, &freedom) in order.iter().enumerate() {
-                    places[freedom as usize] = place as u32;
-                }
-                let order = PermRef::new_checked(&order, &places, n);
-                analysed(SymmetricOrdering::Custom(order))
+            Ordering::MinimumDegree => by_minimum_degree(matrix)?,
+            Ordering::NestedDissection => by_nested_dissection(matrix)?,
+            Ordering::Smaller => {
+                let (one, other) = (by_minimum_degree(matrix)?, by_nested_dissection(matrix)?);
+                if one.len_val() <= other.len_val() { one } else { other }
             }
         };
-        let symbolic = symbolic.map_err(|error| analysis_error(n, error))?;
         let scratch = Scratch::new(
             n,
             &[
@@ -129,18 +123,35 @@ impl SparseCholesky {
         }
     }
 
-    /// Solves `A x = b` in place; NaN where the last factorization failed.
+    /// Solves `A X = B` in place for right-hand sides one after the other, n numbers each: the factor
+    /// is read once for all of them. NaN where the last factorization failed. The first call with
+    /// more of them than before takes memory.
     pub fn solve(&mut self, b: &mut [f64]) {
-        if !self.factored {
+        let n = self.symbolic.nrows();
+        let columns = b.len().checked_div(n).unwrap_or(0);
+        if !self.factored || columns * n != b.len() {
             return b.fill(f64::NAN);
         }
-        let b = MatMut::from_column_major_slice_mut(b, self.symbolic.nrows(), 1);
+        let needed = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        if self.scratch.grow(needed).is_err() {
+            return b.fill(f64::NAN);
+        }
+        let b = MatMut::from_column_major_slice_mut(b, n, columns);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             b,
             Par::Seq,
             self.scratch.stack(),
         );
+    }
+
+    /// The order of elimination and the places of the factor.
+    pub(crate) fn symbolic(&self) -> &Arc<SymbolicCholesky<u32>> {
+        &self.symbolic
+    }
+
+    pub(crate) fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
     }
 
     /// How many numbers the factor has.
@@ -187,6 +198,29 @@ impl SparseCholesky {
             }
         }
     }
+}
+
+type Analysed = Result<SymbolicCholesky<u32>, SparseError>;
+
+fn by_minimum_degree(matrix: &SymmetricMatrix) -> Analysed {
+    analysed(matrix, SymmetricOrdering::Amd)
+}
+
+fn by_nested_dissection(matrix: &SymmetricMatrix) -> Analysed {
+    let order = nested_dissection(matrix.column_starts(), matrix.rows())?;
+    let mut places = vec![0; order.len()];
+    for (place, &freedom) in order.iter().enumerate() {
+        places[freedom as usize] = place as u32;
+    }
+    let order = PermRef::new_checked(&order, &places, matrix.dim());
+    analysed(matrix, SymmetricOrdering::Custom(order))
+}
+
+fn analysed(matrix: &SymmetricMatrix, order: SymmetricOrdering<'_, u32>) -> Analysed {
+    let columns = matrix.pattern().columns.as_ref();
+    let parameters = CholeskySymbolicParams::default();
+    factorize_symbolic_cholesky(columns, Side::Lower, order, parameters)
+        .map_err(|error| analysis_error(matrix.dim(), error))
 }
 
 #[cfg(test)]
