@@ -149,6 +149,14 @@ pub enum ConstraintError {
         /// The equation with the largest part in the dependence, counted from 0.
         row: usize,
     },
+    /// Reduced coordinates do not determine the places' velocities, nor these the coordinates' rates.
+    #[error(
+        "the reduced coordinates are singular here: singular values down to {ratio:e} of the largest"
+    )]
+    SingularCoordinates {
+        /// The smallest over the largest singular value of M^1/2 Dq.
+        ratio: f64,
+    },
     /// There are more equations than the solver has room for.
     #[error("the solver has room for {room} equations, not for {count}")]
     TooMany {
