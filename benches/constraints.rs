@@ -17,19 +17,32 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use stationary_calculus::loglog_slope;
-use stationary_constraints::problems::{RodProblem, chain};
+use stationary_constraints::problems::{RodProblem, writhing_chain};
 use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
 
-/// Runs steps of a swaying chain, one each call.
+/// How fast the links turn, radians a second: the step is then short enough for the tension of the
+/// longest chain, which would otherwise make it whirl.
+const RATE: f64 = 100.0;
+
+/// Runs steps of a writhing chain, one each call: its links turn by up to a hundredth of a radian a
+/// step.
 fn steps(n: usize, mut each: impl FnMut(&mut dyn FnMut() -> u32)) {
-    let RodProblem { system, rods, initial } = chain(n, 0.1).expect("a chain");
+    let RodProblem { system, rods, initial } = writhing_chain(n, RATE).expect("a chain");
     let mut state = initial.clone();
     let mut rattle = Rattle::new(&system, rods, &initial, Many).expect("a feasible state");
-    let h = 0.1 / (n as f64).sqrt();
-    for _ in 0..20 {
+    let h = 0.01 / RATE;
+    for _ in 0..3 {
         rattle.step(&mut state, h).expect("a step");
     }
-    each(&mut || rattle.step(&mut state, h).expect("a step").iterations);
+    // To and fro, so that the motion stays as lively as it is: RATTLE undoes its steps.
+    let mut count = 0;
+    each(&mut || {
+        count += 1;
+        if count % 4 == 0 {
+            state.p.0.iter_mut().for_each(|p| *p = -*p);
+        }
+        rattle.step(&mut state, h).expect("a step").iterations
+    });
 }
 
 /// Factor and solve of the chain's Schur complement by faer's own functions: unit masses and unit

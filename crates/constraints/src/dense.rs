@@ -78,6 +78,27 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
     }
 }
 
+/// Numbers of which at most M are used, one for each equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room<const M: usize> {
+    count: usize,
+    numbers: [f64; M],
+}
+
+impl<const M: usize> AsRef<[f64]> for Room<M> {
+    #[inline]
+    fn as_ref(&self) -> &[f64] {
+        &self.numbers[..self.count]
+    }
+}
+
+impl<const M: usize> AsMut<[f64]> for Room<M> {
+    #[inline]
+    fn as_mut(&mut self) -> &mut [f64] {
+        &mut self.numbers[..self.count]
+    }
+}
+
 /// Adds entries to the rows.
 struct Fill<'a, C>(&'a mut [Covector<C>]);
 
@@ -89,10 +110,10 @@ impl<C: Storage> Rows for Fill<'_, C> {
 }
 
 impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
-    type Numbers = [f64; M];
+    type Numbers = Room<M>;
 
-    fn numbers(&self) -> [f64; M] {
-        [0.0; M]
+    fn numbers(&self) -> Room<M> {
+        Room { count: self.count, numbers: [0.0; M] }
     }
 
     fn prepare(

@@ -71,7 +71,7 @@ impl Scales {
     pub(crate) fn worst(&self, g: &[f64]) -> Result<Worst, ConstraintError> {
         let mut worst = Worst { excess: f64::NEG_INFINITY, ..Worst::default() };
         let mut sum = 0.0;
-        for (row, g) in g.iter().enumerate().take(self.count()) {
+        for (row, g) in g.iter().enumerate() {
             let distance = g.abs() * self.inverse_slope[row];
             let excess = distance - RELATIVE * self.length[row];
             sum += distance;

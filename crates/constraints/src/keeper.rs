@@ -188,7 +188,7 @@ where
             let eps = rounding(q.as_ref());
             let stands_still = worst.distance > 0.5 * last;
             if worst.distance <= 0.25 * eps || (stands_still && worst.excess <= eps) {
-                let left = self.scales.largest_relative(&g[..self.scales.count()]);
+                let left = self.scales.largest_relative(g);
                 return Ok((iterations, left));
             }
             if iterations == ITERATIONS {

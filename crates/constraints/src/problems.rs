@@ -19,7 +19,7 @@ use stationary_integrators::{State, UniformGravity};
 
 use crate::{ConstraintError, Rods};
 
-pub use chain::{Chain, chain, folded_chain};
+pub use chain::{Chain, chain, folded_chain, writhing_chain};
 pub use four_bar::{FourBar, four_bar};
 pub use pendulum::{Pendulum, pendulum};
 pub use square::{Square, square};

@@ -131,7 +131,7 @@ where
             let settled = change <= 0.25 * eps || (change > 0.5 * last && change <= 16.0 * eps);
             let done = if iterations == 0 { worst.distance == 0.0 } else { settled };
             if worst.excess <= eps && done {
-                let violation = self.scales.largest_relative(&g[..self.scales.count()]);
+                let violation = self.scales.largest_relative(g);
                 return self.report(t, q, iterations, violation);
             }
             if iterations == ITERATIONS {

@@ -3,7 +3,9 @@
 #![cfg(feature = "sparse")]
 
 use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
-use stationary_constraints::problems::{RodProblem, chain, folded_chain, four_bar, square};
+use stationary_constraints::problems::{
+    RodProblem, chain, folded_chain, four_bar, square, writhing_chain,
+};
 use stationary_constraints::{
     ConstrainedIntegrator, ConstraintError, Coupled, Few, Many, Rattle, Redundancy, Rod, Rods,
     Solver,
@@ -58,10 +60,11 @@ fn a_metric_that_couples_needs_the_saddle_system() {
 
 #[test]
 fn the_work_of_a_chain_grows_with_its_links() {
+    // Each link turns by up to a hundredth of a radian a step.
     let mut counts = Vec::new();
     for n in [10, 100, 1_000, 10_000, 100_000] {
-        let RodProblem { system, rods, initial } = chain(n, 0.1).unwrap();
-        let h = 0.1 / (n as f64).sqrt();
+        let RodProblem { system, rods, initial } = writhing_chain(n, 1.0).unwrap();
+        let h = 0.01 / (n as f64 / 10.0).sqrt().max(1.0);
         let solver = Solver::<Vec<f64>>::analyse(&Many, system.metric(), &rods, 0.0, &initial.q);
         let factor_per_link = solver.unwrap().factor_len() as f64 / n as f64;
         let mut state = initial.clone();
@@ -74,8 +77,9 @@ fn the_work_of_a_chain_grows_with_its_links() {
         }
         counts.push((factor_per_link, most));
     }
+    println!("{counts:?}");
     assert!(counts.iter().all(|&(factor, _)| factor < 4.0), "{counts:?}");
-    assert!(counts.iter().all(|&(_, iterations)| iterations <= 6), "{counts:?}");
+    assert!(counts.iter().all(|&(_, iterations)| iterations <= 10), "{counts:?}");
 }
 
 #[test]
