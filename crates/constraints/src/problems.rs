@@ -5,7 +5,7 @@
 //! | [`pendulum`] | a unit mass on a unit rod, pushed at the bottom | Jacobi's elliptic functions |
 //! | [`chain`] | n unit masses on n unit rods | none; its lowest mode is Bessel's |
 //! | [`square`] | four masses, four sides, one or two diagonals, free | its momenta |
-//! | [`four_bar`] | crank, coupler and rocker on two hooks | its energy, and its loop |
+//! | [`four_bar`] | crank, coupler and rocker on two hooks | the time of a revolution |
 //!
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
@@ -20,7 +20,7 @@ use stationary_integrators::{State, UniformGravity};
 use crate::{ConstraintError, Rods};
 
 pub use chain::{Chain, chain, folded_chain, writhing_chain};
-pub use four_bar::{FourBar, four_bar};
+pub use four_bar::{Crank, FourBar, four_bar};
 pub use pendulum::{Pendulum, pendulum};
 pub use square::{Square, square};
 

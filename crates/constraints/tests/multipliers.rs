@@ -123,7 +123,7 @@ fn momenta_of_a_free_rigid_square_are_kept_to_rounding() {
 
 #[test]
 fn energy_oscillates_and_stays() {
-    let linkage = four_bar(1.0, 2.0).unwrap();
+    let linkage = four_bar(1.0, 2.0).unwrap().problem;
     let energy = |state: &State<[f64; 4]>| linkage.system.energy(&state.q, state.p.view());
     let worst = |h: f64| {
         let mut rattle = rattle::<_, 3>(&linkage);
@@ -143,7 +143,7 @@ fn energy_oscillates_and_stays() {
 
 #[test]
 fn a_step_back_undoes_a_step() {
-    let linkage = four_bar(1.0, 2.0).unwrap();
+    let linkage = four_bar(1.0, 2.0).unwrap().problem;
     let mut state = linkage.initial.clone();
     let mut rattle = rattle::<_, 3>(&linkage);
     rattle.step(&mut state, 0.05).unwrap();
