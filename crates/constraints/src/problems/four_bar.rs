@@ -2,18 +2,12 @@
 //!
 //! ```text
 //! (0, 0) --1-- crank pin --2-- rocker pin --2-- (2, 0)        a Grashof crank-rocker
-//! T = integral over a revolution of  sqrt(M(a) / 2 (E - V(a))) da
 //! ```
-//! A closed loop of three rods; its one freedom is the crank's angle a. Unit masses at the pins. `M` the
-//! pulled-back metric, `V` the potential, `E` the energy: where E is above V all the way the crank goes
-//! round in the time T, and the sum over equal angles gives T to rounding, as for every smooth periodic
-//! function.
-
-use std::f64::consts::TAU;
+//! A closed loop of three rods; its one freedom is the crank's angle. Unit masses at the pins.
 
 use stationary_calculus::{Number, Vector, directional_derivative};
 
-use super::{RodProblem, hanging};
+use super::{RodProblem, hanging, revolution};
 use crate::{ConstraintError, Embedding, Rod, Rods};
 
 /// A four-bar linkage.
@@ -40,31 +34,14 @@ impl Embedding<1, 4> for Crank {
     }
 }
 
-/// Angles over which the time of a revolution is summed.
-const ANGLES: u32 = 512;
-
 /// The linkage with its crank at an angle, radians, turning at a rate, radians a second.
 pub fn four_bar(angle: f64, rate: f64) -> Result<FourBar, ConstraintError> {
     let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 2.0), Rod::new([1, 3], 2.0)];
     let rods = Rods::new(2, vec![[0.0, 0.0], [2.0, 0.0]], rods)?;
-    let (metric, height) = at(angle);
-    let energy = 0.5 * metric * rate * rate + height;
-    let times = (0..ANGLES).map(|i| {
-        let (metric, height) = at(TAU * f64::from(i) / f64::from(ANGLES));
-        (metric / (2.0 * (energy - height))).sqrt() * TAU / f64::from(ANGLES)
-    });
-    let time: f64 = times.sum();
     let places = Crank.places([angle]);
     let along = directional_derivative(|a| Crank.places(a), [angle], Vector([rate]));
     let problem = hanging(places, along, 1.0, rods)?;
-    Ok(FourBar { problem, revolution: time.is_finite().then_some(time) })
-}
-
-/// The pulled-back metric and the potential at an angle of the crank.
-fn at(angle: f64) -> (f64, f64) {
-    let along: [f64; 4] = directional_derivative(|a| Crank.places(a), [angle], Vector([1.0]));
-    let places = Crank.places([angle]);
-    (along.iter().map(|v| v * v).sum(), places[1] + places[3])
+    Ok(FourBar { problem, revolution: revolution(&Crank, angle, rate) })
 }
 
 #[cfg(test)]

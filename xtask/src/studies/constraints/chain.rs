@@ -49,7 +49,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         // To and fro: RATTLE undoes its steps, and the motion stays as lively as it is.
         let wall = median_wall(5, || {
             count += 1;
-            if count % 4 == 0 {
+            if count.is_multiple_of(4) {
                 state.p.0.iter_mut().for_each(|p| *p = -*p);
             }
             match rattle.step(&mut state, STEP) {
