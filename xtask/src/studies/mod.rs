@@ -1,5 +1,6 @@
 //! The studies of the report, in the order of the page.
 
+mod constraints;
 mod convergence;
 mod derivative;
 mod hamilton;
@@ -54,6 +55,13 @@ pub const STUDIES: &[Entry<'static>] = &[
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,
     hamilton::IMPULSE_LIMIT,
+    constraints::PENDULUM_WAYS,
+    constraints::PENDULUM_ENERGY,
+    constraints::PENALTY_STABILITY,
+    constraints::ACCELERATION_DRIFT,
+    constraints::FOUR_BAR,
+    constraints::CHAIN_COST,
+    constraints::WHERE_THEY_FAIL,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
