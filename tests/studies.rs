@@ -50,6 +50,14 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "step-control",
         "multiscale-stability",
         "newmark-damping",
+        "kepler-high-orders",
+        "pendulum-high-orders",
+        "henon-heiles-convergence",
+        "stability-regions",
+        "action-boundary-value",
+        "impulse-limit",
+        "modes-needed",
+        "modes-large-motion",
     ] {
         text(id);
     }

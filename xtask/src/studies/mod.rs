@@ -11,6 +11,7 @@ mod multiscale;
 mod newmark_damping;
 mod newton;
 mod orbits;
+mod oscillating;
 mod phase_portrait;
 mod reference;
 pub mod scene;
@@ -35,11 +36,14 @@ pub const STUDIES: &[Entry<'static>] = &[
     work_precision::OUTER_SOLAR_SYSTEM,
     high_order::KEPLER_ORDERS,
     high_order::PENDULUM_ORDERS,
+    high_order::HENON_HEILES_ORDERS,
     high_order::KEPLER_WORK,
     high_order::PLANETS_WORK,
     orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
+    oscillating::FERMI_PASTA_ULAM,
+    oscillating::SPRING_CHAIN,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
