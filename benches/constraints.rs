@@ -1,8 +1,8 @@
 //! A hanging chain of rods: a step with multipliers, and how it grows with the links.
 //!
-//! `cargo bench --bench constraints` prints, for a chain of 10,000 links, the ratio of a RATTLE step to
-//! one factorization and solve of `J M^-1 J^T` by faer called directly, taken in turn, then nanoseconds
-//! a link for chains of growing length and the fitted exponent.
+//! `cargo bench --bench constraints` prints, for a chain of 10,000 links, the ratio of a RATTLE
+//! step to one factorization and solve of `J M^-1 J^T` by faer called directly, taken in turn, then
+//! nanoseconds a link for chains of growing length and the fitted exponent.
 
 mod in_turn;
 

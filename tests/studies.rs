@@ -37,7 +37,6 @@ snapshots! {
     pendulum_convergence: "pendulum-convergence",
     table_4_1: "table-4-1",
     constraint_failures: "constraint-failures",
-    four_bar_linkage: "four-bar-linkage",
 }
 
 /// Cells beside a border may turn with the last bit, and long runs take long: their claims are

@@ -6,11 +6,11 @@
 //! p = m L s
 //! ```
 //! `theta` the angle from hanging, radians, counterclockwise; `s` the speed of the chord from one
-//! place to the next, m/s; `p` the momentum that belongs to theta, kg m^2/s; `L` the rod, `g` gravity.
-//! It is the variational integrator of the discrete Lagrangian with the chord's kinetic energy, so that
-//! the constraint holds exactly and nothing is solved. Order 1, symplectic. Exists while the bob moves
-//! by at most a rod's length a step. Source: notes 6.1; errata 0.1 and 6.1 (angle from hanging, hence
-//! the minus; `omega` there is a speed), 6 (the condition on h).
+//! place to the next, m/s; `p` the momentum that belongs to theta, kg m^2/s; `L` the rod, `g`
+//! gravity. It is the variational integrator of the discrete Lagrangian with the chord's kinetic
+//! energy, so that the constraint holds exactly and nothing is solved. Order 1, symplectic. Exists
+//! while the bob moves by at most a rod's length a step. Source: notes 6.1; errata 0.1 and 6.1
+//! (angle from hanging, hence the minus; `omega` there is a speed), 6 (the condition on h).
 
 use stationary_integrators::State;
 

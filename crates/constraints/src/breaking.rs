@@ -3,10 +3,10 @@
 //! ```text
 //! |T| = |2 L lambda| > strength     at the step's mean force: the rod is removed
 //! ```
-//! `T` the tension in newtons. At most one rod breaks in a step, the one that exceeds its strength by
-//! the largest ratio; what the others then carry shows in the next step. Configuration and momentum
-//! stay as the step left them. Breaking takes memory, a step without it none.
-//! Source: notes 6.5 ("fracture the rod if lambda exceeds some threshold").
+//! `T` the tension in newtons. At most one rod breaks in a step, the one that exceeds its strength
+//! by the largest ratio; what the others then carry shows in the next step. Configuration and
+//! momentum stay as the step left them. Breaking takes memory, a step without it none. Source:
+//! notes 6.5 ("fracture the rod if lambda exceeds some threshold").
 
 use stationary_calculus::{Metric, Potential, Space, Storage};
 use stationary_integrators::State;

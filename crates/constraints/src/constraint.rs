@@ -8,9 +8,9 @@
 //! F = -J^T lambda             the force that keeps it, a covector
 //! ```
 //! `t` seconds, `q` a configuration, `v` a velocity (n freedoms). The columns of J belong to the
-//! freedoms of velocities, never to the stored numbers of q: J v is the rate of g where q moves along
-//! v by [`Space::advance`](stationary_calculus::Space::advance). The units of g are the constraint's
-//! own; [`Scale`] turns them into lengths, so that violations and ranks can be judged.
+//! freedoms of velocities, never to the stored numbers of q: J v is the rate of g where q moves
+//! along v by [`Space::advance`](stationary_calculus::Space::advance). The units of g are the
+//! constraint's own; [`Scale`] turns them into lengths, so that violations and ranks can be judged.
 //!
 //! A tuple or a `Vec` of constraints is a constraint. Zero must be a regular value: J has full row
 //! rank wherever g = 0, or there is no surface to stay on (notes 8.1). Source: notes 6; errata

@@ -6,10 +6,10 @@
 //! [ d2(f - lambda g)  -J^T ] [ dq      ]     [ df - J^T lambda ]
 //! [ -J                  0  ] [ dlambda ] = - [ -g              ]        Newton's method
 //! ```
-//! `f` a potential and `g` a constraint (m) on a flat space, `q` a configuration (n). The lower block
-//! is -g, or the matrix would not be symmetric. A solution is a critical point of f on the surface; the
-//! second differential of `f - lambda g` on the tangent space, `J w = 0`, says of which kind.
-//! Source: notes 6.4; errata 6.2. For a few dozen freedoms: the matrix is full.
+//! `f` a potential and `g` a constraint (m) on a flat space, `q` a configuration (n). The lower
+//! block is -g, or the matrix would not be symmetric. A solution is a critical point of f on the
+//! surface; the second differential of `f - lambda g` on the tangent space, `J w = 0`, says of
+//! which kind. Source: notes 6.4; errata 6.2. For a few dozen freedoms: the matrix is full.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use stationary_calculus::{
@@ -31,8 +31,8 @@ pub enum Kind {
     Maximum,
     /// It grows in some and falls in others.
     Saddle,
-    /// In some direction its second differential vanishes, to rounding: it decides nothing. Newton.s
-    /// method finds such a point only where it starts there; else its matrix is singular.
+    /// In some direction its second differential vanishes, to rounding: it decides nothing.
+    /// Newton.s method finds such a point only where it starts there; else its matrix is singular.
     Degenerate,
 }
 

@@ -5,12 +5,13 @@
 //! ```
 //! `J` m x n with m at most M, `D` the slopes of the equations, `W` a rotation (m x m), `Sigma` the
 //! singular values of J M^-1/2 in reference scales, `Q` with orthonormal rows. The roots are never
-//! taken: the inner product of two rows is that of covectors, `<a, M^-1 b>`, and so any metric will do.
-//! One-sided rotations (Hestenes 1958) find the smallest singular value to rounding of the largest,
-//! where the pivots of J M^-1 J^T would only show its square: the rank is judged at every step.
+//! taken: the inner product of two rows is that of covectors, `<a, M^-1 b>`, and so any metric will
+//! do. One-sided rotations (Hestenes 1958) find the smallest singular value to rounding of the
+//! largest, where the pivots of J M^-1 J^T would only show its square: the rank is judged at every
+//! step.
 //!
-//! Everything lives in arrays: nothing is allocated beyond what the storage C itself takes. The work
-//! grows with m^2 n; for many equations see `SchurMultipliers`.
+//! Everything lives in arrays: nothing is allocated beyond what the storage C itself takes. The
+//! work grows with m^2 n; for many equations see `SchurMultipliers`.
 
 use std::array::from_fn;
 
@@ -21,6 +22,10 @@ use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
 
 /// Rounds over all pairs of rows; a handful are the rule.
 const SWEEPS: usize = 60;
+/// What is named where it is not finite.
+const DIFFERENTIAL: &str = "constraint's differential";
+/// A row this much shorter than another is zero, far below what counts as dependent.
+const ROUNDING: f64 = 1e-13;
 
 /// Multipliers of at most M equations, with rows stored as C.
 #[derive(Clone, Debug)]
@@ -130,10 +135,13 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
             self.turned[row].clear();
             self.turned[row].add_scaled(self.inverse_slope[row], self.rows[row].view());
             metric.sharp(self.turned[row].view(), self.raised[row].view_mut());
+            if let Some(index) = first_non_finite(self.raised[row].components()) {
+                return Err(ConstraintError::NonFinite { what: DIFFERENTIAL, index });
+            }
             self.rotation[row] = from_fn(|column| f64::from(row == column));
         }
         if !self.orthogonalize() {
-            return Err(ConstraintError::NonFinite { what: "constraint's differential", index: 0 });
+            return Err(ConstraintError::NonFinite { what: DIFFERENTIAL, index: 0 });
         }
         self.examine()
     }
@@ -192,10 +200,10 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
     /// Turns two rows to be orthogonal; false where they are.
     fn turn(&mut self, i: usize, j: usize) -> bool {
         let product = self.turned[i].apply(&self.raised[j]);
-        let p = self.turned[i].apply(&self.raised[i]).sqrt();
-        let q = self.turned[j].apply(&self.raised[j]).sqrt();
-        // Not `>`: what is not a number must not pass for orthogonal.
-        if product.abs() <= 4.0 * f64::EPSILON * p * q {
+        let (p, q) = (self.length(i), self.length(j));
+        // Rounding is all that is left of a row so short: it has no direction to turn.
+        let rounding = p.min(q) <= ROUNDING * p.max(q);
+        if rounding || product.abs() <= 4.0 * f64::EPSILON * p * q {
             return false;
         }
         let cotangent = (q - p) * (q + p) / (2.0 * product);
@@ -211,16 +219,18 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
         true
     }
 
+    /// The length of a turned row; of what rounding leaves of a dependent one, zero.
+    fn length(&self, row: usize) -> f64 {
+        self.turned[row].apply(&self.raised[row]).max(0.0).sqrt()
+    }
+
     /// Judges the singular values.
     fn examine(&mut self) -> Result<(), ConstraintError> {
         let mut sigma = [0.0; M];
         for (i, sigma) in sigma.iter_mut().enumerate().take(self.count) {
-            *sigma = self.turned[i].apply(&self.raised[i]).sqrt();
+            *sigma = self.length(i);
         }
         let sigma = &sigma[..self.count];
-        if let Some(index) = first_non_finite(sigma) {
-            return Err(ConstraintError::NonFinite { what: "constraint's differential", index });
-        }
         let largest = sigma.iter().fold(self.normal, |a, &b| a.max(b));
         let smallest = (0..self.count).min_by(|&i, &j| sigma[i].total_cmp(&sigma[j]));
         self.regularity = smallest.map_or(1.0, |i| sigma[i] / largest);

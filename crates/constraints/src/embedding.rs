@@ -1,4 +1,5 @@
-//! Reduced coordinates: places as a function of fewer freedoms, so that nothing is left to constrain.
+//! Reduced coordinates: places as a function of fewer freedoms, so that nothing is left to
+//! constrain.
 //!
 //! ```text
 //! q = q(s)                         N places from S freedoms                                (6.1)
@@ -8,11 +9,11 @@
 //! L_d(s0, s1) = 1/2 |q(s1) - q(s0)|_M^2 / h^2 - V      the chord's kinetic energy
 //! ```
 //! `s` reduced coordinates (S), `q` places (N), `M = diag(m)` their masses, `V` their [`Energy`] in
-//! joules. Kinetic energy belongs to the moving masses, not to the rates of s: here it is that of the
-//! straight way from one place to the next, as in the notes. The integrator is
+//! joules. Kinetic energy belongs to the moving masses, not to the rates of s: here it is that of
+//! the straight way from one place to the next, as in the notes. The integrator is
 //! [`Variational`](stationary_integrators::Variational): the constraint holds exactly, and the
-//! coordinates must be regular. Where Dq has not full rank (a pole of a sphere, or where q folds) M_s
-//! is singular, and so is the step.
+//! coordinates must be regular. Where Dq has not full rank (a pole of a sphere, or where q folds)
+//! M_s is singular, and so is the step.
 //!
 //! With V at the later end the step is of order 1, and for one rod it is the explicit arcsine form;
 //! with the mean of both ends it is symmetric and of order 2, and visits the configurations of

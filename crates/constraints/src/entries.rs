@@ -1,4 +1,5 @@
-//! The entries of a sparse differential, stored once in the order in which a constraint brings them.
+//! The entries of a sparse differential, stored once in the order in which a constraint brings
+//! them.
 //!
 //! ```text
 //! J = (row, freedom, value), ...        row after row

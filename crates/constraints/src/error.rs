@@ -64,9 +64,7 @@ pub enum ConstraintError {
         vertex: usize,
     },
     /// A linear equation has finite numbers, each freedom once, and a coefficient that is not zero.
-    #[error(
-        "equation {row} is not one: numbers must be finite, freedoms differ, one coefficient not zero"
-    )]
+    #[error("equation {row}: numbers must be finite, freedoms differ, one coefficient not be zero")]
     Equation {
         /// The equation, counted from 0.
         row: usize,
@@ -157,15 +155,17 @@ pub enum ConstraintError {
         /// The equation with the largest part in the dependence, counted from 0.
         row: usize,
     },
-    /// Reduced coordinates do not determine the places' velocities, nor these the coordinates' rates.
+    /// Reduced coordinates do not determine the places' velocities, nor these the coordinates'
+    /// rates.
     #[error(
-        "the reduced coordinates are singular here: singular values down to {ratio:e} of the largest"
+        "the reduced coordinates are singular: singular values down to {ratio:e} of the largest"
     )]
     SingularCoordinates {
         /// The smallest over the largest singular value of M^1/2 Dq.
         ratio: f64,
     },
-    /// An elimination met a pivot that is zero to working precision: equations depend on each other.
+    /// An elimination met a pivot that is zero to working precision: equations depend on each
+    /// other.
     #[error(
         "the equations depend on each other to working precision{}",
         row.map_or(String::new(), |row| format!(", equation {row} on others"))
@@ -202,7 +202,8 @@ pub enum ConstraintError {
         /// Its violation relative to its length.
         violation: f64,
     },
-    /// The explicit step in the pendulum's angle exists while the bob moves less than a rod's length.
+    /// The explicit step in the pendulum's angle exists while the bob moves less than a rod's
+    /// length.
     #[error("the bob moves {ratio} rods in a step; the angle's step needs at most one")]
     TooFast {
         /// h |speed| / L.

@@ -1,18 +1,19 @@
-//! The constrained discrete Hamilton principle: every configuration of the path stays, from the first.
+//! The constrained discrete Hamilton principle: every configuration of the path stays, from the
+//! first.
 //!
 //! ```text
 //! S = sum_i h (L(q_i, q_i+1) - <lambda_i, g(q_i)>)                 stationary             (6.3)
 //! p' = p - h dV(q) - h J(q)^T lambda,     lambda such that g(t + h, q') = 0
 //! q' = q exp(h M^-1 p')
 //! ```
-//! `q` configuration, `p` the momentum of the last interval (n), `lambda` the multipliers of the force
-//! at the start of the step (m): `F = -J^T lambda`. The notes' loop leaves the first position
+//! `q` configuration, `p` the momentum of the last interval (n), `lambda` the multipliers of the
+//! force at the start of the step (m): `F = -J^T lambda`. The notes' loop leaves the first position
 //! `q_0 + h v_0` unconstrained; here it has its own multiplier like every other.
 //!
-//! Order 1, symplectic, explicit but for lambda. Configurations are feasible to rounding, velocities
-//! only to O(h): p belongs to the chord from one configuration to the next. Keeps linear and angular
-//! momentum to rounding where potential and constraint do. From a tangent velocity the first multiplier
-//! carries half of the centripetal force only: the chord starts half a step late.
+//! Order 1, symplectic, explicit but for lambda. Configurations are feasible to rounding,
+//! velocities only to O(h): p belongs to the chord from one configuration to the next. Keeps linear
+//! and angular momentum to rounding where potential and constraint do. From a tangent velocity the
+//! first multiplier carries half of the centripetal force only: the chord starts half a step late.
 //! Source: notes 6.5; errata 6.5 (the first step; lambda inside h L is a force).
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};

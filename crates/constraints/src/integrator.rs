@@ -4,9 +4,9 @@
 //! (t, q, p) -> (t + h, q', p')    with g(t + h, q') = 0 again
 //! F = -J^T lambda                 the force of the constraint, meant over the step
 //! ```
-//! `q` a configuration, `p` its momentum (a covector), `lambda` the multipliers. After every step the
-//! violation is at most `1e-12 + 8 eps |q|/L` of each length L, or the step is an error and the state
-//! as it was.
+//! `q` a configuration, `p` its momentum (a covector), `lambda` the multipliers. After every step
+//! the violation is at most `1e-12 + 8 eps |q|/L` of each length L, or the step is an error and the
+//! state as it was.
 
 use stationary_integrators::{Facts, State};
 

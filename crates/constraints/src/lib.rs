@@ -1,16 +1,16 @@
 //! How does a system move when not every configuration is allowed?
 //!
 //! ```text
-//! g(t, q) = 0,    J = dg of full row rank                          a constraint             (6, 8.1)
-//! q = q(s)                                                         reduced coordinates      (6.1)
-//! V + k/2 |g|^2                                                    penalty                  (6.2)
-//! q~ = Phi_h(q),    q' closest to q~ with g = 0                    step and project         (6.3)
-//! df = lambda^T dg,    g = 0                                       Lagrange multipliers     (6.4)
-//! sum_i h (L_d(q_i, q_i+1) - <lambda_i, g(q_i)>) stationary        constrained Hamilton     (6.5)
-//! F = -J^T lambda                                                  the force that it takes
+//! g(t, q) = 0,    J = dg of full row rank                       a constraint            (6, 8.1)
+//! q = q(s)                                                      reduced coordinates     (6.1)
+//! V + k/2 |g|^2                                                 penalty                 (6.2)
+//! q~ = Phi_h(q),    q' closest to q~ with g = 0                 step and project        (6.3)
+//! df = lambda^T dg,    g = 0                                    Lagrange multipliers    (6.4)
+//! sum_i h (L_d(q_i, q_i+1) - <lambda_i, g(q_i)>) stationary     constrained Hamilton    (6.5)
+//! F = -J^T lambda                                               the force that it takes
 //! ```
-//! `q` a configuration, `J` m x n for m equations and n freedoms of velocities, `lambda` multipliers
-//! (m), `h` the step in seconds. The numbers name sections of the notes.
+//! `q` a configuration, `J` m x n for m equations and n freedoms of velocities, `lambda`
+//! multipliers (m), `h` the step in seconds. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_constraints::problems::{RodProblem, pendulum};
@@ -29,17 +29,17 @@
 //! ```
 //!
 //! Reading order: what a [`Constraint`] is, sets of them, and the ones that are there ([`Rods`],
-//! [`FixedPoint`], [`Linear`], any [`Function`], a point [`OnLevel`] sets); the linear
-//! system behind all of it, solved for [`Few`] equations, `Many`, or `Coupled` freedoms; then the ways to keep a constraint in the notes'
-//! order: [`Reduced`] coordinates and the [`ArcsinePendulum`], [`Penalty`], [`Projection`] and
-//! [`StepAndProject`], [`critical_point`], [`ConstrainedHamilton`] and [`Rattle`], rods that break; and
-//! [`problems`] with known answers.
+//! [`FixedPoint`], [`Linear`], any [`Function`], a point [`OnLevel`] sets); the linear system
+//! behind all of it, solved for [`Few`] equations, `Many`, or `Coupled` freedoms; then the ways to
+//! keep a constraint in the notes' order: [`Reduced`] coordinates and the [`ArcsinePendulum`],
+//! [`Penalty`], [`Projection`] and [`StepAndProject`], [`critical_point`], [`ConstrainedHamilton`]
+//! and [`Rattle`], rods that break; and [`problems`] with known answers.
 //!
 //! | way | feasible | order | energy | what it asks for |
 //! | --- | --- | --- | --- | --- |
 //! | [`Reduced`] | exactly | 1 or 2 | bounded | coordinates that are regular on the way |
-//! | [`Penalty`] | to F/k | the integrator's | the integrator's | a step that shrinks like 1/sqrt(k) |
-//! | [`StepAndProject`] | to rounding | 1 | decays | nothing but J |
+//! | [`Penalty`] | to F/k | the integrator's | the integrator's | a step like 1/sqrt(k) |
+//! | [`StepAndProject`] | to rounding | 1 | decays | full rank on the way |
 //! | [`ConstrainedHamilton`] | configurations | 1 | bounded | full rank on the way |
 //! | [`Rattle`] | to rounding | 2 | bounded | full rank on the way |
 //!
@@ -48,9 +48,9 @@
 //! request. A step allocates nothing, and a failed one leaves the state as it was.
 //!
 //! What the examination of rank cannot see: with [`Few`] it is exact, at each accepted
-//! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees a
-//! ratio of singular values below about 1e-7 and rows that vanish; `Coupled` what makes its matrix
-//! singular to working precision. The crate knows nothing of inequalities, contact or files.
+//! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees
+//! a ratio of singular values below about 1e-7 and rows that vanish; `Coupled` what makes its
+//! matrix singular to working precision. The crate knows nothing of inequalities, contact or files.
 
 mod error;
 mod constraint;

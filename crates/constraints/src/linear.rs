@@ -3,8 +3,8 @@
 //! ```text
 //! g_i = sum_f a_if q_f - b_i
 //! ```
-//! `a` given row by row by its entries, `b` a number a row. A pulley: `x_1 + x_2 = const`; a slider:
-//! `y = 0`; a gear: `r_1 theta_1 + r_2 theta_2 = 0`.
+//! `a` given row by row by its entries, `b` a number a row. A pulley: `x_1 + x_2 = const`; a
+//! slider: `y = 0`; a gear: `r_1 theta_1 + r_2 theta_2 = 0`.
 
 use stationary_calculus::Sink;
 

@@ -3,14 +3,14 @@
 //! ```text
 //! S lambda = b,    S = J M^-1 J^T        m x m, symmetric
 //! ```
-//! `J` the constraint's differential (m x n) at a time and a configuration, `M` the metric. Removing
-//! the velocity that leaves the feasible set, `v - M^-1 J^T S^-1 (J v + dg/dt)`, is the projection in
-//! the mass metric, and each iteration towards a feasible configuration is one such solve.
+//! `J` the constraint's differential (m x n) at a time and a configuration, `M` the metric.
+//! Removing the velocity that leaves the feasible set, `v - M^-1 J^T S^-1 (J v + dg/dt)`, is the
+//! projection in the mass metric, and each iteration towards a feasible configuration is one such
+//! solve.
 //!
 //! Three solvers: [`Few`](crate::Few) equations and any metric, on the stack; `Many` (feature
-//! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`) for
-//! many with a metric that couples freedoms.
-//! Knows nothing of time steps.
+//! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
+//! for many with a metric that couples freedoms. Knows nothing of time steps.
 
 use stationary_calculus::{Covector, Metric, Sink, Vector};
 

@@ -3,9 +3,9 @@
 //! ```text
 //! V(q) = sum_i lambda_i g_i(t, q),    dV = J^T lambda,    d2V = sum_i lambda_i d2g_i
 //! ```
-//! It is the term that the Lagrangian of a constrained system gains (notes 6.4, 6.5), and the way to
-//! check a constraint that is written by hand: every entry of J and of the second differential is
-//! wrong in V's derivatives if it is wrong at all. Takes memory at each energy; not for a step.
+//! It is the term that the Lagrangian of a constrained system gains (notes 6.4, 6.5), and the way
+//! to check a constraint that is written by hand: every entry of J and of the second differential
+//! is wrong in V's derivatives if it is wrong at all. Takes memory at each energy; not for a step.
 //!
 //! ```
 //! use stationary_calculus::assert_derivatives;

@@ -6,11 +6,11 @@
 //! d2V = k sum_i (dg_i dg_i^T + g_i d2g_i) / slope_i^2
 //! h omega < 2,    omega^2 = k sigma^2                   the stable step of Stormer-Verlet
 //! ```
-//! `g / slope` a length, so that k is a stiffness: to first order the rod is a spring of stiffness k.
-//! `sigma` the largest singular value of D^-1 J M^-1/2. The constraint is violated by about F/k under
-//! a force F, and the stable step shrinks with the root of k: no k is right for both. The potential
-//! has no time: a driven constraint is frozen at the time given.
-//! Source: notes 6.2. Works in memory of its own behind a lock, taken once.
+//! `g / slope` a length, so that k is a stiffness: to first order the rod is a spring of stiffness
+//! k. `sigma` the largest singular value of D^-1 J M^-1/2. The constraint is violated by about F/k
+//! under a force F, and the stable step shrinks with the root of k: no k is right for both. The
+//! potential has no time: a driven constraint is frozen at the time given. Source: notes 6.2. Works
+//! in memory of its own behind a lock, taken once.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

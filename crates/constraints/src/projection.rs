@@ -1,13 +1,15 @@
-//! Projection in the mass metric: the closest feasible configuration, the closest feasible velocity.
+//! Projection in the mass metric: the closest feasible configuration, the closest feasible
+//! velocity.
 //!
 //! ```text
-//! min 1/2 |delta|_M^2   with  g(t, q~ exp(delta)) = 0        delta = -M^-1 J(q)^T lambda      (6.3)
+//! min 1/2 |delta|_M^2   with  g(t, q~ exp(delta)) = 0      delta = -M^-1 J(q)^T lambda    (6.3)
 //! min 1/2 |v - v~|_M^2  with  J v + dg/dt = 0                v = v~ - M^-1 J^T mu
 //! ```
-//! `q~` and `v~` what is given, `q` and `v` what comes out, `J` at q itself, so that delta is normal
-//! there. Solved by Newton's method on the conditions for a minimum, without the constraint's second
-//! differential: each iteration is one solve with `J M^-1 J^T`, and the error shrinks by the curvature
-//! times the distance. From far away that is more than one, and the result is an error, not a guess.
+//! `q~` and `v~` what is given, `q` and `v` what comes out, `J` at q itself, so that delta is
+//! normal there. Solved by Newton's method on the conditions for a minimum, without the
+//! constraint's second differential: each iteration is one solve with `J M^-1 J^T`, and the error
+//! shrinks by the curvature times the distance. From far away that is more than one, and the result
+//! is an error, not a guess.
 //!
 //! Heavy particles move less than light ones: a Euclidean projection would push on both alike and
 //! change linear momentum. Source: notes 6.3; errata 6.3 (velocities are projected as well).

@@ -7,14 +7,15 @@
 //! lambda = (A + B)/h
 //! ```
 //! `q` configuration, `p` momentum covector (n), `J` the constraint's differential (m x n), `A B`
-//! impulses (m), `lambda` the multipliers of the mean force over the step (m): the tension of a rod is
-//! `2 L lambda` newtons, of order 2 at the middle of the step.
+//! impulses (m), `lambda` the multipliers of the mean force over the step (m): the tension of a rod
+//! is `2 L lambda` newtons, of order 2 at the middle of the step.
 //!
-//! Order 2, symmetric, symplectic on the feasible set; keeps linear and angular momentum to rounding
-//! where potential and constraint do. One differential, one factorization and a few solves a step.
-//! Fails with an error where a step turns a rod by about half a radian or more. On a space of
-//! rotations the drift is the exponential of a constant velocity: that is the free motion where the
-//! metric is the same for all axes. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2; notes 6.5.
+//! Order 2, symmetric, symplectic on the feasible set; keeps linear and angular momentum to
+//! rounding where potential and constraint do. One differential, one factorization and a few solves
+//! a step. Fails with an error where a step turns a rod by about half a radian or more. On a space
+//! of rotations the drift is the exponential of a constant velocity: that is the free motion where
+//! the metric is the same for all axes. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
+//! notes 6.5.
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};
 use stationary_integrators::{

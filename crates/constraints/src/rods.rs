@@ -5,10 +5,10 @@
 //! T = 2 L lambda              tension, newtons: positive where the rod pulls
 //! ```
 //! `x` points in D dimensions, `L` the length in metres, `lambda` the multiplier in N/m. The square
-//! form is a polynomial: its derivatives need no roots, and dg does not vanish where g does, as that
-//! of `(|d| - L)^2` would. Vertices from `free` on are fixed hooks. A rod may have a strength, the
-//! tension or thrust in newtons beyond which it breaks (notes 6.5).
-//! Source: notes 6; errata 6.5 (tension of the square form).
+//! form is a polynomial: its derivatives need no roots, and dg does not vanish where g does, as
+//! that of `(|d| - L)^2` would. Vertices from `free` on are fixed hooks. A rod may have a strength,
+//! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
+//! (tension of the square form).
 
 use stationary_calculus::Sink;
 

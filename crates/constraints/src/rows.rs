@@ -1,4 +1,5 @@
-//! What becomes of a differential's entries: a covector, without a matrix, and a look at their places.
+//! What becomes of a differential's entries: a covector, without a matrix, and a look at their
+//! places.
 //!
 //! ```text
 //! p += s J^T lambda       a force or an impulse

@@ -1,4 +1,5 @@
-//! Multipliers of many equations under any metric: the saddle system, never the inverse of the mass.
+//! Multipliers of many equations under any metric: the saddle system, never the inverse of the
+//! mass.
 //!
 //! ```text
 //! [ M  J^T ] [  x ]   [ 0 ]

@@ -3,10 +3,10 @@
 //! ```text
 //! S = J M^-1 J^T = sum over freedoms f of  J_f J_f^T / m_f        m x m, sparse, definite
 //! ```
-//! `J_f` the column of a freedom, `m_f` its mass. Two equations meet in S where they share a freedom:
-//! for a chain S has three diagonals, and elimination in the order that is found once leaves it so,
-//! hence the work grows with the number of links. Columns of freedoms that the same equations touch
-//! (the coordinates of a point) are summed before they go to S.
+//! `J_f` the column of a freedom, `m_f` its mass. Two equations meet in S where they share a
+//! freedom: for a chain S has three diagonals, and elimination in the order that is found once
+//! leaves it so, hence the work grows with the number of links. Columns of freedoms that the same
+//! equations touch (the coordinates of a point) are summed before they go to S.
 //!
 //! A row of J that vanishes, and a pivot that rounding cannot tell from zero, are errors: that is a
 //! ratio of singular values of about 1e-7, the square root of rounding. What is independent by less

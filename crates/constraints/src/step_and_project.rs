@@ -6,11 +6,12 @@
 //! p^ = p~ + M (q' - q~)/h              the velocity of the correction
 //! p' = p^ - J^T mu                     such that J v' + dg/dt = 0
 //! ```
-//! `q` configuration, `p` momentum covector (n). Order 1 whatever the integrator: the correction points
-//! along J(q'), and takes a part of order h^2 of the velocity with it in every step. Configurations and
-//! velocities feasible to rounding; keeps linear momentum where potential and constraint do, angular
-//! momentum to its order only, and loses energy where the constraint turns the motion.
-//! Source: notes 6.3; errata 6.3 (usable, but the velocity needs a projection of its own).
+//! `q` configuration, `p` momentum covector (n). Order 1 whatever the integrator: the correction
+//! points along J(q'), and takes a part of order h^2 of the velocity with it in every step.
+//! Configurations and velocities feasible to rounding; keeps linear momentum where potential and
+//! constraint do, angular momentum to its order only, and loses energy where the constraint turns
+//! the motion. Source: notes 6.3; errata 6.3 (usable, but the velocity needs a projection of its
+//! own).
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};
 use stationary_integrators::{

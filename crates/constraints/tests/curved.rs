@@ -1,5 +1,5 @@
-//! A constraint where configurations do not add: a body with a place and a unit quaternion, hung from
-//! a ball joint.
+//! A constraint where configurations do not add: a body with a place and a unit quaternion, hung
+//! from a ball joint.
 
 use stationary_calculus::{
     Covector, DiagonalMetric, Potential, Sink, Space, System, Vector, assert_derivatives_on,
@@ -12,8 +12,8 @@ use stationary_constraints::{
 };
 use stationary_integrators::State;
 
-/// Poses: a place in the world (3), a quaternion, scalar first (4); velocities (3), and turning rates
-/// in body axes (3).
+/// Poses: a place in the world (3), a quaternion, scalar first (4); velocities (3), and turning
+/// rates in body axes (3).
 #[derive(Clone, Copy, Debug)]
 struct Poses;
 

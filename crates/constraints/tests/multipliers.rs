@@ -98,8 +98,8 @@ fn a_rod_that_holds_a_weight_at_rest_has_its_weight_as_tension() {
     assert_eq!(state.q, [0.0, -1.0]);
 }
 
-/// The largest change of both momenta of a free square over 100,000 steps: relative to the momentum,
-/// and to what rounding scales with.
+/// The largest change of both momenta of a free square over 100,000 steps: relative to the
+/// momentum, and to what rounding scales with.
 fn changes_of_momenta(square: &Square) -> [f64; 3] {
     let mut rattle = rattle::<_, 5>(square);
     let mut state = square.initial.clone();

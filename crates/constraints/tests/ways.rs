@@ -391,3 +391,21 @@ fn linear_momentum_of_a_free_square_survives_the_projections() {
         assert!((now[0] - start[0]).abs() + (now[1] - start[1]).abs() < 1e-13);
     }
 }
+
+#[test]
+fn a_parallelogram_that_lies_flat_has_no_rank() {
+    // All three rods lie along one line: pins that move across it change no length to first order.
+    let metric = DiagonalMetric::new([1.0; 4]).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0; 2] };
+    let system = System::new(metric, gravity).unwrap();
+    let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 2.0), Rod::new([1, 3], 1.0)];
+    let rods = Rods::new(2, vec![[0.0, 0.0], [2.0, 0.0]], rods).unwrap();
+    let at = |angle: f64| {
+        let (s, c) = angle.sin_cos();
+        let state = State::new([c, s, c + 2.0, s], [0.0; 4]);
+        Rattle::new(&system, rods.clone(), &state, Few::<3>(REFUSE)).map(|_| ())
+    };
+    assert_eq!(at(0.5), Ok(()));
+    let error = at(0.0).unwrap_err();
+    assert!(matches!(error, ConstraintError::Singular { ratio, .. } if ratio < 1e-15), "{error}");
+}

@@ -27,8 +27,8 @@ pub fn folded_chain(n: usize) -> Result<Chain, ConstraintError> {
     hanging(q, vec![0.0; 2 * n], 1.0, rods(n)?)
 }
 
-/// A chain of `n` links that writhes: their angles from hanging are `0.5 sin(0.7 i)`, and each turns
-/// at up to `rate` radians a second, neighbours differently.
+/// A chain of `n` links that writhes: their angles from hanging are `0.5 sin(0.7 i)`, and each
+/// turns at up to `rate` radians a second, neighbours differently.
 pub fn writhing_chain(n: usize, rate: f64) -> Result<Chain, ConstraintError> {
     let (mut x, mut v) = ([0.0; 2], [0.0; 2]);
     let (mut q, mut p) = (Vec::with_capacity(2 * n), Vec::with_capacity(2 * n));

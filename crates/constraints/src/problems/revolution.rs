@@ -4,8 +4,8 @@
 //! T = integral over a revolution of  sqrt(M(a) / 2 (E - V(a))) da
 //! ```
 //! `a` the crank's angle, `M` the metric pulled back from unit masses, `V` their height under unit
-//! gravity, `E` the energy: where E is above V all the way, the crank goes round in the time T. The sum
-//! over equal angles gives T to rounding, as for every smooth periodic function.
+//! gravity, `E` the energy: where E is above V all the way, the crank goes round in the time T. The
+//! sum over equal angles gives T to rounding, as for every smooth periodic function.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,8 @@ use crate::Embedding;
 /// Angles over which the time is summed.
 const ANGLES: u32 = 512;
 
-/// The time of a revolution of a crank that passes an angle at a rate; none where it does not go round.
+/// The time of a revolution of a crank that passes an angle at a rate; none where it does not go
+/// round.
 pub(super) fn revolution(crank: &impl Embedding<1, 4>, angle: f64, rate: f64) -> Option<f64> {
     let (metric, height) = at(crank, angle);
     let energy = 0.5 * metric * rate * rate + height;

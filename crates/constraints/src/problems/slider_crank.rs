@@ -3,7 +3,8 @@
 //! ```text
 //! (0, 0) --1-- crank pin --3-- piston on y = 0
 //! ```
-//! Two rods and a line; its one freedom is the crank's angle. Unit masses at the pin and the piston.
+//! Two rods and a line; its one freedom is the crank's angle. Unit masses at the pin and the
+//! piston.
 
 use stationary_calculus::{Number, Vector, directional_derivative};
 use stationary_integrators::State;

@@ -96,7 +96,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         kind: CHAIN_COST.kind,
         title: CHAIN_COST.title.into(),
         conclusion: format!(
-            "Links that turn by up to a hundredth of a radian a step. The matrix of the multipliers \
+            "Links that turn by up to a hundredth of a radian a step. The multipliers' matrix \
              couples neighbours only, and elimination leaves it so: in this run the time of a step \
              grew as the links to the power {exponent:.2}. The longest chain needs the fewest \
              iterations, because rounding is coarser ten thousand links from the hook."

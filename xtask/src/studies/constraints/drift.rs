@@ -158,8 +158,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
         conclusion: "Here the constraint is differentiated twice and solved for the acceleration, \
                      as many engines do. Nothing then remembers the rod's length, and it drifts. \
                      Gains pull it back, critically damped; too small they are loose, and above \
-                     h α = 2.785 they blow up themselves. A multiplier step has neither a gain nor \
-                     a drift."
+                     h α = 2.785 they blow up themselves. A multiplier step has neither a \
+                     gain nor a drift."
             .into(),
         table,
         charts: vec![chart.into(), map.into()],

@@ -66,7 +66,8 @@ impl Way {
         match self {
             Way::Arcsine | Way::StepAndProject | Way::Hamilton => (1.0, 0.15),
             Way::ReducedBoth | Way::Rattle => (2.0, 0.1),
-            // The rod starts unstretched, and then swings about its stretch of F/k, a multiple of h^2.
+            // The rod starts unstretched, and then swings about its stretch of F/k, a multiple of
+            // h^2.
             Way::Penalty => (2.0, 0.3),
         }
     }
@@ -230,11 +231,14 @@ fn ways(size: Size) -> Result<Study, StudyError> {
                      they make the same discrete action stationary, one from outside and one from \
                      inside. Step and project is of order 1, although its step is of order 2. The \
                      penalty's stiffness is tied to the step by stability, so its rod is stretched \
-                     by a multiple of the squared step. An evaluation is a differential, a value of \
-                     the constraint, or a Hessian."
+                     by a multiple of the squared step. An evaluation is a differential, a \
+                     value of the constraint, or a Hessian."
             .into(),
         table,
-        charts: vec![against_step.slope(1.0, (1e-2, 1e-2)).slope(2.0, (1e-2, 1e-5)).into(), against_cost.into()],
+        charts: vec![
+            against_step.slope(1.0, (3e-3, 2e-2)).slope(2.0, (3e-3, 2e-5)).into(),
+            against_cost.into(),
+        ],
         claims,
     })
 }
