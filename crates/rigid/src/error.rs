@@ -1,0 +1,109 @@
+//! What can go wrong in this crate.
+
+use stationary_calculus::SizeError;
+
+/// Input that is no rotation, no body or no pose.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RigidError {
+    /// A mass is positive.
+    #[error("the mass is {0} kg; it must be positive and finite")]
+    Mass(f64),
+    /// A solid body resists every turn.
+    #[error(
+        "the moment of inertia about axis {axis} is {moment} kg m^2; it must be positive and finite"
+    )]
+    Moment {
+        /// The axis, 0 to 2.
+        axis: usize,
+        /// Its moment.
+        moment: f64,
+    },
+    /// No distribution of mass has these moments.
+    #[error(
+        "moment {axis} of {moments:?} exceeds the sum of the other two, which no distribution of mass has"
+    )]
+    TriangleInequality {
+        /// The axis of the largest moment.
+        axis: usize,
+        /// The principal moments, kg m^2.
+        moments: [f64; 3],
+    },
+    /// An inertia tensor is symmetric.
+    #[error(
+        "the inertia tensor is not symmetric: entry ({row}, {column}) is {entry}, its mirror image {mirror}"
+    )]
+    NotSymmetric {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        entry: f64,
+        /// The entry at (column, row).
+        mirror: f64,
+    },
+    /// A quaternion that stands for a rotation has length 1.
+    #[error("the quaternion has length {length}; a rotation's is 1")]
+    NotUnit {
+        /// Its length.
+        length: f64,
+    },
+    /// A rotation matrix is orthogonal.
+    #[error("R^T R is off from the identity by {defect}; a rotation's matrix is orthogonal")]
+    NotOrthogonal {
+        /// The largest entry of `R^T R - I`.
+        defect: f64,
+    },
+    /// A rotation does not turn right hands into left ones.
+    #[error("the matrix has determinant {determinant}: it reflects")]
+    Reflection {
+        /// Its determinant.
+        determinant: f64,
+    },
+    /// An axis has a direction.
+    #[error("the axis {0:?} has no direction")]
+    NoAxis([f64; 3]),
+    /// A number that is not finite.
+    #[error("{what}: number {index} is {value}")]
+    NonFinite {
+        /// What holds it.
+        what: &'static str,
+        /// Its place.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The body of this number is wrong.
+    #[error("a quaternion of length {length} at body {body}; a rotation's is 1")]
+    Pose {
+        /// The body, counted from 0.
+        body: usize,
+        /// The length of its quaternion.
+        length: f64,
+    },
+    /// Euler angles are lost where the middle one lines up the other two axes.
+    #[error("gimbal lock: the pitch is {pitch} rad, where yaw and roll turn about the same axis")]
+    GimbalLock {
+        /// The middle angle, radians.
+        pitch: f64,
+        /// The sum (pitch up) or difference (pitch down) of roll and yaw that is left, radians.
+        turn: f64,
+    },
+    /// A matrix without a real logarithm, or too ill-conditioned to find one.
+    #[error("the matrix has no real logarithm that square roots reach: {reason}")]
+    NoLogarithm {
+        /// What was met on the way.
+        reason: &'static str,
+    },
+    /// Something has the wrong size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}
+
+/// The first of these numbers that is not finite, as an error.
+pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), RigidError> {
+    match stationary_calculus::first_non_finite(numbers) {
+        Some(index) => Err(RigidError::NonFinite { what, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}
