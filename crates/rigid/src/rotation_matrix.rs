@@ -28,7 +28,12 @@ impl Rotation {
         if determinant < 0.0 {
             return Err(RigidError::Reflection { determinant });
         }
-        Ok(Rotation::unchecked(quaternion(r)).normalized())
+        Ok(Rotation::from_orthogonal(r))
+    }
+
+    /// The rotation of a matrix that is known to be one.
+    pub(crate) fn from_orthogonal(r: &Matrix3<f64>) -> Self {
+        Rotation::unchecked(quaternion(r)).normalized()
     }
 
     /// The matrix, whose columns are the body's axes as seen from the world.
