@@ -42,7 +42,14 @@ snapshots! {
 /// tested, their tables are not.
 #[test]
 fn the_claims_of_the_other_quick_studies_hold() {
-    for id in ["oscillator-stability", "spring-pendulum-stability", "kepler-long-run"] {
+    for id in [
+        "oscillator-stability",
+        "spring-pendulum-stability",
+        "kepler-long-run",
+        "step-control",
+        "multiscale-stability",
+        "newmark-damping",
+    ] {
         text(id);
     }
 }

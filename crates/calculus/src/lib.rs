@@ -74,6 +74,7 @@ pub use check::{
     WrongEntry, assert_derivatives, assert_derivatives_on, assert_jacobian, check_jacobian,
     check_potential, check_potential_on, differences,
 };
+pub use dense_lu::DenseLu;
 pub use differential::{
     Number, differential, directional_derivative, gradient, hessian, jacobian, jacobian_of_matrix,
     second_differential,
@@ -98,9 +99,9 @@ pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 #[cfg(feature = "sparse")]
 pub use sparse::{
-    ConjugateGradient, ConjugateGradientReport, JacobianEntries, Ladder, PatternSink, Pivoting,
-    RefillSink, Refined, SparseCholesky, SparseEquation, SparseError, SparseIndefinite,
-    SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
+    ConjugateGradient, ConjugateGradientReport, Inertia, JacobianEntries, Ladder, Ordering,
+    PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation, SparseError,
+    SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Flat, Space, System};

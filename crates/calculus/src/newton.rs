@@ -191,6 +191,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const NEARLY: f64 = 1e-9;
 /// So are steps of this size relative to the guess, where the solution itself is close to zero.
 const NEARLY_OF_GUESS: f64 = 1e-12;
+/// A residual that stays the same over this many such steps is rounding as well.
+const STANDSTILL: usize = 3;
 /// Energies that differ by this much, relatively, cannot be told apart.
 const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
 
@@ -237,7 +239,8 @@ impl Newton {
                 None if nearly => {}
                 None => return Err(memory.error(NewtonFailure::Stalled)),
             }
-            let rounding = found.is_none() || longest <= ROUNDING * largest(x);
+            let stands = nearly && stands_still(&memory.history);
+            let rounding = found.is_none() || stands || longest <= ROUNDING * largest(x);
             if rounding && size > self.tolerance {
                 // A residual larger than at the guess is no rounding, but the end of a fall.
                 if size > memory.history[0] {
@@ -302,6 +305,13 @@ fn search<C: Storage>(
         }
     }
     None
+}
+
+/// Whether the last residuals are all of one size: around a solution at zero no step is small
+/// relative to it.
+fn stands_still(history: &[f64]) -> bool {
+    let last = history.len().saturating_sub(STANDSTILL + 1);
+    history.len() > STANDSTILL && history[last..].windows(2).all(|pair| pair[0] == pair[1])
 }
 
 #[inline]
@@ -518,6 +528,19 @@ mod tests {
             let mut fall = Fall { y: x[0], a };
             let result = newton.solve(&mut fall, &mut x, &mut memory);
             assert_eq!(result.is_ok(), solvable, "{factor}: {result:?} at {x:?}");
+        }
+    }
+
+    #[test]
+    fn a_residual_that_stands_still_at_a_root_near_zero_is_rounding() {
+        // What is left of p = (x - q)/h is too small to move x - q, but not too small to move x.
+        let h = 0.01;
+        for k in 1..100 {
+            let q = 0.01 + 1e-4 * f64::from(k);
+            let p = -q / h * (1.0 + 2.0 * f64::EPSILON);
+            let (x, report, _) = root(Newton::default(), q, |x| (x - q) / h - p, |_| 1.0 / h);
+            assert!(x.abs() < 1e-15, "{x}");
+            assert!(report.unwrap().iterations < 12);
         }
     }
 

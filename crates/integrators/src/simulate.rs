@@ -64,6 +64,11 @@ impl Horizon {
         self.start + step as f64 * self.step
     }
 
+    /// When the first step that is left begins, and when the last one ends, seconds.
+    pub fn span(&self) -> (f64, f64) {
+        (self.time(self.done), self.time(self.steps))
+    }
+
     /// The number of steps.
     pub fn steps(&self) -> u64 {
         self.steps

@@ -3,9 +3,8 @@
 use super::axis::{Along, Axis, Ruler, Ticks};
 use super::canvas::{Anchor, Canvas, polyline};
 use super::label::{LINE, Label, TEXT, text_width, wrapped};
-use super::map::hatch;
 use super::place::Rect;
-use super::portrait::arrow;
+use super::stroke::{arrow, hatch};
 use super::style::Style;
 
 /// For which width a chart is drawn.

@@ -2,12 +2,21 @@
 
 mod convergence;
 mod derivative;
+mod hamilton;
+mod high_order;
 mod long_run;
+mod modal;
+mod multiscale;
+mod newmark_damping;
 mod newton;
+mod orbits;
 mod phase_portrait;
 mod reference;
 pub mod scene;
 mod stability;
+mod stability_regions;
+mod stiff;
+mod step_control;
 mod table_4_1;
 mod work_precision;
 
@@ -23,10 +32,24 @@ pub const STUDIES: &[Entry<'static>] = &[
     convergence::PENDULUM,
     work_precision::KEPLER,
     work_precision::OUTER_SOLAR_SYSTEM,
+    high_order::KEPLER_ORDERS,
+    high_order::PENDULUM_ORDERS,
+    high_order::KEPLER_WORK,
+    high_order::PLANETS_WORK,
+    orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    modal::MODES_NEEDED,
+    modal::LARGE_MOTION,
+    stability_regions::REGIONS,
+    stiff::WORK_PRECISION,
+    step_control::STUDY,
+    multiscale::STUDY,
+    newmark_damping::STUDY,
+    hamilton::BOUNDARY_VALUE,
+    hamilton::IMPULSE_LIMIT,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -5,14 +5,14 @@
 //! ```
 //! Runs at h, h/2, h/4 and h/8 cancel the first three of them (Richardson; notes 4.5 for the order).
 //! The reference's own error is the larger of two differences: from the second best extrapolation,
-//! and from a run of another method.
+//! and from a run of another method, of order 8.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use stationary_calculus::{Metric, Potential};
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{Horizon, Method, simulate};
+use stationary_integrators::{Horizon, Method, Scheme, simulate};
 
 use crate::study::StudyError;
 
@@ -28,8 +28,9 @@ pub struct Samples {
 /// Halvings of the coarsest step.
 const HALVINGS: u32 = 3;
 
-/// The method that the reference is compared with, at the finest step.
-const OTHER: Method = Method::RungeKutta4;
+/// The method that the reference is compared with, at twice the coarsest step: its order is such that
+/// finer steps would only add rounding.
+const OTHER: Method = Method::Composition(Scheme::KahanLi8);
 
 /// The problem with its true configuration known at samples.
 pub fn with_reference<M: Metric, P: Potential>(
@@ -50,7 +51,7 @@ pub fn with_reference<M: Metric, P: Potential>(
             .collect();
     }
     let best = columns.swap_remove(0);
-    let other = samples(&problem, OTHER, at.count, at.coarsest << HALVINGS)?;
+    let other = samples(&problem, OTHER, at.count, at.coarsest.div_ceil(2))?;
     let off = largest_distance(&best, &previous).max(largest_distance(&best, &other));
     problem.solution_error = off / problem.scale;
     let every = problem.horizon / at.count as f64;
