@@ -12,6 +12,7 @@ mod newton;
 mod orbits;
 mod phase_portrait;
 mod reference;
+mod rigid;
 pub mod scene;
 mod stability;
 mod stability_regions;
@@ -50,6 +51,8 @@ pub const STUDIES: &[Entry<'static>] = &[
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,
     hamilton::IMPULSE_LIMIT,
+    rigid::LONG_RUN,
+    rigid::WORK_PRECISION,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
