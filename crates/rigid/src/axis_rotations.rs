@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 use stationary_integrators::{Evaluation, Facts, StepError};
 
 use crate::free_rotation::{FreeRotation, Turned};
+use crate::stumpff::sine_cosine;
 use crate::variational::ConstantVelocity;
 use crate::{Body, Rotation};
 
@@ -34,7 +35,7 @@ impl Spin {
     #[inline]
     fn turn<const A: usize>(&mut self, rate: f64) {
         let (b, c) = ((A + 1) % 3, (A + 2) % 3);
-        let (sine, cosine) = (0.5 * rate * self.m[A]).sin_cos();
+        let (sine, cosine) = sine_cosine(0.5 * rate * self.m[A]);
         // sin a and 1 - cos a of the whole angle: the turn's difference from no turn.
         let (turn, versine) = (2.0 * sine * cosine, 2.0 * sine * sine);
         let (mb, mc) = (self.m[b], self.m[c]);

@@ -20,6 +20,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::check_finite;
+use crate::stumpff::{SMALL_BELOW, small};
 use crate::{LieGroup, RigidError};
 
 /// A rotation of space.
@@ -119,8 +120,9 @@ impl LieGroup for Rotation {
     #[inline]
     fn exp(theta: Vector3<f64>) -> Self {
         let s = theta.norm_squared();
-        if s < TINY {
-            return Rotation { w: 1.0, x: 0.5 * theta };
+        if s < 4.0 * SMALL_BELOW {
+            let [cosine, ratio] = small(0.25 * s);
+            return Rotation { w: cosine, x: theta * (0.5 * ratio) };
         }
         let angle = if s < f64::INFINITY { s.sqrt() } else { length(&theta) };
         let (sine, cosine) = (0.5 * angle).sin_cos();

@@ -14,9 +14,17 @@
 /// Squared angle below which the series is summed.
 pub(crate) const SERIES_BELOW: f64 = 4.0;
 
+/// Squared angle below which a few terms are enough: those of a step that resolves its motion.
+const FEW_BELOW: f64 = 0.25;
+/// So many.
+const FEW: usize = 7;
+
 /// `[c2, c3]` at a squared angle of a rotation.
 #[inline]
 pub(crate) fn c2_c3(s: f64) -> [f64; 2] {
+    if s < FEW_BELOW {
+        return [series(s, &SECOND[..FEW]), series(s, &THIRD[..FEW])];
+    }
     if s < SERIES_BELOW {
         return [series(s, &SECOND), series(s, &THIRD)];
     }
@@ -39,6 +47,28 @@ pub(crate) fn c4_c5(s: f64) -> [f64; 2] {
 #[inline]
 pub(crate) fn c1(s: f64) -> f64 {
     if s < SERIES_BELOW { 1.0 - s * series(s, &THIRD) } else { s.sqrt().sin() / s.sqrt() }
+}
+
+/// Squared angle below which [`small`] is exact to rounding.
+pub(crate) const SMALL_BELOW: f64 = 9e-4;
+
+/// `[cos x, sin x / x]` at a squared angle below [`SMALL_BELOW`], with neither root nor division.
+#[inline]
+pub(crate) fn small(s: f64) -> [f64; 2] {
+    let cosine = 1.0 - s * (0.5 - s * (1.0 / 24.0 - s * (1.0 / 720.0 - s * (1.0 / 40320.0))));
+    let ratio = 1.0 - s * (1.0 / 6.0 - s * (1.0 / 120.0 - s * (1.0 / 5040.0)));
+    [cosine, ratio]
+}
+
+/// `(sin x, cos x)`, fast where the angle is that of a short step.
+#[inline]
+pub(crate) fn sine_cosine(x: f64) -> (f64, f64) {
+    let s = x * x;
+    if s < SMALL_BELOW {
+        let [cosine, ratio] = small(s);
+        return (x * ratio, cosine);
+    }
+    x.sin_cos()
 }
 
 const TERMS: usize = 12;
@@ -65,7 +95,7 @@ const fn coefficients(n: u32) -> [f64; TERMS] {
 }
 
 #[inline]
-fn series(s: f64, coefficients: &[f64; TERMS]) -> f64 {
+fn series(s: f64, coefficients: &[f64]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * s + c)
 }
 
@@ -80,6 +110,17 @@ mod tests {
         let closed = [c2_c3(above), c4_c5(above), [c1(above), 1.0]];
         for (a, b) in pairs.iter().flatten().zip(closed.iter().flatten()) {
             assert!((a / b - 1.0).abs() < 3e-15, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn short_and_long_series_and_library_meet() {
+        let (below, above) = (c2_c3(FEW_BELOW.next_down()), c2_c3(FEW_BELOW));
+        assert!((0..2).all(|k| (below[k] / above[k] - 1.0).abs() < 1e-15));
+        for i in 0..1000 {
+            let x = 0.03 * (f64::from(i) / 999.0);
+            let (sine, cosine) = sine_cosine(-x);
+            assert!((sine + x.sin()).abs() <= 2.5e-16 * x && (cosine - x.cos()).abs() < 2.3e-16);
         }
     }
 
