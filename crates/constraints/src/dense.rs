@@ -1,0 +1,246 @@
+//! Multipliers of a few equations: rows turned against each other until they are orthogonal.
+//!
+//! ```text
+//! W D^-1 J M^-1/2 = Sigma Q,     S^-1 = D^-1 W^T Sigma^-2 W D^-1
+//! ```
+//! `J` m x n with m at most M, `D` the slopes of the equations, `W` a rotation (m x m), `Sigma` the
+//! singular values of J M^-1/2 in reference scales, `Q` with orthonormal rows. The roots are never
+//! taken: the inner product of two rows is that of covectors, `<a, M^-1 b>`, and so any metric will do.
+//! One-sided rotations (Hestenes 1958) find the smallest singular value to rounding of the largest,
+//! where the pivots of J M^-1 J^T would only show its square: the rank is judged at every step.
+//!
+//! Everything lives in arrays: nothing is allocated beyond what the storage C itself takes. The work
+//! grows with m^2 n; for many equations see `SchurMultipliers`.
+
+use std::array::from_fn;
+
+use stationary_calculus::{Covector, Metric, SizeError, Storage, Vector, first_non_finite};
+
+use crate::multipliers::{DEPENDENT, Normal};
+use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
+
+/// Rounds over all pairs of rows; a handful are the rule.
+const SWEEPS: usize = 60;
+
+/// Multipliers of at most M equations, with rows stored as C.
+#[derive(Clone, Debug)]
+pub struct DenseMultipliers<C, const M: usize> {
+    count: usize,
+    redundancy: Redundancy,
+    /// One over the slope of each equation.
+    inverse_slope: [f64; M],
+    /// A singular value that is normal.
+    normal: f64,
+    rows: [Covector<C>; M],
+    turned: [Covector<C>; M],
+    raised: [Vector<C>; M],
+    rotation: [[f64; M]; M],
+    /// One over the square of each singular value, zero for those that are cut.
+    inverse_square: [f64; M],
+    regularity: f64,
+}
+
+/// The choice of [`DenseMultipliers`]: at most M equations, any metric.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Few<const M: usize>(pub Redundancy);
+
+impl<C: Storage, const M: usize> Solver<C> for Few<M> {
+    type Multipliers = DenseMultipliers<C, M>;
+
+    fn analyse<A: Metric, K: Constraint>(
+        &self,
+        metric: &A,
+        constraint: &K,
+        t: f64,
+        q: &[f64],
+    ) -> Result<DenseMultipliers<C, M>, ConstraintError> {
+        let (n, count) = (metric.dim(), constraint.count());
+        if count > M {
+            return Err(ConstraintError::TooMany { room: M, count });
+        }
+        let got = size_of::<C>() / size_of::<f64>();
+        let what = "the storage's numbers";
+        let zeros = C::zeros(n).ok_or(SizeError { what, expected: n, got })?;
+        Ok(DenseMultipliers {
+            count,
+            redundancy: self.0,
+            inverse_slope: from_fn(|row| {
+                if row < count { constraint.scale(row).slope.recip() } else { 0.0 }
+            }),
+            normal: Normal::size(metric, constraint, t, q),
+            rows: from_fn(|_| Covector(zeros.clone())),
+            turned: from_fn(|_| Covector(zeros.clone())),
+            raised: from_fn(|_| Vector(zeros.clone())),
+            rotation: [[0.0; M]; M],
+            inverse_square: [0.0; M],
+            regularity: 0.0,
+        })
+    }
+}
+
+/// Numbers of which at most M are used, one for each equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room<const M: usize> {
+    count: usize,
+    numbers: [f64; M],
+}
+
+impl<const M: usize> AsRef<[f64]> for Room<M> {
+    #[inline]
+    fn as_ref(&self) -> &[f64] {
+        &self.numbers[..self.count]
+    }
+}
+
+impl<const M: usize> AsMut<[f64]> for Room<M> {
+    #[inline]
+    fn as_mut(&mut self) -> &mut [f64] {
+        &mut self.numbers[..self.count]
+    }
+}
+
+/// Adds entries to the rows.
+struct Fill<'a, C>(&'a mut [Covector<C>]);
+
+impl<C: Storage> Rows for Fill<'_, C> {
+    #[inline]
+    fn add(&mut self, row: usize, freedom: usize, value: f64) {
+        self.0[row].components_mut()[freedom] += value;
+    }
+}
+
+impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
+    type Numbers = Room<M>;
+
+    fn numbers(&self) -> Room<M> {
+        Room { count: self.count, numbers: [0.0; M] }
+    }
+
+    fn prepare(
+        &mut self,
+        metric: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        SizeError::check("the constraint's equations", self.count, constraint.count())?;
+        self.rows.iter_mut().for_each(Covector::clear);
+        constraint.differential(t, q, &mut Fill(&mut self.rows));
+        for row in 0..self.count {
+            self.turned[row].clear();
+            self.turned[row].add_scaled(self.inverse_slope[row], self.rows[row].view());
+            metric.sharp(self.turned[row].view(), self.raised[row].view_mut());
+            self.rotation[row] = from_fn(|column| f64::from(row == column));
+        }
+        if !self.orthogonalize() {
+            return Err(ConstraintError::NonFinite { what: "constraint's differential", index: 0 });
+        }
+        self.examine()
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        let m = self.count;
+        let mut along = [0.0; M];
+        for i in 0..m {
+            let sum: f64 = (0..m).map(|j| self.rotation[i][j] * self.inverse_slope[j] * b[j]).sum();
+            along[i] = self.inverse_square[i] * sum;
+        }
+        for (j, b) in b.iter_mut().enumerate().take(m) {
+            let sum: f64 = (0..m).map(|i| self.rotation[i][j] * along[i]).sum();
+            *b = self.inverse_slope[j] * sum;
+        }
+        Ok(())
+    }
+
+    fn add_pulled_back(&self, scale: f64, lambda: &[f64], mut p: Covector<&mut [f64]>) {
+        for (row, lambda) in self.rows.iter().zip(lambda).take(self.count) {
+            p.add_scaled(scale * lambda, row.view());
+        }
+    }
+
+    fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
+        for (row, rate) in self.rows.iter().zip(rates).take(self.count) {
+            *rate += row.apply(&v);
+        }
+    }
+}
+
+impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
+    /// The smallest over the largest singular value of J M^-1/2 in reference scales, where it was
+    /// prepared last; 1 without equations.
+    pub fn regularity(&self) -> f64 {
+        self.regularity
+    }
+
+    /// Turns pairs of rows until all are orthogonal; false where numbers are not finite.
+    fn orthogonalize(&mut self) -> bool {
+        for _ in 0..SWEEPS {
+            let mut turned = false;
+            for i in 0..self.count {
+                for j in i + 1..self.count {
+                    turned |= self.turn(i, j);
+                }
+            }
+            if !turned {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Turns two rows to be orthogonal; false where they are.
+    fn turn(&mut self, i: usize, j: usize) -> bool {
+        let product = self.turned[i].apply(&self.raised[j]);
+        let p = self.turned[i].apply(&self.raised[i]).sqrt();
+        let q = self.turned[j].apply(&self.raised[j]).sqrt();
+        // Not `>`: what is not a number must not pass for orthogonal.
+        if product.abs() <= 4.0 * f64::EPSILON * p * q {
+            return false;
+        }
+        let cotangent = (q - p) * (q + p) / (2.0 * product);
+        let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+        let cosine = tangent.hypot(1.0).recip();
+        let sine = cosine * tangent;
+        let (head, tail) = self.turned.split_at_mut(j);
+        rotate(head[i].components_mut(), tail[0].components_mut(), cosine, sine);
+        let (head, tail) = self.raised.split_at_mut(j);
+        rotate(head[i].components_mut(), tail[0].components_mut(), cosine, sine);
+        let (head, tail) = self.rotation.split_at_mut(j);
+        rotate(&mut head[i], &mut tail[0], cosine, sine);
+        true
+    }
+
+    /// Judges the singular values.
+    fn examine(&mut self) -> Result<(), ConstraintError> {
+        let mut sigma = [0.0; M];
+        for (i, sigma) in sigma.iter_mut().enumerate().take(self.count) {
+            *sigma = self.turned[i].apply(&self.raised[i]).sqrt();
+        }
+        let sigma = &sigma[..self.count];
+        if let Some(index) = first_non_finite(sigma) {
+            return Err(ConstraintError::NonFinite { what: "constraint's differential", index });
+        }
+        let largest = sigma.iter().fold(self.normal, |a, &b| a.max(b));
+        let smallest = (0..self.count).min_by(|&i, &j| sigma[i].total_cmp(&sigma[j]));
+        self.regularity = smallest.map_or(1.0, |i| sigma[i] / largest);
+        if let Some(i) = smallest
+            && self.regularity < DEPENDENT
+            && self.redundancy == Redundancy::Refuse
+        {
+            let part = |row: &usize| self.rotation[i][*row].abs();
+            let row = (0..self.count).max_by(|a, b| part(a).total_cmp(&part(b))).unwrap_or(0);
+            return Err(ConstraintError::Singular { ratio: self.regularity, row });
+        }
+        for (inverse, sigma) in self.inverse_square.iter_mut().zip(sigma) {
+            let kept = *sigma >= DEPENDENT * largest;
+            *inverse = if kept { sigma.powi(2).recip() } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+fn rotate(a: &mut [f64], b: &mut [f64], cosine: f64, sine: f64) {
+    for (x, y) in a.iter_mut().zip(b) {
+        (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+    }
+}
