@@ -95,6 +95,20 @@ pub enum RigidError {
         /// What was met on the way.
         reason: &'static str,
     },
+    /// A joint names a body that is not there.
+    #[error("a joint names body {body} of {bodies}")]
+    NoSuchBody {
+        /// The body that it names.
+        body: usize,
+        /// How many there are.
+        bodies: usize,
+    },
+    /// A joint between two points of one body, or of the world.
+    #[error("a joint holds {ends:?} to itself")]
+    JoinedToItself {
+        /// The bodies of its ends; `None` is the world.
+        ends: [Option<usize>; 2],
+    },
     /// A density is positive.
     #[error("the density is {0}; it must be positive and finite")]
     Density(f64),

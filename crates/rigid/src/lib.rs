@@ -30,7 +30,7 @@
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
 //! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
-//! potentials and forces on them; the free top in closed form, and heavy tops; then free rotation by
+//! potentials, forces and joints on them; the free top in closed form, and heavy tops; then free rotation by
 //! three maps, kicked in [`LieVerlet`], Munthe-Kaas and what games do for contrast; [`BodyMethod`],
 //! which names them all, and [`problems`].
 //!
@@ -57,6 +57,7 @@ mod metric;
 mod weight;
 mod body_spring;
 mod point_force;
+mod joint;
 mod elliptic;
 mod free_top;
 mod symmetric_top;
@@ -85,6 +86,7 @@ pub use jacobian::{
     left_jacobian, left_jacobian_inverse, right_jacobian, right_jacobian_derivative,
     right_jacobian_inverse,
 };
+pub use joint::Joint;
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;
 pub use mass_properties::{PlanarMass, SpatialMass};
