@@ -1,8 +1,9 @@
 //! Rotations against nalgebra's, and a step of many free bodies.
 //!
-//! `cargo bench --bench rigid` prints the median ratio of times, ours over nalgebra's, for exp, log,
-//! composition and the rotation of a vector over random turns, with its quartiles; then nanoseconds a
-//! body and step for a thousand tumbling boxes, with the energy error that they were bought with.
+//! `cargo bench --bench rigid` prints the median ratio of times, ours over nalgebra's, for exp,
+//! log, composition and the rotation of a vector over random turns, with its quartiles; then
+//! nanoseconds a body and step for a thousand tumbling boxes, with the energy error that they were
+//! bought with.
 
 mod in_turn;
 

@@ -1,4 +1,5 @@
-//! From shapes to motion: a plate with a hole, a dumb-bell of two balls, and a knock on the dumb-bell.
+//! From shapes to motion: a plate with a hole, a dumb-bell of two balls, and a knock on the
+//! dumb-bell.
 //!
 //! `cargo run --example shape_to_motion -p stationary-rigid`
 

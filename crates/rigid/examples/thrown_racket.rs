@@ -1,4 +1,5 @@
-//! A racket thrown with a spin about its middle axis turns over, again and again: when, in closed form.
+//! A racket thrown with a spin about its middle axis turns over, again and again: when, in closed
+//! form.
 //!
 //! `cargo run --example thrown_racket -p stationary-rigid`
 

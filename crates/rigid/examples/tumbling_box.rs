@@ -1,4 +1,5 @@
-//! A box tumbling in space, half a minute in steps of 10 ms: what each integrator does to what stays.
+//! A box tumbling in space, half a minute in steps of 10 ms: what each integrator does to what
+//! stays.
 //!
 //! `cargo run --example tumbling_box -p stationary-rigid`
 

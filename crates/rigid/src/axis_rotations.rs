@@ -7,10 +7,10 @@
 //! `m` the angular momentum in body axes, as the turns before have left it; `I` the principal
 //! moments. Each part of the energy alone turns the body steadily about its axis and leaves `mk`.
 //! Order 2, explicit, symmetric, symplectic; keeps spatial angular momentum to rounding. Exact for
-//! a turn about a principal axis, at any speed. Axis `a` is that of the smallest moment, `b c` the next
-//! two in turn: on a box with moments 13 : 10 : 5 that order errs six times less than the worst.
-//! Source: McLachlan 1993; Reich 1994; Hairer, Lubich and Wanner, Geometric Numerical Integration,
-//! VII.5.
+//! a turn about a principal axis, at any speed. Axis `a` is that of the smallest moment, `b c` the
+//! next two in turn: on a box with moments 13 : 10 : 5 that order errs six times less than the
+//! worst. Source: McLachlan 1993; Reich 1994; Hairer, Lubich and Wanner, Geometric Numerical
+//! Integration, VII.5.
 
 use nalgebra::Vector3;
 use stationary_integrators::{Evaluation, Facts, StepError};

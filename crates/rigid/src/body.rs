@@ -6,9 +6,9 @@
 //! Q^T I Q diagonal                          Q the principal frame of a full tensor
 //! ```
 //! `m` kg; `I` kg m^2 about the point that the body turns about, its centre of mass if it is free;
-//! `t` that point, `w` the angular velocity in body axes (rad/s). Body axes are principal axes here:
-//! the metric is diagonal in them, and splittings turn about them. [`PrincipalFrame`] leads there
-//! from any other axes. Source: notes 9.4, 7.3.
+//! `t` that point, `w` the angular velocity in body axes (rad/s). Body axes are principal axes
+//! here: the metric is diagonal in them, and splittings turn about them. [`PrincipalFrame`] leads
+//! there from any other axes. Source: notes 9.4, 7.3.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 

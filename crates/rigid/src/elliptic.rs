@@ -1,7 +1,8 @@
 //! Jacobi's elliptic functions and Carlson's integrals, as the free top needs them.
 //!
 //! ```text
-//! u = F(am u) = int_0^am dx / sqrt(1 - k^2 sin^2 x),   sn = sin am,  cn = cos am,  dn = sqrt(kc^2 + k^2 cn^2)
+//! u = F(am u) = int_0^am dx / sqrt(1 - k^2 sin^2 x)
+//! sn = sin am,   cn = cos am,   dn = sqrt(kc^2 + k^2 cn^2)
 //! Pi(u) = int_0^u dv / (1 + c sn^2 v),                 c >= 0
 //! F = s RF(cos^2, 1 - k^2 s^2, 1)                      s = sin am, |am| <= pi/2
 //! Pi = F - c/3 s^3 RJ(cos^2, 1 - k^2 s^2, 1, 1 + c s^2)

@@ -20,7 +20,7 @@ pub enum RigidError {
     },
     /// No distribution of mass has these moments.
     #[error(
-        "moment {axis} of {moments:?} exceeds the sum of the other two, which no distribution of mass has"
+        "moment {axis} of {moments:?} exceeds the sum of the others: no mass is distributed like that"
     )]
     TriangleInequality {
         /// The axis of the largest moment.
@@ -30,7 +30,7 @@ pub enum RigidError {
     },
     /// An inertia tensor is symmetric.
     #[error(
-        "the inertia tensor is not symmetric: entry ({row}, {column}) is {entry}, its mirror image {mirror}"
+        "the inertia tensor is not symmetric: ({row}, {column}) is {entry}, its mirror image {mirror}"
     )]
     NotSymmetric {
         /// Row of the entry.
@@ -143,7 +143,7 @@ pub enum RigidError {
     },
     /// A surface with a hole, or with neighbours turned against each other.
     #[error(
-        "the surface is open: edge {from}-{to} of triangle {triangle} has no neighbour, or one turned the other way"
+        "the surface is open: edge {from}-{to} of triangle {triangle} has no neighbour facing its way"
     )]
     OpenEdge {
         /// The triangle.

@@ -4,9 +4,9 @@
 //! R = Rz(yaw) Ry(pitch) Rx(roll)          roll first, then pitch, then yaw, about world axes
 //! ```
 //! Radians; roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of a quarter turn, up or
-//! down, roll and yaw turn about the same axis and only their difference or sum is determined: gimbal
-//! lock. Reading angles there is an error that gives what is left. Within 1e-7 of it the angles are
-//! roll and yaw to seven digits fewer than the rotation has. Source: notes 9.1.
+//! down, roll and yaw turn about the same axis and only their difference or sum is determined:
+//! gimbal lock. Reading angles there is an error that gives what is left. Within 1e-7 of it the
+//! angles are roll and yaw to seven digits fewer than the rotation has. Source: notes 9.1.
 
 use crate::error::check_finite;
 use crate::{LieGroup, RigidError, Rotation};

@@ -4,10 +4,11 @@
 //! (R, m) -> (R S, S^T m),    S the turn of the step
 //! R S S^T m = R m                     so spatial angular momentum is kept, whatever S is
 //! ```
-//! `R` the orientation, `m` the angular momentum in body axes. Each map chooses its `S` from `m`; the
-//! same rounded `S` turns both, so that `R m` moves by rounding alone. Errors of length that `S`
-//! keeps making would add up over many steps; quaternions are divided by their length, and a vector
-//! is turned by its difference from itself, which is off by the rounding of the difference only.
+//! `R` the orientation, `m` the angular momentum in body axes. Each map chooses its `S` from `m`;
+//! the same rounded `S` turns both, so that `R m` moves by rounding alone. Errors of length that
+//! `S` keeps making would add up over many steps; quaternions are divided by their length, and a
+//! vector is turned by its difference from itself, which is off by the rounding of the difference
+//! only.
 
 use nalgebra::Vector3;
 use stationary_integrators::{Facts, StepError};

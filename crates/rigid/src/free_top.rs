@@ -8,15 +8,15 @@
 //! psi = L t/Ix - L (L^2 - 2T Ix)/(Ix C^2 l) [Pi(u) - Pi(u0)],   Pi over 1 + (A/C)^2 sn^2
 //! R(t) = R0 Q0^-1 exp(psi e3) Q(t),        Q m = L e3, and Q ex in the plane of e1 and e3
 //! ```
-//! `m` angular momentum in body axes, `L` its length, `T` the energy, `I` principal moments. `y` is the
-//! axis of the middle moment, `z` that of the largest if `L^2 > 2T Iy` and of the smallest if less:
-//! the one that `m` circles. `psi` is the turn of the axis `x` about the angular momentum, which it
-//! never meets. Differences like `2T Iz - L^2` are summed from terms of one sign; only the distance
-//! from the separatrix, `L^2 - 2T Iy`, cancels, as it must.
+//! `m` angular momentum in body axes, `L` its length, `T` the energy, `I` principal moments. `y` is
+//! the axis of the middle moment, `z` that of the largest if `L^2 > 2T Iy` and of the smallest if
+//! less: the one that `m` circles. `psi` is the turn of the axis `x` about the angular momentum,
+//! which it never meets. Differences like `2T Iz - L^2` are summed from terms of one sign; only the
+//! distance from the separatrix, `L^2 - 2T Iy`, cancels, as it must.
 //!
 //! Errors are roundings that grow with the angle turned. On the separatrix, where the period is
-//! infinite, hyperbolic functions take over by themselves. Source: Landau and Lifshitz, Mechanics, 37;
-//! Whittaker, Analytical Dynamics, 69.
+//! infinite, hyperbolic functions take over by themselves. Source: Landau and Lifshitz, Mechanics,
+//! 37; Whittaker, Analytical Dynamics, 69.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -127,7 +127,7 @@ impl Tumble {
         let wobble = m[x] * m[x] * (i[z] - i[x]) / i[x] + m[y] * m[y] * (i[z] - i[y]) / i[y];
         let spin = m[y] * m[y] * (i[y] - i[x]) / i[y] + m[z] * m[z] * (i[z] - i[x]) / i[z];
         let rate = ((i[z] - i[y]) * spin / (i[x] * i[y] * i[z])).sqrt();
-        if !(rate > 0.0) || wobble == 0.0 {
+        if rate.is_nan() || rate == 0.0 || wobble == 0.0 {
             return None;
         }
         let denominator = (i[z] - i[y]) * spin;
@@ -191,7 +191,8 @@ impl Tumble {
     }
 }
 
-/// The turn Q that brings `m` to the third axis and the axis x into the plane of the first and third.
+/// The turn Q that brings `m` to the third axis and the axis x into the plane of the first and
+/// third.
 fn to_momentum(m: &Vector3<f64>, x: usize) -> Rotation {
     let mut axis = Vector3::zeros();
     axis[x] = 1.0;

@@ -8,13 +8,14 @@
 //! (k g^-1)(g v^) = k v^           transport from g to k: the same body direction
 //! Ad_g v:  g v^ g^-1 = (Ad_g v)^,    [v, w]^ = v^ w^ - w^ v^
 //! ```
-//! `g k` elements, `v w` coordinates of the algebra, `v^` the matrix that they stand for. Directions
-//! are those of the body: multiplied from the right, as everywhere in this crate. The path from `g`
-//! to `k` is the notes' `exp(s log(k g^-1)) g` as well (errata 8.2.3).
+//! `g k` elements, `v w` coordinates of the algebra, `v^` the matrix that they stand for.
+//! Directions are those of the body: multiplied from the right, as everywhere in this crate. The
+//! path from `g` to `k` is the notes' `exp(s log(k g^-1)) g` as well (errata 8.2.3).
 //!
 //! Such a path is a geodesic where the metric is invariant from both sides: for rotations where all
 //! moments of inertia are equal (errata 8.2.2). The group of all invertible matrices, which has no
-//! coordinates of its own, has functions instead: [`matrix_exponential`](crate::matrix_exponential).
+//! coordinates of its own, has functions instead:
+//! [`matrix_exponential`](crate::matrix_exponential).
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -76,7 +77,8 @@ pub trait LieGroup: Copy + PartialEq {
         self.matrix() * Self::hat(v)
     }
 
-    /// A tangent matrix at `self` carried to the element `to`, where it has the same body direction.
+    /// A tangent matrix at `self` carried to the element `to`, where it has the same body
+    /// direction.
     fn transport(&self, to: &Self, tangent: Self::Matrix) -> Self::Matrix {
         to.compose(&self.inverse()).matrix() * tangent
     }

@@ -1,4 +1,5 @@
-//! The differential of exp on rotations: what turns a change of axis-angle into an angular velocity.
+//! The differential of exp on rotations: what turns a change of axis-angle into an angular
+//! velocity.
 //!
 //! ```text
 //! d/dt exp(theta) = exp(theta) [T(theta) theta.]     T = I - c2 [theta] + c3 [theta]^2   right
@@ -6,9 +7,9 @@
 //! T^-1 = I + [theta]/2 + c [theta]^2,    c = (1 - (a/2) cot(a/2))/a^2,   a = |theta|
 //! J(theta) = T(theta)^T = T(-theta) = exp(theta) T(theta)
 //! ```
-//! `theta` axis times angle, radians; `[theta]` the cross-product matrix; `c2 = (1 - cos a)/a^2` and
-//! `c3 = (a - sin a)/a^3`. The notes call the right Jacobian `T`; `T(theta) theta.` is the angular
-//! velocity in the body's axes, `J(theta) theta.` in the world's.
+//! `theta` axis times angle, radians; `[theta]` the cross-product matrix; `c2 = (1 - cos a)/a^2`
+//! and `c3 = (a - sin a)/a^3`. The notes call the right Jacobian `T`; `T(theta) theta.` is the
+//! angular velocity in the body's axes, `J(theta) theta.` in the world's.
 //!
 //! Coefficients are accurate to a few roundings at every angle. `T` is singular at whole turns,
 //! `a = 2 pi n`: there no change of theta turns the body about an axis across theta's, and the

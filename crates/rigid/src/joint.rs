@@ -6,14 +6,15 @@
 //! fixed   and  <u_1, v_2> = <v_1, w_2> = <w_1, u_2> = 0                  6
 //! d<a_1, b_2> = (a_1 x R_1^T b_2 , b_2 x R_2^T a_1)                      rows, per turn of 1 and 2
 //! ```
-//! `c` points (m) and `n u v w a b` unit directions in the axes of body 1 or 2, or of the world; inner
-//! products are taken in the world. The last two rows of a hinge and three of a fixed joint are pure
-//! numbers; all are regular where the joint is closed. A hinge's axis may also point the other way, and a
-//! fixed joint has other solutions, half a turn off: a motion that starts closed stays where it started.
+//! `c` points (m) and `n u v w a b` unit directions in the axes of body 1 or 2, or of the world;
+//! inner products are taken in the world. The last two rows of a hinge and three of a fixed joint
+//! are pure numbers; all are regular where the joint is closed. A hinge's axis may also point the
+//! other way, and a fixed joint has other solutions, half a turn off: a motion that starts closed
+//! stays where it started.
 //!
-//! [`stationary_constraints::Rattle`] moves jointed bodies; its drift is the exponential of a constant
-//! angular velocity, so it is of order 2 where a body turns about principal axes or has equal moments.
-//! Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
+//! [`stationary_constraints::Rattle`] moves jointed bodies; its drift is the exponential of a
+//! constant angular velocity, so it is of order 2 where a body turns about principal axes or has
+//! equal moments. Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{FIXED, Sink};
@@ -97,8 +98,8 @@ impl<S: BodySpace> Joint<S> {
         Ok(Joint { perpendicular: vec![pair(u), pair(v)], ..joint })
     }
 
-    /// A ball joint whose ends do not turn against each other, either: `frames` turns vectors in the
-    /// joint's axes into those of each end.
+    /// A ball joint whose ends do not turn against each other, either: `frames` turns vectors in
+    /// the joint's axes into those of each end.
     pub fn fixed(
         space: S,
         bodies: usize,

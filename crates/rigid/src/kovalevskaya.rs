@@ -4,8 +4,8 @@
 //! I1 = I2 = 2 I3,   centre of mass on the first axis
 //! K = |(w1 + i w2)^2 - c (G1 + i G2)|^2,    c = m g l/I3,    G = R^T ez
 //! ```
-//! `w` angular velocity and `G` the upward vertical in body axes, `m g l` the weight's moment (N m).
-//! `K`, in s^-4, is constant beside energy, `L.G` and `|G|`. It comes from no symmetry, so no
+//! `w` angular velocity and `G` the upward vertical in body axes, `m g l` the weight's moment (N
+//! m). `K`, in s^-4, is constant beside energy, `L.G` and `|G|`. It comes from no symmetry, so no
 //! integrator keeps it to rounding. Source: Kowalevski, Acta Mathematica 12 (1889).
 
 use nalgebra::Vector3;

@@ -1,16 +1,18 @@
-//! How does a body turn, and what does its motion keep? Lie groups and rigid motion that never drifts.
+//! How does a body turn, and what does its motion keep? Lie groups and rigid motion that never
+//! drifts.
 //!
 //! ```text
-//! A = 1/2 sum p x q,   m c = sum m_k c_k,   I = tr(C) 1 - C           mass, centre, inertia   (7.2, 7.3)
-//! g exp(s log(g^-1 k)),   Ad_g v,   [v, w]                            straight paths          (8.2)
-//! d/dt exp(theta) = exp(theta) [T(theta) theta.]                      angular velocity        (9.3)
-//! I w. + w x I w = -dV,   R. = R [w]                                  Euler's equations       (9.4)
-//! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)          made discrete           (9.5)
-//! F dx = (F, c x R^T F)                                               forces at points        (10.1)
+//! A = 1/2 sum p x q,   m c = sum m_k c_k,   I = tr(C) 1 - C      mass, centre, inertia    (7.2, 7.3)
+//! g exp(s log(g^-1 k)),   Ad_g v,   [v, w]                       straight paths                (8.2)
+//! d/dt exp(theta) = exp(theta) [T(theta) theta.]                 angular velocity              (9.3)
+//! I w. + w x I w = -dV,   R. = R [w]                             Euler's equations             (9.4)
+//! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)     made discrete                 (9.5)
+//! F dx = (F, c x R^T F)                                          forces at points             (10.1)
 //! ```
 //! `p q` corners, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
 //! orientation, `w` the angular velocity and `I` the inertia in body axes, `dV` the differential of
-//! the potential in body axes (minus the torque), `h` the step. The numbers name sections of the notes.
+//! the potential in body axes (minus the torque), `h` the step. The numbers name sections of the
+//! notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};
@@ -30,9 +32,9 @@
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
 //! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
-//! potentials, forces and joints on them; the free top in closed form, and heavy tops; then free rotation by
-//! three maps, kicked in [`LieVerlet`], Munthe-Kaas and what games do for contrast; [`BodyMethod`],
-//! which names them all, and [`problems`].
+//! potentials, forces and joints on them; the free top in closed form, and heavy tops; then free
+//! rotation by three maps, kicked in [`LieVerlet`], Munthe-Kaas and what games do for contrast;
+//! [`BodyMethod`], which names them all, and [`problems`].
 //!
 //! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
 //! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.

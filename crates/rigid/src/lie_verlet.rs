@@ -10,11 +10,11 @@
 //! this is the variational integrator of 9.5 with the potential shared by both ends of a step, with
 //! [`AxisRotations`] it is explicit.
 //!
-//! Order 2, symmetric, symplectic; one differential a step. Keeps linear momentum, and spatial angular
-//! momentum about any axis that the potential does not feel, to rounding; energy stays within a bound
-//! that falls with h^2, while the turn of a step is small.
-//! The notes' own update kicks once a step, at its later end: the same orientations, seen half a kick
-//! apart, and order 1 in the momenta. Source: notes 9.5; errata 5.5, 9.4.
+//! Order 2, symmetric, symplectic; one differential a step. Keeps linear momentum, and spatial
+//! angular momentum about any axis that the potential does not feel, to rounding; energy stays
+//! within a bound that falls with h^2, while the turn of a step is small. The notes' own update
+//! kicks once a step, at its later end: the same orientations, seen half a kick apart, and order 1
+//! in the momenta. Source: notes 9.5; errata 5.5, 9.4.
 //!
 //! [`ConstantVelocity`]: crate::ConstantVelocity
 //! [`AxisRotations`]: crate::AxisRotations

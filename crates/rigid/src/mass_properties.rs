@@ -5,9 +5,9 @@
 //! I about c = sum I_k + m_k (|d|^2 - d d^T),   d = c_k - c        the parallel-axis rule
 //! R I R^T                                                          turned with the piece
 //! ```
-//! `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and the rule `m |d|^2`. Pieces may
-//! have densities of their own. Only differences of centres enter, so pieces far from the origin lose
-//! no digits. Source: notes 7.2, 7.3, 9.4.
+//! `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and the rule `m |d|^2`.
+//! Pieces may have densities of their own. Only differences of centres enter, so pieces far from
+//! the origin lose no digits. Source: notes 7.2, 7.3, 9.4.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 use stationary_calculus::DiagonalMetric;
@@ -91,7 +91,8 @@ impl SpatialMass {
         Ok(SpatialMass { mass, centre, inertia })
     }
 
-    /// The body, and where its principal axes lie in the shape's: the centre and the principal frame.
+    /// The body, and where its principal axes lie in the shape's: the centre and the principal
+    /// frame.
     pub fn body(&self) -> Result<(Body, RigidMotion), RigidError> {
         let symmetric = (self.inertia + self.inertia.transpose()) * 0.5;
         let frame = PrincipalFrame::of(&symmetric)?;

@@ -7,9 +7,9 @@
 //! ```
 //! `A M Y` n x n. The logarithm takes square roots, by the product form of Denman and Beavers'
 //! iteration, until the matrix is close to I, where the series of artanh converges fast; it is the
-//! principal one, whose eigenvalues have imaginary parts within (-pi, pi). A matrix with an eigenvalue
-//! on the negative axis (zero included) has none, and is refused: a reflection, half a turn. What a
-//! logarithm claims is checked: its exponential gives M back, or there is an error.
+//! principal one, whose eigenvalues have imaginary parts within (-pi, pi). A matrix with an
+//! eigenvalue on the negative axis (zero included) has none, and is refused: a reflection, half a
+//! turn. What a logarithm claims is checked: its exponential gives M back, or there is an error.
 //! The notes' power series is not used: it diverges for rotations beyond 60 degrees (errata 8.2.3).
 //! Source: Higham, Functions of Matrices, 6.3 and 11.5.
 

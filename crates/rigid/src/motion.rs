@@ -5,10 +5,10 @@
 //! Ad_g (v, w) = (R v + t x R w, R w)
 //! [(v, w), (v', w')] = (w x v' - w' x v, w x w')
 //! ```
-//! `t` metres, `R` a rotation; the algebra has the body's velocity `v` first, its angular velocity `w`
-//! second; `J` the left Jacobian. A path `exp(s (v, w))` is a screw. A free body does not follow it:
-//! its centre moves straight while it turns, which is [`Poses`](crate::Poses), the product of R^3 and
-//! SO(3) with the same elements and other paths. Source: notes 8.2.
+//! `t` metres, `R` a rotation; the algebra has the body's velocity `v` first, its angular velocity
+//! `w` second; `J` the left Jacobian. A path `exp(s (v, w))` is a screw. A free body does not
+//! follow it: its centre moves straight while it turns, which is [`Poses`](crate::Poses), the
+//! product of R^3 and SO(3) with the same elements and other paths. Source: notes 8.2.
 
 use nalgebra::{Matrix4, Vector3, Vector6};
 

@@ -6,8 +6,8 @@
 //! (P, m) <- (P, m) + (J, c x R^T J)                                                (10.2, 10.3)
 //! ```
 //! `c` the point in body axes (m); `F` newtons, `J` newton seconds, world axes. The chart's `T` of
-//! the notes cancels: no axis-angle is ever formed. An impulse at a point of a body that turns about
-//! a fixed point leaves its torque only; the support takes the rest.
+//! the notes cancels: no axis-angle is ever formed. An impulse at a point of a body that turns
+//! about a fixed point leaves its torque only; the support takes the rest.
 
 use nalgebra::Vector3;
 use stationary_calculus::SizeError;
@@ -48,8 +48,8 @@ pub fn apply_impulse<S: BodySpace>(
     }
     let wrench = force_at_point(&S::pose(&state.q, body), point, impulse);
     let p = &mut state.p.components_mut()[S::FREEDOMS * body..][..S::FREEDOMS];
-    for c in 0..S::TRANSLATION {
-        p[c] += wrench.force[c];
+    for (p, force) in p.iter_mut().zip(&wrench.force).take(S::TRANSLATION) {
+        *p += force;
     }
     for c in 0..3 {
         p[S::TRANSLATION + c] += wrench.torque[c];

@@ -5,9 +5,9 @@
 //! J = 1/12 sum (p.p + p.q + q.q)(p x q)                        over edges from p to q
 //! ```
 //! `p q` corners (m) seen from the middle of the shape, `p x q` the number `px qy - py qx`; mass,
-//! inertia follow with the density (kg/m^2). Loops may wind either way and come in any order: a loop
-//! inside an odd number of others is a hole. Loops that cross themselves or each other are refused,
-//! by a test of every pair of edges. Source: notes 7.1-7.3; errata chapter 7.
+//! inertia follow with the density (kg/m^2). Loops may wind either way and come in any order: a
+//! loop inside an odd number of others is a hole. Loops that cross themselves or each other are
+//! refused, by a test of every pair of edges. Source: notes 7.1-7.3; errata chapter 7.
 
 use nalgebra::Vector2;
 
@@ -40,7 +40,7 @@ pub fn polygon_mass(density: f64, loops: &[&[Vector2<f64>]]) -> Result<PlanarMas
         first += f * sign;
         second += sign * s;
     }
-    if !(area > 0.0) {
+    if area.is_nan() || area <= 0.0 {
         return Err(RigidError::Empty("outline"));
     }
     let offset = first / area;

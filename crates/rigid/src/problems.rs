@@ -1,8 +1,9 @@
-//! Problems with known answers or known invariants: one definition each for tests, studies, benches.
+//! Problems with known answers or known invariants: one definition each for tests, studies,
+//! benches.
 //!
 //! | problem | system | what is known |
 //! | --- | --- | --- |
-//! | [`tumbling_box`] | the box of MuJoCo's own test of free bodies | everything: [`FreeTop`](crate::FreeTop) |
+//! | [`tumbling_box`] | the box of MuJoCo's test of free bodies | all: [`FreeTop`](crate::FreeTop) |
 //! | [`thrown_racket`] | a body spinning about its middle axis, nearly | the time between flips |
 //! | [`nodding_top`] | a heavy symmetric top let go | how far it nods |
 //! | [`precessing_top`] | the same top in steady precession | its rate |

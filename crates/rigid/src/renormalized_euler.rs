@@ -4,11 +4,11 @@
 //! P <- P - h dV,     m <- m + h (m x w - dV),     w = I^-1 m
 //! t <- t + h P/m,    q <- (q + h/2 q w) / |.|
 //! ```
-//! `m` angular momentum and `w` angular velocity in body axes, `q` the quaternion, `w` on its right a
-//! quaternion without scalar part. Here for contrast: order 1, explicit, neither symmetric nor
+//! `m` angular momentum and `w` angular velocity in body axes, `q` the quaternion, `w` on its right
+//! a quaternion without scalar part. Here for contrast: order 1, explicit, neither symmetric nor
 //! symplectic for the rotation. The push across `m` lengthens it, so a free body gains angular
-//! momentum and energy without bound; a fast one tumbles to pieces within seconds.
-//! Source: the semi-implicit Euler step of game engines, as in Catto's talks.
+//! momentum and energy without bound; a fast one tumbles to pieces within seconds. Source: the
+//! semi-implicit Euler step of game engines, as in Catto's talks.
 
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Potential, SizeError, System};

@@ -10,10 +10,10 @@
 //! rotation. The algebra is R^3 with the cross product; hat is the cross-product matrix.
 //!
 //! Both maps are accurate to a few roundings of each component from 1e-300 to any angle. The
-//! logarithm is the shortest: its length is at most pi, so `log(exp(theta))` differs from `theta` by
-//! whole turns about its axis once `|theta| > pi`. At exactly half a turn (`w` zero, of either sign)
-//! both axes are equally far, and the one whose first component that is not zero is positive is
-//! taken. Near it the sign of `w` decides, and the logarithm jumps by a whole turn.
+//! logarithm is the shortest: its length is at most pi, so `log(exp(theta))` differs from `theta`
+//! by whole turns about its axis once `|theta| > pi`. At exactly half a turn (`w` zero, of either
+//! sign) both axes are equally far, and the one whose first component that is not zero is positive
+//! is taken. Near it the sign of `w` decides, and the logarithm jumps by a whole turn.
 //!
 //! Source: notes 9.1, errata 8.2.3 and 9.1; Grassia 1998 on the small angles.
 
@@ -171,7 +171,8 @@ impl Rotation {
     }
 }
 
-/// A squared angle whose square root is exact enough to divide by; below it `sin x = x` to rounding.
+/// A squared angle whose square root is exact enough to divide by; below it `sin x = x` to
+/// rounding.
 const TINY: f64 = 1e-30;
 
 /// The length of a vector, whatever its size.

@@ -1,18 +1,19 @@
-//! Where bodies are: poses of free bodies, and orientations of bodies that turn about a fixed point.
+//! Where bodies are: poses of free bodies, and orientations of bodies that turn about a fixed
+//! point.
 //!
 //! ```text
-//! Poses          q = (t, w, x, y, z) a body, velocity (t., omega)    t <- t + h t.,  R <- R exp(h omega)
-//! Orientations   q = (w, x, y, z) a body,    velocity omega                          R <- R exp(h omega)
+//! Poses          q = (t, w, x, y, z),   v = (t., omega)     t <- t + h t.,  R <- R exp(h omega)
+//! Orientations   q = (w, x, y, z),      v = omega                           R <- R exp(h omega)
 //! ```
-//! `t` the centre in world axes (m), the quaternion scalar first, `t.` in world axes, `omega` in body
-//! axes. Seven numbers store the six freedoms of a pose, four the three of an orientation; bodies
-//! follow each other. The space of poses is the product of R^3 and SO(3): a body's centre moves
-//! straight while it turns.
+//! `t` the centre in world axes (m), the quaternion scalar first, `t.` in world axes, `omega` in
+//! body axes. Seven numbers store the six freedoms of a pose, four the three of an orientation;
+//! bodies follow each other. The space of poses is the product of R^3 and SO(3): a body's centre
+//! moves straight while it turns.
 //!
-//! Covectors pair with these velocities: a momentum is (linear in world axes, angular in body axes),
-//! a differential is (minus the force in world axes, minus the torque in body axes). So the metric
-//! of a body is constant, as the house's metrics are, although in world axes its inertia turns with
-//! it: the axes carry the dependence, not the matrix.
+//! Covectors pair with these velocities: a momentum is (linear in world axes, angular in body
+//! axes), a differential is (minus the force in world axes, minus the torque in body axes). So the
+//! metric of a body is constant, as the house's metrics are, although in world axes its inertia
+//! turns with it: the axes carry the dependence, not the matrix.
 
 use nalgebra::Vector3;
 use stationary_calculus::{Space, Vector};

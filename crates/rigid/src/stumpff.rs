@@ -5,11 +5,11 @@
 //! c0 = cos x    c1 = sin x / x    c2 = (1 - cos x)/x^2    c3 = (x - sin x)/x^3
 //! c_n = 1/n! - s c_(n+2),                  d c_n / ds = (n c_(n+2) - c_(n+1))/2
 //! ```
-//! `x` an angle in radians. The closed forms of c3, c4 and c5 cancel at small angles, those with
-//! `1 - cos x` at any angle near a full turn. Below `s = 4` the two highest are summed and the others
-//! follow downward; above, `1 - cos x` is taken as `2 sin^2(x/2)` and the closed forms hold to a few
-//! roundings. Source: Stumpff 1947; Battin, An Introduction to the Mathematics and Methods of
-//! Astrodynamics, 4.7 (where they are named for universal variables).
+//! `x` an angle in radians. The closed forms of c3, c4 and c5 cancel at small angles, and that of c2
+//! near a whole turn as well. Below `s = 4` each is summed by its series; above, `1 - cos x` is taken
+//! as `2 sin^2(x/2)`, and the closed forms hold to a few roundings.
+//! Source: Stumpff 1947; Battin, An Introduction to the Mathematics and Methods of Astrodynamics, 4.7
+//! (where they are named for universal variables).
 
 /// Squared angle below which the series is summed.
 pub(crate) const SERIES_BELOW: f64 = 4.0;

@@ -5,10 +5,10 @@
 //! C = int x x^T = 1/120 sum d (a a^T + b b^T + c c^T + s s^T),      I = tr(C) 1 - C
 //! ```
 //! `a b c` the corners of a triangle (m) seen from the middle of the shape, counterclockwise from
-//! outside; density in kg/m^3. A surface is refused where an edge has no neighbour or more than one,
-//! where neighbours are turned against each other, where it is inside out ([`turned_outward`] repairs
-//! that on request), and where it encloses nothing. Whether it cuts through itself is not tested.
-//! Source: notes 7.1, 9.4; Eberly 2002.
+//! outside; density in kg/m^3. A surface is refused where an edge has no neighbour or more than
+//! one, where neighbours are turned against each other, where it is inside out ([`turned_outward`]
+//! repairs that on request), and where it encloses nothing. Whether it cuts through itself is not
+//! tested. Source: notes 7.1, 9.4; Eberly 2002.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,8 @@ use crate::error::check_finite;
 use crate::mass_properties::check_density;
 use crate::{RigidError, SpatialMass};
 
-/// The mass properties of the solid within closed triangles, given by the numbers of their vertices.
+/// The mass properties of the solid within closed triangles, given by the numbers of their
+/// vertices.
 pub fn surface_mass(
     density: f64,
     vertices: &[Vector3<f64>],

@@ -5,10 +5,10 @@
 //! u.^2 = f(u) = (1 - u^2)(alpha - beta u) - (b - a u)^2,   u = cos theta          nutation
 //! alpha = (2E - I3 w3^2)/I1,  beta = 2 m g l/I1,  a = I3 w3/I1,  b = Lz/I1
 //! ```
-//! `theta` the angle of the axis from upright, `w3` the spin about it (rad/s, constant), `I1 = I2` and
-//! `I3` moments about the tip (kg m^2), `m g l` the weight's moment (N m), `E` energy (J), `Lz` the
-//! angular momentum about the vertical, constant too. Between two roots of f in [-1, 1] the axis
-//! nods. Source: Goldstein, Classical Mechanics, 5.7; Landau and Lifshitz, Mechanics, 35.
+//! `theta` the angle of the axis from upright, `w3` the spin about it (rad/s, constant), `I1 = I2`
+//! and `I3` moments about the tip (kg m^2), `m g l` the weight's moment (N m), `E` energy (J), `Lz`
+//! the angular momentum about the vertical, constant too. Between two roots of f in [-1, 1] the
+//! axis nods. Source: Goldstein, Classical Mechanics, 5.7; Landau and Lifshitz, Mechanics, 35.
 
 use nalgebra::Vector3;
 

@@ -5,14 +5,14 @@
 //! T(-x)^-T = I + [x]/2 + c(|x|^2) [x]^2
 //! ```
 //! `w` the angular velocity over the step and `m` the momentum at its start, both in body axes; `I`
-//! the moments, `T` the right Jacobian, `h` seconds. With `m' = S^T m` at its end the discrete Euler
-//! equations of the notes, `T(-h w')^-T I w' = T(h w)^-T I w - h dV`, say that momenta agree at each
-//! node. `m` is the discrete Legendre transform; a state that held `w` itself would be half a step
-//! off (errata 5.5).
+//! the moments, `T` the right Jacobian, `h` seconds. With `m' = S^T m` at its end the discrete
+//! Euler equations of the notes, `T(-h w')^-T I w' = T(h w)^-T I w - h dV`, say that momenta agree
+//! at each node. `m` is the discrete Legendre transform; a state that held `w` itself would be half
+//! a step off (errata 5.5).
 //!
-//! Order 2, implicit, symmetric, symplectic; spatial angular momentum is kept to rounding even where
-//! Newton's method is not. The turn of a step must stay below pi, where w stops being unique; a step
-//! that fast is an error. Source: notes 9.5, whose update on p. 104 is right as printed.
+//! Order 2, implicit, symmetric, symplectic; spatial angular momentum is kept to rounding even
+//! where Newton's method is not. The turn of a step must stay below pi, where w stops being unique;
+//! a step that fast is an error. Source: notes 9.5, whose update on p. 104 is right as printed.
 
 use std::f64::consts::PI;
 

@@ -5,9 +5,9 @@
 //! dV = (-m g, -m c x R^T g)               world axes, body axes
 //! d2V(a, b) = -m [ (a.c)(b.G) + (a.G)(b.c) ]/2 + m (G.c)(a.b),    G = R^T g
 //! ```
-//! `t R` the body's pose, `a b` turns in body axes. Second derivatives are those of
-//! `V(R exp(s a + u b))`, which are symmetric. A body on a fixed point whose centre of mass is at `c`
-//! is a heavy top. Source: notes 0.3, 10.1.2; errata 0.3.
+//! `t R` the body's pose, `a b` turns in body axes. Second derivatives are those of `V(R exp(s a +
+//! u b))`, which are symmetric. A body on a fixed point whose centre of mass is at `c` is a heavy
+//! top. Source: notes 0.3, 10.1.2; errata 0.3.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Covector, Potential, Sink};
@@ -73,8 +73,8 @@ impl<S: BodySpace> Potential for Weight<S> {
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
         for (body, load) in self.masses.iter().enumerate() {
             let dv = &mut dv.0[S::FREEDOMS * body..][..S::FREEDOMS];
-            for c in 0..S::TRANSLATION {
-                dv[c] -= load.mass * self.gravity[c];
+            for (dv, g) in dv.iter_mut().zip(&self.gravity).take(S::TRANSLATION) {
+                *dv -= load.mass * g;
             }
             let torque = load.point.cross(&S::pose(q, body).rotation.rotate_back(&self.gravity));
             for c in 0..3 {

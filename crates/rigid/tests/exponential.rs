@@ -81,7 +81,8 @@ fn the_inverse_is_as_accurate_as_the_distance_to_a_whole_turn_lets_it_be() {
 
 #[test]
 fn at_small_angles_the_part_beyond_the_identity_is_accurate_too() {
-    // An identity of size 1 hides a wrong sign at 1e-8; a difference of the mirror entries does not.
+    // An identity of size 1 hides a wrong sign at 1e-8; a difference of the mirror entries does
+    // not.
     for reference in REFERENCES.iter().filter(|r| angle(r) > 0.0 && angle(r) < 1.0) {
         let theta = Vector3::from(reference.theta);
         let twist = |m: &[f64]| [m[7] - m[5], m[2] - m[6], m[3] - m[1]];

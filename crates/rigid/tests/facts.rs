@@ -280,7 +280,8 @@ fn the_stability_limit_of_a_sprung_body_is_where_the_facts_say() {
 
 #[test]
 fn the_notes_update_visits_the_same_orientations_half_a_kick_apart() {
-    // w_(i+1) from  T(-h w')^-T I w' = T(h w)^-T I w - h dV(theta_(i+1)):  kick by all of h, then turn.
+    // w_(i+1) from  T(-h w')^-T I w' = T(h w)^-T I w - h dV(theta_(i+1)):  kick by all of h, then
+    // turn.
     let problem = nodding_top().unwrap();
     let h = 1e-3;
     let mut verlet = BodyMethod::VariationalRotation.integrator(&problem.system).unwrap();

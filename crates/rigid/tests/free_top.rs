@@ -130,8 +130,8 @@ fn a_thrown_racket_flips_over_twice_a_period() {
     let period = top.period().unwrap();
     let middle = |t: f64| top.angular_velocity(t).y;
     assert!((middle(0.5 * period) + middle(0.0)).abs() < 1e-9 && middle(0.0) > 9.9);
-    // Near the separatrix K = ln(4/kc): the flip takes four over the rate times that, slowly growing
-    // as the throw gets better.
+    // Near the separatrix K = ln(4/kc): the flip takes four over the rate times that, slowly
+    // growing as the throw gets better.
     let better = FreeTop::new(*racket.body(), Rotation::identity(), Vector3::new(0.001, 10.0, 0.0));
     let rate = 10.0 * ((6.0 - 1.0) * (7.0 - 6.0) / (1.0_f64 * 7.0)).sqrt();
     let longer = better.unwrap().period().unwrap() - period;

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod derivative;
+mod gimbal_lock;
 mod hamilton;
 mod high_order;
 mod long_run;
@@ -53,6 +54,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     hamilton::IMPULSE_LIMIT,
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
+    gimbal_lock::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -103,11 +103,12 @@ fn long_run(size: Size) -> Result<Study, StudyError> {
         kind: LONG_RUN.kind,
         title: LONG_RUN.title.into(),
         conclusion: format!(
-            "A free box of half sizes 0.1, 0.2 and 0.3 m that starts at (1, 2, 3) rad/s, in steps of \
-             10 ms, {steps} times. The maps that turn orientation and momentum by one and the same \
-             rotation keep spatial angular momentum to rounding, and energy within a bound that four \
-             times closer steps divide by sixteen. Munthe-Kaas starts more accurate and drifts; the \
-             step of game engines gains energy until the box flies to pieces."
+            "A free box of half sizes 0.1, 0.2 and 0.3 m that starts at (1, 2, 3) rad/s, in \
+             steps of 10 ms, {steps} times. The maps that turn orientation and momentum by one \
+             and the same rotation keep spatial angular momentum to rounding, and energy within \
+             a bound that a quarter of the step divides by sixteen. Munthe-Kaas starts more \
+             accurate and drifts; the step of game engines gains energy until the box flies to \
+             pieces."
         ),
         table,
         charts: vec![energies.into(), momenta.into()],
@@ -251,9 +252,10 @@ fn work_precision(size: Size) -> Result<Study, StudyError> {
         chapter: WORK_PRECISION.chapter,
         kind: WORK_PRECISION.kind,
         title: WORK_PRECISION.title.into(),
-        conclusion: "The same box over 5 s, its attitude against Jacobi's elliptic functions. Per torque \
-             the methods of order 2 are ahead only at the coarsest accuracies; what they buy is the long \
-             run. The exact drift has no error here, where no torque acts: it is for weak ones."
+        conclusion: "The same box over 5 s, its attitude against Jacobi's elliptic functions. Per \
+             torque the methods of order 2 are ahead only at the coarsest accuracies; what they \
+             buy is the long run. The exact drift has no error here, where no torque acts: it is \
+             for weak ones."
             .into(),
         table,
         charts: vec![chart.into()],

@@ -6,8 +6,8 @@
 //! dT v    the same series, differentiated term by term along delta
 //! log     2 atan2(|x|, w)/|x| x of a quaternion (w, x) as stored
 //! ```
-//! Computed with 120 digits by Python's mpmath 1.3 from exactly these inputs, rounded once. Matrices
-//! by rows; `v = (0.3, -1.1, 0.7)`, `delta = (-0.6, 0.2, 0.9)`; axes along (0.36, -0.48, 0.8).
+//! Computed with 120 digits by Python's mpmath 1.3 from exactly these inputs, rounded once.
+//! Matrices by rows; `v = (0.3, -1.1, 0.7)`, `delta = (-0.6, 0.2, 0.9)`; axes along (0.36, -0.48, 0.8).
 
 /// What is true at `theta`.
 pub struct Reference {
@@ -24,8 +24,8 @@ pub struct Logarithm {
     pub log: [f64; 3],
 }
 
-/// Angles 0, 1e-300, 1e-160, 1e-16, 1e-8, 1e-4, 1e-3, 0.1, 1, 2 -+ 1e-9, 3, pi - 1e-6, pi - 1e-9, pi,
-/// pi + 1e-3, 4, 6, 2 pi - 1e-6, 7, 20.
+/// Angles 0, 1e-300, 1e-160, 1e-16, 1e-8, 1e-4, 1e-3, 0.1, 1, 2 -+ 1e-9, 3, pi - 1e-6, pi - 1e-9,
+/// pi, pi + 1e-3, 4, 6, 2 pi - 1e-6, 7, 20.
 pub const REFERENCES: &[Reference] = &[
     Reference {
         theta: [0.0, -0.0, 0.0],
@@ -526,7 +526,8 @@ pub const REFERENCES: &[Reference] = &[
     },
 ];
 
-/// Angles 1e-300, 1e-160, 1e-16, 1e-8, 1e-4, 1e-3, 0.1, 1, 2, 3, pi - 1e-3, pi - 1e-6, pi - 1e-9, pi.
+/// Angles 1e-300, 1e-160, 1e-16, 1e-8, 1e-4, 1e-3, 0.1, 1, 2, 3, pi - 1e-3, pi - 1e-6,
+/// pi - 1e-9, pi.
 pub const LOGARITHMS: &[Logarithm] = &[
     Logarithm {
         quaternion: [1.0, 1.8e-301, -2.4e-301, 4e-301],
