@@ -9,12 +9,13 @@
 //! `c` points (m) and `n u v w a b` unit directions in the axes of body 1 or 2, or of the world;
 //! inner products are taken in the world. The last two rows of a hinge and three of a fixed joint
 //! are pure numbers; all are regular where the joint is closed. A hinge's axis may also point the
-//! other way, and a fixed joint has other solutions, half a turn off: a motion that starts closed
-//! stays where it started.
+//! other way, and a fixed joint has other solutions, such as half a turn off: a motion that starts
+//! closed stays where it started.
 //!
-//! [`stationary_constraints::Rattle`] moves jointed bodies; its drift is the exponential of a
-//! constant angular velocity, so it is of order 2 where a body turns about principal axes or has
-//! equal moments. Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
+//! [`stationary_constraints::Rattle`] moves jointed bodies. Its drift keeps the angular velocity in
+//! body axes: of order 2 where a body turns about a principal axis or has equal moments. Elsewhere it
+//! leaves out the gyroscopic torque, and the motion is wrong: no integrator for such bodies is here.
+//! Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{FIXED, Sink};

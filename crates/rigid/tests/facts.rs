@@ -1,9 +1,12 @@
 //! Every integrator of bodies against every fact that it claims, on heavy tops and tethered bodies.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{SMatrix, SVector, Vector3};
 use stationary_calculus::{Covector, Potential};
 use stationary_integrators::{
-    Conservation, EnergyBehavior, Evaluation, Integrator, Stability, State, Symplecticity,
+    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Integrator, Stability, State,
+    Symplecticity,
 };
 use stationary_rigid::problems::{BodyProblem, kovalevskaya_top, nodding_top, tumbling_box};
 use stationary_rigid::{
@@ -244,19 +247,26 @@ fn energy_under_a_potential_stays_within_a_bound_that_falls_with_the_square_of_t
     }
 }
 
-/// The largest excursion of a body on a spring to the origin, omega = 1, over a thousand steps.
-fn amplitude(method: BodyMethod, h: f64) -> f64 {
+/// A body on a spring to the origin, omega = 1, that starts at 1 with velocity 0.5.
+fn sprung() -> BodyProblem<BodySpring<Poses>, Poses> {
     let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap()]);
     let motion = BodyMotion {
         pose: RigidMotion { translation: Vector3::x(), rotation: Rotation::identity() },
         velocity: Vector3::x() * 0.5,
         angular_velocity: Vector3::zeros(),
     };
-    let mut state = metric.state(&[motion]).unwrap();
+    let initial = metric.state(&[motion]).unwrap();
     let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, Vector3::zeros())];
     let spring = BodySpring { bodies: 1, stiffness: 1.0, ends, space: Poses };
     let system = metric.under(spring).unwrap();
-    let mut integrator = method.integrator(&system).unwrap();
+    BodyProblem { name: "sprung", system, initial, motion, horizon: 1.0 }
+}
+
+/// Its largest excursion over a thousand steps.
+fn amplitude(method: BodyMethod, h: f64) -> f64 {
+    let problem = sprung();
+    let mut state = problem.initial.clone();
+    let mut integrator = method.integrator(&problem.system).unwrap();
     let mut largest = 0.0_f64;
     for _ in 0..1000 {
         if integrator.step(&mut state, h).is_err() {
@@ -265,6 +275,27 @@ fn amplitude(method: BodyMethod, h: f64) -> f64 {
         largest = largest.max(state.q[0].abs());
     }
     largest
+}
+
+#[test]
+fn the_error_of_a_sprung_body_grows_as_the_facts_say() {
+    let problem = sprung();
+    for &method in BodyMethod::ALL {
+        assert_eq!(method.facts().error_growth, ErrorGrowth::Linear);
+        // Long enough for the drift to outgrow the bounded part of the error.
+        let after = |periods: u32| {
+            let (mut worst, mut step) = (0.0_f64, 0);
+            let h = TAU / 100.0;
+            run(&problem, method, TAU * f64::from(periods), 100 * periods, |state| {
+                step += 1;
+                let t = h * f64::from(step);
+                worst = worst.max((state.q[0] - t.cos() - 0.5 * t.sin()).abs());
+            });
+            worst
+        };
+        let power = (after(400) / after(100)).log2() / 2.0;
+        assert!((power - 1.0).abs() < 0.15, "{method}: t^{power}");
+    }
 }
 
 #[test]

@@ -8,8 +8,8 @@ use stationary_constraints::{
 };
 use stationary_integrators::State;
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, LieGroup, Orientations,
-    PointMass, Poses, RigidError, RigidMotion, Rotation, Weight, null_space,
+    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, FreeTop, Joint, LieGroup,
+    Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, Weight, null_space,
     spatial_angular_momentum,
 };
 
@@ -171,4 +171,33 @@ fn two_cubes_fixed_to_each_other_keep_their_pose_and_their_angular_momentum() {
     Poses.advance(&mut moved, 1e-6, v.view());
     let (a, b) = (Poses::pose(&moved, 0), Poses::pose(&moved, 1));
     assert!(a.rotation.direction_to(&b.rotation).norm() < 1e-11);
+}
+
+#[test]
+fn rattle_loses_the_gyroscopic_torque_of_unequal_moments() {
+    // A tumbling body held at its centre by a ball joint takes no force: it must turn as a free top.
+    let error = |half| {
+        let body = Body::solid_box(1.0, half).unwrap();
+        let metric = BodyMetric::<Poses>::new(vec![body]);
+        let w = Vector3::new(1.0, 2.0, 3.0);
+        let motion = BodyMotion {
+            pose: RigidMotion::identity(),
+            velocity: Vector3::zeros(),
+            angular_velocity: w,
+        };
+        let initial = metric.state(&[motion]).unwrap();
+        let system = metric.under(Free { freedoms: 6 }).unwrap();
+        let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, Vector3::zeros())];
+        let joint = Joint::ball(Poses, 1, ends).unwrap();
+        let choice = Few::<3>(Redundancy::Refuse);
+        let mut rattle = Rattle::new(&system, joint, &initial, choice).unwrap();
+        let mut state = initial.clone();
+        for _ in 0..1_000 {
+            rattle.step(&mut state, 1e-3).unwrap();
+        }
+        let top = FreeTop::new(body, Rotation::identity(), w).unwrap();
+        Poses::pose(&state.q, 0).rotation.direction_to(&top.orientation(1.0)).norm()
+    };
+    assert!(error([0.2; 3]) < 1e-11);
+    assert!(error([0.1, 0.2, 0.3]) > 0.1);
 }
