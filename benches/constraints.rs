@@ -35,10 +35,10 @@ fn steps(n: usize, mut each: impl FnMut(&mut dyn FnMut() -> u32)) {
         rattle.step(&mut state, h).expect("a step");
     }
     // To and fro, so that the motion stays as lively as it is: RATTLE undoes its steps.
-    let mut count = 0;
+    let mut count = 0_u32;
     each(&mut || {
         count += 1;
-        if count % 4 == 0 {
+        if count.is_multiple_of(4) {
             state.p.0.iter_mut().for_each(|p| *p = -*p);
         }
         rattle.step(&mut state, h).expect("a step").iterations

@@ -36,6 +36,8 @@ snapshots! {
     one_step: "one-step",
     pendulum_convergence: "pendulum-convergence",
     table_4_1: "table-4-1",
+    constraint_failures: "constraint-failures",
+    four_bar_linkage: "four-bar-linkage",
 }
 
 /// Cells beside a border may turn with the last bit, and long runs take long: their claims are
@@ -49,6 +51,14 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "step-control",
         "multiscale-stability",
         "newmark-damping",
+        "kepler-high-orders",
+        "pendulum-high-orders",
+        "henon-heiles-convergence",
+        "stability-regions",
+        "action-boundary-value",
+        "impulse-limit",
+        "modes-needed",
+        "modes-large-motion",
     ] {
         text(id);
     }

@@ -50,6 +50,7 @@ mod automatic;
 mod check;
 mod force;
 mod system;
+mod equation;
 mod newton;
 mod function_equation;
 mod hessian_solver;
@@ -80,6 +81,7 @@ pub use differential::{
     second_differential,
 };
 pub use eigen::{EigenError, Eigenpairs};
+pub use equation::{Equation, Merit, Unsolvable};
 pub use equilibrium::{Equilibrium, EquilibriumReport};
 pub use error::{MetricError, SizeError};
 pub use fit::{loglog_slope, truncation_regime};
@@ -88,10 +90,7 @@ pub use function_equation::FunctionEquation;
 pub use hessian_solver::{DenseSolver, HessianSolver, Rung};
 pub use least_norm::{LeastNorm, LeastNormError, least_norm};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
-pub use newton::{
-    Equation, Merit, Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport,
-    Unsolvable,
-};
+pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport};
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 pub use potential::Potential;
 pub use random::SplitMix64;

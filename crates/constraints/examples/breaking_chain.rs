@@ -1,4 +1,4 @@
-//! A chain that is let go like a staircase: its rods break one after another as it falls.
+//! A chain that is let go like a staircase: where and when it tears.
 //!
 //! `cargo run -p stationary-constraints --example breaking_chain`
 

@@ -165,7 +165,7 @@ fn on_tangent_space(
     let what = "differential";
     let sigma = spectrum.map_err(|_| ConstraintError::NonFinite { what, index: 0 })?;
     let ratio =
-        if m > n { 0.0 } else { sigma.iter().last().map_or(1.0, |s| s / sigma[0].max(1.0)) };
+        if m > n { 0.0 } else { sigma.iter().next_back().map_or(1.0, |s| s / sigma[0].max(1.0)) };
     if ratio < DEPENDENT || ratio.is_nan() {
         let shortest = |a: &usize, b: &usize| j.row(*a).norm().total_cmp(&j.row(*b).norm());
         return Err(ConstraintError::Singular { ratio, row: (0..m).min_by(shortest).unwrap_or(0) });

@@ -139,15 +139,16 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
-        let m = self.count;
+        let (count, slopes) = (self.count, &self.inverse_slope);
         let mut along = [0.0; M];
-        for i in 0..m {
-            let sum: f64 = (0..m).map(|j| self.rotation[i][j] * self.inverse_slope[j] * b[j]).sum();
-            along[i] = self.inverse_square[i] * sum;
+        let turned = self.rotation.iter().zip(&self.inverse_square).take(count);
+        for (along, (rotation, inverse_square)) in along.iter_mut().zip(turned) {
+            let terms = rotation.iter().zip(slopes).zip(&*b);
+            *along = inverse_square * terms.map(|((w, slope), b)| w * slope * b).sum::<f64>();
         }
-        for (j, b) in b.iter_mut().enumerate().take(m) {
-            let sum: f64 = (0..m).map(|i| self.rotation[i][j] * along[i]).sum();
-            *b = self.inverse_slope[j] * sum;
+        for (j, b) in b.iter_mut().enumerate().take(count) {
+            let terms = self.rotation.iter().zip(&along).take(count);
+            *b = slopes[j] * terms.map(|(w, along)| w[j] * along).sum::<f64>();
         }
         Ok(())
     }
@@ -242,5 +243,77 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
 fn rotate(a: &mut [f64], b: &mut [f64], cosine: f64, sine: f64) {
     for (x, y) in a.iter_mut().zip(b) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rod, Rods};
+    use nalgebra::{Matrix3, SMatrix, Vector3};
+    use proptest::prelude::*;
+    use stationary_calculus::DiagonalMetric;
+
+    const MASS: [f64; 4] = [1.0, 1.0, 30.0, 30.0];
+
+    /// Three rods on two points.
+    fn rods() -> Rods<2> {
+        let hooks = vec![[0.0, 0.0], [3.0, 1.0]];
+        let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 0.3), Rod::new([1, 3], 3.0)];
+        Rods::new(2, hooks, rods).unwrap()
+    }
+
+    /// J as a matrix.
+    fn matrix(rods: &Rods<2>, q: &[f64; 4]) -> SMatrix<f64, 3, 4> {
+        struct Full(SMatrix<f64, 3, 4>);
+        impl Rows for Full {
+            fn add(&mut self, row: usize, freedom: usize, value: f64) {
+                self.0[(row, freedom)] += value;
+            }
+        }
+        let mut full = Full(SMatrix::zeros());
+        rods.differential(0.0, q, &mut full);
+        full.0
+    }
+
+    proptest! {
+        #[test]
+        fn the_solution_solves_the_system(
+            q in prop::array::uniform4(-2.0..2.0),
+            b in prop::array::uniform3(-1.0..1.0),
+        ) {
+            let (rods, metric) = (rods(), DiagonalMetric::new(MASS).unwrap());
+            let j = matrix(&rods, &q);
+            let weighted = SMatrix::<f64, 3, 4>::from_fn(|i, f| j[(i, f)] / MASS[f]);
+            let s: Matrix3<f64> = weighted * j.transpose();
+            let few = Few::<4>(Redundancy::Refuse);
+            let mut dense: DenseMultipliers<[f64; 4], 4> =
+                few.analyse(&metric, &rods, 0.0, &q).unwrap();
+            prop_assume!(dense.prepare(&metric, &rods, 0.0, &q).is_ok());
+            prop_assume!(dense.regularity() > 1e-2);
+            let mut x = b;
+            dense.solve(&mut x).unwrap();
+            let residual = s * Vector3::from(x) - Vector3::from(b);
+            prop_assert!(residual.amax() < 1e-9, "{}", residual);
+        }
+    }
+
+    #[test]
+    fn a_dependence_of_one_part_in_a_hundred_million_is_told_from_a_greater_one() {
+        // Two lines that meet at an angle: the ratio is about half of it.
+        let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+        for (angle, regular) in [(1e-7, true), (1e-9, false)] {
+            let lines = crate::Linear::new(vec![
+                (vec![(0, 1.0), (1, 0.0)], 0.0),
+                (vec![(0, 1.0), (1, angle)], 0.0),
+            ])
+            .unwrap();
+            let few = Few::<2>(Redundancy::Refuse);
+            let mut dense: DenseMultipliers<[f64; 2], 2> =
+                few.analyse(&metric, &lines, 0.0, &[0.0; 2]).unwrap();
+            let prepared = dense.prepare(&metric, &lines, 0.0, &[0.0; 2]);
+            assert_eq!(prepared.is_ok(), regular, "{prepared:?}");
+            assert!((dense.regularity() / (0.5 * angle) - 1.0).abs() < 1e-6);
+        }
     }
 }

@@ -87,6 +87,14 @@ pub enum ConstraintError {
         /// The values it may have.
         range: &'static str,
     },
+    /// The constraint reads freedoms that the system does not have.
+    #[error("the constraint needs {needed} freedoms, but the system has only {freedoms}")]
+    Freedoms {
+        /// Freedoms that it needs.
+        needed: usize,
+        /// Freedoms that there are.
+        freedoms: usize,
+    },
     /// An entry of the differential lies outside of the matrix.
     #[error(
         "the differential has an entry at row {row}, freedom {freedom}, but is {rows} x {freedoms}"
@@ -156,6 +164,15 @@ pub enum ConstraintError {
     SingularCoordinates {
         /// The smallest over the largest singular value of M^1/2 Dq.
         ratio: f64,
+    },
+    /// An elimination met a pivot that is zero to working precision: equations depend on each other.
+    #[error(
+        "the equations depend on each other to working precision{}",
+        row.map_or(String::new(), |row| format!(", equation {row} on others"))
+    )]
+    Dependent {
+        /// The equation at which it was noticed, where that is known, counted from 0.
+        row: Option<usize>,
     },
     /// There are more equations than the solver has room for.
     #[error("the solver has room for {room} equations, not for {count}")]

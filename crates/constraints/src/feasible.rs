@@ -36,7 +36,7 @@ pub(crate) struct Worst {
 }
 
 pub(crate) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+    x.iter().fold(0.0, |largest, x| if x.abs() > largest { x.abs() } else { largest })
 }
 
 /// What rounding of a configuration makes of a distance.
@@ -61,31 +61,29 @@ impl Scales {
         })
     }
 
-    /// The number of equations.
-    pub(crate) fn count(&self) -> usize {
-        self.length.len()
+    /// The largest of `|g| / slope`, a length; not finite if a value is not.
+    #[inline]
+    pub(crate) fn distance(&self, g: &[f64]) -> f64 {
+        let distances = g.iter().zip(&self.inverse_slope).map(|(g, slope)| g.abs() * slope);
+        // What is not a number stays in the sum and is lost in a maximum.
+        let (sum, largest) = distances
+            .fold((0.0, 0.0), |(sum, largest), d| (sum + d, if d > largest { d } else { largest }));
+        if f64::is_finite(sum) { largest } else { f64::NAN }
     }
 
     /// The worst of the values g.
-    #[inline]
     pub(crate) fn worst(&self, g: &[f64]) -> Result<Worst, ConstraintError> {
-        let mut worst = Worst { excess: f64::NEG_INFINITY, ..Worst::default() };
-        let mut sum = 0.0;
-        for (row, g) in g.iter().enumerate() {
-            let distance = g.abs() * self.inverse_slope[row];
-            let excess = distance - RELATIVE * self.length[row];
-            sum += distance;
-            if excess > worst.excess {
-                worst = Worst { row, distance: worst.distance.max(distance), excess };
-            } else {
-                worst.distance = worst.distance.max(distance);
-            }
+        let distance = self.distance(g);
+        if !distance.is_finite() {
+            let index = first_non_finite(g).unwrap_or(0);
+            return Err(ConstraintError::NonFinite { what: "constraint", index });
         }
-        if sum.is_finite() {
-            return Ok(worst);
-        }
-        let index = first_non_finite(g).unwrap_or(0);
-        Err(ConstraintError::NonFinite { what: "constraint", index })
+        let scales = self.inverse_slope.iter().zip(&self.length);
+        let excess =
+            |(g, (slope, length)): (&f64, (&f64, &f64))| g.abs() * slope - RELATIVE * length;
+        let worst = g.iter().zip(scales).map(excess).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let (row, excess) = worst.unwrap_or((0, f64::NEG_INFINITY));
+        Ok(Worst { row, distance, excess })
     }
 
     /// The violation of an equation relative to its length, and what is allowed of it.
@@ -119,7 +117,7 @@ impl Scales {
             return Ok(());
         }
         let rate = |row: usize| rates[row].abs() * self.inverse_slope[row];
-        let row = (0..self.count()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0);
+        let row = (0..rates.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0);
         Err(ConstraintError::InfeasibleVelocity { row, rate: rate(row), allowed })
     }
 }

@@ -111,21 +111,16 @@ impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionC
     fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
         let x = self.read(q);
         let mut block = [[0.0; N]; N];
-        for i in 0..N {
-            for j in 0..=i {
-                let seconds: [f64; M] = second_differential(
-                    |[r, s]: [_; 2]| {
-                        let mut y = moved(x, i, r);
-                        y[j] += s;
-                        self.function.value(r * 0.0 + t, y)
-                    },
-                    [0.0; 2],
-                    Vector([1.0, 0.0]),
-                    Vector([0.0, 1.0]),
-                );
-                let sum = seconds.iter().zip(lambda).map(|(d2g, lambda)| d2g * lambda).sum();
-                (block[i][j], block[j][i]) = (sum, sum);
-            }
+        for (i, j) in (0..N).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let along = |[r, s]: [_; 2]| {
+                let mut y = moved(x, i, r);
+                y[j] += s;
+                self.function.value(r * 0.0 + t, y)
+            };
+            let (first, second) = (Vector([1.0, 0.0]), Vector([0.0, 1.0]));
+            let seconds: [f64; M] = second_differential(along, [0.0; 2], first, second);
+            let sum = seconds.iter().zip(lambda).map(|(d2g, lambda)| d2g * lambda).sum();
+            (block[i][j], block[j][i]) = (sum, sum);
         }
         hessian.add_symmetric(&self.freedoms, block.as_flattened());
     }

@@ -71,8 +71,7 @@ pub(crate) fn check_entries(
 ) -> Result<(), ConstraintError> {
     let rows = constraint.count();
     if constraint.dim() > n {
-        let (row, freedom) = (0, constraint.dim() - 1);
-        return Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms: n });
+        return Err(ConstraintError::Freedoms { needed: constraint.dim(), freedoms: n });
     }
     match crate::rows::outside(constraint, t, q, n) {
         Some((row, freedom)) => {
@@ -176,31 +175,31 @@ where
         impulse.fill(0.0);
         let mut iterations = 0;
         let mut last = f64::INFINITY;
+        let eps = rounding(q0.as_ref());
         loop {
             q.clone_from(q0);
             self.system.metric().drift(h, p.view(), self.displacement.view_mut());
             self.system.space().advance(q.as_mut(), 1.0, self.displacement.view());
             self.constraint.value(t, q.as_ref(), g);
-            let worst = match self.scales.worst(g) {
-                Err(_) if iterations > 0 => return Err(diverged(iterations, last)),
-                worst => worst?,
-            };
-            let eps = rounding(q.as_ref());
-            let stands_still = worst.distance > 0.5 * last;
-            if worst.distance <= 0.25 * eps || (stands_still && worst.excess <= eps) {
-                let left = self.scales.largest_relative(g);
-                return Ok((iterations, left));
-            }
-            if iterations == ITERATIONS {
-                let (violation, _) = self.scales.relative(worst.row, g, q.as_ref());
-                return Err(ConstraintError::NotConverged {
-                    iterations,
-                    row: worst.row,
-                    violation,
+            let distance = self.scales.distance(g);
+            if distance.is_nan() {
+                return Err(match iterations {
+                    0 => ConstraintError::NonFinite { what: "constraint", index: 0 },
+                    _ => diverged(iterations, last),
                 });
             }
-            last = worst.distance;
-            g.iter_mut().for_each(|g| *g /= h);
+            let stands_still = distance > 0.5 * last && self.scales.worst(g)?.excess <= eps;
+            if distance <= 0.25 * eps || stands_still {
+                return Ok((iterations, self.scales.largest_relative(g)));
+            }
+            if iterations == ITERATIONS {
+                let row = self.scales.worst(g)?.row;
+                let (violation, _) = self.scales.relative(row, g, q.as_ref());
+                return Err(ConstraintError::NotConverged { iterations, row, violation });
+            }
+            last = distance;
+            let per_time = h.recip();
+            g.iter_mut().for_each(|g| *g *= per_time);
             self.here.solver.solve(g)?;
             self.here.solver.add_pulled_back(-1.0, g, p.view_mut());
             impulse.iter_mut().zip(&*g).for_each(|(sum, delta)| *sum += delta);

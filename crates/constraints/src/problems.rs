@@ -5,23 +5,28 @@
 //! | [`pendulum`] | a unit mass on a unit rod, pushed at the bottom | Jacobi's elliptic functions |
 //! | [`chain`] | n unit masses on n unit rods | none; its lowest mode is Bessel's |
 //! | [`square`] | four masses, four sides, one or two diagonals, free | its momenta |
-//! | [`four_bar`] | crank, coupler and rocker on two hooks | its energy, and its loop |
+//! | [`four_bar`] | crank, coupler and rocker on two hooks | the time of a revolution |
+//! | [`slider_crank`] | a piston driven by a crank | the time of a revolution |
 //!
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
 mod chain;
 mod four_bar;
 mod pendulum;
+mod revolution;
+mod slider_crank;
 mod square;
 
 use stationary_calculus::{DiagonalMetric, Storage, System};
 use stationary_integrators::{State, UniformGravity};
 
 use crate::{ConstraintError, Rods};
+use revolution::revolution;
 
 pub use chain::{Chain, chain, folded_chain, writhing_chain};
-pub use four_bar::{FourBar, four_bar};
+pub use four_bar::{Crank, FourBar, four_bar};
 pub use pendulum::{Pendulum, pendulum};
+pub use slider_crank::{SliderCrank, slider_crank};
 pub use square::{Square, square};
 
 /// Points of unit mass in the plane under unit gravity.

@@ -83,7 +83,7 @@ impl Multipliers for SaddleMultipliers {
         matrix.refill(|sink| visit(metric, entries, *freedoms, sink))?;
         match self.solver.factor(&self.matrix) {
             Ok(_) => Ok(()),
-            Err(SparseError::Singular) => Err(ConstraintError::Singular { ratio: 0.0, row: 0 }),
+            Err(SparseError::Singular) => Err(ConstraintError::Dependent { row: None }),
             Err(other) => Err(other.into()),
         }
     }

@@ -179,7 +179,7 @@ impl Multipliers for SchurMultipliers {
         self.check_rows()?;
         self.cholesky.factor(&self.matrix).map_err(|error| match error {
             SparseError::NotPositiveDefinite { freedom } => {
-                ConstraintError::Singular { ratio: 0.0, row: freedom }
+                ConstraintError::Dependent { row: Some(freedom) }
             }
             other => other.into(),
         })

@@ -1,10 +1,10 @@
 //! Bad input is refused by name, and leaves the state as it was.
 
-use stationary_calculus::{DiagonalMetric, Number, System};
+use stationary_calculus::{DiagonalMetric, Number, Sink, System};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel, Penalty,
-    Projection, Rattle, Redundancy, Rod, Rods, Scale, StepAndProject,
+    ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
+    Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
 };
 use stationary_integrators::{State, StepError, StormerVerlet, UniformGravity};
 
@@ -31,15 +31,47 @@ fn a_constraint_on_a_particle_that_is_not_there_is_refused() {
     let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
     let held = FixedPoint::new(1, [0.0, 0.0]).unwrap();
     let error = Rattle::new(&system, held, &initial, FEW).unwrap_err();
-    assert!(matches!(error, ConstraintError::UnknownFreedom { freedom: 3, freedoms: 2, .. }));
+    assert_eq!(error, ConstraintError::Freedoms { needed: 4, freedoms: 2 });
     let rods = Rods::<2>::new(2, Vec::new(), vec![Rod::new([0, 1], 1.0)]).unwrap();
     let error = Rattle::new(&system, rods, &initial, FEW).unwrap_err();
-    assert!(matches!(error, ConstraintError::UnknownFreedom { freedoms: 2, .. }), "{error}");
+    assert_eq!(error, ConstraintError::Freedoms { needed: 4, freedoms: 2 });
+}
+
+/// A constraint that says it reads one freedom, and brings an entry of another.
+#[derive(Debug)]
+struct Lying;
+
+impl Constraint for Lying {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+        g[0] = q[0];
+    }
+
+    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+        rows.add(0, 5, 1.0);
+    }
+
+    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+}
+
+#[test]
+fn an_entry_outside_of_the_differential_is_refused_by_place() {
+    let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
+    let error = Rattle::new(&system, Lying, &initial, FEW).unwrap_err();
+    let expected = ConstraintError::UnknownFreedom { row: 0, freedom: 5, rows: 1, freedoms: 2 };
+    assert_eq!(error, expected);
 }
 
 #[test]
 fn more_equations_than_the_solver_has_room_for_are_refused() {
-    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap();
+    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
     let few = Few::<2>(Redundancy::Refuse);
     let error = Rattle::new(&system, rods, &initial, few).unwrap_err();
     assert_eq!(error, ConstraintError::TooMany { room: 2, count: 3 });

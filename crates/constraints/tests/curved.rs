@@ -47,9 +47,7 @@ impl Space for Poses {
     }
 
     fn advance(&self, q: &mut [f64], h: f64, v: Vector<&[f64]>) {
-        for c in 0..3 {
-            q[c] += h * v.0[c];
-        }
+        q.iter_mut().zip(&v.0[..3]).for_each(|(x, v)| *x += h * v);
         let w = [v.0[3], v.0[4], v.0[5]];
         let angle = h * w[0].hypot(w[1]).hypot(w[2]);
         let half = if angle == 0.0 { 0.5 * h } else { h * (0.5 * angle).sin() / angle };

@@ -103,14 +103,14 @@ fn redundant_rods_are_refused_by_all_solvers() {
     let dense = Rattle::new(&system, rods.clone(), &initial, Few::<6>(REFUSE)).unwrap_err();
     let many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap_err();
     let coupled = Rattle::new(&system, rods, &initial, Coupled).unwrap_err();
-    for error in [dense, many, coupled] {
-        assert!(matches!(error, ConstraintError::Singular { .. }), "{error}");
-    }
+    assert!(matches!(dense, ConstraintError::Singular { .. }), "{dense}");
+    assert!(matches!(many, ConstraintError::Dependent { row: Some(_) }), "{many}");
+    assert_eq!(coupled, ConstraintError::Dependent { row: None });
 }
 
 #[test]
 fn linkages_of_arrays_are_stepped_by_the_sparse_solver_too() {
-    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap();
+    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
     let mut many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
     let mut few = Rattle::new(&system, rods, &initial, Few::<3>(REFUSE)).unwrap();
     let (mut a, mut b) = (initial.clone(), initial);

@@ -1,9 +1,12 @@
 //! The methods with multipliers: their facts, their forces, and where they fail.
 
 use stationary_calculus::{Storage, loglog_slope};
-use stationary_constraints::problems::{Pendulum, RodProblem, Square, four_bar, pendulum, square};
+use stationary_constraints::problems::{
+    Hanging, Pendulum, RodProblem, Square, four_bar, pendulum, slider_crank, square,
+};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, ConstraintError, Few, Rattle, Redundancy,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Few, Rattle,
+    Redundancy,
 };
 use stationary_integrators::{State, angular_momentum, angular_momentum_scale, linear_momentum};
 
@@ -123,7 +126,7 @@ fn momenta_of_a_free_rigid_square_are_kept_to_rounding() {
 
 #[test]
 fn energy_oscillates_and_stays() {
-    let linkage = four_bar(1.0, 2.0).unwrap();
+    let linkage = four_bar(1.0, 2.0).unwrap().problem;
     let energy = |state: &State<[f64; 4]>| linkage.system.energy(&state.q, state.p.view());
     let worst = |h: f64| {
         let mut rattle = rattle::<_, 3>(&linkage);
@@ -143,7 +146,7 @@ fn energy_oscillates_and_stays() {
 
 #[test]
 fn a_step_back_undoes_a_step() {
-    let linkage = four_bar(1.0, 2.0).unwrap();
+    let linkage = four_bar(1.0, 2.0).unwrap().problem;
     let mut state = linkage.initial.clone();
     let mut rattle = rattle::<_, 3>(&linkage);
     rattle.step(&mut state, 0.05).unwrap();
@@ -167,4 +170,58 @@ fn a_step_that_is_too_long_is_an_error_and_leaves_the_state() {
     assert_eq!(state, pendulum.problem.initial);
     rattle.step(&mut state, 0.1).unwrap();
     assert_ne!(state, pendulum.problem.initial);
+}
+
+#[test]
+fn the_first_position_is_constrained_like_all_others() {
+    let pendulum = pendulum(1.0).unwrap();
+    let RodProblem { system, rods, initial } = &pendulum.problem;
+    for h in [0.02, 0.01] {
+        // The notes' first position.
+        let printed = [initial.q[0] + h * initial.p.0[0], initial.q[1] + h * initial.p.0[1]];
+        let off = printed[0].hypot(printed[1]) - 1.0;
+        assert!((off / (0.5 * h * h) - 1.0).abs() < 1e-3);
+        let mut method =
+            ConstrainedHamilton::new(system, rods.clone(), initial, Few::<1>(REFUSE)).unwrap();
+        let mut state = initial.clone();
+        method.step(&mut state, h).unwrap();
+        assert!((state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn closed_loops_are_where_they_began_after_whole_revolutions() {
+    // The time of a revolution follows from energy alone, by a sum over angles.
+    let linkage = four_bar(1.0, 4.0).unwrap();
+    let time = 2.0 * linkage.revolution.unwrap();
+    let four_bar =
+        ends(&linkage.problem.system, &linkage.problem.rods, &linkage.problem.initial, time);
+    let engine = slider_crank(1.0, 4.0).unwrap();
+    let time = 2.0 * engine.revolution.unwrap();
+    let slider = ends(&engine.system, &engine.constraint, &engine.initial, time);
+    for (name, points) in [("four-bar linkage", four_bar), ("slider-crank", slider)] {
+        let order = loglog_slope(&points).unwrap();
+        assert!((order - 2.0).abs() < 0.05, "{name}: {order}, {points:?}");
+        assert!(points[2].1 < 1e-4, "{name}: {points:?}");
+    }
+}
+
+/// Steps, and the distance from where the motion began.
+fn ends(
+    system: &Hanging<[f64; 4]>,
+    constraint: &impl Constraint,
+    initial: &State<[f64; 4]>,
+    time: f64,
+) -> Vec<(f64, f64)> {
+    let distance = |steps: u32| {
+        let h = time / f64::from(steps);
+        let mut state = initial.clone();
+        let mut rattle = Rattle::new(system, constraint, initial, Few::<3>(REFUSE)).unwrap();
+        for _ in 0..steps {
+            rattle.step(&mut state, h).unwrap();
+        }
+        let pairs = state.q.iter().zip(&initial.q);
+        (h, pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max))
+    };
+    [4000, 8000, 16_000].map(distance).to_vec()
 }

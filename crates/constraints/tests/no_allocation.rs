@@ -39,7 +39,7 @@ fn no_method_allocates_in_a_step() {
     let shared = Few::<6>(Redundancy::LeastNorm);
     let mut rattle = Rattle::new(&system, rods, &initial, shared).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);
-    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap();
+    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
     let few = Few::<3>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, few).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);

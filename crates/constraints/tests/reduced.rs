@@ -3,7 +3,7 @@
 use stationary_calculus::{
     Covector, DiagonalMetric, Energy, Metric, Number, System, Vector, loglog_slope,
 };
-use stationary_constraints::problems::pendulum;
+use stationary_constraints::problems::{RodProblem, pendulum};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Embedding, Few, Links, Rattle,
     Reduced, Redundancy, Rod, Rods, Sampling, Weight,
@@ -80,20 +80,20 @@ fn the_mean_of_both_ends_has_order_two_and_the_later_end_order_one() {
 }
 
 /// Two unit masses on unit rods, let go a radian from hanging: tame over a swing.
-fn with_rods() -> (System<DiagonalMetric<[f64; 4]>, UniformGravity<2>>, Rods<2>, State<[f64; 4]>) {
+fn with_rods() -> RodProblem<[f64; 4]> {
     let metric = DiagonalMetric::new([1.0; 4]).unwrap();
     let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0; 2] };
     let links = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
     let rods = Rods::new(2, vec![[0.0; 2]], links).unwrap();
     let initial = State::new(double(Sampling::Both).places(ANGLES), [0.0; 4]);
-    (System::new(metric, gravity).unwrap(), rods, initial)
+    RodProblem { system: System::new(metric, gravity).unwrap(), rods, initial }
 }
 
 const ANGLES: [f64; 2] = [1.0, 1.0];
 
 /// How far RATTLE is from a double pendulum in angles after some time.
 fn apart(angles: &mut impl Integrator<[f64; 2]>, time: f64, steps: u32) -> f64 {
-    let (system, rods, initial) = with_rods();
+    let RodProblem { system, rods, initial } = with_rods();
     let choice = Few::<2>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, choice).unwrap();
     let h = time / f64::from(steps);

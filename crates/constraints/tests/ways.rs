@@ -275,7 +275,7 @@ fn the_work_of_a_motor_is_the_energy_that_the_system_gains() {
 
 #[test]
 fn a_constraint_that_stays_does_no_work() {
-    let RodProblem { system, rods, initial } = four_bar(1.0, 2.0).unwrap();
+    let RodProblem { system, rods, initial } = four_bar(1.0, 2.0).unwrap().problem;
     let mut state = initial.clone();
     let mut rattle = Rattle::new(&system, rods, &initial, Few::<3>(REFUSE)).unwrap();
     for _ in 0..100 {

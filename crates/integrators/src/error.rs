@@ -58,6 +58,16 @@ pub enum HorizonError {
     /// A horizon lies ahead.
     #[error("the duration is {0} s; it must be positive and finite")]
     Duration(f64),
+    /// Steps are counted one by one.
+    #[error("{duration} s is {steps} steps of {step} s, more than can be counted")]
+    TooMany {
+        /// The duration, seconds.
+        duration: f64,
+        /// The step, seconds.
+        step: f64,
+        /// Their quotient.
+        steps: f64,
+    },
     /// The duration must be a whole number of steps.
     #[error("{duration} s is {steps} steps of {step} s, which is not a whole number")]
     NotWhole {

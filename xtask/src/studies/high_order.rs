@@ -1,10 +1,10 @@
 //! Methods of order 4, 6 and 8: their orders, and what digits cost with them.
 
 use stationary_calculus::{Column, Metric, Potential, Table, loglog_slope, truncation_regime};
-use stationary_integrators::problems::{Problem, kepler, pendulum};
+use stationary_integrators::problems::{Problem, henon_heiles, kepler, pendulum};
 use stationary_integrators::{Convergence, Evaluation, Method, Nodes, Scheme};
 
-use super::reference::with_reference;
+use super::reference::{Samples, with_reference};
 use super::work_precision::{self, Contest, OUTER, PLANETS};
 use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
@@ -19,7 +19,8 @@ pub const KEPLER_ORDERS: Entry<'static> = Entry {
     run: &|_| {
         let mut problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         problem.horizon = problem.period;
-        orders(KEPLER_ORDERS, &problem, "one orbit of eccentricity 0.6")
+        let methods = beyond_table_4_1();
+        orders(KEPLER_ORDERS, &problem, &methods, 1, "one orbit of eccentricity 0.6")
     },
 };
 
@@ -33,7 +34,28 @@ pub const PENDULUM_ORDERS: Entry<'static> = Entry {
     run: &|_| {
         let mut problem = pendulum(2.0).map_err(StudyError::at("the pendulum"))?;
         problem.horizon = problem.period;
-        orders(PENDULUM_ORDERS, &problem, "one swing of a pendulum released from 2 rad")
+        let methods = beyond_table_4_1();
+        let motion = "one swing of a pendulum released from 2 rad";
+        orders(PENDULUM_ORDERS, &problem, &methods, 1, motion)
+    },
+};
+
+/// Orders on the star of Henon and Heiles.
+pub const HENON_HEILES_ORDERS: Entry<'static> = Entry {
+    id: "henon-heiles-convergence",
+    krate: "integrators",
+    chapter: "4.5",
+    kind: Kind::Convergence,
+    title: "Order of every method on the star of Hénon and Heiles",
+    run: &|_| {
+        let mut problem = henon_heiles(0.1).map_err(StudyError::at("the star"))?;
+        problem.horizon = 2.0 * problem.period;
+        // Not from the middle, where the force is zero: from there symplectic Euler is Verlet.
+        problem.initial.q = [0.2, 0.1];
+        let at = Samples { count: 8, coarsest: 256 };
+        let problem = with_reference(problem, at)?;
+        let motion = "two turns of a star in the field of Hénon and Heiles, of energy 0.1";
+        orders(HENON_HEILES_ORDERS, &problem, Method::ALL, at.count, motion)
     },
 };
 
@@ -88,6 +110,12 @@ pub const PLANETS_WORK: Entry<'static> = Entry {
     },
 };
 
+/// The methods that the notes do not have.
+fn beyond_table_4_1() -> Vec<Method> {
+    let beyond = |method: &Method| !Method::TABLE_4_1.contains(method);
+    Method::ALL.iter().copied().filter(beyond).collect()
+}
+
 /// The best of each order, beside those that everybody knows.
 const CONTENDERS: &[Method] = &[
     Method::StormerVerlet,
@@ -124,6 +152,8 @@ fn order(method: Method, errors: &[(f64, f64)]) -> Option<f64> {
 fn orders<M: Metric, P: Potential, const N: usize>(
     entry: Entry<'_>,
     problem: &Problem<M, P, [f64; N]>,
+    methods: &[Method],
+    samples: u64,
     motion: &str,
 ) -> Result<Study, StudyError> {
     let mut chart = Lines::new("", Axis::log("step", "s"), Axis::log("largest error", ""));
@@ -133,13 +163,18 @@ fn orders<M: Metric, P: Potential, const N: usize>(
         Column::rounded("measured order", 2, 0.0),
     ]);
     let mut claims = Vec::new();
-    for &method in Method::ALL.iter().filter(|method| !Method::TABLE_4_1.contains(method)) {
+    for &method in methods {
         let facts = method.facts();
-        let steps: Vec<u64> = match facts.order {
-            // Steps that grow by 2^(1/4): three decades are little more than one halving of order 8.
-            5.. => (16..=44).map(|k| 2_f64.powf(f64::from(k) / 4.0).round() as u64).collect(),
-            _ => (4..=14).map(|k| 1_u64 << k).collect(),
+        // Steps that grow by 2^(1/4) for high orders: three decades are little more than one halving
+        // of order 8. Low orders need more steps until their error follows its law.
+        let steps = match facts.order {
+            5.. => (0..=44).map(|k| 2_f64.powf(f64::from(k) / 4.0).round() as u64).collect(),
+            1 => (0..=16).map(|k| 1_u64 << k).collect(),
+            _ => (0..=14).map(|k| 1_u64 << k).collect::<Vec<_>>(),
         };
+        let mut steps: Vec<u64> =
+            steps.into_iter().map(|n| samples * n).filter(|n| (16..=1 << 17).contains(n)).collect();
+        steps.dedup();
         let measured =
             Convergence::measure(problem, method, steps).map_err(StudyError::at(facts.name))?;
         let errors = measured.errors();

@@ -1,5 +1,6 @@
 //! The studies of the report, in the order of the page.
 
+mod constraints;
 mod convergence;
 mod derivative;
 mod gimbal_lock;
@@ -11,6 +12,7 @@ mod multiscale;
 mod newmark_damping;
 mod newton;
 mod orbits;
+mod oscillating;
 mod phase_portrait;
 mod reference;
 mod rigid;
@@ -36,11 +38,14 @@ pub const STUDIES: &[Entry<'static>] = &[
     work_precision::OUTER_SOLAR_SYSTEM,
     high_order::KEPLER_ORDERS,
     high_order::PENDULUM_ORDERS,
+    high_order::HENON_HEILES_ORDERS,
     high_order::KEPLER_WORK,
     high_order::PLANETS_WORK,
     orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
+    oscillating::FERMI_PASTA_ULAM,
+    oscillating::SPRING_CHAIN,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
@@ -52,6 +57,13 @@ pub const STUDIES: &[Entry<'static>] = &[
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,
     hamilton::IMPULSE_LIMIT,
+    constraints::PENDULUM_WAYS,
+    constraints::PENDULUM_ENERGY,
+    constraints::PENALTY_STABILITY,
+    constraints::ACCELERATION_DRIFT,
+    constraints::FOUR_BAR,
+    constraints::CHAIN_COST,
+    constraints::WHERE_THEY_FAIL,
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
     gimbal_lock::STUDY,

@@ -10,7 +10,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use stationary_calculus::{Metric, Potential};
+use stationary_calculus::{Metric, Potential, Storage};
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{Horizon, Method, Scheme, simulate};
 
@@ -33,10 +33,10 @@ const HALVINGS: u32 = 3;
 const OTHER: Method = Method::Composition(Scheme::KahanLi8);
 
 /// The problem with its true configuration known at samples.
-pub fn with_reference<M: Metric, P: Potential>(
-    mut problem: Problem<M, P, Vec<f64>>,
+pub fn with_reference<M: Metric, P: Potential, C: Storage + Send + Sync + 'static>(
+    mut problem: Problem<M, P, C>,
     at: Samples,
-) -> Result<Problem<M, P, Vec<f64>>, StudyError> {
+) -> Result<Problem<M, P, C>, StudyError> {
     let mut columns = Vec::new();
     for halving in 0..=HALVINGS {
         columns.push(samples(&problem, Method::StormerVerlet, at.count, at.coarsest << halving)?);
@@ -65,12 +65,12 @@ pub fn with_reference<M: Metric, P: Potential>(
 }
 
 /// The configurations at the samples, with this many steps between two of them.
-fn samples<M: Metric, P: Potential>(
-    problem: &Problem<M, P, Vec<f64>>,
+fn samples<M: Metric, P: Potential, C: Storage>(
+    problem: &Problem<M, P, C>,
     method: Method,
     count: u64,
     between: u64,
-) -> Result<Vec<Vec<f64>>, StudyError> {
+) -> Result<Vec<C>, StudyError> {
     let stage = "the reference";
     let horizon =
         Horizon::divided(problem.horizon, count * between).map_err(StudyError::at(stage))?;
@@ -88,16 +88,19 @@ fn samples<M: Metric, P: Potential>(
 }
 
 /// `fine + weight (fine - coarse)` at every sample.
-fn extrapolate(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {
-    let sample = |(coarse, fine): (&Vec<f64>, &Vec<f64>)| {
-        coarse.iter().zip(fine).map(|(coarse, fine)| fine + weight * (fine - coarse)).collect()
+fn extrapolate<C: Storage>(coarse: &[C], fine: &[C], weight: f64) -> Vec<C> {
+    let sample = |(coarse, fine): (&C, &C)| {
+        let mut best = fine.clone();
+        let pairs = best.as_mut().iter_mut().zip(coarse.as_ref());
+        pairs.for_each(|(fine, coarse)| *fine += weight * (*fine - coarse));
+        best
     };
     coarse.iter().zip(fine).map(sample).collect()
 }
 
-fn largest_distance(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    let square = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+fn largest_distance<C: Storage>(a: &[C], b: &[C]) -> f64 {
+    let square = |(a, b): (&C, &C)| -> f64 {
+        a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - b) * (a - b)).sum()
     };
     a.iter().zip(b).map(square).fold(0.0, f64::max).sqrt()
 }
