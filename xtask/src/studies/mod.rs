@@ -3,6 +3,7 @@
 mod constraints;
 mod convergence;
 mod derivative;
+mod gimbal_lock;
 mod hamilton;
 mod high_order;
 mod long_run;
@@ -14,6 +15,7 @@ mod orbits;
 mod oscillating;
 mod phase_portrait;
 mod reference;
+mod rigid;
 pub mod scene;
 mod stability;
 mod stability_regions;
@@ -62,6 +64,9 @@ pub const STUDIES: &[Entry<'static>] = &[
     constraints::FOUR_BAR,
     constraints::CHAIN_COST,
     constraints::WHERE_THEY_FAIL,
+    rigid::LONG_RUN,
+    rigid::WORK_PRECISION,
+    gimbal_lock::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
