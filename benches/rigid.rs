@@ -29,8 +29,8 @@ fn turns(largest: f64) -> Vec<Vector3<f64>> {
     (0..TURNS).map(one).collect()
 }
 
-fn each<T>(of: &[T], mut see: impl FnMut(&T)) {
-    of.iter().for_each(|x| see(x));
+fn each<T>(of: &[T], see: impl FnMut(&T)) {
+    of.iter().for_each(see);
 }
 
 fn against_nalgebra(name: &str, theta: &[Vector3<f64>]) {
