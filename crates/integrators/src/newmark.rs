@@ -65,8 +65,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force> Newmark<'s, M, P, C, F> 
         weights: NewmarkWeights,
         force: F,
     ) -> Result<Self, SizeError> {
-        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
-        Newmark::assembled(system, weights, Some(force), dense(system.dim())?)
+        Newmark::with_force_and_solver(system, weights, force, dense(system.dim())?)
     }
 }
 
@@ -89,6 +88,18 @@ fn dense<C: Storage>(n: usize) -> Result<DenseSolver<C>, SizeError> {
 impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
     Newmark<'s, M, P, C, F, L>
 {
+    /// The method on a system with a force beside its potential, with the caller's solver, whose
+    /// pattern must hold the force's damping.
+    pub fn with_force_and_solver(
+        system: &'s System<M, P>,
+        weights: NewmarkWeights,
+        force: F,
+        solver: L,
+    ) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        Newmark::assembled(system, weights, Some(force), solver)
+    }
+
     fn assembled(
         system: &'s System<M, P>,
         weights: NewmarkWeights,

@@ -2,15 +2,13 @@
 
 use std::collections::HashMap;
 
-use stationary_integrators::Method;
-
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
 use crate::number::Count;
 use crate::observable::{self, USUAL};
 use crate::particles::{self, Motion, Roster};
 use crate::scene::{Gravity, Scene, Timing};
-use crate::{Fault, check, nets, springs, units::Units};
+use crate::{Fault, check, nets, rods, springs, stepping, units::Units};
 
 /// The scene that is declared. `name` stands for a title where there is none.
 pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
@@ -18,13 +16,7 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
-    let method = check::word(
-        "integrator",
-        declared.integrator.get_ref(),
-        declared.integrator.span(),
-        &Method::ALL.iter().map(|&method| (method.facts().name, method)).collect::<Vec<_>>(),
-    )?;
-
+    let stepping = stepping::declare(declared)?;
     let mut roster = Roster::default();
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
@@ -37,13 +29,20 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
     for spring in &declared.springs {
         links.push(springs::declare(&roster, spring)?);
     }
+    let mut rods = Vec::new();
+    for rod in &declared.rods {
+        rods.push(rods::declare(&roster, &rods, rod)?);
+    }
     let gravity = gravity(declared, dimension, &roster)?;
+    let drag = declared.drag.as_ref();
+    let drag =
+        drag.map(|drag| check::positive("the coefficient", &drag.coefficient)).transpose()?;
     check_that_something_moves(declared, &roster)?;
 
     let observables = match &declared.observables {
         Some(declared) => declared
             .iter()
-            .map(|declared| observable::declare(&roster, declared))
+            .map(|declared| observable::declare(&roster, &rods, declared))
             .collect::<Checked<Vec<_>>>()?,
         None => USUAL.to_vec(),
     };
@@ -51,15 +50,18 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
         units: Units::declare(&declared.units)?,
-        method,
+        stepping,
         timing: timing(declared)?,
         gravity,
+        drag,
         particles: roster.particles,
         written_out,
         links,
+        rods,
         observables,
         view: view(declared, dimension)?,
     };
+    scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
     let place = declared.sample_every.as_ref().map_or(declared.step.span(), |every| every.span());
     scene.check_samples().map_err(|fault| at(place, fault))?;
     Ok(scene)

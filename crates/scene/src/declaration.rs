@@ -21,6 +21,7 @@ pub(crate) struct Declaration {
     pub(crate) title: Option<Spanned<String>>,
     pub(crate) dimension: Spanned<Count>,
     pub(crate) integrator: Spanned<String>,
+    pub(crate) tolerance: Option<Spanned<Number>>,
     pub(crate) step: Spanned<Number>,
     pub(crate) horizon: Spanned<Number>,
     pub(crate) sample_every: Option<Spanned<Count>>,
@@ -30,10 +31,13 @@ pub(crate) struct Declaration {
     pub(crate) units: UnitsDeclaration,
     pub(crate) uniform_gravity: Option<UniformGravityDeclaration>,
     pub(crate) newtonian_gravity: Option<NewtonianGravityDeclaration>,
+    pub(crate) drag: Option<DragDeclaration>,
     #[serde(default)]
     pub(crate) particles: Vec<ParticleDeclaration>,
     #[serde(default)]
     pub(crate) springs: Vec<SpringDeclaration>,
+    #[serde(default)]
+    pub(crate) rods: Vec<RodDeclaration>,
     #[serde(default)]
     pub(crate) nets: Vec<NetDeclaration>,
 }
@@ -61,6 +65,13 @@ pub(crate) struct NewtonianGravityDeclaration {
     pub(crate) constant: Spanned<Number>,
 }
 
+/// `[drag]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with a coefficient")]
+pub(crate) struct DragDeclaration {
+    pub(crate) coefficient: Spanned<Number>,
+}
+
 /// One of `[[particles]]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a particle")]
@@ -81,6 +92,14 @@ pub(crate) struct SpringDeclaration {
     pub(crate) stiffness: Spanned<Number>,
     pub(crate) rest_length: Option<Spanned<Number>>,
     pub(crate) strain: Option<Spanned<String>>,
+}
+
+/// One of `[[rods]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a rod")]
+pub(crate) struct RodDeclaration {
+    pub(crate) between: Spanned<Vec<Spanned<String>>>,
+    pub(crate) strength: Option<Spanned<Number>>,
 }
 
 /// One of `[[nets]]`.
@@ -107,13 +126,15 @@ pub(crate) enum ObservableDeclaration {
     About(ObservableTable),
 }
 
-/// `{ position = "a" }`, `{ velocity = "a" }` or `{ distance = ["a", "b"] }`.
+/// `{ position = "a" }`, `{ velocity = "a" }`, `{ distance = ["a", "b"] }` or
+/// `{ tension = ["a", "b"] }`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an observable")]
 pub(crate) struct ObservableTable {
     pub(crate) position: Option<Spanned<String>>,
     pub(crate) velocity: Option<Spanned<String>>,
     pub(crate) distance: Option<Spanned<Vec<Spanned<String>>>>,
+    pub(crate) tension: Option<Spanned<Vec<Spanned<String>>>>,
 }
 
 impl<'de> Deserialize<'de> for ObservableDeclaration {

@@ -13,8 +13,9 @@ use std::path::PathBuf;
 use stationary_calculus::{
     MetricError, NewtonError, NewtonFailure, SizeError, SparseError, UnknownVertex,
 };
+use stationary_constraints::ConstraintError;
 use stationary_elasticity::SpringError;
-use stationary_integrators::{HorizonError, StepError};
+use stationary_integrators::{AdaptiveError, ControlError, ForceError, HorizonError, StepError};
 
 use crate::{Diagnostic, Run, limits};
 
@@ -97,6 +98,48 @@ pub enum Fault {
         /// The number.
         value: f64,
     },
+    /// A tolerance outside its range.
+    #[error("the tolerance is {value}; it must be at least {} and below 1", limits::TOLERANCE)]
+    Tolerance {
+        /// The tolerance.
+        value: f64,
+    },
+    /// A method that chooses its steps needs to know how well.
+    #[error("this integrator chooses its own steps and needs a `tolerance`")]
+    NoTolerance,
+    /// A tolerance for a method that could not keep it.
+    #[error("only an integrator that chooses its own steps has a tolerance")]
+    EqualSteps,
+    /// A method that cannot step what the scene has.
+    #[error("`{method}` cannot step {what}: {instead}")]
+    MethodCannot {
+        /// The method.
+        method: &'static str,
+        /// What it cannot step.
+        what: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+    /// The ends of a rod are one particle.
+    #[error("both ends of the rod are `{0}`")]
+    RodLoop(String),
+    /// A rod between two places that stay anyway.
+    #[error("both ends of the rod are pinned")]
+    RodBetweenPins,
+    /// Two rods between the same particles.
+    #[error("there is already a rod between `{first}` and `{second}`")]
+    RepeatedRod {
+        /// One end.
+        first: String,
+        /// The other end.
+        second: String,
+    },
+    /// A rod has a length at the start.
+    #[error("the rod starts with length {0}; it must be positive and finite")]
+    RodLength(f64),
+    /// A tension between particles that no rod joins.
+    #[error("no rod joins these particles")]
+    NoRod,
     /// Space has one, two or three dimensions here.
     #[error("the dimension is {0}; it must be 1, 2 or 3")]
     Dimension(u64),
@@ -272,6 +315,21 @@ pub enum AssemblyError {
     /// A spring to a vertex that is not there.
     #[error(transparent)]
     Vertex(#[from] UnknownVertex),
+    /// A method that cannot step what the scene has.
+    #[error(transparent)]
+    Method(Fault),
+    /// Rods that cannot be, or a start that moves against them.
+    #[error(transparent)]
+    Constraint(#[from] ConstraintError),
+    /// A start that no method can leave.
+    #[error(transparent)]
+    Adaptive(#[from] AdaptiveError),
+    /// A tolerance or a force that is none.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A drag that is none.
+    #[error(transparent)]
+    Force(#[from] ForceError),
     /// The sparse matrix of an implicit step.
     #[error(transparent)]
     Sparse(#[from] SparseError),
@@ -286,6 +344,29 @@ pub enum RunError {
     /// A step failed.
     #[error(transparent)]
     Interrupted(Box<Interruption>),
+}
+
+/// Why a step failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepFailure {
+    /// A method of equal steps.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// A method that chooses its steps.
+    #[error(transparent)]
+    Adaptive(#[from] AdaptiveError),
+    /// Rods that cannot be held.
+    #[error(transparent)]
+    Constraint(ConstraintError),
+}
+
+impl From<ConstraintError> for StepFailure {
+    fn from(error: ConstraintError) -> Self {
+        match error {
+            ConstraintError::Step(error) => StepFailure::Step(error),
+            other => StepFailure::Constraint(other),
+        }
+    }
 }
 
 /// A step that failed, where, and what was computed before.
@@ -303,9 +384,11 @@ pub struct Interruption {
     pub particle: String,
     /// The coordinate of that particle, from 0.
     pub coordinate: usize,
+    /// The rod that cannot be held, where it is one.
+    pub rod: Option<String>,
     /// Why it failed.
     #[source]
-    pub source: StepError,
+    pub source: StepFailure,
     /// The run up to there; its last sample is the state from which the step failed.
     pub run: Box<Run>,
 }
@@ -314,9 +397,9 @@ pub struct Interruption {
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 /// The error, with the first and the last residual where it has a list of them.
-fn brief(error: &StepError) -> String {
+fn brief(error: &StepFailure) -> String {
     let text = error.to_string();
-    let StepError::Newton(NewtonError { history, .. }) = error else {
+    let StepFailure::Step(StepError::Newton(NewtonError { history, .. })) = error else {
         return text;
     };
     let before = text.split("; residuals").next().unwrap_or_default();
@@ -328,12 +411,27 @@ fn brief(error: &StepError) -> String {
     }
 }
 
-/// The unknown at which Newton's method met a number that is not finite.
-pub(crate) fn unknown(error: &StepError) -> Option<usize> {
+/// The equation of a constraint that cannot be held, which is the rod's place among those left.
+pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
     match error {
-        StepError::Newton(NewtonError { failure: NewtonFailure::NonFinite(unknown), .. }) => {
-            Some(*unknown)
-        }
+        StepFailure::Constraint(
+            ConstraintError::Infeasible { row, .. }
+            | ConstraintError::InfeasibleVelocity { row, .. }
+            | ConstraintError::Singular { row, .. }
+            | ConstraintError::NotConverged { row, .. },
+        ) => Some(*row),
+        StepFailure::Constraint(ConstraintError::Dependent { row }) => *row,
+        _ => None,
+    }
+}
+
+/// The unknown at which Newton's method met a number that is not finite.
+pub(crate) fn unknown(error: &StepFailure) -> Option<usize> {
+    let StepFailure::Step(StepError::Newton(NewtonError { failure, .. })) = error else {
+        return None;
+    };
+    match failure {
+        NewtonFailure::NonFinite(unknown) => Some(*unknown),
         _ => None,
     }
 }
@@ -342,11 +440,15 @@ impl Interruption {
     fn reason(&self) -> String {
         let (particle, coordinate) = (&self.particle, COORDINATES[self.coordinate.min(2)]);
         match &self.source {
-            StepError::NonFiniteConfiguration { .. } => {
+            StepFailure::Step(StepError::NonFiniteConfiguration { .. }) => {
                 format!("the position of `{particle}` is not finite, first in {coordinate}")
             }
-            StepError::NonFiniteMomentum { .. } => {
+            StepFailure::Step(StepError::NonFiniteMomentum { .. }) => {
                 format!("the momentum of `{particle}` is not finite, first in {coordinate}")
+            }
+            other if self.rod.is_some() => {
+                let rod = self.rod.as_deref().unwrap_or_default();
+                format!("{}; that is the rod {rod}", brief(other))
             }
             other if unknown(other).is_some() => {
                 format!("{}; that is `{particle}` in {coordinate}", brief(other))

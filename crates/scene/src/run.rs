@@ -6,12 +6,13 @@ use std::path::Path;
 
 use stationary_calculus::{Covector, Metric, Potential, Vector, first_non_finite};
 use stationary_integrators::{
-    Cost, Observation, SimulationError, State, StepError, angular_momentum, angular_momentum_scale,
-    linear_momentum, linear_momentum_scale, simulate,
+    Cost, State, StepError, angular_momentum, angular_momentum_scale, linear_momentum,
+    linear_momentum_scale,
 };
 
-use crate::error::unknown;
+use crate::error::{StepFailure, equation, unknown};
 use crate::observable::Moment;
+use crate::stepper::Stepper;
 use crate::system::{SceneProblem, Vertices, leading};
 use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 
@@ -20,7 +21,19 @@ use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 pub struct Run {
     pub(crate) scene: Scene,
     pub(crate) samples: Samples,
+    broken: Vec<BrokenRod>,
     cost: Cost,
+}
+
+/// A rod that broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrokenRod {
+    /// Its place in [`Scene::rods`].
+    pub rod: usize,
+    /// The end of the step in which it broke.
+    pub time: f64,
+    /// The tension that broke it, negative for a thrust.
+    pub tension: f64,
 }
 
 /// Samples in the order of time.
@@ -77,39 +90,45 @@ impl Scene {
         mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
         let problem = self.problem::<D>()?;
-        let mut integrator = self.integrator(&problem)?;
+        let mut stepper = Stepper::new(self, &problem)?;
         let (steps, every) = (self.timing.steps(), self.timing.sample_every());
         let mut state = problem.initial.clone();
         let mut recorder = Recorder::new(self, &problem);
         let mut cost = Cost::default();
         recorder.sample(&state);
-        let result = simulate(
-            &mut *integrator,
-            &mut state,
-            self.timing.stepping(),
-            |Observation { step, state, report }| {
-                cost.steps = step;
-                cost.differentials += u64::from(report.differentials);
-                cost.hessians += u64::from(report.hessians);
-                cost.energies += u64::from(report.energies);
-                cost.most_iterations = cost.most_iterations.max(report.hessians);
-                let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
-                if step % every == 0 || step == steps || flow.is_break() {
-                    recorder.sample(state);
+        let timing = self.timing.stepping();
+        for step in 1..=steps {
+            let (from, to) = (state.t, timing.time(step));
+            let stepped = match stepper.step(&mut state, timing.step(), to) {
+                Ok(stepped) => stepped,
+                Err(source) => {
+                    if recorder.samples.times.last().is_some_and(|&last| last < from) {
+                        recorder.sample(&state);
+                    }
+                    let failed = Failed { step, time: from, source };
+                    return Err(recorder.interrupt(failed, cost, &state));
                 }
-                flow
-            },
-        );
-        match result {
-            Ok(_) => Ok(recorder.finish(cost)),
-            Err(failure) => {
-                if recorder.samples.times.last().is_some_and(|&last| last < failure.time) {
-                    recorder.sample(&state);
-                }
-                Err(recorder.interrupt(failure, cost, &state))
+            };
+            state.t = to;
+            cost.add(&stepped.report);
+            recorder.feel(stepper.multipliers(), stepped.broken);
+            let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
+            if step % every == 0 || step == steps || flow.is_break() {
+                recorder.sample(&state);
+            }
+            if flow.is_break() {
+                break;
             }
         }
+        Ok(recorder.finish(cost))
     }
+}
+
+/// A step that failed.
+struct Failed {
+    step: u64,
+    time: f64,
+    source: StepFailure,
 }
 
 /// Takes samples of states.
@@ -120,6 +139,10 @@ struct Recorder<'a, const D: usize> {
     samples: Samples,
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
+    tensions: Vec<f64>,
+    /// The rods that are left, in the order of their multipliers.
+    left: Vec<usize>,
+    broken: Vec<BrokenRod>,
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
@@ -132,6 +155,21 @@ impl<'a, const D: usize> Recorder<'a, D> {
             samples: Samples { columns, ..Samples::default() },
             positions: scene.particles.iter().map(|particle| particle.position).collect(),
             velocities: vec![[0.0; 3]; scene.particles.len()],
+            tensions: vec![0.0; scene.rods.len()],
+            left: (0..scene.rods.len()).collect(),
+            broken: Vec::new(),
+        }
+    }
+
+    /// Takes the tensions of a step, and the rod that broke in it.
+    fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
+        if let Some(broken) = broken {
+            let rod = self.left.remove(broken.rod);
+            self.tensions[rod] = 0.0;
+            self.broken.push(BrokenRod { rod, ..broken });
+        }
+        for (&rod, lambda) in self.left.iter().zip(multipliers) {
+            self.tensions[rod] = 2.0 * self.scene.rods[rod].length * lambda;
         }
     }
 
@@ -155,6 +193,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
             angular: angular_momentum::<D>(state),
             positions: &self.positions,
             velocities: &self.velocities,
+            tensions: &self.tensions,
         };
         let samples = &mut self.samples;
         samples.times.push(state.t);
@@ -171,23 +210,31 @@ impl<'a, const D: usize> Recorder<'a, D> {
     }
 
     fn finish(self, cost: Cost) -> Run {
-        Run { scene: self.scene.clone(), samples: self.samples, cost }
+        Run { scene: self.scene.clone(), samples: self.samples, broken: self.broken, cost }
     }
 
-    fn interrupt(self, failure: SimulationError, cost: Cost, state: &State<Vec<f64>>) -> RunError {
-        let freedom = match &failure.source {
-            StepError::NonFiniteConfiguration { freedom }
-            | StepError::NonFiniteMomentum { freedom } => *freedom,
+    fn interrupt(self, failed: Failed, cost: Cost, state: &State<Vec<f64>>) -> RunError {
+        let freedom = match &failed.source {
+            StepFailure::Step(
+                StepError::NonFiniteConfiguration { freedom }
+                | StepError::NonFiniteMomentum { freedom },
+            ) => *freedom,
             other => unknown(other).unwrap_or_else(|| self.most_accelerated(&state.q)),
         };
         let particle = self.vertices.particles[freedom / D];
+        let name = |particle: usize| &self.scene.particles[particle].name;
+        let rod = equation(&failed.source).and_then(|row| self.left.get(row)).map(|&rod| {
+            let [a, b] = self.scene.rods[rod].ends;
+            format!("from `{}` to `{}`", name(a), name(b))
+        });
         RunError::Interrupted(Box::new(Interruption {
-            step: failure.step,
-            time: failure.time,
+            step: failed.step,
+            time: failed.time,
             unit: self.scene.units.time.clone(),
-            particle: self.scene.particles[particle].name.clone(),
+            particle: name(particle).clone(),
             coordinate: freedom % D,
-            source: failure.source,
+            rod,
+            source: failed.source,
             run: Box::new(self.finish(cost)),
         }))
     }
@@ -265,6 +312,11 @@ impl Run {
         self.samples.observed.get(n * sample..n * (sample + 1)).unwrap_or_default()
     }
 
+    /// The rods that broke, in the order of time.
+    pub fn broken(&self) -> &[BrokenRod] {
+        &self.broken
+    }
+
     /// What the steps cost.
     pub fn cost(&self) -> Cost {
         self.cost
@@ -276,13 +328,16 @@ impl Run {
     }
 
     /// Writes `trajectory.csv`, `observables.csv` and `picture.svg` into a folder, which is made
-    /// where it is missing.
+    /// where it is missing, and `events.csv` where rods can break.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder)
             .map_err(|source| WriteError { path: folder.to_owned(), source })?;
         csv::write(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
         csv::write(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
+            csv::write(&folder.join("events.csv"), |out| csv::events(self, out))?;
+        }
         csv::write(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))
     }
 

@@ -8,7 +8,7 @@ use crate::assembly::assemble;
 use crate::declaration::Declaration;
 use crate::diagnostic::Checked;
 use crate::source::{self, diagnose};
-use crate::{Fault, Link, Motion, Observable, Particle, SceneError, Units, limits};
+use crate::{Fault, Link, Motion, Observable, Particle, Rod, SceneError, Stepping, Units, limits};
 
 /// Particles and what acts on them, a method, and what is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,12 +16,14 @@ pub struct Scene {
     pub(crate) title: String,
     pub(crate) dimension: usize,
     pub(crate) units: Units,
-    pub(crate) method: Method,
+    pub(crate) stepping: Stepping,
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
+    pub(crate) drag: Option<f64>,
     pub(crate) particles: Vec<Particle>,
     pub(crate) written_out: usize,
     pub(crate) links: Vec<Link>,
+    pub(crate) rods: Vec<Rod>,
     pub(crate) observables: Vec<Observable>,
     pub(crate) view: [f64; 3],
 }
@@ -115,9 +117,9 @@ impl Scene {
         source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
     }
 
-    /// The same scene with another method.
+    /// The same scene with another method of equal steps.
     pub fn with_method(self, method: Method) -> Scene {
-        Scene { method, ..self }
+        Scene { stepping: Stepping::Equal(method), ..self }
     }
 
     /// The same scene with another step, sampled at about the same times.
@@ -152,9 +154,9 @@ impl Scene {
         &self.units
     }
 
-    /// Its method.
-    pub fn method(&self) -> Method {
-        self.method
+    /// How it is stepped.
+    pub fn stepping(&self) -> Stepping {
+        self.stepping
     }
 
     /// Its step, horizon and samples.
@@ -167,6 +169,11 @@ impl Scene {
         self.gravity
     }
 
+    /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
+    pub fn drag(&self) -> Option<f64> {
+        self.drag
+    }
+
     /// Its particles: those that are written out, in the file's order, then the vertices of nets.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
@@ -175,6 +182,11 @@ impl Scene {
     /// Its springs: those of nets, then those that are written out.
     pub fn links(&self) -> &[Link] {
         &self.links
+    }
+
+    /// Its rods.
+    pub fn rods(&self) -> &[Rod] {
+        &self.rods
     }
 
     /// What a run writes down besides the positions.

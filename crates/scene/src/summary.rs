@@ -32,7 +32,7 @@ impl Summary {
             title: format!(
                 "{}\n{}, {} of {} steps of {} {unit}, to {end} {unit}",
                 scene.title(),
-                scene.method(),
+                scene.stepping(),
                 run.cost().steps,
                 timing.steps(),
                 timing.step(),
@@ -49,13 +49,14 @@ impl Summary {
 fn cost(run: &Run) -> Table {
     let scene = run.scene();
     let pinned = scene.particles().iter().filter(|p| p.motion == Motion::Pinned).count();
-    let implicit = scene.method().facts().evaluation == Evaluation::Implicit;
+    let implicit = scene.stepping().evaluation() == Evaluation::Implicit;
     let counted = |name| if implicit { Column::rounded(name, 1, 0.0) } else { Column::exact(name) };
     let count = |n: u64| if implicit { Cell::Number(n as f64) } else { Cell::Count(n) };
     let mut table = Table::new([
         Column::exact("particles"),
         Column::exact("pinned"),
         Column::exact("springs"),
+        Column::exact("rods"),
         Column::exact("freedoms"),
         counted("differentials"),
         counted("hessians"),
@@ -64,6 +65,7 @@ fn cost(run: &Run) -> Table {
         (scene.particles().len() as u64).into(),
         (pinned as u64).into(),
         (scene.links().len() as u64).into(),
+        (scene.rods().len() as u64).into(),
         (scene.freedoms() as u64).into(),
         count(run.cost().differentials),
         count(run.cost().hessians),
