@@ -39,5 +39,8 @@ fn the_bridge_breaks_under_its_load() {
     let (summary, out) = run("breaking-bridge");
     insta::assert_snapshot!(summary);
     let events = std::fs::read_to_string(out.join("events.csv")).expect("the events");
-    assert!(events.lines().nth(1).is_some_and(|first| first.starts_with("0.114,t3,t4")), "{events}");
+    assert!(
+        events.lines().nth(1).is_some_and(|first| first.starts_with("0.114,t3,t4")),
+        "{events}"
+    );
 }

@@ -331,17 +331,20 @@ impl<'a> Picture<'a> {
             x += 40.0 + 7.0 * words.len() as f64;
             Ok(())
         };
+        // Half of the line faint, as at the start, and half strong, as at the end.
+        let bar = |kind: &str| {
+            let line = |class, from| format!("<path class=\"{kind} {class}\" d=\"M{from} 0h11\"/>");
+            line("start", 0) + &line("end", 11)
+        };
         if !self.free_followed().is_empty() {
             entry(f, "<circle class=\"first ink\" cx=\"12\" cy=\"0\" r=\"3\"/>", "start")?;
             entry(f, "<circle class=\"last\" cx=\"12\" cy=\"0\" r=\"4\"/>", "end")?;
         }
         if !scene.links().is_empty() {
-            entry(f, "<path class=\"springs start\" d=\"M0 0H20\"/>", "springs, start")?;
-            entry(f, "<path class=\"springs end\" d=\"M0 0H20\"/>", "springs, end")?;
+            entry(f, &bar("springs"), "springs")?;
         }
         if !scene.rods().is_empty() {
-            entry(f, "<path class=\"rods start\" d=\"M0 0H20\"/>", "rods, start")?;
-            entry(f, "<path class=\"rods end\" d=\"M0 0H20\"/>", "rods, end")?;
+            entry(f, &bar("rods"), "rods")?;
         }
         if scene.particles().iter().any(|particle| particle.motion == Motion::Pinned) {
             let mark = "<rect class=\"pin\" x=\"9\" y=\"-3.5\" width=\"7\" height=\"7\"/>";
