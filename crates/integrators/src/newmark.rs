@@ -88,8 +88,8 @@ fn dense<C: Storage>(n: usize) -> Result<DenseSolver<C>, SizeError> {
 impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
     Newmark<'s, M, P, C, F, L>
 {
-    /// The method on a system with a force beside its potential, with the caller's solver, whose
-    /// pattern must hold the force's damping.
+    /// The method on a system with a force beside its potential, with the caller's solver: a sparse
+    /// one is analysed with a [`DampedPattern`](crate::DampedPattern).
     pub fn with_force_and_solver(
         system: &'s System<M, P>,
         weights: NewmarkWeights,

@@ -6,9 +6,9 @@ use stationary_constraints::{
     StepAndProject,
 };
 use stationary_integrators::{
-    AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, Drag, Facts, Integrator,
-    MechanicalField, Method, Moment, Newmark, NewmarkWeights, RadauIia5, State, StepControl,
-    StepError, StepReport, Tolerance, Work,
+    AdaptiveError, AdaptiveMethod, BackwardDifferences, DampedPattern, DormandPrince853, Drag,
+    Facts, Integrator, MechanicalField, Method, Moment, Newmark, NewmarkWeights, RadauIia5, State,
+    StepControl, StepError, StepReport, Tolerance, Work,
 };
 
 use crate::error::StepFailure;
@@ -145,7 +145,8 @@ fn held_back<'s, const D: usize>(
     if crate::system::few(system.dim()) {
         return Ok(Box::new(Newmark::with_force(system, weights, drag)?));
     }
-    let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
+    let pattern = DampedPattern { potential: system.potential(), force: &drag };
+    let solver = SparseSolver::new(system.metric(), &pattern, &problem.initial.q)?;
     Ok(Box::new(Newmark::with_force_and_solver(system, weights, drag, solver)?))
 }
 

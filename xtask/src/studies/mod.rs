@@ -2,6 +2,7 @@
 
 mod constraints;
 mod convergence;
+mod damping;
 mod derivative;
 mod gimbal_lock;
 mod hamilton;
@@ -9,6 +10,7 @@ mod high_order;
 mod long_run;
 mod modal;
 mod multiscale;
+mod net_in_honey;
 mod newmark_damping;
 mod newton;
 mod orbits;
@@ -51,7 +53,9 @@ pub const STUDIES: &[Entry<'static>] = &[
     modal::MODES_NEEDED,
     modal::LARGE_MOTION,
     stability_regions::REGIONS,
+    damping::STUDY,
     stiff::WORK_PRECISION,
+    net_in_honey::STUDY,
     step_control::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
