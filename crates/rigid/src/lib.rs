@@ -38,7 +38,7 @@
 //! potentials, forces and joints on them, in space and in the plane, and the symmetries that they may
 //! have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked in
 //! [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and what
-//! games do for contrast; [`BodyMethod`], which names them all, and [`problems`].
+//! games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names them all, and [`problems`].
 //!
 //! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
 //! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.
@@ -77,6 +77,7 @@ mod free_rotation;
 mod variational;
 mod axis_rotations;
 mod exact_rotation;
+mod body_store;
 mod free_bodies;
 mod lie_verlet;
 mod munthe_kaas;
@@ -87,6 +88,7 @@ pub mod problems;
 pub use axis_rotations::AxisRotations;
 pub use body::{Body, PrincipalFrame};
 pub use body_spring::{Attachment, BodySpring};
+pub use body_store::BodyStore;
 pub use error::RigidError;
 pub use euler::EulerAngles;
 pub use exact_rotation::ExactRotation;
