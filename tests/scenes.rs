@@ -27,3 +27,17 @@ fn the_spring_net_hangs_from_its_corners() {
     let (summary, _) = run("spring-net");
     insta::assert_snapshot!(summary);
 }
+
+#[test]
+fn the_thrown_racket_turns_over_and_keeps_its_momenta() {
+    let (summary, out) = run("thrown-racket");
+    insta::assert_snapshot!(summary);
+    let picture = std::fs::read_to_string(out.join("picture.svg")).expect("a picture");
+    assert!(picture.contains("bodies, end"));
+}
+
+#[test]
+fn the_heavy_top_nods_on_its_tip() {
+    let (summary, _) = run("heavy-top");
+    insta::assert_snapshot!(summary);
+}

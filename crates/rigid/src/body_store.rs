@@ -20,7 +20,7 @@ use stationary_integrators::StepError;
 
 use crate::error::check_finite;
 use crate::stumpff::{SMALL_BELOW, sine_cosine, small};
-use crate::{Body, BodyMotion, BodySpace, LieGroup, Poses, RigidError, RigidMotion, Rotation};
+use crate::{Body, BodyMotion, BodySpace, Poses, RigidError, RigidMotion, Rotation};
 
 /// Bodies in a group.
 const LANES: usize = 8;
@@ -241,7 +241,7 @@ impl BodyStore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BodyMethod, BodyMetric, PointMass, Weight};
+    use crate::{BodyMethod, BodyMetric, LieGroup, PointMass, Weight};
 
     /// Nineteen bodies: two groups and a part of one, with smallest moments about every axis.
     fn crowd(fast: f64) -> (Vec<Body>, Vec<BodyMotion>) {

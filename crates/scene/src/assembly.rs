@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 
 use stationary_integrators::Method;
+use stationary_rigid::BodyMethod;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
 use crate::number::Count;
 use crate::observable::{self, USUAL};
 use crate::particles::{self, Motion, Roster};
-use crate::scene::{Gravity, Scene, Timing};
-use crate::{Fault, check, nets, springs, units::Units};
+use crate::scene::{Gravity, Scene, SceneMethod, Timing};
+use crate::{Fault, bodies, check, joints, nets, springs, units::Units};
 
 /// The scene that is declared. `name` stands for a title where there is none.
 pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
@@ -18,18 +19,16 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
-    let method = check::word(
-        "integrator",
-        declared.integrator.get_ref(),
-        declared.integrator.span(),
-        &Method::ALL.iter().map(|&method| (method.facts().name, method)).collect::<Vec<_>>(),
-    )?;
+    check_what_is_there(declared)?;
+    let method = method(declared, dimension)?;
 
     let mut roster = Roster::default();
+    let (mut moving, edges) = bodies::declare(&mut roster, dimension, &declared.bodies)?;
+    let joints = joints::declare(dimension, &mut moving, &declared.joints)?;
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
     }
-    let written_out = roster.particles.len();
+    let written_out = if moving.is_empty() { roster.particles.len() } else { moving.len() };
     let mut links = Vec::new();
     for net in &declared.nets {
         nets::declare(&mut roster, &mut links, dimension, net)?;
@@ -57,12 +56,54 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         particles: roster.particles,
         written_out,
         links,
+        bodies: moving.into_iter().map(|declared| declared.body).collect(),
+        joints,
+        edges,
         observables,
         view: view(declared, dimension)?,
     };
     let place = declared.sample_every.as_ref().map_or(declared.step.span(), |every| every.span());
     scene.check_samples().map_err(|fault| at(place, fault))?;
     Ok(scene)
+}
+
+/// An error where what does not go together is there.
+fn check_what_is_there(declared: &Declaration) -> Checked<()> {
+    let Some(_) = declared.bodies.first() else {
+        return match declared.joints.first() {
+            Some(joint) => Err(at(joint.kind.span(), Fault::NoBodies)),
+            None => Ok(()),
+        };
+    };
+    let others = [
+        declared.particles.first().map(|particle| particle.name.span()),
+        declared.nets.first().map(|net| net.name.span()),
+        declared.springs.first().map(|spring| spring.between.span()),
+    ];
+    if let Some(place) = others.into_iter().flatten().next() {
+        return Err(at(place, Fault::Mixed));
+    }
+    match &declared.newtonian_gravity {
+        Some(gravity) => Err(at(gravity.constant.span(), Fault::BodyAttraction)),
+        None => Ok(()),
+    }
+}
+
+/// The method that is declared, of those that move what is declared.
+fn method(declared: &Declaration, dimension: usize) -> Checked<SceneMethod> {
+    let (word, place) = (declared.integrator.get_ref(), declared.integrator.span());
+    let method = if declared.bodies.is_empty() || dimension != 3 {
+        let all: Vec<_> = Method::ALL.iter().map(|&method| (method.facts().name, method)).collect();
+        SceneMethod::Flat(check::word("integrator", word, place.clone(), &all)?)
+    } else {
+        let all = BodyMethod::ALL.iter().map(|&method| (method.facts().name, method));
+        let all: Vec<_> = all.collect();
+        SceneMethod::Bodies(check::word("integrator", word, place.clone(), &all)?)
+    };
+    if !declared.joints.is_empty() && !method.holds_joints() {
+        return Err(at(place, Fault::MethodOfJoints(word.clone())));
+    }
+    Ok(method)
 }
 
 fn timing(declared: &Declaration) -> Checked<Timing> {
@@ -111,7 +152,7 @@ fn check_that_no_two_meet(roster: &Roster) -> Checked<()> {
 }
 
 fn check_that_something_moves(declared: &Declaration, roster: &Roster) -> Checked<()> {
-    let free = |motion: &Motion| matches!(motion, Motion::Free { .. });
+    let free = |motion: &Motion| *motion != Motion::Pinned;
     if roster.particles.iter().any(|particle| free(&particle.motion)) {
         return Ok(());
     }

@@ -11,7 +11,7 @@ use toml::Spanned;
 use crate::declaration::{ObservableDeclaration, ObservableTable};
 use crate::diagnostic::{Checked, at};
 use crate::error::COORDINATES;
-use crate::particles::Roster;
+use crate::particles::{Motion, Roster};
 use crate::{Fault, Scene, check};
 
 /// A number, or a vector, of a state.
@@ -33,15 +33,17 @@ pub enum Observable {
     Velocity(usize),
     /// How far apart two particles are.
     Distance([usize; 2]),
+    /// How fast a body turns, in body axes; one column in the plane.
+    AngularVelocity(usize),
 }
 
 /// The observables of a scene that names none.
 pub(crate) const USUAL: [Observable; 3] =
     [Observable::Energy, Observable::LinearMomentum, Observable::AngularMomentum];
 
-/// The words that an observable may be. The last three stand here for the sake of errors: they are
+/// The words that an observable may be. The last four stand here for the sake of errors: they are
 /// never found, since no word has blanks and quotes in it.
-const WORDS: [(&str, Observable); 8] = [
+const WORDS: [(&str, Observable); 9] = [
     ("energy", Observable::Energy),
     ("kinetic-energy", Observable::KineticEnergy),
     ("potential-energy", Observable::PotentialEnergy),
@@ -50,6 +52,7 @@ const WORDS: [(&str, Observable); 8] = [
     ("{ position = \"a name\" }", Observable::Position(0)),
     ("{ velocity = \"a name\" }", Observable::Velocity(0)),
     ("{ distance = [\"a name\", \"a name\"] }", Observable::Distance([0, 0])),
+    ("{ angular_velocity = \"a name\" }", Observable::AngularVelocity(0)),
 ];
 
 /// The observable that is declared.
@@ -64,18 +67,20 @@ pub(crate) fn declare(
         }
         ObservableDeclaration::About(table) => table,
     };
-    match table {
-        ObservableTable { position: Some(name), velocity: None, distance: None } => {
-            Ok(Observable::Position(roster.find(name)?))
-        }
-        ObservableTable { position: None, velocity: Some(name), distance: None } => {
-            Ok(Observable::Velocity(roster.find(name)?))
-        }
-        ObservableTable { position: None, velocity: None, distance: Some(names) } => {
+    let ObservableTable { position, velocity, distance, angular_velocity } = table;
+    match (position, velocity, distance, angular_velocity) {
+        (Some(name), None, None, None) => Ok(Observable::Position(roster.find(name)?)),
+        (None, Some(name), None, None) => Ok(Observable::Velocity(roster.find(name)?)),
+        (None, None, Some(names), None) => {
             Ok(Observable::Distance(roster.pair("a distance", names)?))
         }
-        ObservableTable { position, velocity, distance } => {
-            let given = [position.is_some(), velocity.is_some(), distance.is_some()];
+        (None, None, None, Some(name)) => match roster.particles[roster.find(name)?].motion {
+            Motion::Carried { body, .. } => Ok(Observable::AngularVelocity(body)),
+            _ => Err(at(name.span(), Fault::NotABody(name.get_ref().clone()))),
+        },
+        _ => {
+            let turning = angular_velocity.is_some();
+            let given = [position.is_some(), velocity.is_some(), distance.is_some(), turning];
             let words = given.into_iter().filter(|&given| given).count();
             Err(at(declared.span(), Fault::NotOneObservable(words)))
         }
@@ -93,6 +98,8 @@ pub(crate) struct Moment<'a> {
     pub(crate) positions: &'a [[f64; 3]],
     /// Velocities of all particles, in the scene's order.
     pub(crate) velocities: &'a [[f64; 3]],
+    /// Angular velocities of all bodies, in body axes.
+    pub(crate) angular_velocities: &'a [[f64; 3]],
 }
 
 impl Observable {
@@ -125,6 +132,14 @@ impl Observable {
             Observable::Distance([a, b]) => {
                 vec![format!("distance {} to {} [{}]", name(a), name(b), units.length)]
             }
+            Observable::AngularVelocity(body) => {
+                let what = format!("angular velocity of {}", scene.bodies()[body].name);
+                let unit = format!("rad/{}", units.time);
+                match scene.dimension() {
+                    3 => components(what, unit),
+                    _ => vec![format!("{what} [{unit}]")],
+                }
+            }
         }
     }
 
@@ -150,6 +165,10 @@ impl Observable {
                 let (a, b) = (moment.positions[a], moment.positions[b]);
                 row.push((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>().sqrt());
             }
+            Observable::AngularVelocity(body) => row.extend(match dimension {
+                3 => &moment.angular_velocities[body][..],
+                _ => &moment.angular_velocities[body][2..],
+            }),
         }
     }
 }

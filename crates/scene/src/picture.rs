@@ -1,4 +1,4 @@
-//! The picture of a run: paths, springs at the start and at the end, names, and a length to compare.
+//! The picture of a run: paths, springs or edges of bodies at the start and at the end, names, and a length to compare.
 //!
 //! One SVG file that needs nothing else, light on paper and dark where the reader prefers that.
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
@@ -125,14 +125,14 @@ impl<'a> Picture<'a> {
     }
 
     fn springs(&self, f: &mut fmt::Formatter<'_>, extent: &Extent) -> fmt::Result {
-        let links = self.run.scene().links();
-        if links.is_empty() {
+        let lines: Vec<[usize; 2]> = self.run.scene().lines().collect();
+        if lines.is_empty() {
             return Ok(());
         }
         for (class, sample) in [("springs start", 0), ("springs end", self.samples() - 1)] {
             write!(f, "<path class=\"{class}\" d=\"")?;
-            for link in links.iter().step_by(links.len().div_ceil(SPRINGS)) {
-                let [a, b] = link.ends.map(|end| self.spot(extent, sample, end));
+            for ends in lines.iter().step_by(lines.len().div_ceil(SPRINGS)) {
+                let [a, b] = ends.map(|end| self.spot(extent, sample, end));
                 write!(f, "M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
             }
             writeln!(f, "\"/>")?;
@@ -323,9 +323,15 @@ impl<'a> Picture<'a> {
             entry(f, "<circle class=\"first ink\" cx=\"12\" cy=\"0\" r=\"3\"/>", "start")?;
             entry(f, "<circle class=\"last\" cx=\"12\" cy=\"0\" r=\"4\"/>", "end")?;
         }
-        if !scene.links().is_empty() {
-            entry(f, "<path class=\"springs start\" d=\"M0 0H20\"/>", "springs, start")?;
-            entry(f, "<path class=\"springs end\" d=\"M0 0H20\"/>", "springs, end")?;
+        if scene.lines().next().is_some() {
+            let bodies = !scene.bodies().is_empty();
+            let words = if bodies {
+                ["bodies, start", "bodies, end"]
+            } else {
+                ["springs, start", "springs, end"]
+            };
+            entry(f, "<path class=\"springs start\" d=\"M0 0H20\"/>", words[0])?;
+            entry(f, "<path class=\"springs end\" d=\"M0 0H20\"/>", words[1])?;
         }
         if scene.particles().iter().any(|particle| particle.motion == Motion::Pinned) {
             let mark = "<rect class=\"pin\" x=\"9\" y=\"-3.5\" width=\"7\" height=\"7\"/>";

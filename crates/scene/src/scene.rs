@@ -1,29 +1,89 @@
 //! A scene: what a file has said, checked. It can be run, and run otherwise.
 
+use std::fmt;
 use std::path::Path;
 
-use stationary_integrators::{Horizon, Method};
+use stationary_integrators::{Facts, Horizon, Method};
+use stationary_rigid::BodyMethod;
 
 use crate::assembly::assemble;
 use crate::declaration::Declaration;
 use crate::diagnostic::Checked;
 use crate::source::{self, diagnose};
-use crate::{Fault, Link, Motion, Observable, Particle, SceneError, Units, limits};
+use crate::{
+    Fault, Link, Motion, Observable, Particle, RigidBody, SceneError, SceneJoint, Units, limits,
+};
 
-/// Particles and what acts on them, a method, and what is asked for.
+/// Particles or bodies and what acts on them, a method, and what is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub(crate) title: String,
     pub(crate) dimension: usize,
     pub(crate) units: Units,
-    pub(crate) method: Method,
+    pub(crate) method: SceneMethod,
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
     pub(crate) particles: Vec<Particle>,
     pub(crate) written_out: usize,
     pub(crate) links: Vec<Link>,
+    pub(crate) bodies: Vec<RigidBody>,
+    pub(crate) joints: Vec<SceneJoint>,
+    /// Pairs of points of bodies that a picture joins.
+    pub(crate) edges: Vec<[usize; 2]>,
     pub(crate) observables: Vec<Observable>,
     pub(crate) view: [f64; 3],
+}
+
+/// What moves a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneMethod {
+    /// Particles, and bodies in the plane: a method of flat space. Where bodies have joints it is
+    /// Stormer-Verlet, which holding them turns into RATTLE.
+    Flat(Method),
+    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method is
+    /// named after.
+    Bodies(BodyMethod),
+}
+
+impl SceneMethod {
+    /// What is known of it.
+    pub fn facts(self) -> Facts {
+        match self {
+            SceneMethod::Flat(method) => method.facts(),
+            SceneMethod::Bodies(method) => method.facts(),
+        }
+    }
+
+    /// Whether it can be told to hold joints.
+    pub(crate) fn holds_joints(self) -> bool {
+        match self {
+            SceneMethod::Flat(method) => method == Method::StormerVerlet,
+            SceneMethod::Bodies(method) => matches!(
+                method,
+                BodyMethod::VariationalRotation
+                    | BodyMethod::AxisRotations
+                    | BodyMethod::ExactRotation
+            ),
+        }
+    }
+}
+
+impl fmt::Display for SceneMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.facts().name)
+    }
+}
+
+impl From<Method> for SceneMethod {
+    fn from(method: Method) -> Self {
+        SceneMethod::Flat(method)
+    }
+}
+
+impl From<BodyMethod> for SceneMethod {
+    fn from(method: BodyMethod) -> Self {
+        SceneMethod::Bodies(method)
+    }
 }
 
 /// The gravity of a scene, where it has one.
@@ -115,9 +175,17 @@ impl Scene {
         source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
     }
 
-    /// The same scene with another method.
-    pub fn with_method(self, method: Method) -> Scene {
-        Scene { method, ..self }
+    /// The same scene with another method, which must be one that moves such a scene.
+    pub fn with_method(self, method: impl Into<SceneMethod>) -> Result<Scene, Fault> {
+        let method = method.into();
+        let in_space = !self.bodies.is_empty() && self.dimension == 3;
+        if in_space != matches!(method, SceneMethod::Bodies(_)) {
+            return Err(Fault::MethodOfAnother(method.to_string()));
+        }
+        if !self.joints.is_empty() && !method.holds_joints() {
+            return Err(Fault::MethodOfJoints(method.to_string()));
+        }
+        Ok(Scene { method, ..self })
     }
 
     /// The same scene with another step, sampled at about the same times.
@@ -153,7 +221,7 @@ impl Scene {
     }
 
     /// Its method.
-    pub fn method(&self) -> Method {
+    pub fn method(&self) -> SceneMethod {
         self.method
     }
 
@@ -167,7 +235,8 @@ impl Scene {
         self.gravity
     }
 
-    /// Its particles: those that are written out, in the file's order, then the vertices of nets.
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets; or
+    /// the centres of its bodies, then their points.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
     }
@@ -177,15 +246,33 @@ impl Scene {
         &self.links
     }
 
+    /// Its rigid bodies, in the file's order.
+    pub fn bodies(&self) -> &[RigidBody] {
+        &self.bodies
+    }
+
+    /// Its joints, in the file's order.
+    pub fn joints(&self) -> &[SceneJoint] {
+        &self.joints
+    }
+
     /// What a run writes down besides the positions.
     pub fn observables(&self) -> &[Observable] {
         &self.observables
     }
 
-    /// The number of its freedoms.
+    /// The number of its freedoms, of which joints take some.
     pub fn freedoms(&self) -> usize {
+        if !self.bodies.is_empty() {
+            return (if self.dimension == 3 { 6 } else { 3 }) * self.bodies.len();
+        }
         let free = |particle: &&Particle| matches!(particle.motion, Motion::Free { .. });
         self.dimension * self.particles.iter().filter(free).count()
+    }
+
+    /// The lines that a picture draws between particles: springs, or edges of bodies.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.links.iter().map(|link| link.ends).chain(self.edges.iter().copied())
     }
 
     /// The particles whose paths a picture shows: those written out and those observed.

@@ -13,7 +13,7 @@ use stationary_elasticity::Spring;
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{Evaluation, Integrator, NewtonianGravity, State, UniformGravity};
 
-use crate::{AssemblyError, Motion, Scene};
+use crate::{AssemblyError, Motion, Scene, SceneMethod};
 
 /// The potential of a scene. Its springs may be none.
 #[derive(Clone, Debug)]
@@ -84,6 +84,9 @@ impl Scene {
     /// The scene as a problem of its dimension D, called `scene`. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
+        if !self.bodies.is_empty() {
+            return Err(AssemblyError::Bodies);
+        }
         if D != self.dimension {
             return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
         }
@@ -134,13 +137,16 @@ impl Scene {
     ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
         /// Freedoms up to which a full matrix is factored.
         const FEW: usize = 32;
+        let SceneMethod::Flat(method) = self.method else {
+            return Err(AssemblyError::Bodies);
+        };
         let system = &problem.system;
-        let explicit = self.method.facts().evaluation == Evaluation::Explicit;
+        let explicit = method.facts().evaluation == Evaluation::Explicit;
         if explicit || system.dim() <= FEW {
-            return Ok(self.method.integrator(system)?);
+            return Ok(method.integrator(system)?);
         }
         let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
-        Ok(self.method.integrator_with(system, solver)?)
+        Ok(method.integrator_with(system, solver)?)
     }
 
     /// The largest distance of a particle from the middle of all; one where that is zero.

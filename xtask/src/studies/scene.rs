@@ -89,8 +89,8 @@ fn work_precision_in<const D: usize>(scene: &Scene, size: Size) -> Result<Study,
         || (0..).map(|k| count * (coarsest << k)).take_while(|&n| n <= count * per_sample * 8);
     let mut runs = Vec::new();
     for &method in Method::ALL {
-        let scene = scene.clone().with_method(method);
         let name = method.facts().name;
+        let scene = scene.clone().with_method(method).map_err(StudyError::at(name))?;
         let integrator = scene.integrator(&problem).map_err(StudyError::at(name))?;
         runs.extend(run(&problem, method, integrator, steps(), longest)?);
     }
@@ -223,7 +223,7 @@ fn follow<const D: usize>(
     method: Method,
 ) -> Result<(Course, Drift, End), StudyError> {
     let name = method.facts().name;
-    let scene = scene.clone().with_method(method);
+    let scene = scene.clone().with_method(method).map_err(StudyError::at(name))?;
     let mut integrator = scene.integrator(problem).map_err(StudyError::at(name))?;
     let steps = scene.timing().steps();
     let horizon = Horizon::divided(problem.horizon, steps).map_err(StudyError::at(name))?;
