@@ -44,3 +44,17 @@ fn the_bridge_breaks_under_its_load() {
         "{events}"
     );
 }
+
+#[test]
+fn the_thrown_racket_turns_over_and_keeps_its_momenta() {
+    let (summary, out) = run("thrown-racket");
+    insta::assert_snapshot!(summary);
+    let picture = std::fs::read_to_string(out.join("picture.svg")).expect("a picture");
+    assert!(picture.contains(">bodies<"));
+}
+
+#[test]
+fn the_heavy_top_nods_on_its_tip() {
+    let (summary, _) = run("heavy-top");
+    insta::assert_snapshot!(summary);
+}

@@ -58,6 +58,12 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "impulse-limit",
         "modes-needed",
         "modes-large-motion",
+        "rotation-accuracy",
+        "rods-or-rigid-body",
+        "tennis-racket",
+        "nodding-top",
+        "kovalevskaya-top",
+        "box-on-its-corner",
     ] {
         text(id);
     }

@@ -16,6 +16,7 @@ use stationary_calculus::{
 use stationary_constraints::ConstraintError;
 use stationary_elasticity::SpringError;
 use stationary_integrators::{AdaptiveError, ControlError, ForceError, HorizonError, StepError};
+use stationary_rigid::RigidError;
 
 use crate::{Diagnostic, Run, limits};
 
@@ -266,12 +267,84 @@ pub enum Fault {
         /// A distance between samples that is large enough.
         enough: u64,
     },
+    /// A body turns, which takes two dimensions.
+    #[error("a body needs a scene of dimension 2 or 3")]
+    BodyDimension,
+    /// The name of the frame in which nothing moves.
+    #[error("`world` is what joints call the frame that does not move; no body has this name")]
+    WorldName,
+    /// Two bodies of one name.
+    #[error("there is already a body called `{0}`")]
+    DuplicateBody(String),
+    /// A body is a box, or has moments of its own.
+    #[error("`{0}` needs either a `box` with its sides or its `moments` of inertia")]
+    BoxOrMoments(String),
+    /// Mass and moments that no body has.
+    #[error("{0}")]
+    Body(String),
+    /// A number where a vector belongs, or a vector where a number does.
+    #[error("{what} is {} in a scene of dimension {dimension}", turn(*dimension))]
+    Turn {
+        /// What belongs to turning.
+        what: &'static str,
+        /// The scene's dimension.
+        dimension: usize,
+    },
+    /// Bodies and particles do not act on each other here.
+    #[error("a scene has particles or bodies, not both; there are bodies already")]
+    Mixed,
+    /// The attraction of bodies is not built.
+    #[error("bodies do not attract each other here; only particles do")]
+    BodyAttraction,
+    /// Joints without bodies.
+    #[error("joints need [[bodies]] to join")]
+    NoBodies,
+    /// A joint has two sides.
+    #[error("a joint is between two bodies, or a body and `world`, not {0}")]
+    JointEnds(usize),
+    /// Both sides of a joint are one body.
+    #[error("both sides of the joint are `{0}`")]
+    JoinedToItself(String),
+    /// A hinge turns about something.
+    #[error("a hinge needs an `axis`")]
+    HingeAxis,
+    /// Only a hinge has an axis.
+    #[error("only a hinge has an axis")]
+    NoHinge,
+    /// Two bodies that move apart where they are joined.
+    #[error("the two sides of the joint move apart at {apart} a unit of time")]
+    JointTorn {
+        /// The size of the difference of their velocities there.
+        apart: f64,
+    },
+    /// Two bodies that turn against each other as their joint forbids.
+    #[error(
+        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids"
+    )]
+    JointTurns {
+        /// The size of what is forbidden of the difference of their angular velocities.
+        turn: f64,
+    },
+    /// A method that does not hold joints.
+    #[error("{0} does not hold joints")]
+    MethodOfJoints(String),
+    /// A method of another kind of scene.
+    #[error("{0} does not move what is in this scene")]
+    MethodOfAnother(String),
+    /// An angular velocity of something that does not turn.
+    #[error("`{0}` is no body, and has no angular velocity")]
+    NotABody(String),
     /// Nothing there.
-    #[error("the scene has no particles: it needs [[particles]] or [[nets]]")]
+    #[error("the scene has no particles: it needs [[particles]], [[nets]] or [[bodies]]")]
     Empty,
     /// Nothing that can move.
     #[error("every particle is pinned, so that nothing can move")]
     AllPinned,
+}
+
+/// What turning is told by.
+fn turn(dimension: usize) -> &'static str {
+    if dimension == 2 { "a number" } else { "a vector" }
 }
 
 impl Fault {
@@ -315,10 +388,7 @@ pub enum AssemblyError {
     /// A spring to a vertex that is not there.
     #[error(transparent)]
     Vertex(#[from] UnknownVertex),
-    /// A method that cannot step what the scene has.
-    #[error(transparent)]
-    Method(Fault),
-    /// Rods that cannot be, or a start that moves against them.
+    /// Rods or joints that cannot be, or a start that moves against them.
     #[error(transparent)]
     Constraint(#[from] ConstraintError),
     /// A start that no method can leave.
@@ -333,6 +403,12 @@ pub enum AssemblyError {
     /// The sparse matrix of an implicit step.
     #[error(transparent)]
     Sparse(#[from] SparseError),
+    /// A scene of bodies makes no problem of particles.
+    #[error("the scene is of bodies, which makes no problem of particles")]
+    Bodies,
+    /// A body or a joint that cannot be.
+    #[error(transparent)]
+    Rigid(#[from] RigidError),
 }
 
 /// A run that did not begin, or did not reach the horizon.
@@ -344,6 +420,37 @@ pub enum RunError {
     /// A step failed.
     #[error(transparent)]
     Interrupted(Box<Interruption>),
+    /// A step of bodies failed.
+    #[error(transparent)]
+    Stopped(Box<Stop>),
+}
+
+impl RunError {
+    /// What was computed before the failure.
+    pub fn partial(&self) -> Option<&Run> {
+        match self {
+            RunError::Assembly(_) => None,
+            RunError::Interrupted(interruption) => Some(&interruption.run),
+            RunError::Stopped(stop) => Some(&stop.run),
+        }
+    }
+}
+
+/// A step of bodies that failed, and what was computed before.
+#[derive(Debug, thiserror::Error)]
+#[error("step {step}, from t = {time} {unit}: {source}")]
+pub struct Stop {
+    /// The step, counted from 1.
+    pub step: u64,
+    /// The time at which it began, in the scene's unit.
+    pub time: f64,
+    /// The scene's unit of time.
+    pub unit: String,
+    /// Why it failed.
+    #[source]
+    pub source: ConstraintError,
+    /// The run up to there; its last sample is the state from which the step failed.
+    pub run: Box<Run>,
 }
 
 /// Why a step failed.

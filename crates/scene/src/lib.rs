@@ -31,11 +31,11 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"` or `"constrained-hamilton"` | such as `"stormer-verlet"`; the last two are for rods |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"` or `"constrained-hamilton"`; of bodies in space one of [`stationary_rigid::BodyMethod`] | such as `"stormer-verlet"`, `"variational-rotation"`; the last two of particles are for rods |
 //! | `tolerance` | below 1 | for the three that choose their own steps, and only for them |
 //! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
-//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }` | energy and momenta where it is missing |
+//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration` | a vector |
@@ -45,6 +45,12 @@
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
 //! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
+//! | `[[bodies]]` | `name`, `mass`, `box` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after a box's corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//!
+//! A scene has particles or bodies, not both. Bodies whose `velocity` is missing move as their joints
+//! have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"` in the
+//! plane, and in space a method that turns bodies symplectically.
 //!
 //! A file that says something else gets an answer like this one:
 //!
@@ -85,8 +91,10 @@ mod source;
 mod suggestion;
 
 mod assembly;
+mod bodies;
 mod check;
 mod declaration;
+mod joints;
 mod nets;
 mod observable;
 mod particles;
@@ -96,6 +104,8 @@ mod springs;
 mod stepping;
 mod units;
 
+mod body_system;
+mod body_run;
 mod run;
 mod stepper;
 mod summary;
@@ -108,10 +118,12 @@ mod projection;
 pub mod limits;
 pub mod problems;
 
+pub use bodies::RigidBody;
 pub use diagnostic::{Diagnostic, Place};
 pub use error::{
-    AssemblyError, Fault, Interruption, RunError, SceneError, StepFailure, WriteError,
+    AssemblyError, Fault, Interruption, RunError, SceneError, StepFailure, Stop, WriteError,
 };
+pub use joints::{JointKind, SceneJoint};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
 pub use rods::Rod;

@@ -11,7 +11,7 @@ use toml::Spanned;
 use crate::declaration::{ObservableDeclaration, ObservableTable};
 use crate::diagnostic::{Checked, at};
 use crate::error::COORDINATES;
-use crate::particles::Roster;
+use crate::particles::{Motion, Roster};
 use crate::{Fault, Rod, Scene, check};
 
 /// A number, or a vector, of a state.
@@ -35,15 +35,17 @@ pub enum Observable {
     Distance([usize; 2]),
     /// The tension of a rod, negative for a thrust: that of the mean force over the last step.
     Tension(usize),
+    /// How fast a body turns, in body axes; one column in the plane.
+    AngularVelocity(usize),
 }
 
 /// The observables of a scene that names none.
 pub(crate) const USUAL: [Observable; 3] =
     [Observable::Energy, Observable::LinearMomentum, Observable::AngularMomentum];
 
-/// The words that an observable may be. The last four stand here for the sake of errors: they are
+/// The words that an observable may be. The last five stand here for the sake of errors: they are
 /// never found, since no word has blanks and quotes in it.
-const WORDS: [(&str, Observable); 9] = [
+const WORDS: [(&str, Observable); 10] = [
     ("energy", Observable::Energy),
     ("kinetic-energy", Observable::KineticEnergy),
     ("potential-energy", Observable::PotentialEnergy),
@@ -53,6 +55,7 @@ const WORDS: [(&str, Observable); 9] = [
     ("{ velocity = \"a name\" }", Observable::Velocity(0)),
     ("{ distance = [\"a name\", \"a name\"] }", Observable::Distance([0, 0])),
     ("{ tension = [\"a name\", \"a name\"] }", Observable::Tension(0)),
+    ("{ angular_velocity = \"a name\" }", Observable::AngularVelocity(0)),
 ];
 
 /// The observable that is declared.
@@ -68,22 +71,26 @@ pub(crate) fn declare(
         }
         ObservableDeclaration::About(table) => table,
     };
-    let ObservableTable { position, velocity, distance, tension } = table;
-    match (position, velocity, distance, tension) {
-        (Some(name), None, None, None) => Ok(Observable::Position(roster.find(name)?)),
-        (None, Some(name), None, None) => Ok(Observable::Velocity(roster.find(name)?)),
-        (None, None, Some(names), None) => {
+    let ObservableTable { position, velocity, distance, tension, angular_velocity } = table;
+    match (position, velocity, distance, tension, angular_velocity) {
+        (Some(name), None, None, None, None) => Ok(Observable::Position(roster.find(name)?)),
+        (None, Some(name), None, None, None) => Ok(Observable::Velocity(roster.find(name)?)),
+        (None, None, Some(names), None, None) => {
             Ok(Observable::Distance(roster.pair("a distance", names)?))
         }
-        (None, None, None, Some(names)) => {
+        (None, None, None, Some(names), None) => {
             let [a, b] = roster.pair("a tension", names)?;
             let rod = rods.iter().position(|rod| rod.ends == [a, b] || rod.ends == [b, a]);
             rod.map(Observable::Tension).ok_or_else(|| at(names.span(), Fault::NoRod))
         }
+        (None, None, None, None, Some(name)) => match roster.particles[roster.find(name)?].motion {
+            Motion::Carried { body, .. } => Ok(Observable::AngularVelocity(body)),
+            _ => Err(at(name.span(), Fault::NotABody(name.get_ref().clone()))),
+        },
         _ => {
-            let given =
-                [position.is_some(), velocity.is_some(), distance.is_some(), tension.is_some()];
-            let words = given.into_iter().filter(|&given| given).count();
+            let given = [position.is_some(), velocity.is_some(), distance.is_some()];
+            let given = given.into_iter().chain([tension.is_some(), angular_velocity.is_some()]);
+            let words = given.filter(|&given| given).count();
             Err(at(declared.span(), Fault::NotOneObservable(words)))
         }
     }
@@ -102,6 +109,8 @@ pub(crate) struct Moment<'a> {
     pub(crate) velocities: &'a [[f64; 3]],
     /// Tensions of all rods, in the scene's order; zero before the first step and once broken.
     pub(crate) tensions: &'a [f64],
+    /// Angular velocities of all bodies, in body axes.
+    pub(crate) angular_velocities: &'a [[f64; 3]],
 }
 
 impl Observable {
@@ -138,6 +147,14 @@ impl Observable {
                 let [a, b] = scene.rods()[rod].ends;
                 vec![format!("tension {} to {} [{}]", name(a), name(b), units.force())]
             }
+            Observable::AngularVelocity(body) => {
+                let what = format!("angular velocity of {}", scene.bodies()[body].name);
+                let unit = format!("rad/{}", units.time);
+                match scene.dimension() {
+                    3 => components(what, unit),
+                    _ => vec![format!("{what} [{unit}]")],
+                }
+            }
         }
     }
 
@@ -164,6 +181,10 @@ impl Observable {
                 let (a, b) = (moment.positions[a], moment.positions[b]);
                 row.push((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>().sqrt());
             }
+            Observable::AngularVelocity(body) => row.extend(match dimension {
+                3 => &moment.angular_velocities[body][..],
+                _ => &moment.angular_velocities[body][2..],
+            }),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The picture of a run: paths, springs at the start and at the end, names, and a length to compare.
+//! The picture of a run: paths, springs or edges of bodies at the start and at the end, names, and a length to compare.
 //!
 //! One SVG file that needs nothing else, light on paper and dark where the reader prefers that.
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
@@ -127,7 +127,7 @@ impl<'a> Picture<'a> {
     /// Springs and rods at the start and at the end; a rod that broke is missing there.
     fn links(&self, f: &mut fmt::Formatter<'_>, extent: &Extent) -> fmt::Result {
         let (scene, last) = (self.run.scene(), self.samples() - 1);
-        let springs: Vec<[usize; 2]> = scene.links().iter().map(|link| link.ends).collect();
+        let springs: Vec<[usize; 2]> = scene.lines().collect();
         let broken = |rod: &usize| self.run.broken().iter().any(|broken| broken.rod == *rod);
         let ends = |rod: usize| scene.rods()[rod].ends;
         let all = 0..scene.rods().len();
@@ -340,8 +340,9 @@ impl<'a> Picture<'a> {
             entry(f, "<circle class=\"first ink\" cx=\"12\" cy=\"0\" r=\"3\"/>", "start")?;
             entry(f, "<circle class=\"last\" cx=\"12\" cy=\"0\" r=\"4\"/>", "end")?;
         }
-        if !scene.links().is_empty() {
-            entry(f, &bar("springs"), "springs")?;
+        if scene.lines().next().is_some() {
+            let words = if scene.bodies().is_empty() { "springs" } else { "bodies" };
+            entry(f, &bar("springs"), words)?;
         }
         if !scene.rods().is_empty() {
             entry(f, &bar("rods"), "rods")?;

@@ -13,7 +13,7 @@ use stationary_integrators::{
 use crate::error::{StepFailure, equation, unknown};
 use crate::observable::Moment;
 use crate::stepper::Stepper;
-use crate::system::{SceneProblem, Vertices, leading};
+use crate::system::{SceneProblem, Vertices};
 use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 
 /// What a run has sampled, and what it cost.
@@ -21,8 +21,8 @@ use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 pub struct Run {
     pub(crate) scene: Scene,
     pub(crate) samples: Samples,
-    broken: Vec<BrokenRod>,
-    cost: Cost,
+    pub(crate) broken: Vec<BrokenRod>,
+    pub(crate) cost: Cost,
 }
 
 /// A rod that broke.
@@ -54,6 +54,24 @@ pub(crate) struct Samples {
     pub(crate) angular_scale: f64,
 }
 
+impl Samples {
+    /// Adds a moment, with what rounding in its momenta scales with.
+    pub(crate) fn push(&mut self, scene: &Scene, t: f64, moment: &Moment<'_>, scales: [f64; 2]) {
+        let d = scene.dimension;
+        self.times.push(t);
+        self.positions.extend(moment.positions.iter().flat_map(|x| &x[..d]));
+        self.kinetic.push(moment.kinetic);
+        self.potential.push(moment.potential);
+        self.linear.push(moment.linear);
+        self.angular.push(moment.angular);
+        for observable in &scene.observables {
+            observable.append(moment, d, &mut self.observed);
+        }
+        self.linear_scale = self.linear_scale.max(scales[0]);
+        self.angular_scale = self.angular_scale.max(scales[1]);
+    }
+}
+
 /// How far a run has come, shown after every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
@@ -63,7 +81,8 @@ pub struct Progress<'a> {
     pub steps: u64,
     /// The time.
     pub time: f64,
-    /// The configuration: D numbers for each particle that is free.
+    /// The configuration: D numbers for each particle that is free; of a body in the plane place and
+    /// angle, in space place and quaternion.
     pub q: &'a [f64],
 }
 
@@ -79,6 +98,7 @@ impl Scene {
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
         match self.dimension {
+            _ if !self.bodies.is_empty() => self.run_bodies(watch),
             1 => self.run_in::<1>(watch),
             2 => self.run_in::<2>(watch),
             _ => self.run_in::<3>(watch),
@@ -194,19 +214,10 @@ impl<'a, const D: usize> Recorder<'a, D> {
             positions: &self.positions,
             velocities: &self.velocities,
             tensions: &self.tensions,
+            angular_velocities: &[],
         };
-        let samples = &mut self.samples;
-        samples.times.push(state.t);
-        samples.positions.extend(self.positions.iter().flat_map(|&x| leading::<D>(x)));
-        samples.kinetic.push(moment.kinetic);
-        samples.potential.push(moment.potential);
-        samples.linear.push(moment.linear);
-        samples.angular.push(moment.angular);
-        for observable in &self.scene.observables {
-            observable.append(&moment, D, &mut samples.observed);
-        }
-        samples.linear_scale = samples.linear_scale.max(linear_momentum_scale::<D>(state));
-        samples.angular_scale = samples.angular_scale.max(angular_momentum_scale::<D>(state));
+        let scales = [linear_momentum_scale::<D>(state), angular_momentum_scale::<D>(state)];
+        self.samples.push(self.scene, state.t, &moment, scales);
     }
 
     fn finish(self, cost: Cost) -> Run {

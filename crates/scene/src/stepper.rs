@@ -45,7 +45,6 @@ pub(crate) struct Stepped {
 
 impl<'s, const D: usize> Stepper<'s, D> {
     pub(crate) fn new(scene: &Scene, problem: &'s SceneProblem<D>) -> Result<Self, AssemblyError> {
-        scene.check_stepping().map_err(AssemblyError::Method)?;
         let (system, initial) = (&problem.system, &problem.initial);
         match scene.stepping {
             Stepping::Equal(method) => match (scene.drag(), scene.rods()) {
@@ -68,6 +67,7 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 let rattle = Rattle::new(system, scene.constraint::<D>()?, initial, Many)?;
                 Ok(Stepper::Rattle(Box::new(rattle)))
             }
+            Stepping::Bodies(_) => Err(AssemblyError::Bodies),
             Stepping::Constrained(Constrained::Hamilton) => {
                 let rods = scene.constraint::<D>()?;
                 let kept = ConstrainedHamilton::new(system, rods, initial, Many)?;

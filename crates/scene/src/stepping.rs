@@ -10,6 +10,7 @@
 use std::fmt;
 
 use stationary_integrators::{Evaluation, Method};
+use stationary_rigid::BodyMethod;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
@@ -18,7 +19,8 @@ use crate::{Fault, Scene, check, limits};
 /// How a scene is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stepping {
-    /// Equal steps of a method; in a scene with rods each is followed by a projection.
+    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in the
+    /// plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
     Equal(Method),
     /// Steps that the method chooses, for an error of at most `tolerance` a step, relative to the
     /// scene's size and speed.
@@ -30,6 +32,9 @@ pub enum Stepping {
     },
     /// Rods held by their forces.
     Constrained(Constrained),
+    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method is
+    /// named after.
+    Bodies(BodyMethod),
 }
 
 /// A method that chooses its own steps.
@@ -58,6 +63,7 @@ enum Word {
     Equal(Method),
     Adaptive(Adaptive),
     Constrained(Constrained),
+    Bodies(BodyMethod),
 }
 
 const ADAPTIVE: [(&str, Adaptive); 3] = [
@@ -76,6 +82,7 @@ impl Stepping {
             Stepping::Equal(method) => method.facts().name,
             Stepping::Adaptive { method, .. } => named(&ADAPTIVE, method),
             Stepping::Constrained(method) => named(&CONSTRAINED, method),
+            Stepping::Bodies(method) => method.facts().name,
         }
     }
 
@@ -83,8 +90,21 @@ impl Stepping {
     pub fn evaluation(self) -> Evaluation {
         match self {
             Stepping::Equal(method) => method.facts().evaluation,
+            Stepping::Bodies(method) => method.facts().evaluation,
             Stepping::Adaptive { .. } | Stepping::Constrained(_) => Evaluation::Implicit,
         }
+    }
+}
+
+impl From<Method> for Stepping {
+    fn from(method: Method) -> Self {
+        Stepping::Equal(method)
+    }
+}
+
+impl From<BodyMethod> for Stepping {
+    fn from(method: BodyMethod) -> Self {
+        Stepping::Bodies(method)
     }
 }
 
@@ -99,13 +119,15 @@ impl fmt::Display for Stepping {
 }
 
 /// The stepping that is declared; whether it can step the scene is asked later.
-pub(crate) fn declare(declared: &Declaration) -> Checked<Stepping> {
-    let all: Vec<(&str, Word)> = Method::ALL
+pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepping> {
+    let bodies = BodyMethod::ALL.iter().map(|&method| (method.facts().name, Word::Bodies(method)));
+    let particles = Method::ALL
         .iter()
         .map(|&method| (method.facts().name, Word::Equal(method)))
         .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
-        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))))
-        .collect();
+        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))));
+    let in_space = !declared.bodies.is_empty() && dimension == 3;
+    let all: Vec<_> = if in_space { bodies.collect() } else { particles.collect() };
     let integrator = &declared.integrator;
     let word = check::word("integrator", integrator.get_ref(), integrator.span(), &all)?;
     Ok(match (word, &declared.tolerance) {
@@ -116,6 +138,7 @@ pub(crate) fn declare(declared: &Declaration) -> Checked<Stepping> {
         (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
         (Word::Equal(method), None) => Stepping::Equal(method),
         (Word::Constrained(method), None) => Stepping::Constrained(method),
+        (Word::Bodies(method), None) => Stepping::Bodies(method),
     })
 }
 
@@ -124,6 +147,9 @@ impl Scene {
     pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
         let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
         let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
+        if !self.bodies.is_empty() {
+            return self.check_bodies();
+        }
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         match self.stepping {
@@ -143,9 +169,33 @@ impl Scene {
             {
                 refused("so many freedoms with full matrices", "name a method of equal steps")
             }
+            Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
             Stepping::Constrained(Constrained::Rattle) => Ok(()),
             _ if breaking => refused("rods that break", "name `rattle`"),
             _ => Ok(()),
         }
     }
+
+    /// An error where the scene's method cannot step its bodies.
+    fn check_bodies(&self) -> Result<(), Fault> {
+        let (moves, holds) = match self.stepping {
+            Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
+            Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
+            Stepping::Adaptive { .. } | Stepping::Constrained(_) => (false, false),
+        };
+        let name = || self.stepping.name().to_owned();
+        match (moves, holds || self.joints.is_empty()) {
+            (false, _) => Err(Fault::MethodOfAnother(name())),
+            (true, false) => Err(Fault::MethodOfJoints(name())),
+            (true, true) => Ok(()),
+        }
+    }
+}
+
+/// Whether RATTLE can run along the method's free motion.
+fn follows_free_motion(method: BodyMethod) -> bool {
+    matches!(
+        method,
+        BodyMethod::VariationalRotation | BodyMethod::AxisRotations | BodyMethod::ExactRotation
+    )
 }

@@ -93,6 +93,9 @@ impl Scene {
     /// part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
+        if !self.bodies.is_empty() {
+            return Err(AssemblyError::Bodies);
+        }
         if D != self.dimension {
             return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
         }

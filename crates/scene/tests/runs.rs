@@ -231,7 +231,7 @@ fn implicit_methods_solve_large_scenes_with_sparse_matrices() {
     for size in [3, 6] {
         let scene = spring_net_scene(size, size).unwrap().with_horizon(0.08).unwrap();
         let explicit = scene.clone().with_step(1e-4).unwrap().run().unwrap();
-        let implicit = scene.with_method(Method::ImplicitMidpoint).run().unwrap();
+        let implicit = scene.with_method(Method::ImplicitMidpoint).unwrap().run().unwrap();
         let end = |run: &Run| run.positions(run.times().len() - 1).to_vec();
         for (a, b) in end(&explicit).iter().zip(&end(&implicit)) {
             assert!((a - b).abs() < 1e-4, "{a} and {b}");

@@ -4,7 +4,6 @@ mod constraints;
 mod convergence;
 mod damping;
 mod derivative;
-mod gimbal_lock;
 mod hamilton;
 mod high_order;
 mod long_run;
@@ -68,9 +67,15 @@ pub const STUDIES: &[Entry<'static>] = &[
     constraints::FOUR_BAR,
     constraints::CHAIN_COST,
     constraints::WHERE_THEY_FAIL,
+    rigid::ACCURACY,
+    rigid::GIMBAL_LOCK,
+    rigid::RODS_OR_BODY,
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
-    gimbal_lock::STUDY,
+    rigid::RACKET,
+    rigid::NUTATION,
+    rigid::KOVALEVSKAYA,
+    rigid::JOINTED,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
