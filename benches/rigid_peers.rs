@@ -1,10 +1,11 @@
 //! Rigid motion in turn with other people's: the crates `rapier3d-f64` and `sophus_lie`.
 //!
-//! `cargo bench --bench rigid_peers --features peers` prints, first, by how much `sophus_lie`'s left
-//! Jacobian of SO(3) is off from a sum of its series at several angles, and where it is right the
-//! ratio of times; then for a thousand free boxes over a thousand steps of a millisecond the ratio of
-//! times a body and step, with the errors of energy and angular momentum that each time has bought.
-//! No collider is there, no body may fall asleep, and `rapier` runs on one thread, as we do.
+//! `cargo bench --bench rigid_peers --features peers` prints, first, by how much `sophus_lie`'s
+//! left Jacobian of SO(3) is off from a sum of its series at several angles, and where it is right
+//! the ratio of times; then for a thousand free boxes over a thousand steps of a millisecond the
+//! ratio of times a body and step, with the errors of energy and angular momentum that each time
+//! has bought. No collider is there, no body may fall asleep, and `rapier` runs on one thread, as
+//! we do.
 
 mod in_turn;
 

@@ -40,7 +40,7 @@ fn a_scene_is_told_which_method_and_step_to_write_into_its_file() {
         let (_, rest) = text.split_once(&format!("{key} = ")).unwrap();
         rest.split([' ', ';', '.']).next().unwrap().trim_matches('"').to_owned()
     };
-    let method = word(advice, "integrator").parse().unwrap();
+    let method: Method = word(advice, "integrator").parse().unwrap();
     // What it advises can be done, and does what it says.
     let (_, step) = advice.split_once("step = ").unwrap();
     let step: f64 = step.split([';', ' ']).next().unwrap().trim_end_matches('.').parse().unwrap();

@@ -4,12 +4,12 @@
 //! (q, p) -> Phi_h(q, p)          the flow of 1/2 <p, M^-1 p>, or a symplectic map close to it
 //! straight   q' = q exp(h M^-1 p),   p' = p
 //! ```
-//! `q` configuration, `p` momentum covector (n), `M` the metric, `h` seconds. The straight motion is
-//! the free one where a body's axes do not turn under it: on flat spaces, and for bodies with the
-//! same moment about all axes. Elsewhere the momentum's components turn, too, and a crate that knows
-//! the space brings its own motion. A map that is symmetric and symplectic makes RATTLE so, of order
-//! 2; to first order in h it must be straight. Source: notes 6.5, 9.5; Leimkuhler and Reich (2004),
-//! 7.2.
+//! `q` configuration, `p` momentum covector (n), `M` the metric, `h` seconds. The straight motion
+//! is the free one where a body's axes do not turn under it: on flat spaces, and for bodies with
+//! the same moment about all axes. Elsewhere the momentum's components turn, too, and a crate that
+//! knows the space brings its own motion. A map that is symmetric and symplectic makes RATTLE so,
+//! of order 2; to first order in h it must be straight. Source: notes 6.5, 9.5; Leimkuhler and
+//! Reich (2004), 7.2.
 
 use stationary_calculus::{Covector, Metric, Space, Vector};
 use stationary_integrators::StepError;

@@ -4,11 +4,12 @@
 //! p <- p - J(q0)^T Lambda,    (q1, p1) = Phi_h(q0, p),    g(t1, q1) = 0     Lambda an impulse (m)
 //! p1 <- p1 - J(q1)^T Lambda,  J(q1) M^-1 p1 + dg/dt = 0
 //! ```
-//! `Phi` the free motion. The first is solved by iterations `S0 delta = g(q1) / h` with
-//! `S0 = J0 M^-1 J0^T`: Newton's method with J(q1) replaced by J(q0) and the motion by a straight
-//! one, so that the factor which the last step's velocity needed serves again. It starts from the unconstrained step and so finds the multipliers of smaller size
-//! where there are several; the error shrinks by about h times the turning rate in an iteration,
-//! until rounding. The second is linear, one solve.
+//! `Phi` the free motion. The first is solved by iterations `S0 delta = g(q1) / h` with `S0 = J0
+//! M^-1 J0^T`: Newton's method with J(q1) replaced by J(q0) and the motion by a straight one, so
+//! that the factor which the last step's velocity needed serves again. It starts from the
+//! unconstrained step and so finds the multipliers of smaller size where there are several; the
+//! error shrinks by about h times the turning rate in an iteration, until rounding. The second is
+//! linear, one solve.
 //!
 //! Source: notes 6.5; errata 6.5; Andersen (1983); Leimkuhler and Reich (2004), chapter 7.
 

@@ -44,8 +44,9 @@
 //! | [`Rattle`] | to rounding | 2 | bounded | full rank on the way |
 //!
 //! Configurations move through the system's `Space` only, so that the same code serves rotations;
-//! where momenta turn on the way, [`Rattle`] takes a [`FreeMotion`] that knows how. A state that is not feasible is an error that says by how much, and [`Projection`] mends it on
-//! request. A step allocates nothing, and a failed one leaves the state as it was.
+//! where momenta turn on the way, [`Rattle`] takes a [`FreeMotion`] that knows how. A state that is
+//! not feasible is an error that says by how much, and [`Projection`] mends it on request. A step
+//! allocates nothing, and a failed one leaves the state as it was.
 //!
 //! What the examination of rank cannot see: with [`Few`] it is exact, at each accepted
 //! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees

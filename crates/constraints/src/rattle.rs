@@ -6,16 +6,16 @@
 //! p' = p^ - h/2 dV(q') - J(q')^T B,       B such that J(q') M^-1 p' + dg/dt = 0
 //! lambda = (A + B)/h
 //! ```
-//! `q` configuration, `p` momentum covector (n), `J` the constraint's differential (m x n), `Phi` the
-//! free motion, `A B` impulses (m), `lambda` the multipliers of the mean force over the step (m): the tension of a rod
-//! is `2 L lambda` newtons, of order 2 at the middle of the step.
+//! `q` configuration, `p` momentum covector (n), `J` the constraint's differential (m x n), `Phi`
+//! the free motion, `A B` impulses (m), `lambda` the multipliers of the mean force over the step
+//! (m): the tension of a rod is `2 L lambda` newtons, of order 2 at the middle of the step.
 //!
 //! Order 2, symmetric, symplectic on the feasible set; keeps linear and angular momentum to
 //! rounding where potential and constraint do. One differential, one factorization and a few solves
 //! a step. Fails with an error where a step turns a rod by about half a radian or more. The free
-//! motion is [`Straight`] unless another [`FreeMotion`] is given: on a space of rotations it must be,
-//! or the gyroscopic torque is lost. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2; notes
-//! 6.5.
+//! motion is [`Straight`] unless another [`FreeMotion`] is given: on a space of rotations it must
+//! be, or the gyroscopic torque is lost. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
+//! notes 6.5.
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};
 use stationary_integrators::{

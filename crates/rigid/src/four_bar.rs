@@ -6,12 +6,12 @@
 //! T = 1/2 M(u) u.^2,     M = sum m |x'|^2 + I theta'^2
 //! time of a revolution = integral over u of sqrt(M(u) / 2(E - V(u)))
 //! ```
-//! `a b c d` the lengths of crank, coupler, follower and ground (m), `u v w` the bars' angles (rad);
-//! `x` their centres, `theta` their angles, `m` their masses and `I` their moments, those of uniform
-//! thin rods. The linkage has one freedom, so that energy alone gives the time of a revolution; the
-//! integrand is periodic and smooth, and equal steps find it to rounding. For linkages whose crank
-//! goes round and whose coupler stays on one side (Grashof). Source: Haug, Computer Aided Kinematics
-//! and Dynamics, 3; notes 6, 7.
+//! `a b c d` the lengths of crank, coupler, follower and ground (m), `u v w` the bars' angles
+//! (rad); `x` their centres, `theta` their angles, `m` their masses and `I` their moments, those of
+//! uniform thin rods. The linkage has one freedom, so that energy alone gives the time of a
+//! revolution; the integrand is periodic and smooth, and equal steps find it to rounding. For
+//! linkages whose crank goes round and whose coupler stays on one side (Grashof). Source: Haug,
+//! Computer Aided Kinematics and Dynamics, 3; notes 6, 7.
 
 use nalgebra::Vector2;
 use stationary_calculus::DiagonalMetric;

@@ -3,8 +3,8 @@
 //! ```text
 //! t <- t + h P/m,   P <- P,      (R, m) <- turned for h seconds
 //! ```
-//! `t` centres and `P` momenta in world axes, `R` orientations and `m` angular momenta in body axes,
-//! where they turn although no torque acts; the map is a [`FreeRotation`]. It is what
+//! `t` centres and `P` momenta in world axes, `R` orientations and `m` angular momenta in body
+//! axes, where they turn although no torque acts; the map is a [`FreeRotation`]. It is what
 //! [`LieVerlet`](crate::LieVerlet) does between two kicks, and what [`Rattle`] does between two
 //! impulses of joints: with [`ConstantVelocity`](crate::ConstantVelocity) that is the constrained
 //! discrete Hamilton principle of 6.5 for the discrete Lagrangian of 9.5, with the potential shared

@@ -35,10 +35,11 @@
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
 //! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
-//! potentials, forces and joints on them, in space and in the plane, and the symmetries that they may
-//! have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked in
-//! [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and what
-//! games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names them all, and [`problems`].
+//! potentials, forces and joints on them, in space and in the plane, and the symmetries that they
+//! may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked
+//! in [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and
+//! what games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names
+//! them all, and [`problems`].
 //!
 //! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
 //! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.

@@ -5,10 +5,10 @@
 //! weld    and  theta_1 - theta_2 = angle                   3
 //! dx = dt + Z R c dtheta,   d2x = -R c dtheta^2            Z a quarter turn
 //! ```
-//! `t` a centre, `c` a point in the body's axes (m); `theta` an angle in radians, of the world zero.
-//! A body has the freedoms (x, y, theta) and a metric that is constant on flat space, so that every
-//! method of flat spaces moves jointed bodies rightly. Multipliers are the force of end 2 on end 1
-//! with its sign turned (N), and a torque (N m). Source: notes 6, 7.4.
+//! `t` a centre, `c` a point in the body's axes (m); `theta` an angle in radians, of the world
+//! zero. A body has the freedoms (x, y, theta) and a metric that is constant on flat space, so that
+//! every method of flat spaces moves jointed bodies rightly. Multipliers are the force of end 2 on
+//! end 1 with its sign turned (N), and a torque (N m). Source: notes 6, 7.4.
 
 use nalgebra::Vector2;
 use stationary_calculus::Sink;

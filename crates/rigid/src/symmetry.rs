@@ -8,9 +8,9 @@
 //! (x, theta) -> g (x, theta):                xi = (v + a Z x, a),    Z a quarter turn
 //! ```
 //! `t x` centres (m), `R theta` orientations, `P m` linear and angular momenta, the latter in body
-//! axes in space; `v` a velocity and `a` an angular velocity of the world, but of the body in a spin.
-//! `J` is linear momentum along `v`, angular momentum about `a` through the origin, or that of a body
-//! about its own axis.
+//! axes in space; `v` a velocity and `a` an angular velocity of the world, but of the body in a
+//! spin. `J` is linear momentum along `v`, angular momentum about `a` through the origin, or that
+//! of a body about its own axis.
 //!
 //! A motion of the world moves velocities of centres as vectors, and leaves angular velocities in
 //! body axes as they are; a spin by `a` turns those by `w x a`. So all bodies' potential must not

@@ -4,9 +4,10 @@
 //! x_a(p) = x_b(p),    v_a + w_a x (p - x_a) = v_b + w_b x (p - x_b)       at the start
 //! ```
 //! A joint is given by its place `p`, and a hinge by its axis too, as the world sees them at the
-//! start: so it is closed there, whatever the bodies' poses. Bodies whose velocity is not given move
-//! with the first joint that leads to a body, or the world, whose velocity is known; two of that
-//! which disagree are an error. `x` centres, `v` velocities, `w` angular velocities in world axes.
+//! start: so it is closed there, whatever the bodies' poses. Bodies whose velocity is not given
+//! move with the first joint that leads to a body, or the world, whose velocity is known; two of
+//! that which disagree are an error. `x` centres, `v` velocities, `w` angular velocities in world
+//! axes.
 
 use std::collections::{HashMap, VecDeque};
 

@@ -85,6 +85,7 @@
 //! The crate assembles and asks; it contains no mathematics of motion.
 
 mod diagnostic;
+mod fault;
 mod error;
 mod number;
 mod source;
@@ -120,9 +121,8 @@ pub mod problems;
 
 pub use bodies::RigidBody;
 pub use diagnostic::{Diagnostic, Place};
-pub use error::{
-    AssemblyError, Fault, Interruption, RunError, SceneError, StepFailure, Stop, WriteError,
-};
+pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
+pub use fault::Fault;
 pub use joints::{JointKind, SceneJoint};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};

@@ -1,4 +1,5 @@
-//! The picture of a run: paths, springs or edges of bodies at the start and at the end, names, and a length to compare.
+//! The picture of a run: paths, springs or edges of bodies at the start and at the end, names, and
+//! a length to compare.
 //!
 //! One SVG file that needs nothing else, light on paper and dark where the reader prefers that.
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
