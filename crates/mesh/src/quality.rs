@@ -200,11 +200,14 @@ mod tests {
             [vector![1.0, 0.0, e], vector![-1.0, 0.0, e], vector![0.0, 1.0, -e], vector![0.0, -1.0, -e]]
         };
         let [flat, flatter] = [sliver(1e-2), sliver(1e-4)];
-        for (quality, slope) in
-            [(Quality::MeanRatio, 2.0 / 3.0), (Quality::RadiusRatio, 2.0), (Quality::SmallestAngle, 1.0)]
-        {
+        for (quality, slope) in [
+            (Quality::MeanRatio, 2.0 / 3.0),
+            (Quality::RadiusRatio, 1.0),
+            (Quality::SmallestAngle, 1.0),
+            (Quality::AspectRatio, -1.0),
+        ] {
             let measured = (quality.of(&flat) / quality.of(&flatter)).log10() / 2.0;
-            assert!((measured - slope).abs() < 0.01 || (quality == Quality::RadiusRatio && measured > 0.9), "{quality:?} {measured}");
+            assert!((measured - slope).abs() < 0.01, "{quality:?} {measured}");
         }
         assert!(Quality::AspectRatio.of(&flatter) > 1e3);
         assert!(Quality::LargestAngle.of(&flatter) > PI - 1e-3);
