@@ -65,8 +65,10 @@ pub fn runge_kutta_4((q, p): &mut Planet, _: &mut [f64; 2], h: f64) {
     }
 }
 
-/// Solves `x - y + a dV(x) = 0` from x = y, with the stops and the line search's first test of
-/// [`stationary_calculus::Newton`].
+/// Solves `x - y + a dV(x) = 0` from x = y, with the iterations, the stops and the line search's first
+/// test of [`stationary_calculus::Newton`]. It leaves out what this orbit does not need: a shift where
+/// the matrix is not positive definite, the shorter steps of the line search, the check of each step
+/// for finite numbers, the record of residuals, and the search that ends above its first residual.
 #[inline(always)]
 fn newton(y: &[f64; 2], a: f64) -> [f64; 2] {
     let residual = |x: &[f64; 2]| {

@@ -1,9 +1,11 @@
 //! Two pieces of code timed in turn, so that a machine that slows down slows both.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Pairs of runs: enough for a median that the neighbours' noise does not move.
+/// Pairs of runs: at least so many, and as many as fit into this time. The shorter a run, the fewer
+/// of them are interrupted, and the less the neighbours' noise moves the median.
 const PAIRS: usize = 41;
+const TIME: Duration = Duration::from_secs(1);
 
 /// Prints the median of `ours / theirs` over many pairs of runs, with its quartiles.
 pub fn ratio(name: &str, mut ours: impl FnMut(), mut theirs: impl FnMut()) {
@@ -14,8 +16,12 @@ pub fn ratio(name: &str, mut ours: impl FnMut(), mut theirs: impl FnMut()) {
     };
     ours();
     theirs();
-    let mut ratios: Vec<f64> = (0..PAIRS).map(|_| time(&mut ours) / time(&mut theirs)).collect();
+    let mut ratios = Vec::new();
+    let start = Instant::now();
+    while ratios.len() < PAIRS || start.elapsed() < TIME {
+        ratios.push(time(&mut ours) / time(&mut theirs));
+    }
     ratios.sort_by(f64::total_cmp);
-    let quartile = |k: usize| ratios[k * (PAIRS - 1) / 4];
+    let quartile = |k: usize| ratios[k * (ratios.len() - 1) / 4];
     println!("{name:55} {:.3}  ({:.3} to {:.3})", quartile(2), quartile(1), quartile(3));
 }

@@ -49,12 +49,12 @@ macro_rules! compare {
             let mut method = $method::new(&planet.system).expect("two freedoms");
             in_turn::ratio(
                 stringify!($by_hand),
-                || (0..20).for_each(|_| ours(&mut method, &planet.initial)),
-                || (0..20).for_each(|_| {
+                || ours(&mut method, &planet.initial),
+                || {
                     let mut planet = black_box((planet.initial.q, planet.initial.p.0));
                     by_hand::run(&mut planet, H, STEPS, by_hand::$by_hand);
                     black_box(planet);
-                }),
+                },
             );
         })+
     };

@@ -36,13 +36,29 @@ snapshots! {
     one_step: "one-step",
     pendulum_convergence: "pendulum-convergence",
     table_4_1: "table-4-1",
+    constraint_failures: "constraint-failures",
 }
 
 /// Cells beside a border may turn with the last bit, and long runs take long: their claims are
 /// tested, their tables are not.
 #[test]
 fn the_claims_of_the_other_quick_studies_hold() {
-    for id in ["oscillator-stability", "spring-pendulum-stability", "kepler-long-run"] {
+    for id in [
+        "oscillator-stability",
+        "spring-pendulum-stability",
+        "kepler-long-run",
+        "step-control",
+        "multiscale-stability",
+        "newmark-damping",
+        "kepler-high-orders",
+        "pendulum-high-orders",
+        "henon-heiles-convergence",
+        "stability-regions",
+        "action-boundary-value",
+        "impulse-limit",
+        "modes-needed",
+        "modes-large-motion",
+    ] {
         text(id);
     }
 }

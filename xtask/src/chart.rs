@@ -12,6 +12,7 @@ mod map;
 mod place;
 mod portrait;
 mod series;
+mod stroke;
 mod style;
 
 pub use axis::{Axis, Scale};

@@ -91,9 +91,11 @@ struct View {
     scheme: &'static str,
 }
 
-const VIEWS: [View; 4] = [
+const VIEWS: [View; 5] = [
     View { name: "desk-light", width: 1280, height: 900, scheme: "light" },
     View { name: "desk-dark", width: 1280, height: 900, scheme: "dark" },
+    // The narrowest window that still has wide charts.
+    View { name: "tablet-light", width: 767, height: 1024, scheme: "light" },
     View { name: "phone-light", width: 390, height: 844, scheme: "light" },
     View { name: "phone-dark", width: 390, height: 844, scheme: "dark" },
 ];

@@ -58,13 +58,15 @@ struct Package {
     license: Option<String>,
 }
 
-/// Every package that the lock file names and whose licence is not accepted.
+/// Every package that any feature of the workspace builds and whose licence is not accepted.
 ///
 /// # Errors
 /// Where cargo does not answer.
 pub fn unlicensed() -> Result<Vec<Unlicensed>, LicenseError> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo).args(["metadata", "--format-version", "1"]).output()?;
+    let output = Command::new(cargo)
+        .args(["metadata", "--format-version", "1", "--all-features"])
+        .output()?;
     let answer: Answer = serde_json::from_slice(&output.stdout)?;
     let refused = answer.packages.into_iter().filter_map(|package| {
         let license = package.license.unwrap_or_default();

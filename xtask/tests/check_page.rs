@@ -6,6 +6,8 @@ use std::fs;
 
 use xtask::check_page::{Complaint, check_page};
 
+const VIEWS: [&str; 5] = ["desk-light", "desk-dark", "tablet-light", "phone-light", "phone-dark"];
+
 /// What is said of a page with this body.
 fn complaints(name: &str, body: &str) -> Vec<Complaint> {
     let folder = std::env::temp_dir().join(format!("check-page-{name}-{}", std::process::id()));
@@ -15,7 +17,7 @@ fn complaints(name: &str, body: &str) -> Vec<Complaint> {
         format!("<!doctype html><html lang=en><head>{head}</head><body>{body}</body></html>");
     fs::write(folder.join("index.html"), page).unwrap();
     let complaints = check_page(&folder).unwrap();
-    for view in ["desk-light", "desk-dark", "phone-light", "phone-dark"] {
+    for view in VIEWS {
         assert!(folder.join(format!("screenshots/{view}.png")).exists());
     }
     fs::remove_dir_all(&folder).unwrap();
@@ -33,7 +35,7 @@ fn a_plain_page_is_passed() {
 fn a_console_message_is_heard() {
     let said = complaints("console", "<script>console.log('left over')</script>");
     let heard = |c: &Complaint| matches!(c, Complaint::Console { text, .. } if text == "left over");
-    assert!(said.len() == 4 && said.iter().all(heard), "{said:?}");
+    assert!(said.len() == VIEWS.len() && said.iter().all(heard), "{said:?}");
 }
 
 #[test]
@@ -41,7 +43,7 @@ fn a_console_message_is_heard() {
 fn an_exception_is_heard() {
     let said = complaints("exception", "<script>nothing.there()</script>");
     assert!(said.iter().all(|c| matches!(c, Complaint::Console { .. })), "{said:?}");
-    assert_eq!(said.len(), 4);
+    assert_eq!(said.len(), VIEWS.len());
 }
 
 #[test]
@@ -81,7 +83,7 @@ fn a_chart_that_says_nothing_is_seen() {
         <g class="pt" transform="translate(50 50)"><circle r="5"/></g></svg><div id="tip" hidden></div>"#;
     let said = complaints("mute", chart);
     assert!(
-        said.len() == 4 && said.iter().all(|c| matches!(c, Complaint::Mute { .. })),
+        said.len() == VIEWS.len() && said.iter().all(|c| matches!(c, Complaint::Mute { .. })),
         "{said:?}"
     );
 }

@@ -13,7 +13,7 @@ use crate::hessian_solver::zero_pivot;
 
 /// A matrix, or its factors once [`DenseLu::factor`] was called.
 #[derive(Clone, Debug)]
-pub(crate) struct DenseLu {
+pub struct DenseLu {
     matrix: DMatrix<f64>,
     scales: Vec<f64>,
     exchanges: Vec<usize>,
@@ -22,7 +22,8 @@ pub(crate) struct DenseLu {
 }
 
 impl DenseLu {
-    pub(crate) fn new(n: usize) -> Self {
+    /// Memory for `n` unknowns.
+    pub fn new(n: usize) -> Self {
         DenseLu {
             matrix: DMatrix::zeros(n, n),
             scales: vec![0.0; n],
@@ -33,11 +34,15 @@ impl DenseLu {
     }
 
     /// The matrix by columns, to be written before it is factored.
-    pub(crate) fn matrix(&mut self) -> &mut [f64] {
+    pub fn matrix(&mut self) -> &mut [f64] {
         self.matrix.as_mut_slice()
     }
 
-    pub(crate) fn factor(&mut self) -> Result<(), Unsolvable> {
+    /// Replaces the matrix by its factors.
+    ///
+    /// # Errors
+    /// Where a pivot vanishes next to its column, or a number is not finite.
+    pub fn factor(&mut self) -> Result<(), Unsolvable> {
         for (scale, column) in self.scales.iter_mut().zip(self.matrix.column_iter()) {
             *scale = column.amax();
         }
@@ -75,7 +80,8 @@ impl DenseLu {
         }
     }
 
-    pub(crate) fn solve(&mut self, b: &mut [f64]) {
+    /// Replaces `b` by `A^-1 b`, once the matrix was factored.
+    pub fn solve(&mut self, b: &mut [f64]) {
         #[cfg(feature = "sparse")]
         if let Some(blocked) = &mut self.blocked {
             return blocked.solve(self.matrix.as_slice(), b);

@@ -5,7 +5,7 @@
 //! C = -dF/dv                       damping, n x n, for those who solve with it
 //! ```
 //! `t` seconds, `q` a configuration, `v` a velocity (n). The power that a force puts into the
-//! system is `<F, v>` (notes 10.1).
+//! system is `<F, v>` (notes 10.1). Forces are added, never assigned: a tuple of them is their sum.
 
 use crate::{Covector, Sink, Vector};
 
@@ -35,5 +35,90 @@ impl<F: Force> Force for &F {
 
     fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
         F::add_damping(self, t, q, v, damping);
+    }
+}
+
+macro_rules! sum_of_forces {
+    ($($name:ident . $index:tt),*) => {
+        /// The sum of its members; its dimension is the largest of theirs. The empty sum is no force.
+        impl<$($name: Force),*> Force for ($($name,)*) {
+            fn dim(&self) -> usize {
+                [0 $(, self.$index.dim())*].into_iter().max().unwrap_or(0)
+            }
+
+            #[inline]
+            fn add_force(
+                &self,
+                _t: f64,
+                _q: &[f64],
+                _v: Vector<&[f64]>,
+                mut _f: Covector<&mut [f64]>,
+            ) {
+                $(self.$index.add_force(_t, _q, _v, _f.view_mut());)*
+            }
+
+            #[inline]
+            fn add_damping(
+                &self,
+                _t: f64,
+                _q: &[f64],
+                _v: Vector<&[f64]>,
+                _damping: &mut impl Sink,
+            ) {
+                $(self.$index.add_damping(_t, _q, _v, _damping);)*
+            }
+        }
+    };
+}
+
+sum_of_forces!();
+sum_of_forces!(A.0, B.1);
+sum_of_forces!(A.0, B.1, C.2);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DenseSink;
+
+    /// `F = strength t - c v` on each of two freedoms.
+    struct Servo {
+        strength: f64,
+        c: f64,
+    }
+
+    impl Force for Servo {
+        fn dim(&self) -> usize {
+            2
+        }
+
+        fn add_force(&self, t: f64, _q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+            for (f, v) in f.0.iter_mut().zip(v.0) {
+                *f += self.strength * t - self.c * v;
+            }
+        }
+
+        fn add_damping(&self, _: f64, _: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
+            (0..2).for_each(|freedom| damping.add_symmetric(&[freedom], &[self.c]));
+        }
+    }
+
+    #[test]
+    fn a_tuple_of_forces_is_their_sum() {
+        let sum = (Servo { strength: 1.0, c: 2.0 }, (), Servo { strength: -3.0, c: 0.5 });
+        let (q, v) = ([0.0; 2], Vector([1.0, -2.0]));
+        let mut f = Covector([10.0, 20.0]);
+        sum.add_force(4.0, &q, v.view(), f.view_mut());
+        assert_eq!(f.0, [10.0 - 8.0 - 2.5, 20.0 - 8.0 + 5.0]);
+        let mut damping = [0.0; 4];
+        sum.add_damping(4.0, &q, v.view(), &mut DenseSink::new(1.0, 2, &mut damping).unwrap());
+        assert_eq!(damping, [2.5, 0.0, 0.0, 2.5]);
+        assert_eq!(sum.dim(), 2);
+    }
+
+    #[test]
+    fn the_empty_sum_is_no_force() {
+        let mut f = Covector([7.0]);
+        ().add_force(1.0, &[0.0], Vector([1.0]).view(), f.view_mut());
+        assert_eq!((f.0, ().dim()), ([7.0], 0));
     }
 }

@@ -22,7 +22,7 @@
 //! Not for large sparse Jacobians; those have `SparseEquation` (feature `sparse`).
 
 use crate::dense_lu::DenseLu;
-use crate::newton::length;
+use crate::equation::length;
 use crate::{Equation, Unsolvable};
 
 /// The equation f(x) = 0 with the Jacobian df, solved by elimination with row exchanges.

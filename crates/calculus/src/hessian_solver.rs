@@ -93,9 +93,9 @@ pub(crate) fn zero_pivot(n: usize) -> f64 {
 /// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
 /// [`DenseSolver::new`]; for `[f64; N]` the compiler knows the length of every loop.
 #[derive(Clone, Debug)]
-pub struct DenseSolver<C> {
+pub struct DenseSolver<C: Storage> {
     /// Columns of the matrix, then of its factor; on the diagonal the reciprocal of the factor's.
-    columns: Vec<C>,
+    columns: C::Columns,
     mass: C,
 }
 
@@ -103,7 +103,7 @@ impl<C: Storage> DenseSolver<C> {
     /// A solver for `n` freedoms; `None` where C holds another number.
     pub fn new(n: usize) -> Option<Self> {
         let mass = C::zeros(n)?;
-        Some(DenseSolver { columns: vec![mass.clone(); n], mass })
+        Some(DenseSolver { columns: C::columns(n)?, mass })
     }
 
     fn assemble<M: Metric, P: Potential>(
@@ -114,9 +114,36 @@ impl<C: Storage> DenseSolver<C> {
         potential: &P,
         q: &[f64],
     ) {
-        self.columns.iter_mut().for_each(|column| column.as_mut().fill(0.0));
-        metric.add_matrix(&mut Columns { weight: m, columns: &mut self.columns });
-        potential.add_hessian(q, &mut Columns { weight: a, columns: &mut self.columns });
+        let columns = self.columns.as_mut();
+        columns.iter_mut().for_each(|column| column.as_mut().fill(0.0));
+        metric.add_matrix(&mut Columns { weight: m, columns });
+        potential.add_hessian(q, &mut Columns { weight: a, columns });
+    }
+
+    /// The second rung.
+    #[cold]
+    fn shifted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable> {
+        self.mass.as_mut().fill(0.0);
+        metric.add_matrix(&mut Diagonal { weight: 1.0, values: self.mass.as_mut() });
+        self.assemble(m, metric, a, potential, q);
+        let scale = self.shift_scale();
+        if !scale.is_finite() {
+            return Err(Unsolvable::NonFinite);
+        }
+        for tries in 1..=SHIFTS {
+            self.assemble(m + shift(scale, tries), metric, a, potential, q);
+            if self.factor_in_place() {
+                return Ok(Rung::Shifted { tries });
+            }
+        }
+        Err(Unsolvable::Singular)
     }
 
     /// The scale `s` of the shifts. The matrix must be in `columns`, the diagonal of M in `mass`.
@@ -126,14 +153,14 @@ impl<C: Storage> DenseSolver<C> {
             let entries = column.as_ref().iter().zip(mass);
             entries.map(|(entry, mass)| entry.abs() / (m * mass).sqrt()).sum()
         };
-        largest_or_nan(self.columns.iter().zip(mass).map(row))
+        largest_or_nan(self.columns.as_ref().iter().zip(mass).map(row))
     }
 
     /// Replaces the lower triangle by its factor; false where a pivot is not positive.
     #[inline]
     fn factor_in_place(&mut self) -> bool {
         let n = self.mass.as_ref().len();
-        let columns = &mut self.columns[..n];
+        let columns = &mut self.columns.as_mut()[..n];
         for j in 0..n {
             let (done, rest) = columns.split_at_mut(j);
             let column = &mut rest[0].as_mut()[..n];
@@ -169,28 +196,16 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
     ) -> Result<Rung, Unsolvable> {
         self.assemble(m, metric, a, potential, q);
         if self.factor_in_place() {
-            return Ok(Rung::Cholesky);
+            Ok(Rung::Cholesky)
+        } else {
+            self.shifted(m, metric, a, potential, q)
         }
-        self.mass.as_mut().fill(0.0);
-        metric.add_matrix(&mut Diagonal { weight: 1.0, values: self.mass.as_mut() });
-        self.assemble(m, metric, a, potential, q);
-        let scale = self.shift_scale();
-        if !scale.is_finite() {
-            return Err(Unsolvable::NonFinite);
-        }
-        for tries in 1..=SHIFTS {
-            self.assemble(m + shift(scale, tries), metric, a, potential, q);
-            if self.factor_in_place() {
-                return Ok(Rung::Shifted { tries });
-            }
-        }
-        Err(Unsolvable::Singular)
     }
 
     #[inline]
     fn solve(&mut self, r: &mut [f64]) {
         let n = self.mass.as_ref().len();
-        let (columns, r) = (&self.columns[..n], &mut r[..n]);
+        let (columns, r) = (&self.columns.as_ref()[..n], &mut r[..n]);
         for j in 0..n {
             let column = &columns[j].as_ref()[..n];
             r[j] *= column[j];

@@ -50,6 +50,7 @@ mod automatic;
 mod check;
 mod force;
 mod system;
+mod equation;
 mod newton;
 mod function_equation;
 mod hessian_solver;
@@ -74,11 +75,13 @@ pub use check::{
     WrongEntry, assert_derivatives, assert_derivatives_on, assert_jacobian, check_jacobian,
     check_potential, check_potential_on, differences,
 };
+pub use dense_lu::DenseLu;
 pub use differential::{
     Number, differential, directional_derivative, gradient, hessian, jacobian, jacobian_of_matrix,
     second_differential,
 };
 pub use eigen::{EigenError, Eigenpairs};
+pub use equation::{Equation, Merit, Unsolvable};
 pub use equilibrium::{Equilibrium, EquilibriumReport};
 pub use error::{MetricError, SizeError};
 pub use fit::{loglog_slope, truncation_regime};
@@ -87,10 +90,7 @@ pub use function_equation::FunctionEquation;
 pub use hessian_solver::{DenseSolver, HessianSolver, Rung};
 pub use least_norm::{LeastNorm, LeastNormError, least_norm};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
-pub use newton::{
-    Equation, Merit, Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport,
-    Unsolvable,
-};
+pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport};
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 pub use potential::Potential;
 pub use random::SplitMix64;
@@ -98,9 +98,9 @@ pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 #[cfg(feature = "sparse")]
 pub use sparse::{
-    ConjugateGradient, ConjugateGradientReport, JacobianEntries, Ladder, PatternSink, Pivoting,
-    RefillSink, Refined, SparseCholesky, SparseEquation, SparseError, SparseIndefinite,
-    SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
+    ConjugateGradient, ConjugateGradientReport, Inertia, JacobianEntries, Ladder, Ordering,
+    PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation, SparseError,
+    SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Flat, Space, System};

@@ -19,6 +19,12 @@
 
 /// Owned numbers that a state or a workspace consists of: `[f64; N]` or `Vec<f64>`.
 pub trait Storage: Clone + PartialEq + AsRef<[f64]> + AsMut<[f64]> {
+    /// A square matrix, n columns of n numbers each: on the stack where a column is.
+    type Columns: Clone + std::fmt::Debug + AsRef<[Self]> + AsMut<[Self]>;
+
+    /// As many columns of zeros as a column has numbers.
+    fn columns(n: usize) -> Option<Self::Columns>;
+
     /// `n` zeros, or `None` where the type holds another number of them.
     fn zeros(n: usize) -> Option<Self>;
 
@@ -31,6 +37,12 @@ pub trait Storage: Clone + PartialEq + AsRef<[f64]> + AsMut<[f64]> {
 }
 
 impl<const N: usize> Storage for [f64; N] {
+    type Columns = [[f64; N]; N];
+
+    fn columns(n: usize) -> Option<Self::Columns> {
+        (n == N).then_some([[0.0; N]; N])
+    }
+
     fn zeros(n: usize) -> Option<Self> {
         (n == N).then_some([0.0; N])
     }
@@ -45,6 +57,12 @@ impl<const N: usize> Storage for [f64; N] {
 }
 
 impl Storage for Vec<f64> {
+    type Columns = Vec<Vec<f64>>;
+
+    fn columns(n: usize) -> Option<Self::Columns> {
+        Some(vec![vec![0.0; n]; n])
+    }
+
     fn zeros(n: usize) -> Option<Self> {
         Some(vec![0.0; n])
     }

@@ -1,6 +1,6 @@
 //! What can go wrong in a step and in a simulation.
 
-use stationary_calculus::{NewtonError, SizeError};
+use stationary_calculus::{NewtonError, SizeError, Unsolvable};
 
 /// A step that could not be taken; the state is as it was before.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,6 +22,15 @@ pub enum StepError {
     NonFiniteMomentum {
         /// The first such freedom.
         freedom: usize,
+    },
+    /// A discrete Lagrangian does not determine the next configuration from the momentum.
+    #[error("the discrete Legendre transform is singular: q and p do not determine the next q")]
+    SingularLegendreTransform,
+    /// Steps are counted forward, and each moves the time.
+    #[error("there are {density} steps a second; it must be a positive number that moves the time")]
+    Density {
+        /// Steps a second.
+        density: f64,
     },
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
@@ -49,6 +58,16 @@ pub enum HorizonError {
     /// A horizon lies ahead.
     #[error("the duration is {0} s; it must be positive and finite")]
     Duration(f64),
+    /// Steps are counted one by one.
+    #[error("{duration} s is {steps} steps of {step} s, more than can be counted")]
+    TooMany {
+        /// The duration, seconds.
+        duration: f64,
+        /// The step, seconds.
+        step: f64,
+        /// Their quotient.
+        steps: f64,
+    },
     /// The duration must be a whole number of steps.
     #[error("{duration} s is {steps} steps of {step} s, which is not a whole number")]
     NotWhole {
@@ -70,4 +89,122 @@ pub enum StudyError {
     /// The storage does not have the system's size.
     #[error(transparent)]
     Size(#[from] SizeError),
+}
+
+/// A force that is not what it says.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ForceError {
+    /// Drag takes energy away.
+    #[error("the drag of freedom {freedom} is {coefficient}; it must be finite and not negative")]
+    Drag {
+        /// The freedom.
+        freedom: usize,
+        /// Its coefficient, N s/m.
+        coefficient: f64,
+    },
+    /// A bump has a place and a width.
+    #[error("a bump from {start} s for {width} s; the width must be positive, both finite")]
+    Bump {
+        /// Where it starts, seconds.
+        start: f64,
+        /// How long it lasts, seconds.
+        width: f64,
+    },
+}
+
+/// An action that is not defined, or a path on which it is not stationary.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ActionError {
+    /// A path has at least one step.
+    #[error("the action has no steps")]
+    NoSteps,
+    /// Steps go forward in time by a finite amount.
+    #[error("step {step} is {h} s; it must be positive and finite")]
+    Step {
+        /// The first such step, counted from 0.
+        step: usize,
+        /// Its length, seconds.
+        h: f64,
+    },
+    /// The path does not belong to the action.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// The guess is not a path.
+    #[error("point {point} of the path is not finite, first at freedom {freedom}")]
+    NonFinite {
+        /// The first such point, counted from 0.
+        point: usize,
+        /// Its first such freedom.
+        freedom: usize,
+    },
+    /// No stationary path was found near the guess.
+    #[error("no stationary path was found: {0}")]
+    Newton(#[from] NewtonError),
+    /// The action has no definite kind of stationary point.
+    #[error("the ends are conjugate on the path that was found: {0}")]
+    Conjugate(Unsolvable),
+}
+
+/// Impulses that cannot be given, or a simulation that could not be finished.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ImpulseError {
+    /// An impulse does not belong to the system.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// An impulse is not finite.
+    #[error("impulse {index} is not finite, first at freedom {freedom}")]
+    NonFinite {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its first such freedom.
+        freedom: usize,
+    },
+    /// No step begins at an impulse or contains it.
+    #[error("impulse {index} is at {time} s, outside of [{start} s, {end} s)")]
+    OutsideTheHorizon {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its time, seconds.
+        time: f64,
+        /// When the horizon starts, seconds.
+        start: f64,
+        /// When it ends, seconds.
+        end: f64,
+    },
+    /// Impulses come in ascending order.
+    #[error("impulse {index} is at {time} s, before the one at {last} s that precedes it")]
+    Unsorted {
+        /// The impulse, counted from 0.
+        index: usize,
+        /// Its time, seconds.
+        time: f64,
+        /// The time of the one before, seconds.
+        last: f64,
+    },
+    /// A step failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}
+
+/// A parameter of a method outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} is {value}; it must be in {range}")]
+pub struct ParameterError {
+    /// The parameter.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The values it may have.
+    pub range: &'static str,
+}
+
+impl ParameterError {
+    pub(crate) fn check(
+        name: &'static str,
+        value: f64,
+        range: &'static str,
+        inside: bool,
+    ) -> Result<(), ParameterError> {
+        if inside { Ok(()) } else { Err(ParameterError { name, value, range }) }
+    }
 }

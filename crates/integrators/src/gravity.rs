@@ -152,10 +152,11 @@ impl<const D: usize> Potential for NewtonianGravity<D> {
 fn attraction_hessian<const D: usize>(k: f64, x: &[f64; D]) -> [[f64; D]; D] {
     let r2 = dot(x, x);
     let factor = k / (r2 * r2.sqrt());
+    let three = 3.0 * factor / r2;
     let mut block = [[0.0; D]; D];
     for d in 0..D {
         for c in 0..D {
-            block[d][c] = -3.0 * factor * x[c] * x[d] / r2;
+            block[d][c] = -three * x[c] * x[d];
         }
         block[d][d] += factor;
     }

@@ -56,20 +56,20 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         FACTS
     }
 
+    #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        let system = self.stage.system();
+        let ImplicitEuler { stage, velocity, next } = self;
+        let system = stage.system();
         check_step(state, system.dim(), h)?;
-        let State { q, p, .. } = &mut self.next;
-        q.clone_from(&state.q);
-        p.clone_from(&state.p);
-        system.metric().sharp(state.p.view(), self.velocity.view_mut());
-        system.space().advance(q.as_mut(), h, self.velocity.view());
-        self.stage.y().clone_from(q);
-        let mut report = self.stage.solve(q, h * h)?;
-        let dv = self.stage.differential_at(q, &mut report.differentials);
-        p.add_scaled(-h, dv.view());
-        state.accept(&mut self.next, h)?;
-        Ok(report)
+        state.step(next, h, |_, State { q, p, .. }| {
+            system.metric().sharp(p.view(), velocity.view_mut());
+            system.space().advance(q.as_mut(), h, velocity.view());
+            stage.y().clone_from(q);
+            let mut report = stage.solve(q, h * h)?;
+            let dv = stage.differential_at(q, &mut report.differentials);
+            p.add_scaled(-h, dv.view());
+            Ok(report)
+        })
     }
 }
 

@@ -56,23 +56,23 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         FACTS
     }
 
+    #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        let system = self.stage.system();
+        let ImplicitMidpoint { stage, velocity, next } = self;
+        let system = stage.system();
         check_step(state, system.dim(), h)?;
-        let State { q, p, .. } = &mut self.next;
-        q.clone_from(&state.q);
-        p.clone_from(&state.p);
-        system.metric().sharp(p.view(), self.velocity.view_mut());
-        system.space().advance(q.as_mut(), 0.5 * h, self.velocity.view());
-        self.stage.y().clone_from(q);
-        let mut report = self.stage.solve(q, 0.25 * h * h)?;
-        let dv = self.stage.differential_at(q, &mut report.differentials);
-        p.add_scaled(-0.5 * h, dv.view());
-        system.metric().sharp(p.view(), self.velocity.view_mut());
-        p.add_scaled(-0.5 * h, dv.view());
-        q.clone_from(&state.q);
-        system.space().advance(q.as_mut(), h, self.velocity.view());
-        state.accept(&mut self.next, h)?;
-        Ok(report)
+        state.step(next, h, |start, State { q, p, .. }| {
+            system.metric().sharp(p.view(), velocity.view_mut());
+            system.space().advance(q.as_mut(), 0.5 * h, velocity.view());
+            stage.y().clone_from(q);
+            let mut report = stage.solve(q, 0.25 * h * h)?;
+            let dv = stage.differential_at(q, &mut report.differentials);
+            p.add_scaled(-0.5 * h, dv.view());
+            system.metric().sharp(p.view(), velocity.view_mut());
+            p.add_scaled(-0.5 * h, dv.view());
+            q.clone_from(&start.q);
+            system.space().advance(q.as_mut(), h, velocity.view());
+            Ok(report)
+        })
     }
 }

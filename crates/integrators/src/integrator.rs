@@ -6,7 +6,9 @@
 //! An integrator is bound to a system when it is made: sizes are checked and all memory is taken
 //! then, so that a step checks little and allocates nothing.
 
-use stationary_calculus::{Covector, Potential, Rung, SizeError, Storage};
+use stationary_calculus::{
+    Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage, Vector,
+};
 
 use crate::{Facts, State, StepError};
 
@@ -59,6 +61,23 @@ pub(crate) fn check_step<C: Storage>(state: &State<C>, n: usize, h: f64) -> Resu
 pub(crate) fn zeros<C: Storage>(n: usize) -> Result<C, SizeError> {
     let what = "the storage's numbers";
     C::zeros(n).ok_or(SizeError { what, expected: n, got: std::mem::size_of::<C>() / 8 })
+}
+
+/// Memory for Newton's method in n unknowns, or an error where the storage has another size.
+pub(crate) fn newton_memory<C: Storage>(
+    n: usize,
+    newton: Newton,
+) -> Result<NewtonMemory<C>, SizeError> {
+    let got = zeros::<C>(n)?.as_ref().len();
+    let what = "the storage's numbers";
+    NewtonMemory::new(n, newton.iterations).ok_or(SizeError { what, expected: n, got })
+}
+
+/// `difference = x - y`, entry by entry.
+pub(crate) fn subtract<C: Storage>(x: &[f64], y: &[f64], difference: &mut Vector<C>) {
+    for ((difference, x), y) in difference.components_mut().iter_mut().zip(x).zip(y) {
+        *difference = x - y;
+    }
 }
 
 /// The differential of a potential at a configuration, remembered for the next step.

@@ -6,9 +6,10 @@ use std::str::FromStr;
 use stationary_calculus::{HessianSolver, Metric, Potential, SizeError, Storage, System};
 
 use crate::{
-    ExplicitEuler, Facts, ImplicitEuler, ImplicitMidpoint, Integrator, RungeKutta4, StormerVerlet,
+    Composition, ExplicitEuler, Facts, GaussLegendre, ImplicitEuler, ImplicitMidpoint, Integrator,
+    Newmark, NewmarkWeights, Nodes, Nystrom4, RungeKutta4, Scheme, StormerVerlet,
     SymplecticEulerDriftKick, SymplecticEulerKickDrift, Trapezoid, explicit_euler, implicit_euler,
-    implicit_midpoint, runge_kutta_4, stormer_verlet, symplectic_euler, trapezoid,
+    implicit_midpoint, nystrom_4, runge_kutta_4, stormer_verlet, symplectic_euler, trapezoid,
 };
 
 /// A method of this crate.
@@ -30,7 +31,22 @@ pub enum Method {
     StormerVerlet,
     /// [`RungeKutta4`].
     RungeKutta4,
+    /// [`Nystrom4`].
+    Nystrom4,
+    /// [`Composition`] with the coefficients of a scheme.
+    Composition(Scheme),
+    /// [`GaussLegendre`] at this many nodes.
+    GaussLegendre(Nodes),
+    /// [`Newmark`] with the average acceleration.
+    Newmark,
+    /// [`Newmark`] with the generalized-alpha weights of spectral radius 1/2.
+    GeneralizedAlpha,
 }
+
+/// The weights of [`Method::Newmark`].
+const AVERAGE: NewmarkWeights = NewmarkWeights::AVERAGE_ACCELERATION;
+/// The weights of [`Method::GeneralizedAlpha`].
+const HALF_RADIUS: NewmarkWeights = NewmarkWeights::with_radius(0.5);
 
 /// There is no method of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -51,7 +67,32 @@ impl Method {
     ];
 
     /// Every method.
-    pub const ALL: &[Method] = &Method::TABLE_4_1;
+    pub const ALL: &[Method] = &[
+        Method::ExplicitEuler,
+        Method::ImplicitEuler,
+        Method::Trapezoid,
+        Method::ImplicitMidpoint,
+        Method::SymplecticEulerDriftKick,
+        Method::SymplecticEulerKickDrift,
+        Method::StormerVerlet,
+        Method::RungeKutta4,
+        Method::Nystrom4,
+        Method::Composition(Scheme::TripleJump4),
+        Method::Composition(Scheme::Suzuki4),
+        Method::Composition(Scheme::BlanesMoan4),
+        Method::Composition(Scheme::BlanesMoanNystrom4),
+        Method::Composition(Scheme::Yoshida6),
+        Method::Composition(Scheme::KahanLi6),
+        Method::Composition(Scheme::BlanesMoan6),
+        Method::Composition(Scheme::BlanesMoanNystrom6),
+        Method::Composition(Scheme::Yoshida8),
+        Method::Composition(Scheme::KahanLi8),
+        Method::GaussLegendre(Nodes::Two),
+        Method::GaussLegendre(Nodes::Three),
+        Method::GaussLegendre(Nodes::Four),
+        Method::Newmark,
+        Method::GeneralizedAlpha,
+    ];
 
     /// What is known of it.
     pub fn facts(self) -> Facts {
@@ -64,6 +105,11 @@ impl Method {
             Method::SymplecticEulerKickDrift => symplectic_euler::KICK_DRIFT,
             Method::StormerVerlet => stormer_verlet::FACTS,
             Method::RungeKutta4 => runge_kutta_4::FACTS,
+            Method::Nystrom4 => nystrom_4::FACTS,
+            Method::Composition(scheme) => scheme.facts(),
+            Method::GaussLegendre(nodes) => nodes.facts(),
+            Method::Newmark => AVERAGE.facts(),
+            Method::GeneralizedAlpha => HALF_RADIUS.facts(),
         }
     }
 
@@ -81,6 +127,11 @@ impl Method {
             Method::SymplecticEulerKickDrift => Box::new(SymplecticEulerKickDrift::new(system)?),
             Method::StormerVerlet => Box::new(StormerVerlet::new(system)?),
             Method::RungeKutta4 => Box::new(RungeKutta4::new(system)?),
+            Method::Nystrom4 => Box::new(Nystrom4::new(system)?),
+            Method::Composition(scheme) => Box::new(Composition::new(system, scheme)?),
+            Method::GaussLegendre(nodes) => Box::new(GaussLegendre::new(system, nodes)?),
+            Method::Newmark => Box::new(Newmark::new(system, AVERAGE)?),
+            Method::GeneralizedAlpha => Box::new(Newmark::new(system, HALF_RADIUS)?),
         })
     }
 
@@ -95,6 +146,13 @@ impl Method {
             Method::ImplicitEuler => Box::new(ImplicitEuler::with_solver(system, solver)?),
             Method::Trapezoid => Box::new(Trapezoid::with_solver(system, solver)?),
             Method::ImplicitMidpoint => Box::new(ImplicitMidpoint::with_solver(system, solver)?),
+            Method::GaussLegendre(nodes) => {
+                Box::new(GaussLegendre::with_solver(system, nodes, solver)?)
+            }
+            Method::Newmark => Box::new(Newmark::with_solver(system, AVERAGE, solver)?),
+            Method::GeneralizedAlpha => {
+                Box::new(Newmark::with_solver(system, HALF_RADIUS, solver)?)
+            }
             _ => self.integrator(system)?,
         })
     }

@@ -6,15 +6,32 @@
 //! | [`kepler`] | a planet about a fixed sun, eccentricity e | Kepler's equation |
 //! | [`pendulum`] | a rod's angle from hanging | Jacobi's elliptic functions |
 //! | [`spring_pendulum`] | a mass on a stiff spring that swings | none: it is there to fail |
+//! | [`spring_chain`] | many masses in a row on linear springs | two of its modes |
+//! | [`fermi_pasta_ulam`] | springs stiff and soft in turn | none: its adiabatic invariant |
+//! | [`henon_heiles`] | a star in a galaxy, regular or chaotic | none: its energy |
+//! | [`pleiades`] | seven stars that pass each other closely | the test set's, at t = 3 |
 //! | [`three_bodies`] | a sun and two planets | none: it is there for its momenta |
+//! | [`van_der_pol`] | a stiff oscillator, first order | 10 digits for mu = 1000 |
+//! | [`hires`] | eight reactions, stiff, first order | 10 digits at the end |
+//! | [`robertson`] | three reactions, very stiff, first order | 11 digits at the end |
 //!
+//! [`DoublePendulum`] is a Lagrangian: its mass depends on its configuration, so it is no system.
 //! All are dimensionless: masses, lengths and the strength of the field are 1.
 
+mod double_pendulum;
+mod fermi_pasta_ulam;
+mod henon_heiles;
+mod hires;
 mod kepler;
 mod oscillator;
 mod pendulum;
+mod pleiades;
+mod robertson;
+mod spring_chain;
 mod spring_pendulum;
+mod stiff;
 mod three_bodies;
+mod van_der_pol;
 
 use std::fmt;
 
@@ -22,11 +39,20 @@ use stationary_calculus::{DiagonalMetric, Metric, MetricError, Potential, SizeEr
 
 use crate::State;
 
+pub use double_pendulum::DoublePendulum;
+pub use fermi_pasta_ulam::{AlternatingSprings, fermi_pasta_ulam};
+pub use henon_heiles::{HenonHeilesPotential, henon_heiles};
+pub use hires::{HiresField, hires};
 pub use kepler::kepler;
 pub use oscillator::{Linear, oscillator};
 pub use pendulum::{PendulumPotential, pendulum};
+pub use pleiades::pleiades;
+pub use robertson::{ConstrainedRobertsonField, RobertsonField, constrained_robertson, robertson};
+pub use spring_chain::{SpringChain, spring_chain};
 pub use spring_pendulum::{TetherPotential, spring_pendulum};
+pub use stiff::StiffProblem;
 pub use three_bodies::three_bodies;
+pub use van_der_pol::{VanDerPolField, van_der_pol};
 
 /// A problem that cannot be stated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -85,6 +111,9 @@ pub struct Problem<M, P, C> {
     /// How far the true configuration may itself be off, relative to `scale`.
     pub solution_error: f64,
 }
+
+/// A problem of any number of freedoms, each with a mass of its own.
+pub type LargeProblem<P> = Problem<DiagonalMetric<Vec<f64>>, P, Vec<f64>>;
 
 /// A problem of N freedoms, each with a mass of its own.
 pub type SmallProblem<P, const N: usize> = Problem<DiagonalMetric<[f64; N]>, P, [f64; N]>;

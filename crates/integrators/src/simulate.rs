@@ -22,6 +22,8 @@ pub struct Horizon {
 
 /// How far from a whole number of steps a duration may be, relative to it: rounding, no more.
 const WHOLE: f64 = 1e-9;
+/// Steps beyond this cannot be counted one by one.
+const COUNTABLE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl Horizon {
     /// Steps of `step` seconds up to `duration` seconds, which must be a whole number of them.
@@ -34,7 +36,10 @@ impl Horizon {
         }
         let steps = duration / step;
         let whole = steps.round();
-        if whole < 1.0 || (steps - whole).abs() > WHOLE * whole || whole > 2_f64.powi(53) {
+        if whole > COUNTABLE {
+            return Err(HorizonError::TooMany { duration, step, steps });
+        }
+        if whole < 1.0 || (steps - whole).abs() > WHOLE * whole {
             return Err(HorizonError::NotWhole { duration, step, steps });
         }
         Ok(Horizon { start: 0.0, step: duration / whole, steps: whole as u64, done: 0 })
@@ -62,6 +67,11 @@ impl Horizon {
 
     fn time(&self, step: u64) -> f64 {
         self.start + step as f64 * self.step
+    }
+
+    /// When the first step that is left begins, and when the last one ends, seconds.
+    pub fn span(&self) -> (f64, f64) {
+        (self.time(self.done), self.time(self.steps))
     }
 
     /// The number of steps.
@@ -165,6 +175,9 @@ mod tests {
         assert_eq!(Horizon::new(0.3, 0.1).unwrap().steps(), 3);
         assert!(matches!(Horizon::new(1.0, 0.3), Err(HorizonError::NotWhole { .. })));
         assert!(matches!(Horizon::new(0.1, 1.0), Err(HorizonError::NotWhole { .. })));
+        for step in [1e-16, f64::MIN_POSITIVE] {
+            assert!(matches!(Horizon::new(1e300, step), Err(HorizonError::TooMany { .. })));
+        }
         for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
             assert!(matches!(Horizon::new(1.0, step), Err(HorizonError::Step(_))));
             assert!(matches!(Horizon::new(step, 0.1), Err(HorizonError::Duration(_))));

@@ -8,7 +8,9 @@
 //! midpoint rule (a = h^2/4). The Hessian of the minimized function, `M + a d2V(x)`, is symmetric,
 //! and positive definite for small steps; where it is not, the solver's ladder says what it did.
 //!
-//! Solved by Newton's method, to rounding unless the caller's tolerance ends it sooner.
+//! Solved by Newton's method, to rounding unless the caller's tolerance ends it sooner. All of it is
+//! inlined into each method's step, because the copies in and out of a call, through memory, cost a
+//! small system a fifth of its step.
 //! Source: notes 4.4 (bonus math).
 
 use stationary_calculus::{
@@ -78,6 +80,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
     }
 
     /// Solves for x from the guess in `x`.
+    #[inline(always)]
     pub(crate) fn solve(&mut self, x: &mut C, a: f64) -> Result<StepReport, StepError> {
         self.equation.a = a;
         self.equation.report = StepReport::default();
@@ -86,6 +89,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
     }
 
     /// dV(q), evaluated unless it was at this very `q` last time.
+    #[inline]
     pub(crate) fn differential_at(&mut self, q: &C, evaluations: &mut u32) -> &Covector<C> {
         self.differential.at(self.equation.system.potential(), q, evaluations)
     }
@@ -98,6 +102,7 @@ fn memory<C: Storage>(n: usize, newton: Newton) -> Result<NewtonMemory<C>, SizeE
 }
 
 impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> StageEquation<'_, M, P, C, L> {
+    #[inline]
     fn subtract(&mut self, x: &[f64]) {
         let difference = self.difference.components_mut();
         difference.copy_from_slice(x);
@@ -110,6 +115,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> StageEquation<'_, M,
 impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
     for StageEquation<'_, M, P, C, L>
 {
+    #[inline]
     fn residual(&mut self, x: &[f64], f: &mut [f64]) {
         self.subtract(x);
         self.flat.clear();
@@ -120,6 +126,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         f.add_scaled(self.a, self.flat.view());
     }
 
+    #[inline(always)]
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
         let rung = self.solver.factor(self.system.metric(), self.system.potential(), x, self.a)?;
         self.report.hessians += 1;
@@ -128,12 +135,14 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         Ok(())
     }
 
+    #[inline]
     fn norm(&mut self, f: &[f64]) -> f64 {
         let f = Covector(f);
         self.system.metric().sharp(f.view(), self.difference.view_mut());
         f.apply(&self.difference).sqrt()
     }
 
+    #[inline]
     fn energy(&mut self, x: &[f64]) -> Option<f64> {
         self.subtract(x);
         self.system.metric().flat(self.difference.view(), self.flat.view_mut());

@@ -2,7 +2,7 @@
 
 use stationary_calculus::{Covector, Storage, first_non_finite};
 
-use crate::StepError;
+use crate::{StepError, StepReport};
 
 /// A configuration `q` and a momentum `p` (a covector), as many numbers each (notes 4.2), at a time.
 #[derive(Debug, Default, PartialEq)]
@@ -42,6 +42,23 @@ impl<C: Storage> State<C> {
     pub(crate) fn put_back(&mut self, lent: Self) {
         self.q.put_back(lent.q);
         self.p.0.put_back(lent.p.0);
+    }
+
+    /// Moves a copy of this state, in the memory of `spare`, and takes it over `h` seconds later; or
+    /// returns an error and stays as it was.
+    #[inline]
+    pub(crate) fn step(
+        &mut self,
+        spare: &mut Self,
+        h: f64,
+        advance: impl FnOnce(&Self, &mut Self) -> Result<StepReport, StepError>,
+    ) -> Result<StepReport, StepError> {
+        let mut next = spare.lend();
+        next.clone_from(self);
+        let advanced = advance(self, &mut next);
+        let accepted = advanced.and_then(|report| self.accept(&mut next, h).map(|()| report));
+        spare.put_back(next);
+        accepted
     }
 }
 

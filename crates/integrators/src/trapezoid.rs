@@ -59,24 +59,24 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
         FACTS
     }
 
+    #[inline]
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
-        let system = self.stage.system();
+        let Trapezoid { stage, velocity, next } = self;
+        let system = stage.system();
         check_step(state, system.dim(), h)?;
-        let State { q, p, .. } = &mut self.next;
-        q.clone_from(&state.q);
-        p.clone_from(&state.p);
-        let mut start = 0;
-        let dv = self.stage.differential_at(q, &mut start);
-        p.add_scaled(-0.25 * h, dv.view());
-        system.metric().sharp(p.view(), self.velocity.view_mut());
-        p.add_scaled(-0.25 * h, dv.view());
-        system.space().advance(q.as_mut(), h, self.velocity.view());
-        self.stage.y().clone_from(q);
-        let mut report = self.stage.solve(q, 0.25 * h * h)?;
-        report.differentials += start;
-        let dv = self.stage.differential_at(q, &mut report.differentials);
-        p.add_scaled(-0.5 * h, dv.view());
-        state.accept(&mut self.next, h)?;
-        Ok(report)
+        state.step(next, h, |_, State { q, p, .. }| {
+            let mut differentials = 0;
+            let dv = stage.differential_at(q, &mut differentials);
+            p.add_scaled(-0.25 * h, dv.view());
+            system.metric().sharp(p.view(), velocity.view_mut());
+            p.add_scaled(-0.25 * h, dv.view());
+            system.space().advance(q.as_mut(), h, velocity.view());
+            stage.y().clone_from(q);
+            let mut report = stage.solve(q, 0.25 * h * h)?;
+            report.differentials += differentials;
+            let dv = stage.differential_at(q, &mut report.differentials);
+            p.add_scaled(-0.5 * h, dv.view());
+            Ok(report)
+        })
     }
 }

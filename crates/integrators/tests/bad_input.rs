@@ -6,7 +6,8 @@ use stationary_calculus::{
     Covector, DiagonalMetric, Metric, Newton, NewtonFailure, Potential, Sink, SizeError, System,
 };
 use stationary_integrators::problems::{
-    ProblemError, kepler, oscillator, pendulum, spring_pendulum,
+    ProblemError, fermi_pasta_ulam, henon_heiles, kepler, oscillator, pendulum, spring_chain,
+    spring_pendulum,
 };
 use stationary_integrators::{
     Evaluation, Horizon, ImplicitEuler, ImplicitMidpoint, Integrator, Method, NewtonianGravity,
@@ -101,6 +102,14 @@ fn problems_with_impossible_parameters_are_refused() {
     for k in [0.0, -1.0, f64::INFINITY, f64::NAN] {
         parameter(oscillator(k).map(drop));
         parameter(spring_pendulum(k).map(drop));
+        parameter(spring_chain(5, k).map(drop));
+        parameter(fermi_pasta_ulam(k).map(drop));
+    }
+    for masses in [0, 1, usize::MAX] {
+        parameter(spring_chain(masses, 1.0).map(drop));
+    }
+    for energy in [0.0, 1.0 / 6.0, f64::NAN] {
+        parameter(henon_heiles(energy).map(drop));
     }
 }
 

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
-use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, three_bodies};
+use stationary_integrators::problems::{Problem, kepler, oscillator, three_bodies};
 use stationary_integrators::{
-    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Horizon, Integrator, Method, Stability,
-    State, Symplecticity, angular_momentum, angular_momentum_scale, linear_momentum,
+    Conservation, EnergyBehavior, ErrorGrowth, Evaluation, Horizon, Integrator, Method, State,
+    Symplecticity, angular_momentum, angular_momentum_scale, linear_momentum,
     linear_momentum_scale, simulate,
 };
 
@@ -39,23 +39,6 @@ fn error<M: Metric, P: Potential, const N: usize>(
 }
 
 #[test]
-fn the_error_at_a_fixed_end_time_has_the_claimed_order() {
-    for &method in Method::ALL {
-        let order = f64::from(method.facts().order);
-        let orders = |coarse: f64, fine: f64| (coarse / fine).log2();
-        let steps = if order > 2.0 { 800 } else { 6400 };
-        let pendulum = pendulum(2.0).unwrap();
-        let swings = |n| error(&pendulum, method, pendulum.period, n);
-        let measured = orders(swings(steps), swings(2 * steps));
-        assert!((measured - order).abs() < 0.1, "{method} on the pendulum: {measured}");
-        let kepler = kepler(0.3).unwrap();
-        let orbits = |n| error(&kepler, method, 0.5 * kepler.period, n);
-        let measured = orders(orbits(steps), orbits(2 * steps));
-        assert!((measured - order).abs() < 0.1, "{method} on Kepler: {measured}");
-    }
-}
-
-#[test]
 fn implicit_methods_factor_hessians_and_explicit_ones_do_not() {
     let problem = kepler(0.3).unwrap();
     for &method in Method::ALL {
@@ -64,29 +47,6 @@ fn implicit_methods_factor_hessians_and_explicit_ones_do_not() {
         let implicit = method.facts().evaluation == Evaluation::Implicit;
         assert_eq!(report.hessians > 0, implicit, "{method}");
         assert!(!report.suspects_the_hessian(), "{method} took {} iterations", report.hessians);
-    }
-}
-
-#[test]
-fn one_step_has_one_order_more() {
-    let problem = kepler(0.3).unwrap();
-    for &method in Method::ALL {
-        let one = |h: f64| {
-            let mut state = problem.initial.clone();
-            // From a quarter of the orbit on, where no symmetry hides a term.
-            let reference = State::new([0.4, -0.7], [0.9, 0.5]);
-            state.clone_from(&reference);
-            on(method, &problem.system).step(&mut state, h).unwrap();
-            let mut exact = reference;
-            for _ in 0..64 {
-                on(Method::RungeKutta4, &problem.system).step(&mut exact, h / 64.0).unwrap();
-            }
-            let apart = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-            apart(&state.q, &exact.q).hypot(apart(&state.p.0, &exact.p.0))
-        };
-        let measured = (one(0.02) / one(0.01)).log2();
-        let expected = f64::from(method.facts().order) + 1.0;
-        assert!((measured - expected).abs() < 0.15, "{method}: {measured}");
     }
 }
 
@@ -173,85 +133,6 @@ fn the_trapezoid_rule_is_the_midpoint_rule_seen_half_an_explicit_step_away() {
             assert!((expected.q[i] - middle.q[i]).abs() < 1e-11);
             assert!((expected.p.0[i] - middle.p.0[i]).abs() < 1e-11);
         }
-    }
-}
-
-/// Largest size of an oscillator (omega = 1) over a thousand steps.
-fn amplitude(method: Method, h: f64) -> f64 {
-    let problem = oscillator(1.0).unwrap();
-    let mut state = State::new([1.0], [0.5]);
-    let mut largest = 0.0_f64;
-    let mut integrator = on(method, &problem.system);
-    for _ in 0..1000 {
-        if integrator.step(&mut state, h).is_err() {
-            return f64::INFINITY;
-        }
-        largest = largest.max(state.q[0].abs());
-    }
-    largest
-}
-
-#[test]
-fn the_stability_limit_is_where_the_facts_say() {
-    for &method in Method::ALL {
-        match method.facts().stability {
-            Stability::Below(limit) => {
-                assert!(amplitude(method, 0.999 * limit) < 100.0, "{method} below its limit");
-                assert!(amplitude(method, 1.001 * limit) > 1e3, "{method} above its limit");
-            }
-            Stability::Always => {
-                for h in [0.1, 1.0, 10.0, 100.0, 1e3] {
-                    // The midpoint rule's q is bounded by the energy of (q, p) alone.
-                    assert!(amplitude(method, h) < 1.2, "{method} at h omega = {h}");
-                }
-            }
-            Stability::Never => {
-                for h in [0.1, 1.0] {
-                    assert!(amplitude(method, h) > 100.0, "{method} at h omega = {h}");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn explicit_symplectic_methods_are_unstable_above_two_over_omega() {
-    for method in
-        [Method::SymplecticEulerDriftKick, Method::SymplecticEulerKickDrift, Method::StormerVerlet]
-    {
-        assert_eq!(method.facts().stability, Stability::Below(2.0));
-        // The eigenvalue of the step's matrix: 1 - x^2/2 -+ x sqrt(x^2/4 - 1) at h omega = x.
-        let x: f64 = 2.1;
-        let growth = x * x / 2.0 - 1.0 + x * (x * x / 4.0 - 1.0).sqrt();
-        let ratio = (amplitude_after(method, x, 60) / amplitude_after(method, x, 50)).powf(0.1);
-        assert!((ratio / growth - 1.0).abs() < 1e-6, "{method}: {ratio} against {growth}");
-    }
-}
-
-fn amplitude_after(method: Method, h: f64, steps: usize) -> f64 {
-    let problem = oscillator(1.0).unwrap();
-    let mut state = State::new([1.0], [0.5]);
-    let mut integrator = on(method, &problem.system);
-    for _ in 0..steps {
-        integrator.step(&mut state, h).unwrap();
-    }
-    state.q[0].abs()
-}
-
-#[test]
-fn runge_kutta_4_is_unstable_above_two_root_two_over_omega() {
-    // The amplification of a step is |1 + iz + (iz)^2/2 + (iz)^3/6 + (iz)^4/24|.
-    for (z, expected) in [(1.0, 0.9939), (2.8, 0.9307), (2.85, 1.0554)] {
-        let pair = |n| {
-            let problem = oscillator(1.0).unwrap();
-            let mut state = State::new([1.0], [0.0]);
-            let mut integrator = on(Method::RungeKutta4, &problem.system);
-            for _ in 0..n {
-                integrator.step(&mut state, z).unwrap();
-            }
-            state.q[0].hypot(state.p.0[0])
-        };
-        assert!((pair(11) / pair(10) - expected).abs() < 1e-4, "{}", pair(11) / pair(10));
     }
 }
 
@@ -348,12 +229,14 @@ fn energy_behaves_as_the_facts_say() {
 fn the_error_of_an_oscillator_grows_as_the_facts_say() {
     let problem = oscillator(1.0).unwrap();
     for &method in Method::ALL {
-        let after = |periods: u64| error(&problem, method, TAU * periods as f64, 200 * periods);
-
+        // High orders need long steps for their drift to outgrow rounding.
+        let each = [0, 200, 200, 0, 50, 0, 16, 0, 10][method.facts().order as usize];
+        let after = |periods: u64| error(&problem, method, TAU * periods as f64, each * periods);
         match method.facts().error_growth {
             ErrorGrowth::Linear => {
                 // Long enough for the drift to outgrow the bounded part of the error.
-                let power = (after(1600) / after(400)).log2() / 2.0;
+                let periods = if method.facts().order > 2 { 1600 } else { 400 };
+                let power = (after(4 * periods) / after(periods)).log2() / 2.0;
                 assert!((power - 1.0).abs() < 0.1, "{method}: t^{power}");
             }
             ErrorGrowth::Exponential => {

@@ -22,7 +22,7 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         "integrator",
         declared.integrator.get_ref(),
         declared.integrator.span(),
-        &Method::TABLE_4_1.map(|method| (method.facts().name, method)),
+        &Method::ALL.iter().map(|&method| (method.facts().name, method)).collect::<Vec<_>>(),
     )?;
 
     let mut roster = Roster::default();

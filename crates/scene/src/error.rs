@@ -231,6 +231,23 @@ pub enum Fault {
     AllPinned,
 }
 
+impl Fault {
+    pub(crate) fn too_many_steps(count: u64) -> Self {
+        Fault::TooMany { what: "steps", count, limit: limits::STEPS }
+    }
+}
+
+impl From<HorizonError> for Fault {
+    fn from(error: HorizonError) -> Self {
+        match error {
+            HorizonError::Step(value) => Fault::NotPositive { what: "the step", value },
+            HorizonError::Duration(value) => Fault::NotPositive { what: "the horizon", value },
+            HorizonError::NotWhole { step, steps, .. } => Fault::NotWhole { step, steps },
+            HorizonError::TooMany { steps, .. } => Fault::too_many_steps(steps as u64),
+        }
+    }
+}
+
 /// A scene that cannot be made into a system: its own checks leave little of this.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -255,9 +272,6 @@ pub enum AssemblyError {
     /// A spring to a vertex that is not there.
     #[error(transparent)]
     Vertex(#[from] UnknownVertex),
-    /// A horizon that is not a number of steps.
-    #[error(transparent)]
-    Horizon(#[from] HorizonError),
     /// The sparse matrix of an implicit step.
     #[error(transparent)]
     Sparse(#[from] SparseError),

@@ -6,14 +6,14 @@ use std::path::Path;
 
 use stationary_calculus::{Covector, Metric, Potential, Vector, first_non_finite};
 use stationary_integrators::{
-    Cost, Horizon, Observation, SimulationError, State, StepError, angular_momentum,
-    angular_momentum_scale, linear_momentum, linear_momentum_scale, simulate,
+    Cost, Observation, SimulationError, State, StepError, angular_momentum, angular_momentum_scale,
+    linear_momentum, linear_momentum_scale, simulate,
 };
 
 use crate::error::unknown;
 use crate::observable::Moment;
 use crate::system::{SceneProblem, Vertices, leading};
-use crate::{AssemblyError, Interruption, RunError, Scene, Summary, WriteError, csv, picture};
+use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 
 /// What a run has sampled, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +79,6 @@ impl Scene {
         let problem = self.problem::<D>()?;
         let mut integrator = self.integrator(&problem)?;
         let (steps, every) = (self.timing.steps(), self.timing.sample_every());
-        let horizon = Horizon::new(self.timing.horizon(), self.timing.step());
         let mut state = problem.initial.clone();
         let mut recorder = Recorder::new(self, &problem);
         let mut cost = Cost::default();
@@ -87,7 +86,7 @@ impl Scene {
         let result = simulate(
             &mut *integrator,
             &mut state,
-            horizon.map_err(AssemblyError::from)?,
+            self.timing.stepping(),
             |Observation { step, state, report }| {
                 cost.steps = step;
                 cost.differentials += u64::from(report.differentials);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use stationary_integrators::Method;
+use stationary_integrators::{Horizon, Method};
 
 use crate::assembly::assemble;
 use crate::declaration::Declaration;
@@ -40,25 +40,17 @@ pub struct Gravity {
 pub struct Timing {
     step: f64,
     horizon: f64,
-    steps: u64,
+    steps: Horizon,
     sample_every: u64,
 }
 
-/// How far from a whole number of steps a horizon may be, relative to it: rounding, no more.
-const WHOLE: f64 = 1e-9;
-
 impl Timing {
     pub(crate) fn new(step: f64, horizon: f64, sample_every: u64) -> Result<Self, Fault> {
-        let steps = horizon / step;
-        let whole = steps.round();
-        if whole > limits::STEPS as f64 {
-            let count = whole as u64;
-            return Err(Fault::TooMany { what: "steps", count, limit: limits::STEPS });
+        let steps = Horizon::new(horizon, step)?;
+        if steps.steps() > limits::STEPS {
+            return Err(Fault::too_many_steps(steps.steps()));
         }
-        if whole < 1.0 || (steps - whole).abs() > WHOLE * whole {
-            return Err(Fault::NotWhole { step, steps });
-        }
-        Ok(Timing { step, horizon, steps: whole as u64, sample_every })
+        Ok(Timing { step, horizon, steps, sample_every })
     }
 
     /// The step.
@@ -73,6 +65,11 @@ impl Timing {
 
     /// The number of steps.
     pub fn steps(&self) -> u64 {
+        self.steps.steps()
+    }
+
+    /// The same steps, for an integrator.
+    pub(crate) fn stepping(&self) -> Horizon {
         self.steps
     }
 
@@ -83,7 +80,7 @@ impl Timing {
 
     /// The number of samples: the start, every so many steps, and the end.
     pub fn samples(&self) -> u64 {
-        1 + self.steps.div_ceil(self.sample_every)
+        1 + self.steps().div_ceil(self.sample_every)
     }
 }
 
@@ -125,9 +122,6 @@ impl Scene {
 
     /// The same scene with another step, sampled at about the same times.
     pub fn with_step(self, step: f64) -> Result<Scene, Fault> {
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(Fault::NotPositive { what: "the step", value: step });
-        }
         let old = self.timing;
         let every = (old.sample_every as f64 * (old.step / step)).round().max(1.0) as u64;
         let scene = Scene { timing: Timing::new(step, old.horizon, every)?, ..self };
@@ -137,9 +131,6 @@ impl Scene {
 
     /// The same scene to another horizon, a whole number of its steps.
     pub fn with_horizon(self, horizon: f64) -> Result<Scene, Fault> {
-        if !(horizon > 0.0 && horizon.is_finite()) {
-            return Err(Fault::NotPositive { what: "the horizon", value: horizon });
-        }
         let timing = Timing::new(self.timing.step, horizon, self.timing.sample_every)?;
         let scene = Scene { timing, ..self };
         scene.check_samples()?;
@@ -220,6 +211,6 @@ impl Scene {
             return Ok(());
         }
         let rows = (limits::SAMPLED_NUMBERS / per_sample).saturating_sub(1).max(1);
-        Err(Fault::TooManySamples { numbers, enough: self.timing.steps.div_ceil(rows) })
+        Err(Fault::TooManySamples { numbers, enough: self.timing.steps().div_ceil(rows) })
     }
 }

@@ -3,9 +3,8 @@
 use super::axis::{Along, Axis, Ruler, Ticks};
 use super::canvas::{Anchor, Canvas, polyline};
 use super::label::{LINE, Label, TEXT, text_width, wrapped};
-use super::map::hatch;
 use super::place::Rect;
-use super::portrait::arrow;
+use super::stroke::{arrow, hatch};
 use super::style::Style;
 
 /// For which width a chart is drawn.
@@ -108,7 +107,7 @@ impl Frame {
             canvas.text("muted", at, Anchor::End, &Label::plain(FAILED));
         }
         let (x_ticks, y_ticks) = (x.ticks(Along::Horizontal), y.ticks(Along::Vertical));
-        draw_grid(canvas, &data, &x_ticks, &y_ticks);
+        draw_grid(canvas, &data, &x_ticks, &y_ticks, width);
         let mut below = plot.bottom + 22.0;
         for line in plan.axes.0.heading(x_ticks.left_out, width - 8.0) {
             below += LINE;
@@ -134,12 +133,14 @@ fn draw_head(canvas: &mut Canvas, title: &str, heading: &[Label], width: f64) ->
     baseline + 12.0
 }
 
-fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks) {
+fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64) {
     for tick in &x.ticks {
         if let Some(label) = &tick.label {
             canvas.line("grid", (tick.pixel, plot.top), (tick.pixel, plot.bottom));
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 6.0));
-            canvas.text("tl", (tick.pixel, plot.bottom + 20.0), Anchor::Middle, label);
+            // A wide label at the end of the axis would leave the chart.
+            let middle = tick.pixel.min(width - 0.5 * label.width() - 2.0);
+            canvas.text("tl", (middle, plot.bottom + 20.0), Anchor::Middle, label);
         } else {
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 3.0));
         }

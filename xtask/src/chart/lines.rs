@@ -98,7 +98,7 @@ impl Lines {
     }
 
     /// The points on the Pareto front, by increasing x, each with the name of its series.
-    pub fn front_points(&self) -> Vec<(&str, (f64, f64))> {
+    pub(super) fn front_points(&self) -> Vec<(&str, (f64, f64))> {
         let named: Vec<(&str, (f64, f64))> = self
             .series
             .iter()
@@ -106,13 +106,6 @@ impl Lines {
             .collect();
         let points: Vec<(f64, f64)> = named.iter().map(|(_, point)| *point).collect();
         pareto(&points).into_iter().map(|i| named[i]).collect()
-    }
-
-    /// The series that reaches `y <= largest` at the smallest x: the cheapest method within a
-    /// tolerance. Only measured points count, nothing is interpolated.
-    pub fn cheapest_within(&self, largest: f64) -> Option<&str> {
-        let front = self.front_points();
-        front.into_iter().find(|(_, (_, y))| *y <= largest).map(|(name, _)| name)
     }
 
     pub(super) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {

@@ -1,7 +1,5 @@
 //! Outcomes in a plane of two parameters, with predicted borders drawn over them.
 
-use std::fmt::Write;
-
 use super::Drawing;
 use super::axis::{Axis, Ruler, Scale, measure};
 use super::canvas::{Canvas, number, polyline};
@@ -9,6 +7,7 @@ use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend
 use super::lines::draw_along;
 use super::place::Crowd;
 use super::series::tip;
+use super::stroke::hatch;
 
 /// Outcomes in a plane of two parameters.
 #[derive(Clone, Debug)]
@@ -141,31 +140,6 @@ fn class(place: usize) -> String {
 fn cell_path((left, top): (f64, f64), (right, bottom): (f64, f64)) -> String {
     let (w, h) = (number(right - left + 0.3), number(bottom - top + 0.3));
     format!("M{} {}h{w}v{h}h-{w}z", number(left), number(top))
-}
-
-/// Strokes that tell an outcome apart without its colour: none, one diagonal, a dot, the other
-/// diagonal, a cross.
-pub(super) fn hatch(place: usize, (left, top): (f64, f64), (right, bottom): (f64, f64)) -> String {
-    let (inset_x, inset_y) = (0.25 * (right - left), 0.25 * (bottom - top));
-    let (left, right) = (left + inset_x, right - inset_x);
-    let (top, bottom) = (top + inset_y, bottom - inset_y);
-    let rising = polyline(&[(left, bottom), (right, top)]);
-    let falling = polyline(&[(left, top), (right, bottom)]);
-    match place {
-        0 => String::new(),
-        _ => match (place - 1) % 4 {
-            0 => rising,
-            1 => {
-                let mut dot = String::new();
-                let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
-                // Writing to a String cannot fail.
-                let _ = write!(dot, "M{} {}h1", number(x - 0.5), number(y));
-                dot
-            }
-            2 => falling,
-            _ => rising + &falling,
-        },
-    }
 }
 
 /// Borders between neighbouring values of an axis, halfway as the axis measures.

@@ -2,11 +2,12 @@
 
 use super::Drawing;
 use super::axis::{Axis, Ruler, Scale};
-use super::canvas::{Anchor, Canvas, polyline};
+use super::canvas::{Anchor, Canvas};
 use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
 use super::label::{Label, TEXT, text_width};
 use super::place::{Crowd, Rect};
 use super::series::{Series, Trace, tip};
+use super::stroke::arrow;
 use super::style::Styles;
 
 /// A vector field with curves and steps, on axes of equal scale. Both axes are linear.
@@ -198,17 +199,4 @@ fn draw_name(canvas: &mut Canvas, name: &Name, spot: Rect) {
     canvas.group(&name.class, |canvas| {
         canvas.text("name over", at, Anchor::Start, &Label::plain(name.text.clone()));
     });
-}
-
-/// Path data of an arrow whose head grows with it, up to a size.
-pub(super) fn arrow(from: (f64, f64), to: (f64, f64)) -> String {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx.hypot(dy);
-    if length.is_nan() || length == 0.0 {
-        return String::new();
-    }
-    let head = (0.32 * length).clamp(3.0, 9.0);
-    let (ux, uy) = (head * dx / length, head * dy / length);
-    let barb = |side: f64| (to.0 - ux - side * 0.55 * uy, to.1 - uy + side * 0.55 * ux);
-    polyline(&[from, to]) + &polyline(&[barb(1.0), to, barb(-1.0)])
 }

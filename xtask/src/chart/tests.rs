@@ -114,9 +114,6 @@ fn the_front_names_the_methods_that_no_method_beats() {
         .with(Series::new("a", [(1.0, 1.0), (4.0, 0.5)]))
         .with(Series::new("b", [(2.0, 0.1), (5.0, f64::NAN)]));
     assert_eq!(lines.front_points(), [("a", (1.0, 1.0)), ("b", (2.0, 0.1))]);
-    assert_eq!(lines.cheapest_within(1.0), Some("a"));
-    assert_eq!(lines.cheapest_within(0.5), Some("b"));
-    assert_eq!(lines.cheapest_within(0.01), None);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A thousand orbits: what each method does to energy, momentum and the planet's place.
+//! A million steps: what each method does to energy, momentum and the planet's place.
 
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_integrators::problems::kepler;
@@ -15,7 +15,7 @@ pub const KEPLER: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
-    title: "A thousand orbits with every method",
+    title: "A million steps with every method",
     run: &study,
 };
 
@@ -43,8 +43,8 @@ struct Course {
 
 fn study(size: Size) -> Result<Study, StudyError> {
     let orbits = match size {
-        Size::Default => 1_000,
-        Size::Full => 10_000,
+        Size::Default => 2_000,
+        Size::Full => 20_000,
     };
     let mut courses = Vec::new();
     for method in Method::TABLE_4_1 {

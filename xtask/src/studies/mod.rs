@@ -1,13 +1,26 @@
 //! The studies of the report, in the order of the page.
 
+mod constraints;
 mod convergence;
 mod derivative;
+mod gimbal_lock;
+mod hamilton;
+mod high_order;
 mod long_run;
+mod modal;
+mod multiscale;
+mod newmark_damping;
 mod newton;
+mod orbits;
+mod oscillating;
 mod phase_portrait;
 mod reference;
+mod rigid;
 pub mod scene;
 mod stability;
+mod stability_regions;
+mod stiff;
+mod step_control;
 mod table_4_1;
 mod work_precision;
 
@@ -23,10 +36,37 @@ pub const STUDIES: &[Entry<'static>] = &[
     convergence::PENDULUM,
     work_precision::KEPLER,
     work_precision::OUTER_SOLAR_SYSTEM,
+    high_order::KEPLER_ORDERS,
+    high_order::PENDULUM_ORDERS,
+    high_order::HENON_HEILES_ORDERS,
+    high_order::KEPLER_WORK,
+    high_order::PLANETS_WORK,
+    orbits::WORK_PRECISION,
     long_run::KEPLER,
     table_4_1::TABLE,
+    oscillating::FERMI_PASTA_ULAM,
+    oscillating::SPRING_CHAIN,
     stability::OSCILLATOR,
     stability::SPRING_PENDULUM,
+    modal::MODES_NEEDED,
+    modal::LARGE_MOTION,
+    stability_regions::REGIONS,
+    stiff::WORK_PRECISION,
+    step_control::STUDY,
+    multiscale::STUDY,
+    newmark_damping::STUDY,
+    hamilton::BOUNDARY_VALUE,
+    hamilton::IMPULSE_LIMIT,
+    constraints::PENDULUM_WAYS,
+    constraints::PENDULUM_ENERGY,
+    constraints::PENALTY_STABILITY,
+    constraints::ACCELERATION_DRIFT,
+    constraints::FOUR_BAR,
+    constraints::CHAIN_COST,
+    constraints::WHERE_THEY_FAIL,
+    rigid::LONG_RUN,
+    rigid::WORK_PRECISION,
+    gimbal_lock::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -5,14 +5,14 @@
 //! ```
 //! Runs at h, h/2, h/4 and h/8 cancel the first three of them (Richardson; notes 4.5 for the order).
 //! The reference's own error is the larger of two differences: from the second best extrapolation,
-//! and from a run of another method.
+//! and from a run of another method, of order 8.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use stationary_calculus::{Metric, Potential};
+use stationary_calculus::{Metric, Potential, Storage};
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{Horizon, Method, simulate};
+use stationary_integrators::{Horizon, Method, Scheme, simulate};
 
 use crate::study::StudyError;
 
@@ -28,14 +28,15 @@ pub struct Samples {
 /// Halvings of the coarsest step.
 const HALVINGS: u32 = 3;
 
-/// The method that the reference is compared with, at the finest step.
-const OTHER: Method = Method::RungeKutta4;
+/// The method that the reference is compared with, at twice the coarsest step: its order is such that
+/// finer steps would only add rounding.
+const OTHER: Method = Method::Composition(Scheme::KahanLi8);
 
 /// The problem with its true configuration known at samples.
-pub fn with_reference<M: Metric, P: Potential>(
-    mut problem: Problem<M, P, Vec<f64>>,
+pub fn with_reference<M: Metric, P: Potential, C: Storage + Send + Sync + 'static>(
+    mut problem: Problem<M, P, C>,
     at: Samples,
-) -> Result<Problem<M, P, Vec<f64>>, StudyError> {
+) -> Result<Problem<M, P, C>, StudyError> {
     let mut columns = Vec::new();
     for halving in 0..=HALVINGS {
         columns.push(samples(&problem, Method::StormerVerlet, at.count, at.coarsest << halving)?);
@@ -50,7 +51,7 @@ pub fn with_reference<M: Metric, P: Potential>(
             .collect();
     }
     let best = columns.swap_remove(0);
-    let other = samples(&problem, OTHER, at.count, at.coarsest << HALVINGS)?;
+    let other = samples(&problem, OTHER, at.count, at.coarsest.div_ceil(2))?;
     let off = largest_distance(&best, &previous).max(largest_distance(&best, &other));
     problem.solution_error = off / problem.scale;
     let every = problem.horizon / at.count as f64;
@@ -64,12 +65,12 @@ pub fn with_reference<M: Metric, P: Potential>(
 }
 
 /// The configurations at the samples, with this many steps between two of them.
-fn samples<M: Metric, P: Potential>(
-    problem: &Problem<M, P, Vec<f64>>,
+fn samples<M: Metric, P: Potential, C: Storage>(
+    problem: &Problem<M, P, C>,
     method: Method,
     count: u64,
     between: u64,
-) -> Result<Vec<Vec<f64>>, StudyError> {
+) -> Result<Vec<C>, StudyError> {
     let stage = "the reference";
     let horizon =
         Horizon::divided(problem.horizon, count * between).map_err(StudyError::at(stage))?;
@@ -87,16 +88,19 @@ fn samples<M: Metric, P: Potential>(
 }
 
 /// `fine + weight (fine - coarse)` at every sample.
-fn extrapolate(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {
-    let sample = |(coarse, fine): (&Vec<f64>, &Vec<f64>)| {
-        coarse.iter().zip(fine).map(|(coarse, fine)| fine + weight * (fine - coarse)).collect()
+fn extrapolate<C: Storage>(coarse: &[C], fine: &[C], weight: f64) -> Vec<C> {
+    let sample = |(coarse, fine): (&C, &C)| {
+        let mut best = fine.clone();
+        let pairs = best.as_mut().iter_mut().zip(coarse.as_ref());
+        pairs.for_each(|(fine, coarse)| *fine += weight * (*fine - coarse));
+        best
     };
     coarse.iter().zip(fine).map(sample).collect()
 }
 
-fn largest_distance(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    let square = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+fn largest_distance<C: Storage>(a: &[C], b: &[C]) -> f64 {
+    let square = |(a, b): (&C, &C)| -> f64 {
+        a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - b) * (a - b)).sum()
     };
     a.iter().zip(b).map(square).fold(0.0, f64::max).sqrt()
 }

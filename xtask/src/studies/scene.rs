@@ -134,7 +134,7 @@ fn advice(scene: &Scene, runs: &[Run], uncertainty: f64) -> String {
     format!(
         "The largest error of a configuration over the scene's {} {}, relative to the scene's size, \
          against its cost. The answer that errors are taken against is a Störmer-Verlet run \
-         extrapolated to a step of zero; a finer run of another method differs from it by \
+         extrapolated to a step of zero; a run of another method, of order 8, differs from it by \
          {uncertainty:.1e}, and charted errors below that mean nothing. {said}",
         scene.timing().horizon(),
         scene.units().time,

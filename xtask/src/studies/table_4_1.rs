@@ -35,6 +35,7 @@ fn notes(method: Method) -> [&'static str; 5] {
         | Method::SymplecticEulerKickDrift
         | Method::StormerVerlet => ["1 or 2", "linear", "conditional", "good", "yes"],
         Method::RungeKutta4 => ["4", "exponential", "unstable", "explodes", "yes"],
+        _ => ["not in it"; 5],
     }
 }
 

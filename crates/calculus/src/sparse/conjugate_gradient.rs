@@ -17,8 +17,8 @@ use faer::matrix_free::conjugate_gradient::{
 use faer::matrix_free::{InitialGuessStatus, LinOp, Precond};
 use faer::{MatMut, MatRef, Par};
 
+use crate::equation::length;
 use crate::hessian_solver::Diagonal;
-use crate::newton::length;
 use crate::sparse::SparseError;
 use crate::sparse::scratch::Scratch;
 use crate::{Metric, Potential, ProductSink, SizeError};

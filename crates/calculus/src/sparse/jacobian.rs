@@ -10,7 +10,7 @@
 
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 
-use crate::newton::length;
+use crate::equation::length;
 use crate::sparse::SparseError;
 use crate::sparse::error::TRUSTED;
 use crate::sparse::lu::SparseLu;

@@ -20,6 +20,17 @@ impl Scratch {
         Ok(Scratch { buffer, size })
     }
 
+    /// Makes room for this size too.
+    pub(crate) fn grow(&mut self, size: StackReq) -> Result<(), SparseError> {
+        let needed = size.unaligned_bytes_required();
+        if needed > self.size.unaligned_bytes_required() {
+            self.buffer =
+                MemBuffer::try_new(size).map_err(|_| SparseError::OutOfMemory { size: needed })?;
+            self.size = size;
+        }
+        Ok(())
+    }
+
     #[inline]
     pub(crate) fn stack(&mut self) -> &mut MemStack {
         MemStack::new(&mut self.buffer)

@@ -1,0 +1,39 @@
+//! How Newton's method fails: why, and with the residuals on the way there.
+
+use std::fmt;
+
+use crate::Unsolvable;
+
+/// Why a solve failed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NewtonFailure {
+    /// The bound on the iterations was reached.
+    NotConverged,
+    /// No step length lets the energy or the residual fall.
+    Stalled,
+    /// The linearized equation was not solved.
+    Unsolvable(Unsolvable),
+    /// The residual at the initial guess, or a Newton step, is not finite at this unknown.
+    NonFinite(usize),
+}
+
+impl fmt::Display for NewtonFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NewtonFailure::NotConverged => f.write_str("reached its bound on the iterations"),
+            NewtonFailure::Stalled => f.write_str("found no step that makes progress"),
+            NewtonFailure::Unsolvable(why) => write!(f, "stopped: {why}"),
+            NewtonFailure::NonFinite(i) => write!(f, "met a non-finite number at unknown {i}"),
+        }
+    }
+}
+
+/// A failed solve, with the size of the residual at each iterate.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("Newton's method {failure}; residuals {history:?}")]
+pub struct NewtonError {
+    /// What failed.
+    pub failure: NewtonFailure,
+    /// The residual's size at the initial guess and after each step.
+    pub history: Vec<f64>,
+}

@@ -1,0 +1,189 @@
+use super::*;
+use nalgebra::DMatrix;
+
+type Blocks = Vec<(Vec<usize>, Vec<f64>)>;
+
+/// Where the unknowns of a chain are numbered.
+#[derive(Clone, Copy, Debug)]
+enum Numbering {
+    LinkByLink,
+    MultipliersLast,
+    MultipliersFirst,
+}
+
+/// The saddle system of a planar chain of n links: unit masses, and for each link a row of
+/// the constraint's differential, `2 (x_i - x_(i-1))`, with zeros on its diagonal.
+fn chain(n: usize, numbering: Numbering) -> Blocks {
+    let number = |link: usize, c: usize| match numbering {
+        Numbering::LinkByLink => 3 * link + c,
+        Numbering::MultipliersLast if c == 2 => 2 * n + link,
+        Numbering::MultipliersLast => 2 * link + c,
+        Numbering::MultipliersFirst if c == 2 => link,
+        Numbering::MultipliersFirst => n + 2 * link + c,
+    };
+    let mut blocks = Vec::new();
+    for link in 0..n {
+        let angle = 0.3 * link as f64;
+        let d = [2.0 * angle.cos(), 2.0 * angle.sin()];
+        let lambda = number(link, 2);
+        for (c, &d) in d.iter().enumerate() {
+            blocks.push((vec![number(link, c)], vec![1.0]));
+            blocks.push((vec![number(link, c), lambda], vec![0.0, d, d, 0.0]));
+            if link > 0 {
+                let before = number(link - 1, c);
+                blocks.push((vec![before, lambda], vec![0.0, -d, -d, 0.0]));
+            }
+        }
+    }
+    blocks
+}
+
+fn assembled(n: usize, blocks: &Blocks) -> (SymmetricMatrix, SparseIndefinite) {
+    let matrix = SymmetricMatrix::from_blocks(n, blocks).unwrap();
+    let solver = SparseIndefinite::analyse(&matrix).unwrap();
+    (matrix, solver)
+}
+
+fn relative_residual(matrix: &SymmetricMatrix, x: &[f64], b: &[f64]) -> f64 {
+    let mut residual = b.to_vec();
+    matrix.add_product(-1.0, x, &mut residual).unwrap();
+    let largest = |x: &[f64]| largest_or_nan(x.iter().map(|x| x.abs()));
+    largest(&residual) / largest(b)
+}
+
+#[test]
+fn chains_are_solved_however_they_are_numbered() {
+    for links in [1, 2, 30, 1000] {
+        for numbering in
+            [Numbering::LinkByLink, Numbering::MultipliersLast, Numbering::MultipliersFirst]
+        {
+            let n = 3 * links;
+            let (matrix, mut solver) = assembled(n, &chain(links, numbering));
+            let pivoting = solver.factor(&matrix).unwrap();
+            let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            let mut x = b.clone();
+            let refined = solver.solve(&matrix, &mut x).unwrap();
+            assert_eq!(pivoting, Pivoting::Symmetric, "{links} {numbering:?}");
+            assert!(relative_residual(&matrix, &x, &b) < 1e-13);
+            assert!(refined.relative_residual < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn the_solution_agrees_with_a_dense_one() {
+    let (n, blocks) = (30, chain(10, Numbering::LinkByLink));
+    let (matrix, mut solver) = assembled(n, &blocks);
+    solver.factor(&matrix).unwrap();
+    let mut dense = DMatrix::<f64>::zeros(n, n);
+    for (freedoms, entries) in &blocks {
+        for (k, entry) in entries.iter().enumerate() {
+            let (i, j) = (freedoms[k % freedoms.len()], freedoms[k / freedoms.len()]);
+            dense[(i, j)] += entry;
+        }
+    }
+    let inverse = dense.try_inverse().unwrap();
+    for j in 0..n {
+        let mut x = vec![0.0; n];
+        x[j] = 1.0;
+        solver.solve(&matrix, &mut x).unwrap();
+        for (x, exact) in x.iter().zip(inverse.column(j).iter()) {
+            assert!((x - exact).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_zero_diagonal_is_no_obstacle() {
+    for n in [2, 200] {
+        // Pairs that only know each other: [0 k; k 0].
+        let blocks: Blocks = (0..n / 2)
+            .map(|i| (vec![i, n - 1 - i], vec![0.0, 1.0 + i as f64, 1.0 + i as f64, 0.0]))
+            .collect();
+        let (matrix, mut solver) = assembled(n, &blocks);
+        solver.factor(&matrix).unwrap();
+        let mut x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
+        solver.solve(&matrix, &mut x).unwrap();
+        for (i, x) in x.iter().take(n / 2).enumerate() {
+            assert!((x * (1.0 + i as f64) - (n - i) as f64).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn where_exchanges_inside_of_panels_break_down_any_rows_are_exchanged() {
+    // Random matrices with nothing on the diagonal.
+    let mut state = 1_u64;
+    let mut random = |bound: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as usize % bound
+    };
+    let mut rows = 0;
+    for _ in 0..100 {
+        let n = 10 + random(50);
+        let mut blocks = Blocks::new();
+        for i in 0..2 * n {
+            let (i, j) = (i % n, (i + 1 + random(n - 1)) % n);
+            if i != j {
+                let entry = random(1000) as f64 / 500.0 - 1.0;
+                blocks.push((vec![i, j], vec![0.0, entry, entry, 0.0]));
+            }
+        }
+        let (matrix, mut solver) = assembled(n, &blocks);
+        match solver.factor(&matrix) {
+            Ok(Pivoting::Symmetric) => {}
+            Ok(Pivoting::Rows) => rows += 1,
+            Err(error) => {
+                assert_eq!(error, SparseError::Singular);
+                continue;
+            }
+        }
+        let mut x = vec![1.0; n];
+        match solver.solve(&matrix, &mut x) {
+            Ok(_) => assert!(relative_residual(&matrix, &x, &vec![1.0; n]) <= TRUSTED),
+            Err(SparseError::Untrusted { relative_residual }) => {
+                assert!(relative_residual > TRUSTED);
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+    assert!(rows > 50, "{rows}");
+}
+
+#[test]
+fn singular_systems_are_refused() {
+    // A constraint listed twice, a chain of springs that nothing holds, an unknown without a row.
+    let mut twice = chain(5, Numbering::LinkByLink);
+    for (freedoms, entries) in twice.clone() {
+        if freedoms.len() == 2 && freedoms[1] == 8 {
+            twice.push((vec![freedoms[0], 15], entries));
+        }
+    }
+    let free: Blocks = (0..15).map(|i| (vec![i, i + 1], vec![0.1, -0.1, -0.1, 0.1])).collect();
+    let empty: Blocks = (0..15).map(|i| (vec![i], vec![1.0])).collect();
+    for blocks in [twice, free, empty] {
+        let (matrix, mut solver) = assembled(16, &blocks);
+        assert_eq!(solver.factor(&matrix), Err(SparseError::Singular));
+    }
+}
+
+#[test]
+fn what_is_not_solved_is_refused_and_left_as_it_was() {
+    let (matrix, mut solver) = assembled(15, &chain(5, Numbering::LinkByLink));
+    let mut b = [1.0; 15];
+    let error = solver.solve(&matrix, &mut b).unwrap_err();
+    assert_eq!(error, SparseError::NotFactored);
+    assert_eq!(b, [1.0; 15]);
+}
+
+#[test]
+fn numbers_that_are_not_finite_never_pass() {
+    let mut blocks = chain(5, Numbering::LinkByLink);
+    blocks[4].1[0] = f64::NAN;
+    let (matrix, mut solver) = assembled(15, &blocks);
+    assert_eq!(solver.factor(&matrix), Err(SparseError::NonFinite));
+    let (matrix, mut solver) = assembled(15, &chain(5, Numbering::LinkByLink));
+    solver.factor(&matrix).unwrap();
+    let error = solver.solve(&matrix, &mut [f64::NAN; 15]).unwrap_err();
+    assert!(matches!(error, SparseError::Untrusted { .. }));
+}

@@ -1,0 +1,63 @@
+//! Rods that break: a step, and after it the rod that was pulled or pushed too hard is gone.
+//!
+//! ```text
+//! |T| = |2 L lambda| > strength     at the step's mean force: the rod is removed
+//! ```
+//! `T` the tension in newtons. At most one rod breaks in a step, the one that exceeds its strength
+//! by the largest ratio; what the others then carry shows in the next step. Configuration and
+//! momentum stay as the step left them. Breaking takes memory, a step without it none. Source:
+//! notes 6.5 ("fracture the rod if lambda exceeds some threshold").
+
+use stationary_calculus::{Metric, Potential, Space, Storage};
+use stationary_integrators::State;
+
+use crate::{
+    ConstrainedIntegrator, ConstrainedReport, ConstraintError, Multipliers, Rattle, Rod, Rods,
+    Solver,
+};
+
+/// A rod that broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Broken {
+    /// Its place among the rods before it broke; those after it have moved up.
+    pub index: usize,
+    /// The rod.
+    pub rod: Rod,
+    /// The tension that broke it, newtons; negative for a thrust.
+    pub tension: f64,
+    /// The end of the step in which it broke, seconds.
+    pub time: f64,
+}
+
+impl<M, P, S, C, X, const D: usize> Rattle<'_, M, P, S, Rods<D>, C, X>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    C: Storage,
+    X: Multipliers,
+{
+    /// A step, after which a rod that carried more than its strength is removed.
+    ///
+    /// # Errors
+    /// Those of a step; the state is then as it was.
+    pub fn step_and_break(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+        choice: impl Solver<C, Multipliers = X>,
+    ) -> Result<(ConstrainedReport, Option<Broken>), ConstraintError> {
+        let report = self.step(state, h)?;
+        let load = |(index, rod): (usize, &Rod)| {
+            let tension = rod.tension(self.multipliers()[index]);
+            (index, tension, tension.abs() / rod.strength())
+        };
+        let loads = self.constraint().rods().iter().enumerate().map(load);
+        let heaviest = loads.filter(|load| load.2 > 1.0).max_by(|a, b| a.2.total_cmp(&b.2));
+        let Some((index, tension, _)) = heaviest else { return Ok((report, None)) };
+        let mut rods = self.constraint().clone();
+        let rod = rods.remove(index);
+        self.set_constraint(rods, state, choice)?;
+        Ok((report, Some(Broken { index, rod, tension, time: state.t })))
+    }
+}

@@ -1,0 +1,123 @@
+//! How far a state is from what its constraint asks, in lengths that can be judged.
+//!
+//! ```text
+//! |g_i| / slope_i  <=  1e-12 length_i + 8 eps |q|         feasible: rounding explains the rest
+//! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12         a velocity that stays
+//! ```
+//! `slope` and `length` the [`Scale`](crate::Scale) of each equation, `|q|`, `|v|` the largest
+//! component. For a rod in square form the first number is `||d| - L|`, metres, up to its square.
+
+use stationary_calculus::first_non_finite;
+
+use crate::{Constraint, ConstraintError};
+
+/// What is allowed of a violation, relative to the length of the thing constrained.
+pub(crate) const RELATIVE: f64 = 1e-12;
+/// Roundings of the configuration that a violation may consist of.
+const ROUNDINGS: f64 = 8.0;
+/// What is allowed of a rate, relative to the largest velocity, and absolutely (m/s).
+const RATE: (f64, f64) = (1e-9, 1e-12);
+
+/// The scales of all equations, once divided.
+#[derive(Clone, Debug)]
+pub(crate) struct Scales {
+    inverse_slope: Vec<f64>,
+    length: Vec<f64>,
+}
+
+/// The worst of all equations.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Worst {
+    pub(crate) row: usize,
+    /// `|g| / slope`, a length.
+    pub(crate) distance: f64,
+    /// The same beyond what is allowed relative to the length.
+    pub(crate) excess: f64,
+}
+
+pub(crate) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |largest, x| if x.abs() > largest { x.abs() } else { largest })
+}
+
+/// What rounding of a configuration makes of a distance.
+pub(crate) fn rounding(q: &[f64]) -> f64 {
+    ROUNDINGS * f64::EPSILON * largest(q)
+}
+
+impl Scales {
+    pub(crate) fn new(constraint: &impl Constraint) -> Result<Self, ConstraintError> {
+        let scales: Vec<_> = (0..constraint.count()).map(|row| constraint.scale(row)).collect();
+        for scale in &scales {
+            for (what, value) in [("slope", scale.slope), ("length", scale.length)] {
+                if !(value > 0.0 && value.is_finite() && value.recip().is_finite()) {
+                    let range = "positive and finite";
+                    return Err(ConstraintError::Parameter { what, value, range });
+                }
+            }
+        }
+        Ok(Scales {
+            inverse_slope: scales.iter().map(|scale| scale.slope.recip()).collect(),
+            length: scales.iter().map(|scale| scale.length).collect(),
+        })
+    }
+
+    /// The largest of `|g| / slope`, a length; not finite if a value is not.
+    #[inline]
+    pub(crate) fn distance(&self, g: &[f64]) -> f64 {
+        let distances = g.iter().zip(&self.inverse_slope).map(|(g, slope)| g.abs() * slope);
+        // What is not a number stays in the sum and is lost in a maximum.
+        let (sum, largest) = distances
+            .fold((0.0, 0.0), |(sum, largest), d| (sum + d, if d > largest { d } else { largest }));
+        if f64::is_finite(sum) { largest } else { f64::NAN }
+    }
+
+    /// The worst of the values g.
+    pub(crate) fn worst(&self, g: &[f64]) -> Result<Worst, ConstraintError> {
+        let distance = self.distance(g);
+        if !distance.is_finite() {
+            let index = first_non_finite(g).unwrap_or(0);
+            return Err(ConstraintError::NonFinite { what: "constraint", index });
+        }
+        let scales = self.inverse_slope.iter().zip(&self.length);
+        let excess =
+            |(g, (slope, length)): (&f64, (&f64, &f64))| g.abs() * slope - RELATIVE * length;
+        let worst = g.iter().zip(scales).map(excess).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let (row, excess) = worst.unwrap_or((0, f64::NEG_INFINITY));
+        Ok(Worst { row, distance, excess })
+    }
+
+    /// The violation of an equation relative to its length, and what is allowed of it.
+    pub(crate) fn relative(&self, row: usize, g: &[f64], q: &[f64]) -> (f64, f64) {
+        let length = self.length.get(row).copied().unwrap_or(1.0);
+        let distance = g.get(row).map_or(0.0, |g| g.abs() * self.inverse_slope[row]);
+        (distance / length, RELATIVE + rounding(q) / length)
+    }
+
+    /// The largest violation relative to its equation's length.
+    pub(crate) fn largest_relative(&self, g: &[f64]) -> f64 {
+        let scales = self.inverse_slope.iter().zip(&self.length);
+        g.iter().zip(scales).map(|(g, (s, l))| g.abs() * s / l).fold(0.0, f64::max)
+    }
+
+    /// An error unless the values g belong to a feasible configuration.
+    pub(crate) fn check(&self, g: &[f64], q: &[f64]) -> Result<(), ConstraintError> {
+        let worst = self.worst(g)?;
+        if worst.excess <= rounding(q) {
+            return Ok(());
+        }
+        let (violation, allowed) = self.relative(worst.row, g, q);
+        Err(ConstraintError::Infeasible { row: worst.row, violation, allowed })
+    }
+
+    /// An error unless the rates `J v + dg/dt` belong to a velocity that stays.
+    pub(crate) fn check_rates(&self, rates: &[f64], v: &[f64]) -> Result<(), ConstraintError> {
+        let worst = self.worst(rates)?;
+        let allowed = RATE.0 * largest(v) + RATE.1;
+        if worst.distance <= allowed {
+            return Ok(());
+        }
+        let rate = |row: usize| rates[row].abs() * self.inverse_slope[row];
+        let row = (0..rates.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0);
+        Err(ConstraintError::InfeasibleVelocity { row, rate: rate(row), allowed })
+    }
+}

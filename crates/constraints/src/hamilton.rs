@@ -1,0 +1,109 @@
+//! The constrained discrete Hamilton principle: every configuration of the path stays, from the
+//! first.
+//!
+//! ```text
+//! S = sum_i h (L(q_i, q_i+1) - <lambda_i, g(q_i)>)                 stationary             (6.3)
+//! p' = p - h dV(q) - h J(q)^T lambda,     lambda such that g(t + h, q') = 0
+//! q' = q exp(h M^-1 p')
+//! ```
+//! `q` configuration, `p` the momentum of the last interval (n), `lambda` the multipliers of the
+//! force at the start of the step (m): `F = -J^T lambda`. The notes' loop leaves the first position
+//! `q_0 + h v_0` unconstrained; here it has its own multiplier like every other.
+//!
+//! Order 1, symplectic, explicit but for lambda. Configurations are feasible to rounding,
+//! velocities only to O(h): p belongs to the chord from one configuration to the next. Keeps linear
+//! and angular momentum to rounding where potential and constraint do. From a tangent velocity the
+//! first multiplier carries half of the centripetal force only: the chord starts half a step late.
+//! Source: notes 6.5; errata 6.5 (the first step; lambda inside h L is a force).
+
+use stationary_calculus::{Metric, Potential, Space, Storage, System};
+use stationary_integrators::{
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, State,
+    Symplecticity,
+};
+
+use crate::keeper::{Keeper, check_step};
+use crate::{
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, Multipliers, Solver,
+};
+
+/// What is known of the method.
+const FACTS: Facts = Facts {
+    name: "constrained-hamilton",
+    order: 1,
+    stages: 1,
+    evaluation: Evaluation::Implicit,
+    symmetric: false,
+    symplecticity: Symplecticity::Symplectic,
+    energy: EnergyBehavior::Bounded,
+    linear_momentum: Conservation::Exact,
+    angular_momentum: Conservation::Exact,
+    stability: Stability::Below(2.0),
+    damping: Damping::Conditional,
+    error_growth: ErrorGrowth::Linear,
+};
+
+/// The integrator of the notes' section 6.5 with multipliers solved for by X.
+#[derive(Clone, Debug)]
+pub struct ConstrainedHamilton<'s, M, P, S, K, C, X: Multipliers> {
+    keeper: Keeper<'s, M, P, S, K, C, X>,
+    lambda: X::Numbers,
+}
+
+impl<'s, M, P, S, K, C, X> ConstrainedHamilton<'s, M, P, S, K, C, X>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    K: Constraint,
+    C: Storage,
+    X: Multipliers,
+{
+    /// The method on a system under a constraint, from a feasible state.
+    ///
+    /// # Errors
+    /// Sizes that differ, a state that is not feasible, a constraint without full rank there.
+    pub fn new(
+        system: &'s System<M, P, S>,
+        constraint: K,
+        state: &State<C>,
+        choice: impl Solver<C, Multipliers = X>,
+    ) -> Result<Self, ConstraintError> {
+        let keeper = Keeper::new(system, constraint, state, &choice)?;
+        let lambda = X::Numbers::clone(&keeper.impulse);
+        Ok(ConstrainedHamilton { keeper, lambda })
+    }
+}
+
+impl<M, P, S, K, C, X> ConstrainedIntegrator<C> for ConstrainedHamilton<'_, M, P, S, K, C, X>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    K: Constraint,
+    C: Storage,
+    X: Multipliers,
+{
+    fn facts(&self) -> Facts {
+        FACTS
+    }
+
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
+        check_step(h)?;
+        let keeper = &mut self.keeper;
+        keeper.begin(state)?;
+        keeper.kick_here(h);
+        let (iterations, violation) = keeper.hold_configuration(h)?;
+        let work = keeper.work_here();
+        keeper.arrive(h)?;
+        keeper.finish(state, h)?;
+        for (lambda, a) in self.lambda.as_mut().iter_mut().zip(keeper.impulse.as_ref()) {
+            *lambda = a / h;
+        }
+        Ok(ConstrainedReport { differentials: keeper.differentials, iterations, violation, work })
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.lambda.as_ref()
+    }
+}

@@ -1,0 +1,39 @@
+//! What a step under a constraint is, and what it reports.
+//!
+//! ```text
+//! (t, q, p) -> (t + h, q', p')    with g(t + h, q') = 0 again
+//! F = -J^T lambda                 the force of the constraint, meant over the step
+//! ```
+//! `q` a configuration, `p` its momentum (a covector), `lambda` the multipliers. After every step
+//! the violation is at most `1e-12 + 8 eps |q|/L` of each length L, or the step is an error and the
+//! state as it was.
+
+use stationary_integrators::{Facts, State};
+
+use crate::ConstraintError;
+
+/// A map from phase space to itself that stays on the feasible set.
+pub trait ConstrainedIntegrator<C> {
+    /// What is known of the method; momenta are kept as stated where the constraint, too, is
+    /// invariant.
+    fn facts(&self) -> Facts;
+
+    /// Moves `state` forward by `h` seconds. On an error the state is as it was.
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError>;
+
+    /// The multipliers of the last step: those of its mean force, zero before the first.
+    fn multipliers(&self) -> &[f64];
+}
+
+/// What a step cost, and how it went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConstrainedReport {
+    /// Differentials of the potential evaluated.
+    pub differentials: u32,
+    /// Iterations towards the feasible configuration, each one solve and one value of g.
+    pub iterations: u32,
+    /// The largest violation of the new configuration, relative to its equation's length.
+    pub violation: f64,
+    /// The work that driven constraints did on the system in the step, joules.
+    pub work: f64,
+}

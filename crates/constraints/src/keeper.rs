@@ -1,0 +1,294 @@
+//! What the methods with multipliers share: holding a configuration, then a velocity.
+//!
+//! ```text
+//! p <- p - J(q0)^T Lambda,    q1 = q0 exp(h M^-1 p),    g(t1, q1) = 0       Lambda an impulse (m)
+//! p <- p - J(q1)^T Lambda,    J(q1) M^-1 p + dg/dt = 0
+//! ```
+//! The first is solved by iterations `S0 delta = g(q1) / h` with `S0 = J0 M^-1 J0^T`: Newton's
+//! method with J(q1) replaced by J(q0), so that the factor which the last step's velocity needed
+//! serves again. It starts from the unconstrained step and so finds the multipliers of smaller size
+//! where there are several; the error shrinks by about h times the turning rate in an iteration,
+//! until rounding. The second is linear, one solve.
+//!
+//! Source: notes 6.5; errata 6.5; Andersen (1983); Leimkuhler and Reich (2004), chapter 7.
+
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
+use stationary_integrators::{State, StepError};
+
+use crate::feasible::{Scales, rounding};
+use crate::{Constraint, ConstraintError, Multipliers, Solver};
+
+/// More iterations than this are too long a step, or equations that contradict each other.
+const ITERATIONS: u32 = 60;
+
+/// A configuration with what is known there.
+#[derive(Clone, Debug)]
+struct Place<C, X> {
+    known: bool,
+    t: f64,
+    q: C,
+    dv: Covector<C>,
+    solver: X,
+}
+
+/// A system, its constraint, and the memory to keep it.
+#[derive(Clone, Debug)]
+pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers> {
+    system: &'s System<M, P, S>,
+    pub(crate) constraint: K,
+    scales: Scales,
+    here: Place<C, X>,
+    there: Place<C, X>,
+    g: X::Numbers,
+    displacement: Vector<C>,
+    pub(crate) next: State<C>,
+    /// The impulse of the last [`Keeper::hold_configuration`] or [`Keeper::hold_velocity`].
+    pub(crate) impulse: X::Numbers,
+    pub(crate) differentials: u32,
+}
+
+pub(crate) fn zeros<C: Storage>(n: usize) -> Result<C, ConstraintError> {
+    let got = size_of::<C>() / size_of::<f64>();
+    C::zeros(n).ok_or(SizeError { what: "the storage's numbers", expected: n, got }.into())
+}
+
+pub(crate) fn check_sizes<M: Metric, P: Potential, S: Space, C: Storage>(
+    system: &System<M, P, S>,
+    state: &State<C>,
+) -> Result<(), ConstraintError> {
+    let n = system.dim();
+    let stored = system.space().stored(n);
+    SizeError::check("the configuration's numbers", stored, state.q.as_ref().len())?;
+    SizeError::check("the momentum's components", n, state.p.components().len())?;
+    Ok(())
+}
+
+pub(crate) fn check_entries(
+    constraint: &impl Constraint,
+    n: usize,
+    t: f64,
+    q: &[f64],
+) -> Result<(), ConstraintError> {
+    let rows = constraint.count();
+    if constraint.dim() > n {
+        return Err(ConstraintError::Freedoms { needed: constraint.dim(), freedoms: n });
+    }
+    match crate::rows::outside(constraint, t, q, n) {
+        Some((row, freedom)) => {
+            Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms: n })
+        }
+        None => Ok(()),
+    }
+}
+
+impl<'s, M, P, S, K, C, X> Keeper<'s, M, P, S, K, C, X>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    K: Constraint,
+    C: Storage,
+    X: Multipliers,
+{
+    pub(crate) fn new(
+        system: &'s System<M, P, S>,
+        constraint: K,
+        state: &State<C>,
+        choice: &impl Solver<C, Multipliers = X>,
+    ) -> Result<Self, ConstraintError> {
+        check_sizes(system, state)?;
+        let (n, stored) = (system.dim(), state.q.as_ref().len());
+        check_entries(&constraint, n, state.t, state.q.as_ref())?;
+        let scales = Scales::new(&constraint)?;
+        let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
+        let numbers = solver.numbers();
+        let place =
+            Place { known: false, t: state.t, q: zeros(stored)?, dv: Covector(zeros(n)?), solver };
+        let mut keeper = Keeper {
+            system,
+            constraint,
+            scales,
+            there: place.clone(),
+            here: place,
+            g: numbers.clone(),
+            displacement: Vector(zeros(n)?),
+            next: State::new(zeros(stored)?, zeros(n)?),
+            impulse: numbers,
+            differentials: 0,
+        };
+        keeper.begin(state)?;
+        keeper.check_velocity(state)?;
+        Ok(keeper)
+    }
+
+    /// The same keeper for another constraint.
+    pub(crate) fn with_constraint(
+        &mut self,
+        constraint: K,
+        state: &State<C>,
+        choice: &impl Solver<C, Multipliers = X>,
+    ) -> Result<(), ConstraintError> {
+        *self = Keeper::new(self.system, constraint, state, choice)?;
+        Ok(())
+    }
+
+    /// Starts a step: a copy of the state to work on, and what must be known where it is.
+    pub(crate) fn begin(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
+        check_sizes(self.system, state)?;
+        self.differentials = 0;
+        let here = self.here.known && self.here.t == state.t && self.here.q == state.q;
+        if !here {
+            self.constraint.value(state.t, state.q.as_ref(), self.g.as_mut());
+            self.scales.check(self.g.as_ref(), state.q.as_ref())?;
+            self.examine(state.t, Some(&state.q))?;
+            std::mem::swap(&mut self.here, &mut self.there);
+        }
+        self.next.clone_from(state);
+        Ok(())
+    }
+
+    /// An error unless the velocity stays on the feasible set.
+    pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
+        self.system.metric().sharp(state.p.view(), self.displacement.view_mut());
+        self.constraint.rate(state.t, state.q.as_ref(), self.g.as_mut());
+        self.here.solver.add_along(self.displacement.view(), self.g.as_mut());
+        self.scales.check_rates(self.g.as_ref(), self.displacement.components())
+    }
+
+    /// A kick with the differential where the step starts.
+    pub(crate) fn kick_here(&mut self, h: f64) {
+        self.next.p.add_scaled(-h, self.here.dv.view());
+    }
+
+    /// A kick with the differential where the step ends.
+    pub(crate) fn kick_there(&mut self, h: f64) {
+        self.next.p.add_scaled(-h, self.there.dv.view());
+    }
+
+    /// Drifts for the time h, with an impulse before it that makes the new configuration feasible;
+    /// the iterations that were needed, and what is left of the violation.
+    pub(crate) fn hold_configuration(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
+        let t = self.here.t + h;
+        let q0 = &self.here.q;
+        let State { q, p, .. } = &mut self.next;
+        let (g, impulse) = (self.g.as_mut(), self.impulse.as_mut());
+        impulse.fill(0.0);
+        let mut iterations = 0;
+        let mut last = f64::INFINITY;
+        let eps = rounding(q0.as_ref());
+        loop {
+            q.clone_from(q0);
+            self.system.metric().drift(h, p.view(), self.displacement.view_mut());
+            self.system.space().advance(q.as_mut(), 1.0, self.displacement.view());
+            self.constraint.value(t, q.as_ref(), g);
+            let distance = self.scales.distance(g);
+            if distance.is_nan() {
+                return Err(match iterations {
+                    0 => ConstraintError::NonFinite { what: "constraint", index: 0 },
+                    _ => diverged(iterations, last),
+                });
+            }
+            let stands_still = distance > 0.5 * last && self.scales.worst(g)?.excess <= eps;
+            if distance <= 0.25 * eps || stands_still {
+                return Ok((iterations, self.scales.largest_relative(g)));
+            }
+            if iterations == ITERATIONS {
+                let row = self.scales.worst(g)?.row;
+                let (violation, _) = self.scales.relative(row, g, q.as_ref());
+                return Err(ConstraintError::NotConverged { iterations, row, violation });
+            }
+            last = distance;
+            let per_time = h.recip();
+            g.iter_mut().for_each(|g| *g *= per_time);
+            self.here.solver.solve(g)?;
+            self.here.solver.add_pulled_back(-1.0, g, p.view_mut());
+            impulse.iter_mut().zip(&*g).for_each(|(sum, delta)| *sum += delta);
+            iterations += 1;
+        }
+    }
+
+    /// Evaluates everything where the drift has led, and examines the rank there.
+    pub(crate) fn arrive(&mut self, h: f64) -> Result<(), ConstraintError> {
+        self.examine(self.here.t + h, None)
+    }
+
+    /// Evaluates everything at a configuration, or at the next one.
+    fn examine(&mut self, t: f64, q: Option<&C>) -> Result<(), ConstraintError> {
+        let Keeper { system, constraint, there, next, .. } = self;
+        let q = q.unwrap_or(&next.q);
+        there.known = false;
+        there.t = t;
+        there.q.clone_from(q);
+        there.dv.clear();
+        system.potential().add_differential(q.as_ref(), there.dv.view_mut());
+        self.differentials += 1;
+        there.solver.prepare(system.metric(), &*constraint, t, q.as_ref())?;
+        there.known = true;
+        Ok(())
+    }
+
+    /// An impulse that takes away the part of the velocity which leaves the feasible set.
+    pub(crate) fn hold_velocity(&mut self) -> Result<(), ConstraintError> {
+        let (p, there) = (&mut self.next.p, &mut self.there);
+        let impulse = self.impulse.as_mut();
+        self.system.metric().sharp(p.view(), self.displacement.view_mut());
+        self.constraint.rate(there.t, there.q.as_ref(), impulse);
+        there.solver.add_along(self.displacement.view(), impulse);
+        there.solver.solve(impulse)?;
+        there.solver.add_pulled_back(-1.0, impulse, p.view_mut());
+        Ok(())
+    }
+
+    /// The work of an impulse at the start of the step, joules; zero unless something is driven.
+    pub(crate) fn work_here(&mut self) -> f64 {
+        work(&self.constraint, &self.here, self.impulse.as_ref(), self.g.as_mut())
+    }
+
+    /// The work of an impulse at the end of the step.
+    pub(crate) fn work_there(&mut self) -> f64 {
+        work(&self.constraint, &self.there, self.impulse.as_ref(), self.g.as_mut())
+    }
+
+    /// Hands the new state over if it is finite.
+    pub(crate) fn finish(&mut self, state: &mut State<C>, h: f64) -> Result<(), ConstraintError> {
+        check_finite(&self.next)?;
+        self.next.t = state.t + h;
+        std::mem::swap(state, &mut self.next);
+        if self.there.known && self.there.q == state.q {
+            std::mem::swap(&mut self.here, &mut self.there);
+        }
+        Ok(())
+    }
+}
+
+/// `<Lambda, dg/dt>`: what an impulse `-J^T Lambda` does on a velocity with `J v = -dg/dt`.
+fn work<C: Storage, X>(
+    constraint: &impl Constraint,
+    place: &Place<C, X>,
+    impulse: &[f64],
+    rate: &mut [f64],
+) -> f64 {
+    constraint.rate(place.t, place.q.as_ref(), rate);
+    impulse.iter().zip(rate).map(|(impulse, rate)| impulse * *rate).sum()
+}
+
+/// Iterations that left the finite numbers, from a distance of this size.
+pub(crate) fn diverged(iterations: u32, violation: f64) -> ConstraintError {
+    ConstraintError::NotConverged { iterations, row: 0, violation }
+}
+
+/// An error that names the first number that is not finite.
+pub(crate) fn check_finite<C: Storage>(state: &State<C>) -> Result<(), StepError> {
+    if let Some(freedom) = stationary_calculus::first_non_finite(state.q.as_ref()) {
+        return Err(StepError::NonFiniteConfiguration { freedom });
+    }
+    if let Some(freedom) = stationary_calculus::first_non_finite(state.p.components()) {
+        return Err(StepError::NonFiniteMomentum { freedom });
+    }
+    Ok(())
+}
+
+/// An error unless the step is positive and finite.
+pub(crate) fn check_step(h: f64) -> Result<(), StepError> {
+    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(StepError::Step(h)) }
+}

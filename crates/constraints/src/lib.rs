@@ -1,0 +1,110 @@
+//! How does a system move when not every configuration is allowed?
+//!
+//! ```text
+//! g(t, q) = 0,    J = dg of full row rank                       a constraint            (6, 8.1)
+//! q = q(s)                                                      reduced coordinates     (6.1)
+//! V + k/2 |g|^2                                                 penalty                 (6.2)
+//! q~ = Phi_h(q),    q' closest to q~ with g = 0                 step and project        (6.3)
+//! df = lambda^T dg,    g = 0                                    Lagrange multipliers    (6.4)
+//! sum_i h (L_d(q_i, q_i+1) - <lambda_i, g(q_i)>) stationary     constrained Hamilton    (6.5)
+//! F = -J^T lambda                                               the force that it takes
+//! ```
+//! `q` a configuration, `J` m x n for m equations and n freedoms of velocities, `lambda`
+//! multipliers (m), `h` the step in seconds. The numbers name sections of the notes.
+//!
+//! ```
+//! use stationary_constraints::problems::{RodProblem, pendulum};
+//! use stationary_constraints::{ConstrainedIntegrator, Few, Rattle, Redundancy};
+//!
+//! // A unit mass on a unit rod, pushed at the bottom hard enough to go round.
+//! let RodProblem { system, rods, initial } = pendulum(2.5)?.problem;
+//! let mut rattle = Rattle::new(&system, rods.clone(), &initial, Few::<1>(Redundancy::Refuse))?;
+//! let mut state = initial;
+//! for _ in 0..1000 {
+//!     rattle.step(&mut state, 0.01)?;
+//! }
+//! let tension = rods.rods()[0].tension(rattle.multipliers()[0]); // newtons
+//! assert!((state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-14 && tension.is_finite());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Reading order: what a [`Constraint`] is, sets of them, and the ones that are there ([`Rods`],
+//! [`FixedPoint`], [`Linear`], any [`Function`], a point [`OnLevel`] sets); the linear system
+//! behind all of it, solved for [`Few`] equations, `Many`, or `Coupled` freedoms; then the ways to
+//! keep a constraint in the notes' order: [`Reduced`] coordinates and the [`ArcsinePendulum`],
+//! [`Penalty`], [`Projection`] and [`StepAndProject`], [`critical_point`], [`ConstrainedHamilton`]
+//! and [`Rattle`], rods that break; and [`problems`] with known answers.
+//!
+//! | way | feasible | order | energy | what it asks for |
+//! | --- | --- | --- | --- | --- |
+//! | [`Reduced`] | exactly | 1 or 2 | bounded | coordinates that are regular on the way |
+//! | [`Penalty`] | to F/k | the integrator's | the integrator's | a step like 1/sqrt(k) |
+//! | [`StepAndProject`] | to rounding | 1 | decays | full rank on the way |
+//! | [`ConstrainedHamilton`] | configurations | 1 | bounded | full rank on the way |
+//! | [`Rattle`] | to rounding | 2 | bounded | full rank on the way |
+//!
+//! Configurations move through the system's `Space` only, so that the same code serves rotations. A
+//! state that is not feasible is an error that says by how much, and [`Projection`] mends it on
+//! request. A step allocates nothing, and a failed one leaves the state as it was.
+//!
+//! What the examination of rank cannot see: with [`Few`] it is exact, at each accepted
+//! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees
+//! a ratio of singular values below about 1e-7 and rows that vanish; `Coupled` what makes its
+//! matrix singular to working precision. The crate knows nothing of inequalities, contact or files.
+
+mod error;
+mod constraint;
+mod rows;
+mod set;
+mod pairing;
+mod rods;
+mod points;
+mod linear;
+mod function;
+mod surface;
+mod feasible;
+mod multipliers;
+mod dense;
+#[cfg(feature = "sparse")]
+mod entries;
+#[cfg(feature = "sparse")]
+mod schur;
+#[cfg(feature = "sparse")]
+mod saddle;
+mod embedding;
+mod arcsine;
+mod penalty;
+mod projection;
+mod integrator;
+mod step_and_project;
+mod critical_point;
+mod keeper;
+mod hamilton;
+mod rattle;
+mod breaking;
+pub mod problems;
+
+pub use arcsine::ArcsinePendulum;
+pub use breaking::Broken;
+pub use constraint::{Constraint, Rows, Scale};
+pub use critical_point::{CriticalPoint, Kind, critical_point};
+pub use dense::{DenseMultipliers, Few, Room};
+pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};
+pub use error::ConstraintError;
+pub use function::{Function, FunctionConstraint};
+pub use hamilton::ConstrainedHamilton;
+pub use integrator::{ConstrainedIntegrator, ConstrainedReport};
+pub use linear::Linear;
+pub use multipliers::{Multipliers, Redundancy, Solver};
+pub use pairing::Pairing;
+pub use penalty::Penalty;
+pub use points::FixedPoint;
+pub use projection::{Projection, ProjectionReport};
+pub use rattle::Rattle;
+pub use rods::{Rod, Rods};
+#[cfg(feature = "sparse")]
+pub use saddle::{Coupled, SaddleMultipliers};
+#[cfg(feature = "sparse")]
+pub use schur::{Many, SchurMultipliers};
+pub use step_and_project::StepAndProject;
+pub use surface::{Level, OnLevel};

@@ -1,0 +1,73 @@
+//! Linear equations in the freedoms of a flat space.
+//!
+//! ```text
+//! g_i = sum_f a_if q_f - b_i
+//! ```
+//! `a` given row by row by its entries, `b` a number a row. A pulley: `x_1 + x_2 = const`; a
+//! slider: `y = 0`; a gear: `r_1 theta_1 + r_2 theta_2 = 0`.
+
+use stationary_calculus::Sink;
+
+use crate::{Constraint, ConstraintError, Rows, Scale};
+
+/// An equation: its entries as (freedom, coefficient), and its right-hand side.
+type Equation = (Vec<(usize, f64)>, f64);
+
+/// Linear equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    equations: Vec<Equation>,
+}
+
+impl Linear {
+    /// Equations, each with its entries as (freedom, coefficient) and its right-hand side.
+    ///
+    /// # Errors
+    /// A number that is not finite, a freedom named twice in an equation, and an equation whose
+    /// coefficients are all zero.
+    pub fn new(equations: Vec<Equation>) -> Result<Self, ConstraintError> {
+        for (row, (entries, right)) in equations.iter().enumerate() {
+            let finite = entries.iter().all(|(_, a)| a.is_finite()) && right.is_finite();
+            let some = entries.iter().any(|&(_, a)| a != 0.0);
+            let mut freedoms: Vec<usize> = entries.iter().map(|&(freedom, _)| freedom).collect();
+            freedoms.sort_unstable();
+            let repeated = freedoms.windows(2).any(|two| two[0] == two[1]);
+            if !finite || !some || repeated {
+                return Err(ConstraintError::Equation { row });
+            }
+        }
+        Ok(Linear { equations })
+    }
+}
+
+impl Constraint for Linear {
+    fn dim(&self) -> usize {
+        let freedoms = self.equations.iter().flat_map(|(entries, _)| entries);
+        freedoms.map(|&(freedom, _)| freedom + 1).max().unwrap_or(0)
+    }
+
+    fn count(&self) -> usize {
+        self.equations.len()
+    }
+
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+        for (g, (entries, right)) in g.iter_mut().zip(&self.equations) {
+            *g = entries.iter().map(|&(freedom, a)| a * q[freedom]).sum::<f64>() - right;
+        }
+    }
+
+    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+        for (row, (entries, _)) in self.equations.iter().enumerate() {
+            for &(freedom, a) in entries {
+                rows.add(row, freedom, a);
+            }
+        }
+    }
+
+    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+
+    fn scale(&self, row: usize) -> Scale {
+        let slope = self.equations[row].0.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
+        Scale { slope, length: 1.0 }
+    }
+}

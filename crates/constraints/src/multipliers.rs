@@ -1,0 +1,131 @@
+//! Multipliers: the one linear system behind every way to enforce a constraint.
+//!
+//! ```text
+//! S lambda = b,    S = J M^-1 J^T        m x m, symmetric
+//! ```
+//! `J` the constraint's differential (m x n) at a time and a configuration, `M` the metric.
+//! Removing the velocity that leaves the feasible set, `v - M^-1 J^T S^-1 (J v + dg/dt)`, is the
+//! projection in the mass metric, and each iteration towards a feasible configuration is one such
+//! solve.
+//!
+//! Three solvers: [`Few`](crate::Few) equations and any metric, on the stack; `Many` (feature
+//! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
+//! for many with a metric that couples freedoms. Knows nothing of time steps.
+
+use stationary_calculus::{Covector, Metric, Sink, Vector};
+
+use crate::{Constraint, ConstraintError};
+
+/// What to do where equations depend on each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Redundancy {
+    /// An error.
+    #[default]
+    Refuse,
+    /// Among all multipliers that do it, those of the least norm in reference scales: force is
+    /// shared, and the motion is that of the independent equations.
+    LeastNorm,
+}
+
+/// Singular values below this part of the largest are zero.
+pub(crate) const DEPENDENT: f64 = 1e-8;
+
+/// Solves `J M^-1 J^T lambda = b`, again and again for changing J.
+pub trait Multipliers: Clone {
+    /// The storage of m numbers.
+    type Numbers: AsRef<[f64]> + AsMut<[f64]> + Clone;
+
+    /// Zeros, one for each equation.
+    fn numbers(&self) -> Self::Numbers;
+
+    /// Evaluates J at `(t, q)`, prepares solving, and examines the rank.
+    fn prepare(
+        &mut self,
+        metric: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError>;
+
+    /// Replaces `b` by `S^-1 b`.
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError>;
+
+    /// Adds `scale J^T lambda` to a covector.
+    fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>);
+
+    /// Adds `J v` to m numbers.
+    fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]);
+}
+
+/// A choice of solver, for states stored as C.
+pub trait Solver<C> {
+    /// The solver.
+    type Multipliers: Multipliers;
+
+    /// The solver for a constraint with its memory; J at `(t, q)` is not yet in it.
+    fn analyse<M: Metric, K: Constraint>(
+        &self,
+        metric: &M,
+        constraint: &K,
+        t: f64,
+        q: &[f64],
+    ) -> Result<Self::Multipliers, ConstraintError>;
+}
+
+/// The masses on the diagonal of a metric, and the first freedom with another entry.
+pub(crate) struct Diagonal {
+    pub(crate) mass: Vec<f64>,
+    pub(crate) coupled: Option<usize>,
+}
+
+impl Diagonal {
+    pub(crate) fn of(metric: &impl Metric) -> Self {
+        let mut diagonal = Diagonal { mass: vec![0.0; metric.dim()], coupled: None };
+        metric.add_matrix(&mut diagonal);
+        diagonal
+    }
+}
+
+impl Sink for Diagonal {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+            for (&i, &entry) in freedoms.iter().zip(column) {
+                if i == j {
+                    self.mass[i] += entry;
+                } else if entry != 0.0 {
+                    self.coupled.get_or_insert(i);
+                }
+            }
+        }
+    }
+}
+
+/// The size of each row of J M^-1/2 that would be normal, in reference scales: one over the root of
+/// the largest mass that the equation touches.
+pub(crate) struct Normal<'a> {
+    pub(crate) mass: &'a [f64],
+    pub(crate) largest_mass: Vec<f64>,
+}
+
+impl crate::Rows for Normal<'_> {
+    fn add(&mut self, row: usize, freedom: usize, _: f64) {
+        self.largest_mass[row] = self.largest_mass[row].max(self.mass[freedom]);
+    }
+}
+
+impl Normal<'_> {
+    /// The largest of them over all equations.
+    pub(crate) fn size(
+        metric: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> f64 {
+        let diagonal = Diagonal::of(metric);
+        let largest_mass = vec![0.0; constraint.count()];
+        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
+        constraint.differential(t, q, &mut normal);
+        let touched = normal.largest_mass.iter().filter(|&&mass| mass > 0.0);
+        touched.map(|mass| mass.recip()).fold(0.0, f64::max).sqrt()
+    }
+}

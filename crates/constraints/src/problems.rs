@@ -1,0 +1,61 @@
+//! Problems with known answers: one definition each for tests, studies and benches.
+//!
+//! | problem | system | answer |
+//! | --- | --- | --- |
+//! | [`pendulum`] | a unit mass on a unit rod, pushed at the bottom | Jacobi's elliptic functions |
+//! | [`chain`] | n unit masses on n unit rods | none; its lowest mode is Bessel's |
+//! | [`square`] | four masses, four sides, one or two diagonals, free | its momenta |
+//! | [`four_bar`] | crank, coupler and rocker on two hooks | the time of a revolution |
+//! | [`slider_crank`] | a piston driven by a crank | the time of a revolution |
+//!
+//! All are dimensionless: masses, lengths and the strength of the field are 1.
+
+mod chain;
+mod four_bar;
+mod pendulum;
+mod revolution;
+mod slider_crank;
+mod square;
+
+use stationary_calculus::{DiagonalMetric, Storage, System};
+use stationary_integrators::{State, UniformGravity};
+
+use crate::{ConstraintError, Rods};
+use revolution::revolution;
+
+pub use chain::{Chain, chain, folded_chain, writhing_chain};
+pub use four_bar::{Crank, FourBar, four_bar};
+pub use pendulum::{Pendulum, pendulum};
+pub use slider_crank::{SliderCrank, slider_crank};
+pub use square::{Square, square};
+
+/// Points of unit mass in the plane under unit gravity.
+pub type Hanging<C> = System<DiagonalMetric<C>, UniformGravity<2>>;
+
+/// A system of rods with initial data.
+#[derive(Clone, Debug)]
+pub struct RodProblem<C> {
+    /// Its masses and its weight.
+    pub system: Hanging<C>,
+    /// Its rods.
+    pub rods: Rods<2>,
+    /// Where it starts; feasible.
+    pub initial: State<C>,
+}
+
+/// Unit masses at places with velocities, under gravity `g` downward.
+fn hanging<C: Storage>(
+    q: C,
+    p: C,
+    g: f64,
+    rods: Rods<2>,
+) -> Result<RodProblem<C>, ConstraintError> {
+    let n = q.as_ref().len();
+    let mut mass = q.clone();
+    mass.as_mut().fill(1.0);
+    let metric = DiagonalMetric::new(mass)
+        .map_err(|_| ConstraintError::NonFinite { what: "mass", index: 0 })?;
+    let gravity = UniformGravity { acceleration: [0.0, -g], masses: vec![1.0; n / 2] };
+    let system = System::new(metric, gravity)?;
+    Ok(RodProblem { system, rods, initial: State::new(q, p) })
+}

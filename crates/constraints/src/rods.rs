@@ -1,0 +1,242 @@
+//! Rigid rods: distances between points that stay as they are.
+//!
+//! ```text
+//! g = |x_j - x_i|^2 - L^2,    dg = (-2 d, 2 d),    d = x_j - x_i               (6)
+//! T = 2 L lambda              tension, newtons: positive where the rod pulls
+//! ```
+//! `x` points in D dimensions, `L` the length in metres, `lambda` the multiplier in N/m. The square
+//! form is a polynomial: its derivatives need no roots, and dg does not vanish where g does, as
+//! that of `(|d| - L)^2` would. Vertices from `free` on are fixed hooks. A rod may have a strength,
+//! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
+//! (tension of the square form).
+
+use stationary_calculus::Sink;
+
+use crate::{Constraint, ConstraintError, Rows, Scale};
+
+/// A rod between two vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    ends: [usize; 2],
+    length: f64,
+    strength: f64,
+}
+
+impl Rod {
+    /// A rod of a length in metres that never breaks.
+    pub fn new(ends: [usize; 2], length: f64) -> Self {
+        Rod { ends, length, strength: f64::INFINITY }
+    }
+
+    /// The same rod, which breaks when pulled or pushed harder than `strength` newtons.
+    pub fn with_strength(self, strength: f64) -> Self {
+        Rod { strength, ..self }
+    }
+
+    /// The vertices that it joins.
+    pub fn ends(&self) -> [usize; 2] {
+        self.ends
+    }
+
+    /// Its length, metres.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The tension or thrust beyond which it breaks, newtons.
+    pub fn strength(&self) -> f64 {
+        self.strength
+    }
+
+    /// Its tension at a multiplier, newtons: positive where it pulls.
+    pub fn tension(&self, lambda: f64) -> f64 {
+        2.0 * self.length * lambda
+    }
+}
+
+/// Rods between free points and fixed hooks in D dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rods<const D: usize> {
+    free: usize,
+    fixed: Vec<[f64; D]>,
+    rods: Vec<Rod>,
+}
+
+impl<const D: usize> Rods<D> {
+    /// Rods between `free` points and the hooks `fixed`, which are the vertices from `free` on.
+    ///
+    /// # Errors
+    /// A rod without a length, or with a strength that is not positive; the same vertices twice;
+    /// both ends on one vertex or on hooks; a vertex that is not there.
+    pub fn new(free: usize, fixed: Vec<[f64; D]>, rods: Vec<Rod>) -> Result<Self, ConstraintError> {
+        let vertices = free + fixed.len();
+        for (index, rod) in rods.iter().enumerate() {
+            check(index, rod, free, vertices)?;
+        }
+        if let Some(hook) = fixed.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+            return Err(ConstraintError::Hook { vertex: free + hook });
+        }
+        let mut pairs: Vec<_> = rods
+            .iter()
+            .enumerate()
+            .map(|(index, rod)| (rod.ends[0].min(rod.ends[1]), rod.ends[0].max(rod.ends[1]), index))
+            .collect();
+        pairs.sort_unstable();
+        if let Some(two) = pairs.windows(2).find(|two| two[0].0 == two[1].0 && two[0].1 == two[1].1)
+        {
+            return Err(ConstraintError::RepeatedRod { rod: two[1].2, earlier: two[0].2 });
+        }
+        Ok(Rods { free, fixed, rods })
+    }
+
+    /// The rods, in the order of their equations.
+    pub fn rods(&self) -> &[Rod] {
+        &self.rods
+    }
+
+    /// The number of free points.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
+    /// Takes a rod away; those after it move up.
+    pub(crate) fn remove(&mut self, rod: usize) -> Rod {
+        self.rods.remove(rod)
+    }
+
+    #[inline]
+    fn place<'a>(&'a self, points: &'a [[f64; D]], vertex: usize) -> &'a [f64; D] {
+        if vertex < self.free { &points[vertex] } else { &self.fixed[vertex - self.free] }
+    }
+
+    /// From the first end to the second.
+    #[inline]
+    fn along(&self, points: &[[f64; D]], rod: &Rod) -> [f64; D] {
+        let (x, y) = (self.place(points, rod.ends[0]), self.place(points, rod.ends[1]));
+        std::array::from_fn(|c| y[c] - x[c])
+    }
+
+    #[inline]
+    fn points<'a>(&self, q: &'a [f64]) -> &'a [[f64; D]] {
+        &q.as_chunks::<D>().0[..self.free]
+    }
+}
+
+fn check(index: usize, rod: &Rod, free: usize, vertices: usize) -> Result<(), ConstraintError> {
+    if !(rod.length > 0.0 && rod.length.is_finite()) {
+        return Err(ConstraintError::RodLength { rod: index, length: rod.length });
+    }
+    if rod.strength.is_nan() || rod.strength <= 0.0 {
+        return Err(ConstraintError::RodStrength { rod: index, strength: rod.strength });
+    }
+    if let Some(vertex) = rod.ends.into_iter().find(|&vertex| vertex >= vertices) {
+        return Err(ConstraintError::UnknownVertex { index, vertex, vertices });
+    }
+    if rod.ends[0] == rod.ends[1] {
+        return Err(ConstraintError::RodLoop { rod: index, vertex: rod.ends[0] });
+    }
+    if rod.ends.into_iter().all(|vertex| vertex >= free) {
+        return Err(ConstraintError::RodBetweenHooks { rod: index });
+    }
+    Ok(())
+}
+
+impl<const D: usize> Constraint for Rods<D> {
+    fn dim(&self) -> usize {
+        D * self.free
+    }
+
+    fn count(&self) -> usize {
+        self.rods.len()
+    }
+
+    #[inline]
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+        let points = self.points(q);
+        for (g, rod) in g.iter_mut().zip(&self.rods) {
+            let d = self.along(points, rod);
+            *g = d.iter().map(|d| d * d).sum::<f64>() - rod.length * rod.length;
+        }
+    }
+
+    #[inline]
+    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) {
+        let points = self.points(q);
+        for (row, rod) in self.rods.iter().enumerate() {
+            let d = self.along(points, rod);
+            for (vertex, sign) in rod.ends.into_iter().zip([-2.0, 2.0]) {
+                if vertex < self.free {
+                    for (c, d) in d.iter().enumerate() {
+                        rows.add(row, D * vertex + c, sign * d);
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_hessian(&self, _: f64, _: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+        for (rod, lambda) in self.rods.iter().zip(lambda) {
+            let [i, j] = rod.ends;
+            let l = 2.0 * lambda;
+            for c in 0..D {
+                match (i < self.free, j < self.free) {
+                    (true, true) => {
+                        hessian.add_symmetric(&[D * i + c, D * j + c], &[l, -l, -l, l]);
+                    }
+                    (true, false) => hessian.add_symmetric(&[D * i + c], &[l]),
+                    (false, _) => hessian.add_symmetric(&[D * j + c], &[l]),
+                }
+            }
+        }
+    }
+
+    fn scale(&self, row: usize) -> Scale {
+        let length = self.rods[row].length;
+        Scale { slope: 2.0 * length, length }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pairing;
+    use stationary_calculus::assert_derivatives;
+
+    fn rods() -> Vec<Rod> {
+        vec![Rod::new([3, 0], 1.0), Rod::new([0, 1], 0.5), Rod::new([2, 1], 2.0)]
+    }
+
+    #[test]
+    fn the_differentials_are_right_in_the_plane_and_in_space() {
+        let plane = Rods::new(3, vec![[0.0, 1.0]], rods()).unwrap();
+        let pairing = Pairing { constraint: &plane, multipliers: vec![0.7, -1.3, 2.0], time: 0.0 };
+        assert_derivatives(&pairing, &[0.5, 0.1, -0.4, 0.9, 1.5, -1.0]);
+        let space = Rods::new(3, vec![[0.0, 1.0, 0.3]], rods()).unwrap();
+        let pairing = Pairing { constraint: &space, multipliers: vec![0.7, -1.3, 2.0], time: 0.0 };
+        assert_derivatives(&pairing, &[0.5, 0.1, -0.4, 0.9, 1.5, -1.0, 0.2, 0.3, 0.4]);
+    }
+
+    #[test]
+    fn bad_rods_are_refused_by_number() {
+        let made = |rods: Vec<Rod>| Rods::<2>::new(3, vec![[0.0; 2]; 2], rods).unwrap_err();
+        let with = |rod: Rod| made(vec![Rod::new([0, 1], 1.0), rod]);
+        for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let error = with(Rod::new([1, 2], length));
+            assert!(matches!(error, ConstraintError::RodLength { rod: 1, .. }), "{error}");
+        }
+        for strength in [0.0, -1.0, f64::NAN] {
+            let error = with(Rod::new([1, 2], 1.0).with_strength(strength));
+            assert!(matches!(error, ConstraintError::RodStrength { rod: 1, .. }), "{error}");
+        }
+        let error = with(Rod::new([1, 5], 1.0));
+        assert_eq!(error, ConstraintError::UnknownVertex { index: 1, vertex: 5, vertices: 5 });
+        let error = with(Rod::new([2, 2], 1.0));
+        assert_eq!(error, ConstraintError::RodLoop { rod: 1, vertex: 2 });
+        let error = with(Rod::new([3, 4], 1.0));
+        assert_eq!(error, ConstraintError::RodBetweenHooks { rod: 1 });
+        let error = with(Rod::new([1, 0], 2.0));
+        assert_eq!(error, ConstraintError::RepeatedRod { rod: 1, earlier: 0 });
+        let error = Rods::<2>::new(1, vec![[f64::NAN, 0.0]], Vec::new()).unwrap_err();
+        assert_eq!(error, ConstraintError::Hook { vertex: 1 });
+    }
+}

@@ -1,0 +1,200 @@
+//! Multipliers of many equations under masses that do not couple freedoms.
+//!
+//! ```text
+//! S = J M^-1 J^T = sum over freedoms f of  J_f J_f^T / m_f        m x m, sparse, definite
+//! ```
+//! `J_f` the column of a freedom, `m_f` its mass. Two equations meet in S where they share a
+//! freedom: for a chain S has three diagonals, and elimination in the order that is found once
+//! leaves it so, hence the work grows with the number of links. Columns of freedoms that the same
+//! equations touch (the coordinates of a point) are summed before they go to S.
+//!
+//! A row of J that vanishes, and a pivot that rounding cannot tell from zero, are errors: that is a
+//! ratio of singular values of about 1e-7, the square root of rounding. What is independent by less
+//! than that [`Few`](crate::Few) can tell. Redundant equations are refused.
+
+use stationary_calculus::{
+    Covector, Metric, Sink, SparseCholesky, SparseError, SymmetricMatrix, Vector,
+};
+
+use crate::entries::Entries;
+use crate::multipliers::{DEPENDENT, Diagonal, Normal};
+use crate::{Constraint, ConstraintError, Multipliers, Solver};
+
+/// The choice of [`SchurMultipliers`]: many equations, a diagonal metric.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Many;
+
+/// Freedoms that the same equations touch.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    freedoms: usize,
+    equations: usize,
+}
+
+/// Which entries make S, and in which order.
+#[derive(Clone, Debug)]
+struct Columns {
+    groups: Vec<Group>,
+    /// Of each group its equations.
+    equations: Vec<usize>,
+    /// Of each freedom of each group one over its mass.
+    inverse_mass: Vec<f64>,
+    /// Of each freedom of each group the entries of its column.
+    entries: Vec<u32>,
+    block: Vec<f64>,
+}
+
+/// Multipliers of many equations, by Cholesky's method.
+#[derive(Clone, Debug)]
+pub struct SchurMultipliers {
+    count: usize,
+    entries: Entries,
+    columns: Columns,
+    /// The smallest diagonal entry of S that is not taken for zero.
+    smallest: Vec<f64>,
+    matrix: SymmetricMatrix,
+    cholesky: SparseCholesky,
+}
+
+impl<C> Solver<C> for Many {
+    type Multipliers = SchurMultipliers;
+
+    fn analyse<M: Metric, K: Constraint>(
+        &self,
+        metric: &M,
+        constraint: &K,
+        t: f64,
+        q: &[f64],
+    ) -> Result<SchurMultipliers, ConstraintError> {
+        let count = constraint.count();
+        let masses = Diagonal::of(metric);
+        if let Some(freedom) = masses.coupled {
+            return Err(ConstraintError::Coupled { freedom });
+        }
+        let entries = Entries::find(constraint, t, q);
+        let mut columns = Columns::of(&entries, &masses.mass);
+        let matrix = SymmetricMatrix::analyse(count, |sink| columns.visit(&entries, sink))?;
+        let normal = DEPENDENT * Normal::size(metric, constraint, t, q);
+        let smallest = (0..count).map(|row| (normal * constraint.scale(row).slope).powi(2));
+        Ok(SchurMultipliers {
+            count,
+            smallest: smallest.collect(),
+            cholesky: SparseCholesky::analyse(&matrix)?,
+            matrix,
+            entries,
+            columns,
+        })
+    }
+}
+
+impl Columns {
+    fn of(entries: &Entries, mass: &[f64]) -> Self {
+        let mut columns: Vec<Vec<(usize, u32)>> = vec![Vec::new(); mass.len()];
+        for (index, &(row, freedom)) in entries.places.iter().enumerate() {
+            columns[freedom as usize].push((row as usize, index as u32));
+        }
+        let mut groups: Vec<Group> = Vec::new();
+        let (mut equations, mut inverse_mass): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut flat = Vec::new();
+        for (column, mass) in columns.iter().zip(mass).filter(|(column, _)| !column.is_empty()) {
+            let own = column.iter().map(|&(row, _)| row);
+            let same = groups.last().is_some_and(|last: &Group| {
+                equations[equations.len() - last.equations..].iter().copied().eq(own.clone())
+            });
+            match groups.last_mut() {
+                Some(last) if same => last.freedoms += 1,
+                _ => {
+                    groups.push(Group { freedoms: 1, equations: column.len() });
+                    equations.extend(own);
+                }
+            }
+            inverse_mass.push(mass.recip());
+            flat.extend(column.iter().map(|&(_, entry)| entry));
+        }
+        let most = groups.iter().map(|group| group.equations).max().unwrap_or(0);
+        Columns { groups, equations, inverse_mass, entries: flat, block: vec![0.0; most * most] }
+    }
+
+    /// Brings the blocks of S.
+    #[inline]
+    fn visit(&mut self, entries: &Entries, sink: &mut impl Sink) {
+        let (mut equations, mut inverse_mass) = (&self.equations[..], &self.inverse_mass[..]);
+        let mut rest = &self.entries[..];
+        for &Group { freedoms, equations: k } in &self.groups {
+            let block = &mut self.block[..k * k];
+            block.fill(0.0);
+            for &w in &inverse_mass[..freedoms] {
+                let column = &rest[..k];
+                for (b, &j) in column.iter().enumerate() {
+                    let scaled = w * entries.values[j as usize];
+                    for (a, &i) in column.iter().enumerate() {
+                        block[a + k * b] += scaled * entries.values[i as usize];
+                    }
+                }
+                rest = &rest[k..];
+            }
+            sink.add_symmetric(&equations[..k], block);
+            (equations, inverse_mass) = (&equations[k..], &inverse_mass[freedoms..]);
+        }
+    }
+}
+
+impl SchurMultipliers {
+    /// How many numbers the factor of S has.
+    pub fn factor_len(&self) -> usize {
+        self.cholesky.factor_len()
+    }
+
+    /// An error where an equation has lost its differential.
+    fn check_rows(&self) -> Result<(), ConstraintError> {
+        let starts = &self.matrix.column_starts()[..self.count];
+        for (row, (&start, smallest)) in starts.iter().zip(&self.smallest).enumerate() {
+            let diagonal = self.matrix.values()[start as usize];
+            if diagonal < *smallest {
+                let ratio = DEPENDENT * (diagonal / smallest).sqrt();
+                return Err(ConstraintError::Singular { ratio, row });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Multipliers for SchurMultipliers {
+    type Numbers = Vec<f64>;
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![0.0; self.count]
+    }
+
+    fn prepare(
+        &mut self,
+        _: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        self.entries.write(constraint, t, q)?;
+        let SchurMultipliers { entries, columns, matrix, .. } = self;
+        matrix.refill(|sink| columns.visit(entries, sink))?;
+        self.check_rows()?;
+        self.cholesky.factor(&self.matrix).map_err(|error| match error {
+            SparseError::NotPositiveDefinite { freedom } => {
+                ConstraintError::Dependent { row: Some(freedom) }
+            }
+            other => other.into(),
+        })
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        self.cholesky.solve(b);
+        Ok(())
+    }
+
+    fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>) {
+        self.entries.add_pulled_back(scale, lambda, p);
+    }
+
+    fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
+        self.entries.add_along(v, rates);
+    }
+}

@@ -1,0 +1,194 @@
+//! Bad input is refused by name, and leaves the state as it was.
+
+use stationary_calculus::{DiagonalMetric, Number, Sink, System};
+use stationary_constraints::problems::{RodProblem, four_bar, pendulum};
+use stationary_constraints::{
+    ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
+    Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
+};
+use stationary_integrators::{State, StepError, StormerVerlet, UniformGravity};
+
+const FEW: Few<3> = Few(Redundancy::Refuse);
+
+#[test]
+fn steps_that_do_not_go_forward_are_refused() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, FEW).unwrap();
+    let verlet = StormerVerlet::new(&system).unwrap();
+    let mut project = StepAndProject::new(verlet, &system, rods, &initial, FEW).unwrap();
+    let mut state = initial.clone();
+    for h in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        for error in [rattle.step(&mut state, h), project.step(&mut state, h)] {
+            let error = error.unwrap_err();
+            assert!(matches!(error, ConstraintError::Step(StepError::Step(_))), "{error}");
+        }
+        assert_eq!(state, initial);
+    }
+}
+
+#[test]
+fn a_constraint_on_a_particle_that_is_not_there_is_refused() {
+    let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
+    let held = FixedPoint::new(1, [0.0, 0.0]).unwrap();
+    let error = Rattle::new(&system, held, &initial, FEW).unwrap_err();
+    assert_eq!(error, ConstraintError::Freedoms { needed: 4, freedoms: 2 });
+    let rods = Rods::<2>::new(2, Vec::new(), vec![Rod::new([0, 1], 1.0)]).unwrap();
+    let error = Rattle::new(&system, rods, &initial, FEW).unwrap_err();
+    assert_eq!(error, ConstraintError::Freedoms { needed: 4, freedoms: 2 });
+}
+
+/// A constraint that says it reads one freedom, and brings an entry of another.
+#[derive(Debug)]
+struct Lying;
+
+impl Constraint for Lying {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+        g[0] = q[0];
+    }
+
+    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+        rows.add(0, 5, 1.0);
+    }
+
+    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+}
+
+#[test]
+fn an_entry_outside_of_the_differential_is_refused_by_place() {
+    let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
+    let error = Rattle::new(&system, Lying, &initial, FEW).unwrap_err();
+    let expected = ConstraintError::UnknownFreedom { row: 0, freedom: 5, rows: 1, freedoms: 2 };
+    assert_eq!(error, expected);
+}
+
+#[test]
+fn more_equations_than_the_solver_has_room_for_are_refused() {
+    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
+    let few = Few::<2>(Redundancy::Refuse);
+    let error = Rattle::new(&system, rods, &initial, few).unwrap_err();
+    assert_eq!(error, ConstraintError::TooMany { room: 2, count: 3 });
+}
+
+#[test]
+fn a_point_that_is_held_twice_is_singular_and_named() {
+    let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
+    let mut rest = initial.clone();
+    rest.p.0 = [0.0; 2];
+    let hold = || FixedPoint::new(0, [0.0, -1.0]).unwrap();
+    let both = (hold(), hold());
+    let few = Few::<4>(Redundancy::Refuse);
+    let error = Rattle::new(&system, both, &rest, few).unwrap_err();
+    assert!(matches!(error, ConstraintError::Singular { ratio, .. } if ratio < 1e-12), "{error}");
+    // Shared, the two holds carry half of the weight each.
+    let shared = Few::<4>(Redundancy::LeastNorm);
+    let mut rattle = Rattle::new(&system, (hold(), hold()), &rest, shared).unwrap();
+    let mut state = rest.clone();
+    rattle.step(&mut state, 0.1).unwrap();
+    let lambda = rattle.multipliers();
+    assert!((lambda[1] + 0.5).abs() < 1e-12 && (lambda[3] + 0.5).abs() < 1e-12, "{lambda:?}");
+    assert_eq!(state.q, rest.q);
+}
+
+#[test]
+fn equations_that_are_none_are_refused_by_number() {
+    let good = || (vec![(0, 1.0)], 0.0);
+    let bad = [
+        (vec![(0, f64::NAN)], 0.0),
+        (vec![(0, 1.0)], f64::INFINITY),
+        (vec![(0, 1.0), (0, 2.0)], 0.0),
+        (vec![(0, 0.0)], 0.0),
+        (Vec::new(), 1.0),
+    ];
+    for equation in bad {
+        let error = Linear::new(vec![good(), equation]).unwrap_err();
+        assert_eq!(error, ConstraintError::Equation { row: 1 });
+    }
+    assert!(FixedPoint::new(0, [f64::NAN, 0.0]).is_err());
+}
+
+/// A level function with a scale of its own, and a value that may not be one.
+#[derive(Clone, Debug)]
+struct Odd {
+    value: f64,
+    slope: f64,
+}
+
+impl Level<2> for Odd {
+    fn value<R: Number>(&self, _: R, [x, y]: [R; 2]) -> R {
+        (x * x + y * y - 1.0) * self.value
+    }
+
+    fn scale(&self) -> Scale {
+        Scale { slope: self.slope, length: 1.0 }
+    }
+}
+
+#[test]
+fn scales_and_values_that_are_no_numbers_are_refused() {
+    let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
+    for slope in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320] {
+        let odd = || OnLevel::new(0, Odd { value: 1.0, slope });
+        let error = Rattle::new(&system, odd(), &initial, FEW).unwrap_err();
+        assert!(matches!(error, ConstraintError::Parameter { what: "slope", .. }), "{error}");
+        assert!(Penalty::new(odd(), 1.0, 0.0).is_err());
+    }
+    let odd = OnLevel::new(0, Odd { value: f64::NAN, slope: 2.0 });
+    let error = Rattle::new(&system, odd.clone(), &initial, FEW).unwrap_err();
+    assert!(matches!(error, ConstraintError::NonFinite { .. }), "{error}");
+    let mut state = initial.clone();
+    let mut projection = Projection::new(&system, odd, &state, FEW).unwrap();
+    assert!(projection.project(&mut state).is_err());
+    assert_eq!(state, initial);
+}
+
+#[test]
+fn states_that_are_no_numbers_are_refused() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut state = initial.clone();
+        state.q[0] = bad;
+        assert!(Rattle::new(&system, rods.clone(), &state, FEW).is_err());
+        let mut state = initial.clone();
+        state.p.0[0] = bad;
+        assert!(Rattle::new(&system, rods.clone(), &state, FEW).is_err());
+        let mut rattle = Rattle::new(&system, rods.clone(), &initial, FEW).unwrap();
+        let before = state.p.0.map(f64::to_bits);
+        assert!(rattle.step(&mut state, 0.1).is_err());
+        assert_eq!(state.p.0.map(f64::to_bits), before);
+    }
+}
+
+#[test]
+fn a_state_of_another_size_is_refused() {
+    let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0] };
+    let system = System::new(metric, gravity).unwrap();
+    let rods = Rods::new(1, vec![[0.0, 0.0]], vec![Rod::new([1, 0], 1.0)]).unwrap();
+    let state = State::new(vec![0.0, -1.0, 0.0], vec![0.0; 2]);
+    let error = Rattle::new(&system, rods, &state, FEW).unwrap_err();
+    assert!(matches!(error, ConstraintError::Size(_)), "{error}");
+}
+
+#[test]
+fn a_state_that_was_moved_off_between_steps_is_refused() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    let mut rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+    let mut state = initial.clone();
+    rattle.step(&mut state, 0.01).unwrap();
+    let good = state.clone();
+    state.q[1] -= 1e-6;
+    let moved = state.clone();
+    let error = rattle.step(&mut state, 0.01).unwrap_err();
+    let ConstraintError::Infeasible { violation, .. } = error else { panic!("{error}") };
+    assert!((violation - 1e-6).abs() < 1e-8);
+    assert_eq!(state, moved);
+    rattle.step(&mut good.clone(), 0.01).unwrap();
+}

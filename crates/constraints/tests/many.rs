@@ -1,0 +1,122 @@
+//! Many equations: the sparse solvers against the dense one, and the work of a chain.
+
+#![cfg(feature = "sparse")]
+
+use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
+use stationary_constraints::problems::{
+    RodProblem, chain, folded_chain, four_bar, square, writhing_chain,
+};
+use stationary_constraints::{
+    ConstrainedIntegrator, ConstraintError, Coupled, Few, Many, Rattle, Redundancy, Rod, Rods,
+    Solver,
+};
+use stationary_integrators::{State, UniformGravity};
+
+const REFUSE: Redundancy = Redundancy::Refuse;
+
+#[test]
+fn the_sparse_solvers_do_what_the_dense_one_does() {
+    let RodProblem { system, rods, initial } = folded_chain(6).unwrap();
+    let mass = SparseMetric::new(SymmetricMatrix::mass(system.metric()).unwrap()).unwrap();
+    let sparse = System::new(mass, system.potential().clone()).unwrap();
+    let mut few = Rattle::new(&system, rods.clone(), &initial, Few::<6>(REFUSE)).unwrap();
+    let mut many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut coupled = Rattle::new(&sparse, rods, &initial, Coupled).unwrap();
+    let mut states = [initial.clone(), initial.clone(), initial];
+    for _ in 0..100 {
+        few.step(&mut states[0], 0.01).unwrap();
+        many.step(&mut states[1], 0.01).unwrap();
+        coupled.step(&mut states[2], 0.01).unwrap();
+    }
+    let tensions = few.multipliers();
+    for (others, state) in [(many.multipliers(), &states[1]), (coupled.multipliers(), &states[2])] {
+        assert!(state.q.iter().zip(&states[0].q).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(others.iter().zip(tensions).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+}
+
+#[test]
+fn a_metric_that_couples_needs_the_saddle_system() {
+    // Two points of mass 2 whose freedoms along x are coupled.
+    let blocks =
+        [(vec![0, 2], vec![2.0, 0.5, 0.5, 2.0]), (vec![1], vec![2.0]), (vec![3], vec![2.0])];
+    let mass = SparseMetric::new(SymmetricMatrix::from_blocks(4, &blocks).unwrap()).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![2.0; 2] };
+    let system = System::new(mass, gravity).unwrap();
+    let links = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
+    let rods = Rods::new(2, vec![[0.0; 2]], links).unwrap();
+    let initial = State::new(vec![1.0, 0.0, 1.0, -1.0], vec![0.0; 4]);
+    let error = Rattle::new(&system, rods.clone(), &initial, Many).unwrap_err();
+    assert!(matches!(error, ConstraintError::Coupled { .. }), "{error}");
+    let mut coupled = Rattle::new(&system, rods.clone(), &initial, Coupled).unwrap();
+    let mut few = Rattle::new(&system, rods, &initial, Few::<2>(REFUSE)).unwrap();
+    let (mut a, mut b) = (initial.clone(), initial);
+    for _ in 0..200 {
+        coupled.step(&mut a, 0.01).unwrap();
+        few.step(&mut b, 0.01).unwrap();
+    }
+    assert!(a.q.iter().zip(&b.q).all(|(a, b)| (a - b).abs() < 1e-12));
+}
+
+#[test]
+fn the_work_of_a_chain_grows_with_its_links() {
+    // Each link turns by up to a hundredth of a radian a step.
+    let mut counts = Vec::new();
+    for n in [10, 100, 1_000, 10_000, 100_000] {
+        let RodProblem { system, rods, initial } = writhing_chain(n, 1.0).unwrap();
+        let h = 0.01 / (n as f64 / 10.0).sqrt().max(1.0);
+        let solver = Solver::<Vec<f64>>::analyse(&Many, system.metric(), &rods, 0.0, &initial.q);
+        let factor_per_link = solver.unwrap().factor_len() as f64 / n as f64;
+        let mut state = initial.clone();
+        let mut rattle = Rattle::new(&system, rods, &initial, Many).unwrap();
+        let mut most = 0;
+        for _ in 0..5 {
+            let report = rattle.step(&mut state, h).unwrap();
+            assert!(report.violation <= 1e-12 + 8.0 * f64::EPSILON * n as f64);
+            most = most.max(report.iterations);
+        }
+        counts.push((factor_per_link, most));
+    }
+    println!("{counts:?}");
+    assert!(counts.iter().all(|&(factor, _)| factor < 4.0), "{counts:?}");
+    assert!(counts.iter().all(|&(_, iterations)| iterations <= 10), "{counts:?}");
+}
+
+#[test]
+fn the_tension_of_a_chain_at_rest_is_the_weight_below() {
+    let n = 1000;
+    let RodProblem { system, rods, initial } = chain(n, 0.0).unwrap();
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut state = initial.clone();
+    rattle.step(&mut state, 1e-3).unwrap();
+    for (i, (rod, lambda)) in rods.rods().iter().zip(rattle.multipliers()).enumerate() {
+        let weight = (n - i) as f64;
+        assert!((rod.tension(*lambda) - weight).abs() < 1e-9 * n as f64, "link {i}");
+    }
+    let apart = state.q.iter().zip(&initial.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart:e}");
+}
+
+#[test]
+fn redundant_rods_are_refused_by_all_solvers() {
+    let RodProblem { system, rods, initial } = square(2, 1.0, [0.0; 2]).unwrap();
+    let dense = Rattle::new(&system, rods.clone(), &initial, Few::<6>(REFUSE)).unwrap_err();
+    let many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap_err();
+    let coupled = Rattle::new(&system, rods, &initial, Coupled).unwrap_err();
+    assert!(matches!(dense, ConstraintError::Singular { .. }), "{dense}");
+    assert!(matches!(many, ConstraintError::Dependent { row: Some(_) }), "{many}");
+    assert_eq!(coupled, ConstraintError::Dependent { row: None });
+}
+
+#[test]
+fn linkages_of_arrays_are_stepped_by_the_sparse_solver_too() {
+    let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
+    let mut many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut few = Rattle::new(&system, rods, &initial, Few::<3>(REFUSE)).unwrap();
+    let (mut a, mut b) = (initial.clone(), initial);
+    for _ in 0..100 {
+        many.step(&mut a, 0.01).unwrap();
+        few.step(&mut b, 0.01).unwrap();
+    }
+    assert!(a.q.iter().zip(&b.q).all(|(a, b)| (a - b).abs() < 1e-12));
+}

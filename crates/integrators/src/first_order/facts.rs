@@ -1,0 +1,25 @@
+//! What is known of a method for first-order systems before it runs.
+
+use crate::{Damping, Evaluation};
+
+/// The facts of a method; tests assert each of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstOrderFacts {
+    /// Its name in the field, with lower-case letters and hyphens.
+    pub name: &'static str,
+    /// The power of h in the error at a fixed end time; the highest one where the order varies.
+    pub order: u32,
+    /// The power of h in the error of the dense output between steps.
+    pub dense_order: u32,
+    /// Evaluations of f in an accepted step, or stages of an implicit one.
+    pub stages: u32,
+    /// Evaluations of f that dense output costs on top, once for each step that is looked into.
+    pub dense_stages: u32,
+    /// Whether a step solves an equation.
+    pub evaluation: Evaluation,
+    /// What it does to fast decay.
+    pub damping: Damping,
+    /// Half the opening angle, in degrees, of the largest sector about the negative real axis in
+    /// which y' = lambda y decays at every step: 90 for A-stability, 0 for none.
+    pub sector: f64,
+}

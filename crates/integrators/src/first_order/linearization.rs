@@ -1,0 +1,118 @@
+//! What implicit methods know of a field near a moment: its Jacobian, and the mass matrix.
+//!
+//! ```text
+//! J_ij = (f_i(y + d e_j) - f_i(y)) / d,      d = sqrt(eps) max(|y_j|, absolute_j / relative)
+//! ```
+//! Differences are taken where the field does not know its Jacobian: in proportion to the
+//! component, or to the size below which the tolerance calls it zero, and to the side to which it
+//! is moving, so that a component that must not become negative does not.
+
+use stationary_calculus::{SizeError, Storage};
+
+use super::error_scale::ErrorScale;
+use super::{AdaptiveError, Jacobian, Moment, VectorField, Work};
+use crate::integrator::zeros;
+
+/// A Jacobian and the moment at which it was taken.
+#[derive(Clone, Debug)]
+pub(crate) struct Linearization<C> {
+    pub(crate) at: Moment<C>,
+    pub(crate) matrix: Vec<f64>,
+    moved: C,
+    f: C,
+}
+
+impl<C: Storage> Linearization<C> {
+    pub(crate) fn new(n: usize) -> Result<Self, SizeError> {
+        let zero: C = zeros(n)?;
+        let at = Moment::new(0.0, zero.clone());
+        Ok(Linearization { at, matrix: vec![0.0; n * n], moved: zero.clone(), f: zero })
+    }
+
+    /// The Jacobian at (t, y).
+    pub(crate) fn take<F: VectorField>(
+        &mut self,
+        field: &F,
+        scale: &ErrorScale<C>,
+        (t, y): (f64, &C),
+        work: &mut Work,
+    ) {
+        self.at.t = t;
+        self.at.y.clone_from(y);
+        self.renew(field, scale, work);
+    }
+
+    /// The Jacobian at the moment that is there.
+    pub(crate) fn renew<F: VectorField>(
+        &mut self,
+        field: &F,
+        scale: &ErrorScale<C>,
+        work: &mut Work,
+    ) {
+        let Moment { t, y } = &self.at;
+        work.jacobians += 1;
+        if field.jacobian(*t, y.as_ref(), &mut self.matrix) == Jacobian::Unknown {
+            work.evaluations += 1 + y.as_ref().len() as u64;
+            self.take_differences(field, scale);
+        }
+    }
+
+    fn take_differences<F: VectorField>(&mut self, field: &F, scale: &ErrorScale<C>) {
+        let Linearization { at: Moment { t, y }, matrix, moved, f } = self;
+        let n = y.as_ref().len();
+        field.evaluate(*t, y.as_ref(), f.as_mut());
+        moved.clone_from(y);
+        for (j, column) in matrix.chunks_exact_mut(n).enumerate() {
+            let (y, moved) = (y.as_ref()[j], moved.as_mut());
+            let size = y.abs().max(scale.absolute.as_ref()[j] / scale.relative);
+            moved[j] = y + (f64::EPSILON.sqrt() * size).copysign(f.as_ref()[j]);
+            // What was added after rounding, which is not what was meant to be.
+            let d = moved[j] - y;
+            field.evaluate(*t, moved, column);
+            moved[j] = y;
+            for (entry, f) in column.iter_mut().zip(f.as_ref()) {
+                *entry = (*entry - f) / d;
+            }
+        }
+    }
+}
+
+/// An error unless the mass matrix has n x n finite entries.
+pub(crate) fn check_mass<F: VectorField>(field: &F) -> Result<(), AdaptiveError> {
+    let Some(mass) = field.mass() else { return Ok(()) };
+    SizeError::check("the mass matrix's entries", field.dim() * field.dim(), mass.len())?;
+    super::method::check_finite("the mass matrix", 0.0, mass)
+}
+
+/// Writes M x.
+pub(crate) fn mass_times<F: VectorField>(field: &F, x: &[f64], product: &mut [f64]) {
+    let Some(mass) = field.mass() else { return product.copy_from_slice(x) };
+    product.fill(0.0);
+    for (column, x) in mass.chunks_exact(x.len()).zip(x) {
+        for (product, entry) in product.iter_mut().zip(column) {
+            *product += entry * x;
+        }
+    }
+}
+
+/// Writes a M + b J, entry by entry, as `write(entry of M, entry of J)`.
+pub(crate) fn pencil<F: VectorField, T>(
+    field: &F,
+    jacobian: &[f64],
+    matrix: &mut [T],
+    write: impl Fn(f64, f64) -> T,
+) {
+    let diagonal = field.dim() + 1;
+    match field.mass() {
+        Some(mass) => {
+            for ((entry, m), j) in matrix.iter_mut().zip(mass).zip(jacobian) {
+                *entry = write(*m, *j);
+            }
+        }
+        None => {
+            for (i, (entry, j)) in matrix.iter_mut().zip(jacobian).enumerate() {
+                *entry = write(if i % diagonal == 0 { 1.0 } else { 0.0 }, *j);
+            }
+        }
+    }
+}

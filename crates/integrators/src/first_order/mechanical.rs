@@ -1,0 +1,98 @@
+//! A mechanical system as a first-order one.
+//!
+//! ```text
+//! y = (q, p),      q' = M^-1 p,      p' = -dV(q) + F(t, q, M^-1 p)
+//!
+//! df/dy = [  0      M^-1    ]
+//!         [ -d2V   -C M^-1  ]
+//! ```
+//! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules,
+//! `F` a force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the
+//! Jacobian, which costs implicit methods iterations, not correctness.
+
+use stationary_calculus::{
+    Covector, FIXED, Force, Metric, Potential, ProductSink, Sink, SizeError, System, Vector,
+};
+
+use super::{Jacobian, VectorField};
+
+/// The field of a mechanical system, with y = (q, p).
+#[derive(Clone, Debug)]
+pub struct MechanicalField<'s, M, P, F = ()> {
+    system: &'s System<M, P>,
+    force: F,
+}
+
+impl<'s, M: Metric, P: Potential> MechanicalField<'s, M, P> {
+    /// The field of a system on which no other force acts.
+    pub fn new(system: &'s System<M, P>) -> Self {
+        MechanicalField { system, force: () }
+    }
+}
+
+impl<'s, M: Metric, P: Potential, F: Force> MechanicalField<'s, M, P, F> {
+    /// The field of a system under a force.
+    pub fn forced(system: &'s System<M, P>, force: F) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        Ok(MechanicalField { system, force })
+    }
+}
+
+impl<M: Metric, P: Potential, F: Force> VectorField for MechanicalField<'_, M, P, F> {
+    #[inline]
+    fn dim(&self) -> usize {
+        2 * self.system.dim()
+    }
+
+    #[inline]
+    fn evaluate(&self, t: f64, y: &[f64], f: &mut [f64]) {
+        let n = self.system.dim();
+        let (q, p) = y.split_at(n);
+        let (dq, dp) = f.split_at_mut(n);
+        self.system.metric().sharp(Covector(p), Vector(&mut *dq));
+        dp.fill(0.0);
+        self.system.potential().add_differential(q, Covector(&mut *dp));
+        dp.iter_mut().for_each(|dp| *dp = -*dp);
+        self.force.add_force(t, q, Vector(dq), Covector(dp));
+    }
+
+    fn jacobian(&self, t: f64, y: &[f64], df: &mut [f64]) -> Jacobian {
+        let n = self.system.dim();
+        let (q, p) = y.split_at(n);
+        df.fill(0.0);
+        let (by_q, by_p) = df.split_at_mut(2 * n * n);
+        // The velocity is written where zeros must stand in the end.
+        let (v, columns) = by_q.split_at_mut(n);
+        self.system.metric().sharp(Covector(p), Vector(&mut *v));
+        for (j, column) in by_p.chunks_exact_mut(2 * n).enumerate() {
+            let (top, bottom) = column.split_at_mut(n);
+            bottom[j] = 1.0;
+            self.system.metric().sharp(Covector(&*bottom), Vector(&mut *top));
+            bottom[j] = 0.0;
+            if let Some(mut sink) = ProductSink::new(-1.0, top, bottom) {
+                self.force.add_damping(t, q, Vector(&*v), &mut sink);
+            }
+        }
+        v.fill(0.0);
+        self.system.potential().add_hessian(q, &mut LowerBlock { n, columns });
+        Jacobian::Written
+    }
+}
+
+/// Subtracts what it is given from the lower half of columns of height 2n, from their middle on.
+struct LowerBlock<'a> {
+    n: usize,
+    columns: &'a mut [f64],
+}
+
+impl Sink for LowerBlock<'_> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+            for (&i, entry) in freedoms.iter().zip(column) {
+                if i != FIXED && j != FIXED {
+                    self.columns[i + 2 * self.n * j] -= entry;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Radau IIA of order 5: collocation at three points, the last of which is the end of the step.
+//!
+//! ```text
+//! M z_i = h sum_j a_ij f(t + c_j h, y + z_j)      i = 1, 2, 3
+//! y'    = y + z_3
+//! ```
+//! `y` the state (n), `z_i` the stages less y, `M` the mass matrix (n x n, the identity unless the
+//! field says otherwise; it may be singular), `h` the step in seconds. The 3n equations are solved
+//! by Newton's method with the Jacobian of one point, in coordinates that split them into a real
+//! and a complex system of size n. A Jacobian serves as long as the iterations contract well, its
+//! factors as long as the step stays.
+//!
+//! L-stable: fast decay dies out within a step. Keeps order 5 on smooth solutions, but loses some
+//! where a fast part is driven: see `radau_loses_order_on_a_stiff_part_that_is_driven`. Constraints
+//! of index 1 (rows of M that are zero) are met at the end of each step. Dense matrices only.
+//! Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), IV.8.
+
+mod coefficients;
+mod collocation;
+
+use stationary_calculus::Storage;
+
+use super::error_scale::ErrorScale;
+use super::first_step::guess_step;
+use super::linearization::check_mass;
+use super::method::{check_finite, check_inside};
+use super::{
+    AdaptiveError, AdaptiveMethod, FirstOrderFacts, Moment, StepControl, Tolerance, VectorField,
+    Work,
+};
+use crate::integrator::zeros;
+use crate::{Damping, Evaluation};
+use coefficients::*;
+use collocation::{Collocation, Iterated, MOST_ITERATIONS, Reuse};
+
+/// What is known of the method.
+const FACTS: FirstOrderFacts = FirstOrderFacts {
+    name: "radau-iia-5",
+    order: 5,
+    dense_order: 3,
+    stages: 3,
+    dense_stages: 0,
+    evaluation: Evaluation::Implicit,
+    damping: Damping::LStable,
+    sector: 90.0,
+};
+
+/// The safety factor of the step control.
+const SAFETY: f64 = 0.9;
+/// A step grows at most to this multiple of the last.
+const GROWTH: f64 = 8.0;
+/// A step shrinks at most to this multiple of the last.
+const SHRINKAGE: f64 = 0.2;
+/// A step that would grow by less than this keeps its length, and with it the factors.
+const NOT_WORTH_GROWING: f64 = 1.2;
+/// The Newton iterations of a Jacobian that is good enough contract by less than this.
+const CONTRACTION: f64 = 1e-3;
+
+/// The Radau IIA method of order 5, bound to a field.
+#[derive(Clone, Debug)]
+pub struct RadauIia5<F, C> {
+    field: F,
+    control: StepControl,
+    scale: ErrorScale<C>,
+    moment: Moment<C>,
+    h: f64,
+    work: Work,
+    /// f at the moment.
+    f: C,
+    /// The tolerated error at the moment.
+    s: C,
+    collocation: Collocation<C>,
+    last: Last<C>,
+    error: C,
+    moved: C,
+}
+
+/// The last step: its polynomial, and what the control of the next one remembers of it.
+#[derive(Clone, Debug)]
+struct Last<C> {
+    /// Its beginning, unless nobody knows the polynomial.
+    begin: Option<f64>,
+    /// Its length; 0 where there was none.
+    h: f64,
+    error: f64,
+    /// Divided differences of the collocation polynomial.
+    polynomial: [C; 3],
+}
+
+/// The error per step is made smaller than asked for, because the estimate is of order 3.
+fn stricter(tolerance: &Tolerance) -> Tolerance {
+    let relative = 0.1 * tolerance.relative.powf(2.0 / 3.0);
+    let absolute = tolerance.absolute.iter().map(|a| a * relative / tolerance.relative);
+    Tolerance { relative, absolute: absolute.collect() }
+}
+
+impl<F: VectorField, C: Storage> RadauIia5<F, C> {
+    /// The method on a field, starting from a moment.
+    pub fn new(field: F, control: StepControl, start: Moment<C>) -> Result<Self, AdaptiveError> {
+        let n = field.dim();
+        check_mass(&field)?;
+        let zero: C = zeros(n)?;
+        let tolerance = stricter(&control.tolerance);
+        let mut method = RadauIia5 {
+            scale: ErrorScale::new(&tolerance, n)?,
+            collocation: Collocation::new(n, tolerance.relative)?,
+            field,
+            control,
+            moment: start.clone(),
+            h: 0.0,
+            work: Work::default(),
+            f: zero.clone(),
+            s: zero.clone(),
+            last: Last {
+                begin: None,
+                h: 0.0,
+                error: 0.0,
+                polynomial: std::array::from_fn(|_| zero.clone()),
+            },
+            error: zero.clone(),
+            moved: zero,
+        };
+        method.restart(&start)?;
+        Ok(method)
+    }
+
+    /// The collocation polynomial `x` steps after the end of the last step, less the state there.
+    fn polynomial(&self, x: f64, i: usize) -> f64 {
+        let [a, b, c] = self.last.polynomial.each_ref().map(|d| d.as_ref()[i]);
+        x * (a + (x - C2 + 1.0) * (b + (x - C1 + 1.0) * c))
+    }
+
+    /// Starts the iterations from the last step's polynomial, carried on.
+    fn extrapolate(&mut self, h: f64) {
+        let mut z = self.collocation.z.each_mut().map(C::lend);
+        for (z, c) in z.iter_mut().zip([C1, C2, 1.0]) {
+            if self.last.h == 0.0 {
+                z.as_mut().fill(0.0);
+                continue;
+            }
+            let x = c * h / self.last.h;
+            for (i, z) in z.as_mut().iter_mut().enumerate() {
+                *z = self.polynomial(x, i);
+            }
+        }
+        for (place, z) in self.collocation.z.iter_mut().zip(z) {
+            *place = z;
+        }
+    }
+
+    /// The error of a step whose equations are solved, against the tolerance. `again` filters it
+    /// once more, for steps that begin in a fast transient.
+    fn error(&mut self, h: f64, again: Again) -> f64 {
+        let RadauIia5 { field, moment, collocation, f, s, error, moved, .. } = self;
+        let first = collocation.error(field, f, h, (&mut *error, s));
+        if first < 1.0 || again == Again::No {
+            return first.max(1e-10);
+        }
+        for ((moved, y), e) in moved.as_mut().iter_mut().zip(moment.y.as_ref()).zip(error.as_ref())
+        {
+            *moved = y + e;
+        }
+        field.evaluate(moment.t, moved.as_ref(), error.as_mut());
+        self.work.evaluations += 1;
+        moved.clone_from(error);
+        collocation.error(field, moved, h, (error, s)).max(1e-10)
+    }
+
+    /// By how much the error lets the step change, more cautiously after many iterations.
+    fn factor(error: f64, iterations: u32) -> f64 {
+        let most = f64::from(MOST_ITERATIONS);
+        let caution = SAFETY * (1.0 + 2.0 * most) / (f64::from(iterations) + 2.0 * most);
+        (caution.min(SAFETY) / error.sqrt().sqrt()).clamp(SHRINKAGE, GROWTH)
+    }
+
+    fn accept(&mut self, (h, to): (f64, f64), (error, iterations): (f64, u32), most: f64) {
+        let mut factor = Self::factor(error, iterations).min(most);
+        if self.last.h > 0.0 && self.last.error > 0.0 {
+            // What the last two errors foretell of the next (Gustafsson).
+            let ratio = (self.last.error / (error * error)).sqrt().sqrt();
+            let foretold = SAFETY * h / self.last.h * ratio;
+            factor = factor.min(foretold.clamp(SHRINKAGE, GROWTH));
+        }
+        self.last.error = error.max(1e-2);
+        let [a, b, c] = &mut self.last.polynomial;
+        let [z1, z2, z3] = self.collocation.z.each_ref().map(C::as_ref);
+        let y = self.moment.y.as_mut();
+        for i in 0..y.len() {
+            let (first, second) = (z1[i] / C1, (z2[i] - z1[i]) / (C2 - C1));
+            let third = (z3[i] - z2[i]) / (1.0 - C2);
+            let left = (second - first) / C2;
+            a.as_mut()[i] = third;
+            b.as_mut()[i] = (third - second) / (1.0 - C1);
+            c.as_mut()[i] = b.as_ref()[i] - left;
+            y[i] += z3[i];
+        }
+        self.last.begin = Some(self.moment.t);
+        self.last.h = h;
+        self.moment.t = to;
+        self.work.steps += 1;
+        self.arrive();
+        let grown = self.control.next(h * factor);
+        let keep = h == self.h && (1.0..=NOT_WORTH_GROWING).contains(&(grown / h));
+        let reuse = if self.collocation.contraction > CONTRACTION {
+            Reuse::Nothing
+        } else {
+            Reuse::Jacobian
+        };
+        self.collocation.reuse = reuse;
+        if h < self.h {
+            // A last step that was cut short says little of the next one.
+            self.h = self.h.max(grown);
+        } else if !(keep && reuse == Reuse::Jacobian) {
+            self.h = grown;
+        }
+    }
+
+    /// f and the tolerated error at the moment.
+    fn arrive(&mut self) {
+        let Moment { t, y } = &self.moment;
+        self.field.evaluate(*t, y.as_ref(), self.f.as_mut());
+        self.scale.write(y.as_ref(), self.s.as_mut());
+        self.work.evaluations += 1;
+    }
+
+    /// Tries again with a step of `h`, and a Jacobian of this very moment.
+    fn reject(&mut self, h: f64) {
+        self.work.rejected += 1;
+        self.h = h;
+        if self.collocation.reuse == Reuse::Jacobian {
+            self.collocation.reuse = Reuse::Nothing;
+        }
+    }
+}
+
+/// Whether an error that is too large is filtered a second time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Again {
+    Yes,
+    No,
+}
+
+impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
+    fn facts(&self) -> FirstOrderFacts {
+        FACTS
+    }
+
+    fn moment(&self) -> &Moment<C> {
+        &self.moment
+    }
+
+    fn work(&self) -> &Work {
+        &self.work
+    }
+
+    fn step(&mut self, end: f64) -> Result<(), AdaptiveError> {
+        let (mut again, mut most) = (Again::No, GROWTH);
+        if self.last.h == 0.0 {
+            again = Again::Yes;
+        }
+        loop {
+            let attempt = self.control.attempt(&self.moment, self.h, end, &self.work)?;
+            let h = attempt.h;
+            self.extrapolate(h);
+            let RadauIia5 { field, scale, moment, s, work, .. } = self;
+            match self.collocation.solve(field, scale, (moment, s), h, work) {
+                Iterated::Converged(iterations) => {
+                    let error = self.error(h, again);
+                    let constant = self.control.constant.is_some() && error.is_finite();
+                    if error < 1.0 || constant {
+                        self.accept((h, attempt.to), (error, iterations), most);
+                        return Ok(());
+                    }
+                    let first = self.last.h == 0.0 && most == GROWTH;
+                    let factor = Self::factor(error, iterations);
+                    self.reject(if first || !error.is_finite() { 0.1 * h } else { h * factor });
+                }
+                Iterated::TooSlow(factor) => self.reject(factor * h),
+                Iterated::Diverged => self.reject(0.5 * h),
+            }
+            (again, most) = (Again::Yes, 1.0);
+        }
+    }
+
+    fn last_begin(&self) -> Option<f64> {
+        self.last.begin
+    }
+
+    fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
+        check_inside(self.last.begin, self.moment.t, t, (y, self.field.dim()))?;
+        y.copy_from_slice(self.moment.y.as_ref());
+        if self.last.begin.is_some() {
+            let x = (t - self.moment.t) / self.last.h;
+            for (i, y) in y.iter_mut().enumerate() {
+                *y += self.polynomial(x, i);
+            }
+        }
+        Ok(())
+    }
+
+    fn restart(&mut self, moment: &Moment<C>) -> Result<(), AdaptiveError> {
+        moment.check(self.field.dim())?;
+        self.field.evaluate(moment.t, moment.y.as_ref(), self.error.as_mut());
+        check_finite("f", moment.t, self.error.as_ref())?;
+        self.moment.clone_from(moment);
+        self.arrive();
+        self.last.begin = None;
+        (self.last.h, self.last.error) = (0.0, 0.0);
+        self.collocation.restart();
+        let [scratch, difference, _] = &mut self.collocation.z;
+        let scratch = [scratch, difference, &mut self.moved];
+        let guess = guess_step(&self.field, &self.scale, moment, &self.f, 4, scratch);
+        self.work.evaluations += 2;
+        self.h = self.control.begin(guess);
+        Ok(())
+    }
+
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
+        visit(&mut self.moment.t);
+        self.moment.y.as_mut().iter_mut().for_each(&mut *visit);
+        visit(&mut self.h);
+        visit(&mut self.last.h);
+        visit(&mut self.last.error);
+        for d in &mut self.last.polynomial {
+            d.as_mut().iter_mut().for_each(&mut *visit);
+        }
+        self.collocation.visit(visit);
+        self.work.visit(visit);
+    }
+
+    fn settle(&mut self) -> Result<(), AdaptiveError> {
+        self.moment.check(self.field.dim())?;
+        let positive = self.h > 0.0 && self.h.is_finite() && self.last.h >= 0.0;
+        if !positive {
+            return Err(AdaptiveError::Saved("its step is not positive and finite"));
+        }
+        self.last.begin = None;
+        let work = self.work;
+        self.arrive();
+        self.collocation.settle(&self.field, &self.scale);
+        self.work = work;
+        check_finite("f", self.moment.t, self.f.as_ref())
+    }
+}

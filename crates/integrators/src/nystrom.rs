@@ -1,0 +1,43 @@
+//! Runge-Kutta-Nystrom methods of high order, with steps of their own choice.
+//!
+//! ```text
+//! q.. = -M^-1 dV(q)
+//! ```
+//! Where forces do not depend on velocity, a method can go straight for the configuration, and
+//! needs far fewer evaluations than a Runge-Kutta method of its order: the methods of this crate
+//! for an accurate orbit. [`Nystrom8`] is cheapest for errors down to about 1e-5, [`Nystrom12`] below.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use stationary_integrators::{Nystrom12, Tolerance, problems::kepler};
+//!
+//! let planet = kepler(0.9)?;
+//! let mut state = planet.initial.clone();
+//! let mut nystrom = Nystrom12::new(&planet.system, Tolerance::new(1e-12, 1e-12)?.into())?;
+//! let work = nystrom.run(&mut state, planet.horizon, |_| ControlFlow::Continue(()))?;
+//! assert!(planet.error(state.t, &state.q).unwrap() < 1e-9);
+//! assert!(work.evaluations < 8000);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Not for the metric of a configuration that moves on a curved space, nor for stiff systems: the
+//! steps would have to resolve the fastest oscillation.
+
+mod hermite;
+mod pair;
+mod pair_8_6;
+mod pair_12_10;
+mod solver;
+mod stages;
+mod step_trend;
+
+pub use hermite::NystromStep;
+pub use pair::NystromPair;
+pub use pair_8_6::Pair8;
+pub use pair_12_10::Pair12;
+pub use solver::Nystrom;
+
+/// The pair of order 8: eight evaluations a step.
+pub type Nystrom8<'s, M, P, C> = Nystrom<'s, Pair8, M, P, C, 9>;
+/// The pair of order 12: seventeen evaluations a step.
+pub type Nystrom12<'s, M, P, C> = Nystrom<'s, Pair12, M, P, C, 17>;

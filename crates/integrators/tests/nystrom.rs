@@ -1,0 +1,343 @@
+//! What the Runge-Kutta-Nystrom methods promise, where they stop, and what they say to bad input.
+
+use std::ops::ControlFlow::{Break, Continue};
+
+use stationary_calculus::{
+    Covector, DenseMetric, DiagonalMetric, Metric, Potential, Sink, SizeError, System, loglog_slope,
+};
+use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, pleiades};
+use stationary_integrators::{
+    AdaptiveError, NewtonianGravity, Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8,
+    Pair12, State, StepControl, Tolerance, Work, angular_momentum, linear_momentum,
+    linear_momentum_scale,
+};
+
+/// The same tolerance, absolute and relative.
+fn both(tolerance: f64) -> StepControl {
+    Tolerance::new(tolerance, tolerance).unwrap().into()
+}
+
+/// Runs a pair to a problem's horizon and gives the largest error along the way.
+fn worst_error<T: NystromPair<S>, M: Metric, P: Potential, const N: usize, const S: usize>(
+    problem: &Problem<M, P, [f64; N]>,
+    tolerance: f64,
+) -> (f64, Work) {
+    let mut nystrom = Nystrom::<T, M, P, _, S>::new(&problem.system, both(tolerance)).unwrap();
+    let mut state = problem.initial.clone();
+    let mut worst = 0.0_f64;
+    let work = nystrom.run(&mut state, problem.horizon, |step| {
+        worst = worst.max(problem.error(step.after.t, &step.after.q).unwrap_or(0.0));
+        Continue(())
+    });
+    assert_eq!(state.t, problem.horizon);
+    (worst, work.unwrap())
+}
+
+#[test]
+fn the_error_follows_the_tolerance_down_to_rounding_at_every_eccentricity() {
+    for (e, amplified) in [(0.0, 1e2), (0.6, 1e3), (0.9, 1e4), (0.99, 1e6)] {
+        let problem = kepler(e).unwrap();
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12] {
+            let errors = [
+                worst_error::<Pair8, _, _, 2, 9>(&problem, tolerance).0,
+                worst_error::<Pair12, _, _, 2, 17>(&problem, tolerance).0,
+            ];
+            for error in errors {
+                assert!(error < amplified * tolerance, "e = {e}, {tolerance:e}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pendulum_is_followed_to_ten_digits() {
+    let problem = pendulum(2.0).unwrap();
+    assert!(worst_error::<Pair8, _, _, 1, 9>(&problem, 1e-12).0 < 1e-10);
+    assert!(worst_error::<Pair12, _, _, 1, 17>(&problem, 1e-12).0 < 1e-10);
+}
+
+#[test]
+fn the_pleiades_end_where_the_test_set_says() {
+    let problem = pleiades().unwrap();
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let eight = worst_error::<Pair8, _, _, 14, 9>(&problem, tolerance).0;
+        let twelve = worst_error::<Pair12, _, _, 14, 17>(&problem, tolerance).0;
+        assert!(eight < 300.0 * tolerance && twelve < 300.0 * tolerance, "{eight:e} {twelve:e}");
+    }
+    // What is left below that is rounding, which close encounters amplify ten thousand times.
+    assert!(worst_error::<Pair8, _, _, 14, 9>(&problem, 1e-13).0 < 2e-11);
+    assert!(worst_error::<Pair12, _, _, 14, 17>(&problem, 1e-13).0 < 2e-11);
+}
+
+#[test]
+fn few_steps_are_refused_on_the_way_into_a_close_encounter() {
+    let work = worst_error::<Pair12, _, _, 2, 17>(&kepler(0.9).unwrap(), 1e-9).1;
+    assert!(10 * work.rejected < work.steps, "{work:?}");
+    let evaluations = 1 + 17 * work.steps + 16 * work.rejected;
+    assert_eq!(work.evaluations, evaluations);
+    let work = worst_error::<Pair8, _, _, 2, 9>(&kepler(0.9).unwrap(), 1e-9).1;
+    assert!(10 * work.rejected < work.steps, "{work:?}");
+    assert_eq!(work.evaluations, 1 + 8 * (work.steps + work.rejected));
+}
+
+#[test]
+fn a_dense_mass_gives_the_motion_of_its_own_axes() {
+    // In the axes of the sum and the difference this is a pair of oscillators.
+    let mass = nalgebra::dmatrix![2.0, 1.0; 1.0, 2.0];
+    let potential = stationary_integrators::problems::Linear::<2> { stiffness: 3.0 };
+    let system = System::new(DenseMetric::new(mass).unwrap(), potential).unwrap();
+    let mut state = State::new([1.0, 0.0], [0.0, 0.0]);
+    let mut nystrom = Nystrom12::new(&system, both(1e-12)).unwrap();
+    nystrom.run(&mut state, 7.0, |_| Continue(())).unwrap();
+    let (sum, difference) = (7.0_f64.cos(), (3.0_f64.sqrt() * 7.0).cos());
+    assert!((state.q[0] - 0.5 * (sum + difference)).abs() < 1e-10);
+    assert!((state.q[1] - 0.5 * (sum - difference)).abs() < 1e-10);
+}
+
+#[test]
+fn linear_momentum_is_kept_to_rounding_and_energy_and_angular_momentum_only_to_the_tolerance() {
+    let problem = pleiades().unwrap();
+    let drifts = |tolerance: f64| {
+        let mut state = problem.initial.clone();
+        let linear = linear_momentum::<2>(&state);
+        let (angular, energy) = (angular_momentum::<2>(&state)[2], problem.energy(&state));
+        let mut nystrom = Nystrom12::new(&problem.system, both(tolerance)).unwrap();
+        let mut worst = 0.0_f64;
+        let observe = |step: NystromStep<'_, _, _>| {
+            let now: [f64; 2] = linear_momentum::<2>(step.after);
+            let drift = (now[0] - linear[0]).hypot(now[1] - linear[1]);
+            worst = worst.max(drift / linear_momentum_scale::<2>(step.after));
+            Continue(())
+        };
+        nystrom.run(&mut state, 3.0, observe).unwrap();
+        let angular = (angular_momentum::<2>(&state)[2] - angular).abs();
+        (worst, angular, (problem.energy(&state) - energy).abs())
+    };
+    let (linear, angular, energy) = drifts(1e-4);
+    assert!(linear < 1e-14, "{linear:e}");
+    assert!(angular > 1e-8 && energy > 1e-8, "{angular:e} {energy:e}");
+    let (_, angular, energy) = drifts(1e-12);
+    assert!(angular < 1e-9 && energy < 1e-9, "{angular:e} {energy:e}");
+}
+
+#[test]
+fn energy_drifts_steadily_where_a_symplectic_method_would_keep_it() {
+    let problem = kepler(0.3).unwrap();
+    let mut nystrom = Nystrom8::new(&problem.system, both(1e-5)).unwrap();
+    let mut state = problem.initial.clone();
+    let mut error_after = |years: f64| {
+        nystrom.run(&mut state, years * problem.period, |_| Continue(())).unwrap();
+        (problem.energy(&state) + 0.5).abs()
+    };
+    let (short, long) = (error_after(100.0), error_after(1000.0));
+    assert!((5.0..20.0).contains(&(long / short)), "{short:e} {long:e}");
+}
+
+/// The errors of configuration and momentum in the middle of a single step of `h` seconds.
+fn error_within_a_step(h: f64) -> [f64; 2] {
+    let problem = kepler(0.3).unwrap();
+    let mut nystrom = Nystrom12::new(&problem.system, both(0.9)).unwrap();
+    let mut state = problem.initial.clone();
+    nystrom.run(&mut state, 0.5, |_| Continue(())).unwrap();
+    let mut middle = state.clone();
+    let end = state.t + h;
+    let exact = |t| (problem.solution)(t).unwrap();
+    let work = nystrom.run(&mut state, end, |step| {
+        step.at(end - 0.4 * h, &mut middle).unwrap();
+        Continue(())
+    });
+    assert_eq!(work.unwrap().steps, 1);
+    let at = exact(end - 0.4 * h);
+    // The solution's difference quotient is good to ten digits.
+    let (ahead, behind) = (exact(end - 0.4 * h + 1e-4), exact(end - 0.4 * h - 1e-4));
+    let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let v = [(ahead[0] - behind[0]) / 2e-4, (ahead[1] - behind[1]) / 2e-4];
+    [distance(middle.q, at), distance(middle.p.0, v)]
+}
+
+#[test]
+fn the_motion_within_a_step_is_of_order_six_and_its_momentum_of_order_four() {
+    let steps: Vec<f64> = (0..5).map(|i| 0.2 / 2_f64.powf(0.5 * f64::from(i))).collect();
+    for (which, order) in [(0, 6.0), (1, 4.0)] {
+        let errors: Vec<(f64, f64)> =
+            steps.iter().map(|&h| (h, error_within_a_step(h)[which])).collect();
+        let slope = loglog_slope(&errors).unwrap();
+        assert!((slope - order).abs() < 0.3, "{slope} {errors:?}");
+    }
+}
+
+#[test]
+fn a_step_holds_its_ends_exactly_and_nothing_outside() {
+    let problem = kepler(0.6).unwrap();
+    let mut nystrom = Nystrom8::new(&problem.system, both(1e-6)).unwrap();
+    let mut state = problem.initial.clone();
+    let mut within = state.clone();
+    let mut last = state.clone();
+    nystrom
+        .run(&mut state, 3.0, |step| {
+            assert_eq!(*step.before, last);
+            last = step.after.clone();
+            for end in [step.before, step.after] {
+                step.at(end.t, &mut within).unwrap();
+                for c in 0..2 {
+                    assert!((within.q[c] - end.q[c]).abs() < 1e-15);
+                    assert!((within.p.0[c] - end.p.0[c]).abs() < 2e-15);
+                }
+            }
+            for t in [step.before.t - 1e-9, step.after.t + 1e-9, f64::NAN] {
+                let error = step.at(t, &mut within).unwrap_err();
+                assert!(matches!(error, AdaptiveError::OutsideStep { .. }), "{error}");
+            }
+            Continue(())
+        })
+        .unwrap();
+    assert_eq!(last, state);
+}
+
+#[test]
+fn an_observer_that_breaks_off_leaves_the_state_it_saw_and_the_run_goes_on_from_there() {
+    let problem = kepler(0.6).unwrap();
+    let mut nystrom = Nystrom12::new(&problem.system, both(1e-10)).unwrap();
+    let mut state = problem.initial.clone();
+    let work = nystrom
+        .run(&mut state, 10.0, |step| if step.number == 5 { Break(()) } else { Continue(()) })
+        .unwrap();
+    assert_eq!(work.steps, 5);
+    assert!(state.t < 10.0);
+    assert!(problem.error(state.t, &state.q).unwrap() < 1e-9);
+    nystrom.run(&mut state, 10.0, |_| Continue(())).unwrap();
+    assert_eq!(state.t, 10.0);
+    assert!(problem.error(10.0, &state.q).unwrap() < 1e-8);
+}
+
+#[test]
+fn a_body_at_rest_stays_there_in_one_step() {
+    let problem = oscillator(1.0).unwrap();
+    let mut state = State::new([0.0; 1], [0.0; 1]);
+    let mut nystrom = Nystrom8::new(&problem.system, both(1e-9)).unwrap();
+    let work = nystrom.run(&mut state, 5.0, |_| Continue(())).unwrap();
+    assert_eq!((work.steps, state.q, state.t), (1, [0.0], 5.0));
+}
+
+/// What a run from a state that cannot be run from says; the state must stay as it was.
+fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveError {
+    let problem = kepler(0.6).unwrap();
+    let mut nystrom = Nystrom12::new(&problem.system, both(1e-9)).unwrap();
+    let bits = |state: &State<Vec<f64>>| {
+        let numbers = state.q.iter().chain(&state.p.0).chain([&state.t]);
+        numbers.map(|x| x.to_bits()).collect::<Vec<_>>()
+    };
+    let mut after = state.clone();
+    let seen = |_: NystromStep<'_, _, _>| panic!("a step was taken");
+    let error = nystrom.run(&mut after, end, seen).unwrap_err();
+    assert_eq!(bits(&after), bits(&state));
+    error
+}
+
+#[test]
+fn states_and_ends_that_cannot_be_run_from_are_refused_by_name() {
+    let state = || State::new(vec![0.4, 0.0], vec![0.0, 2.0]);
+    for end in [-1.0, 0.0, f64::INFINITY] {
+        assert_eq!(refused(state(), end), AdaptiveError::End { end, t: 0.0 });
+    }
+    assert!(matches!(refused(state(), f64::NAN), AdaptiveError::End { .. }));
+    let late = State { t: f64::NAN, ..state() };
+    assert!(matches!(refused(late, 1.0), AdaptiveError::End { .. }));
+    let bad = State::new(vec![0.4, f64::INFINITY], vec![0.0, 2.0]);
+    let named = AdaptiveError::NonFinite { what: "the configuration", t: 0.0, component: 1 };
+    assert_eq!(refused(bad, 1.0), named);
+    let bad = State::new(vec![0.4, 0.0], vec![f64::NAN, 2.0]);
+    let named = AdaptiveError::NonFinite { what: "the momentum", t: 0.0, component: 0 };
+    assert_eq!(refused(bad, 1.0), named);
+    let bad = State::new(vec![0.4, 0.0, 0.0], vec![0.0; 3]);
+    assert!(matches!(refused(bad, 1.0), AdaptiveError::Size(_)));
+    let uneven = Tolerance::componentwise(1e-9, vec![1e-9; 3]).unwrap();
+    let problem = kepler(0.6).unwrap();
+    let storage = Nystrom8::<_, _, [f64; 3]>::new(&problem.system, both(1e-9)).map(drop);
+    assert!(matches!(storage, Err(SizeError { expected: 2, got: 3, .. })));
+    let tolerances = Nystrom8::<_, _, [f64; 2]>::new(&problem.system, uneven.into()).map(drop);
+    assert!(matches!(tolerances, Err(SizeError { expected: 2, got: 3, .. })));
+}
+
+#[test]
+fn bodies_that_fall_into_each_other_are_an_error_with_the_last_good_state() {
+    let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 1.0] };
+    let system = System::new(DiagonalMetric::new([1.0; 4]).unwrap(), gravity).unwrap();
+    let mut state = State::new([0.5, 0.0, -0.5, 0.0], [0.0; 4]);
+    let mut last = state.clone();
+    let mut nystrom = Nystrom12::new(&system, both(1e-10)).unwrap();
+    let error = nystrom
+        .run(&mut state, 10.0, |step| {
+            last = step.after.clone();
+            Continue(())
+        })
+        .unwrap_err();
+    // Two unit masses at distance 1 meet after pi/4 seconds.
+    assert_eq!(state, last);
+    assert!((state.t - std::f64::consts::FRAC_PI_4).abs() < 1e-6, "{error}");
+    let AdaptiveError::StepTooSmall { last, .. } = error else { panic!("{error}") };
+    assert_eq!((last.t, last.y), (state.t, [state.q, state.p.0].concat()));
+}
+
+#[test]
+fn a_run_that_takes_too_many_steps_says_so() {
+    let problem = kepler(0.6).unwrap();
+    let control = both(1e-10).most_steps(20).unwrap();
+    let mut nystrom = Nystrom12::new(&problem.system, control).unwrap();
+    let mut state = problem.initial.clone();
+    let error = nystrom.run(&mut state, problem.horizon, |_| Continue(())).unwrap_err();
+    let AdaptiveError::TooManySteps { steps: 20, last } = error else { panic!("{error}") };
+    assert_eq!(last.t, state.t);
+    assert!(state.t > 0.0 && problem.error(state.t, &state.q).unwrap() < 1e-8);
+}
+
+/// A force that is finite near the start and not a number beyond q = 1.
+struct Edge;
+
+impl Potential for Edge {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        -(1.0 - q[0]).sqrt()
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        dv.0[0] += 0.5 / (1.0 - q[0]).sqrt();
+    }
+
+    fn add_hessian(&self, _q: &[f64], _hessian: &mut impl Sink) {}
+}
+
+#[test]
+fn a_force_that_is_not_a_number_ahead_is_an_error_and_not_a_nan() {
+    let system = System::new(DiagonalMetric::new([1.0]).unwrap(), Edge).unwrap();
+    let mut state = State::new([0.0], [3.0]);
+    let mut nystrom = Nystrom8::new(&system, both(1e-8)).unwrap();
+    let error = nystrom.run(&mut state, 1.0, |_| Continue(())).unwrap_err();
+    assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");
+    assert!(state.q[0] < 1.0 && state.q[0] > 0.99, "{state:?}");
+}
+
+#[test]
+fn steps_are_as_long_as_the_caller_says() {
+    let problem = kepler(0.6).unwrap();
+    let lengths = |control: StepControl| {
+        let mut nystrom = Nystrom12::new(&problem.system, control).unwrap();
+        let mut lengths = Vec::new();
+        let mut state = problem.initial.clone();
+        nystrom
+            .run(&mut state, 3.0, |step| {
+                lengths.push(step.after.t - step.before.t);
+                Continue(())
+            })
+            .unwrap();
+        lengths
+    };
+    let constant = lengths(both(1e-9).constant_step(0.3).unwrap());
+    assert!(constant.len() == 10 && constant.iter().all(|h| (h - 0.3).abs() < 1e-14));
+    let short = lengths(both(1e-9).longest_step(0.05).unwrap());
+    assert!(short.len() >= 60 && short.iter().all(|&h| h < 0.0506));
+    assert_eq!(lengths(both(1e-9).first_step(1e-3).unwrap())[0], 1e-3);
+}

@@ -1,0 +1,120 @@
+//! A spring of no rest length between points of two bodies, or of a body and the world.
+//!
+//! ```text
+//! V = k/2 |d|^2,   d = x_i - x_j,   x = t + R c
+//! dx(v, a) = v + R (a x c)                                                       (10.1.2)
+//! d2V(., .) = k <dx, dx> + k sum of -+ [ (a.G)(b.c) + (a.c)(b.G) ]/2 - (G.c)(a.b),   G = R^T d
+//! ```
+//! `k` N/m; `c` the point in body axes; `v` in world axes, `a b` turns in body axes. Between bodies
+//! it keeps linear and angular momentum; tied to the world's origin it keeps the angular one.
+//! Source: notes 3.1, 10.1.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use stationary_calculus::{Covector, FIXED, Potential, Sink};
+
+use crate::{BodySpace, LieGroup};
+
+/// An end of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attachment {
+    /// A point of the world, metres.
+    World(Vector3<f64>),
+    /// A point of a body, metres, body axes.
+    Body(usize, Vector3<f64>),
+}
+
+/// A spring of no rest length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodySpring<S> {
+    /// Bodies in the whole system.
+    pub bodies: usize,
+    /// Its stiffness, N/m.
+    pub stiffness: f64,
+    /// Its ends, whose bodies are below `bodies`.
+    pub ends: [Attachment; 2],
+    /// Whether the bodies are free or turn about fixed points.
+    pub space: S,
+}
+
+/// How an end moves with its body's six freedoms, and what its acceleration adds to a Hessian.
+struct End {
+    freedoms: [usize; 6],
+    jacobian: SMatrix<f64, 3, 6>,
+    curvature: Matrix3<f64>,
+}
+
+impl<S: BodySpace> BodySpring<S> {
+    fn place(q: &[f64], end: &Attachment) -> Vector3<f64> {
+        match *end {
+            Attachment::World(x) => x,
+            Attachment::Body(body, c) => S::pose(q, body).apply(&c),
+        }
+    }
+
+    fn stretch(&self, q: &[f64]) -> Vector3<f64> {
+        Self::place(q, &self.ends[0]) - Self::place(q, &self.ends[1])
+    }
+
+    /// An end that is pulled with the force `pull`, world axes.
+    fn end(q: &[f64], end: &Attachment, pull: &Vector3<f64>) -> End {
+        let mut jacobian = SMatrix::zeros();
+        let Attachment::Body(body, c) = *end else {
+            return End { freedoms: [FIXED; 6], jacobian, curvature: Matrix3::zeros() };
+        };
+        let rotation = S::pose(q, body).rotation;
+        let turned = -(rotation.matrix() * c.cross_matrix());
+        jacobian.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+        jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
+        let g = rotation.rotate_back(pull);
+        let product = g * c.transpose();
+        let curvature = (product + product.transpose()) * 0.5 - Matrix3::identity() * g.dot(&c);
+        let first = S::FREEDOMS * body;
+        let freedom = |k: usize| match k {
+            0..3 if S::TRANSLATION == 0 => FIXED,
+            _ => first + k + S::TRANSLATION - 3,
+        };
+        End { freedoms: [0, 1, 2, 3, 4, 5].map(freedom), jacobian, curvature }
+    }
+}
+
+impl<S: BodySpace> Potential for BodySpring<S> {
+    fn dim(&self) -> usize {
+        S::FREEDOMS * self.bodies
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        0.5 * self.stiffness * self.stretch(q).norm_squared()
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        let pull = self.stretch(q) * self.stiffness;
+        for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
+            let Attachment::Body(body, c) = *end else { continue };
+            let torque = c.cross(&S::pose(q, body).rotation.rotate_back(&pull));
+            let dv = &mut dv.0[S::FREEDOMS * body..][..S::FREEDOMS];
+            for k in 0..S::TRANSLATION {
+                dv[k] += sign * pull[k];
+            }
+            for k in 0..3 {
+                dv[S::TRANSLATION + k] += sign * torque[k];
+            }
+        }
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        let pull = self.stretch(q) * self.stiffness;
+        let ends = [Self::end(q, &self.ends[0], &pull), Self::end(q, &self.ends[1], &-pull)];
+        let mut whole = SMatrix::<f64, 3, 12>::zeros();
+        whole.fixed_view_mut::<3, 6>(0, 0).copy_from(&ends[0].jacobian);
+        whole.fixed_view_mut::<3, 6>(0, 6).copy_from(&-ends[1].jacobian);
+        let mut block = whole.transpose() * whole * self.stiffness;
+        for (first, end) in [3, 9].into_iter().zip(&ends) {
+            let mut turns = block.fixed_view_mut::<3, 3>(first, first);
+            turns += end.curvature;
+        }
+        let mut freedoms = [FIXED; 12];
+        freedoms[..6].copy_from_slice(&ends[0].freedoms);
+        freedoms[6..].copy_from_slice(&ends[1].freedoms);
+        hessian.add_symmetric(&freedoms, block.as_slice());
+    }
+}

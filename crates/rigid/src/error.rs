@@ -1,0 +1,183 @@
+//! What can go wrong in this crate.
+
+use stationary_calculus::SizeError;
+
+/// Input that is no rotation, no body or no pose.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RigidError {
+    /// A mass is positive.
+    #[error("the mass is {0} kg; it must be positive and finite")]
+    Mass(f64),
+    /// A solid body resists every turn.
+    #[error(
+        "the moment of inertia about axis {axis} is {moment} kg m^2; it must be positive and finite"
+    )]
+    Moment {
+        /// The axis, 0 to 2.
+        axis: usize,
+        /// Its moment.
+        moment: f64,
+    },
+    /// No distribution of mass has these moments.
+    #[error(
+        "moment {axis} of {moments:?} exceeds the sum of the others: no mass is distributed like that"
+    )]
+    TriangleInequality {
+        /// The axis of the largest moment.
+        axis: usize,
+        /// The principal moments, kg m^2.
+        moments: [f64; 3],
+    },
+    /// An inertia tensor is symmetric.
+    #[error(
+        "the inertia tensor is not symmetric: ({row}, {column}) is {entry}, its mirror image {mirror}"
+    )]
+    NotSymmetric {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        entry: f64,
+        /// The entry at (column, row).
+        mirror: f64,
+    },
+    /// A quaternion that stands for a rotation has length 1.
+    #[error("the quaternion has length {length}; a rotation's is 1")]
+    NotUnit {
+        /// Its length.
+        length: f64,
+    },
+    /// A rotation matrix is orthogonal.
+    #[error("R^T R is off from the identity by {defect}; a rotation's matrix is orthogonal")]
+    NotOrthogonal {
+        /// The largest entry of `R^T R - I`.
+        defect: f64,
+    },
+    /// A rotation does not turn right hands into left ones.
+    #[error("the matrix has determinant {determinant}: it reflects")]
+    Reflection {
+        /// Its determinant.
+        determinant: f64,
+    },
+    /// An axis has a direction.
+    #[error("the axis {0:?} has no direction")]
+    NoAxis([f64; 3]),
+    /// A number that is not finite.
+    #[error("{what}: number {index} is {value}")]
+    NonFinite {
+        /// What holds it.
+        what: &'static str,
+        /// Its place.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The body of this number is wrong.
+    #[error("a quaternion of length {length} at body {body}; a rotation's is 1")]
+    Pose {
+        /// The body, counted from 0.
+        body: usize,
+        /// The length of its quaternion.
+        length: f64,
+    },
+    /// Euler angles are lost where the middle one lines up the other two axes.
+    #[error("gimbal lock: the pitch is {pitch} rad, where yaw and roll turn about the same axis")]
+    GimbalLock {
+        /// The middle angle, radians.
+        pitch: f64,
+        /// The sum (pitch up) or difference (pitch down) of roll and yaw that is left, radians.
+        turn: f64,
+    },
+    /// A matrix without a real logarithm, or too ill-conditioned to find one.
+    #[error("the matrix has no real logarithm that square roots reach: {reason}")]
+    NoLogarithm {
+        /// What was met on the way.
+        reason: &'static str,
+    },
+    /// A joint names a body that is not there.
+    #[error("a joint names body {body} of {bodies}")]
+    NoSuchBody {
+        /// The body that it names.
+        body: usize,
+        /// How many there are.
+        bodies: usize,
+    },
+    /// A joint between two points of one body, or of the world.
+    #[error("a joint holds {ends:?} to itself")]
+    JoinedToItself {
+        /// The bodies of its ends; `None` is the world.
+        ends: [Option<usize>; 2],
+    },
+    /// A density is positive.
+    #[error("the density is {0}; it must be positive and finite")]
+    Density(f64),
+    /// A loop of an outline has too few corners to hold an area.
+    #[error("loop {outline} has {vertices} vertices; it needs three")]
+    ShortLoop {
+        /// The loop, counted from 0.
+        outline: usize,
+        /// Its vertices.
+        vertices: usize,
+    },
+    /// Edges of an outline cross, or a loop touches itself along an edge.
+    #[error("edge {edge} crosses edge {other}, counted through all loops")]
+    Crossing {
+        /// The first such edge.
+        edge: usize,
+        /// The other.
+        other: usize,
+    },
+    /// An outline or a surface that encloses nothing.
+    #[error("the {0} encloses nothing")]
+    Empty(&'static str),
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex} of {vertices}")]
+    NoSuchVertex {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex that it names.
+        vertex: usize,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A surface with a hole, or with neighbours turned against each other.
+    #[error(
+        "the surface is open: edge {from}-{to} of triangle {triangle} has no neighbour facing its way"
+    )]
+    OpenEdge {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex where its edge starts.
+        from: usize,
+        /// The vertex where it ends.
+        to: usize,
+    },
+    /// More than two triangles meet at an edge, or two of them overlap.
+    #[error("the edge {from}-{to} of triangle {triangle} belongs to another triangle already")]
+    SharedEdge {
+        /// The second triangle to use it.
+        triangle: usize,
+        /// The vertex where the edge starts.
+        from: usize,
+        /// The vertex where it ends.
+        to: usize,
+    },
+    /// A surface whose triangles are clockwise seen from outside.
+    #[error("the surface is inside out: its volume is {volume} m^3")]
+    InsideOut {
+        /// Its signed volume.
+        volume: f64,
+    },
+    /// Something has the wrong size.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}
+
+/// The first of these numbers that is not finite, as an error.
+pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), RigidError> {
+    match stationary_calculus::first_non_finite(numbers) {
+        Some(index) => Err(RigidError::NonFinite { what, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}

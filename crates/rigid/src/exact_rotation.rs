@@ -1,0 +1,36 @@
+//! The free body in closed form, as the drift of a splitting.
+//!
+//! ```text
+//! S = R(h)                       of a free top that starts at the identity
+//! ```
+//! `h` seconds; see [`FreeTop`]. A free body is then exact at any step, energy included; under a
+//! potential the kicks alone err, which pays where a body spins fast in a weak field. Elliptic
+//! functions and integrals make a step some ten times dearer than [`AxisRotations`].
+//! Order 2, explicit, symmetric, symplectic. Source: Celledoni, Fasso, Saefstroem and Zanna 2008.
+//!
+//! [`AxisRotations`]: crate::AxisRotations
+
+use nalgebra::Vector3;
+use stationary_integrators::{Facts, StepError};
+
+use crate::axis_rotations::AxisRotations;
+use crate::free_rotation::{FreeRotation, Turned};
+use crate::{Body, FreeTop, LieGroup, Rotation};
+
+/// The free body in closed form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ExactRotation;
+
+impl FreeRotation for ExactRotation {
+    const FACTS: Facts = Facts { name: "exact-rotation", ..AxisRotations::FACTS };
+
+    fn turn(
+        body: &Body,
+        rotation: Rotation,
+        momentum: Vector3<f64>,
+        h: f64,
+    ) -> Result<Turned, StepError> {
+        let top = FreeTop::from_momentum(*body, Rotation::identity(), momentum);
+        Ok(Turned::by(top.orientation(h), rotation, momentum))
+    }
+}

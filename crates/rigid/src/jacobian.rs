@@ -1,0 +1,95 @@
+//! The differential of exp on rotations: what turns a change of axis-angle into an angular
+//! velocity.
+//!
+//! ```text
+//! d/dt exp(theta) = exp(theta) [T(theta) theta.]     T = I - c2 [theta] + c3 [theta]^2   right
+//!                 = [J(theta) theta.] exp(theta)     J = I + c2 [theta] + c3 [theta]^2   left
+//! T^-1 = I + [theta]/2 + c [theta]^2,    c = (1 - (a/2) cot(a/2))/a^2,   a = |theta|
+//! J(theta) = T(theta)^T = T(-theta) = exp(theta) T(theta)
+//! ```
+//! `theta` axis times angle, radians; `[theta]` the cross-product matrix; `c2 = (1 - cos a)/a^2`
+//! and `c3 = (a - sin a)/a^3`. The notes call the right Jacobian `T`; `T(theta) theta.` is the
+//! angular velocity in the body's axes, `J(theta) theta.` in the world's.
+//!
+//! Coefficients are accurate to a few roundings at every angle. `T` is singular at whole turns,
+//! `a = 2 pi n`: there no change of theta turns the body about an axis across theta's, and the
+//! inverse is not finite or, where rounding misses the turn, very large. A chart that stays below
+//! `a = pi`, by going on from `theta - 2 pi theta/a`, never comes near.
+//! Source: notes 9.3, errata 9.3; Gallego and Yezzi 2015.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::stumpff::{c1, c2_c3, c4_c5};
+
+/// The right Jacobian `T(theta)`; its transpose is the left one.
+#[inline]
+pub fn right_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
+    let [c2, c3] = c2_c3(theta.norm_squared());
+    polynomial(theta, -c2, c3)
+}
+
+/// The left Jacobian `J(theta) = T(theta)^T`.
+#[inline]
+pub fn left_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
+    let [c2, c3] = c2_c3(theta.norm_squared());
+    polynomial(theta, c2, c3)
+}
+
+/// The inverse of the right Jacobian; not finite at whole turns.
+#[inline]
+pub fn right_jacobian_inverse(theta: &Vector3<f64>) -> Matrix3<f64> {
+    polynomial(theta, 0.5, inverse_coefficient(theta.norm_squared()))
+}
+
+/// The inverse of the left Jacobian; not finite at whole turns.
+#[inline]
+pub fn left_jacobian_inverse(theta: &Vector3<f64>) -> Matrix3<f64> {
+    polynomial(theta, -0.5, inverse_coefficient(theta.norm_squared()))
+}
+
+/// The derivative of `T(theta) v` along `delta`: how an angular velocity changes with the chart.
+///
+/// ```text
+/// -c2 delta x v + c3 (delta x (theta x v) + theta x (delta x v))
+///   + 2 <theta, delta> (-c2' theta x v + c3' theta x (theta x v)),     ' = d/d(a^2)
+/// ```
+pub fn right_jacobian_derivative(
+    theta: &Vector3<f64>,
+    v: &Vector3<f64>,
+    delta: &Vector3<f64>,
+) -> Vector3<f64> {
+    let s = theta.norm_squared();
+    let ([c2, c3], [c4, c5]) = (c2_c3(s), c4_c5(s));
+    let (slope2, slope3) = (0.5 * (2.0 * c4 - c3), 0.5 * (3.0 * c5 - c4));
+    let (once, across) = (theta.cross(v), delta.cross(v));
+    let turned = theta.cross(&once) * slope3 - once * slope2;
+    (delta.cross(&once) + theta.cross(&across)) * c3 - across * c2
+        + turned * (2.0 * theta.dot(delta))
+}
+
+/// `(1 - (a/2) cot(a/2))/a^2` at `s = a^2`, without the cancellation of either difference.
+#[inline]
+pub(crate) fn inverse_coefficient(s: f64) -> f64 {
+    let half = 0.25 * s;
+    let [c2, c3] = c2_c3(half);
+    0.25 * (c2 - c3) / c1(half)
+}
+
+/// `I + b [theta] + c [theta]^2`, entry by entry.
+#[inline]
+fn polynomial(theta: &Vector3<f64>, b: f64, c: f64) -> Matrix3<f64> {
+    let (bt, ct) = (theta * b, theta * c);
+    let (xx, yy, zz) = (ct.x * theta.x, ct.y * theta.y, ct.z * theta.z);
+    let (xy, yz, zx) = (ct.x * theta.y, ct.y * theta.z, ct.z * theta.x);
+    Matrix3::new(
+        1.0 - (yy + zz),
+        xy - bt.z,
+        zx + bt.y,
+        xy + bt.z,
+        1.0 - (zz + xx),
+        yz - bt.x,
+        zx - bt.y,
+        yz + bt.x,
+        1.0 - (xx + yy),
+    )
+}

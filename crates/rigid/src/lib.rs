@@ -1,0 +1,110 @@
+//! How does a body turn, and what does its motion keep? Lie groups and rigid motion that never
+//! drifts.
+//!
+//! ```text
+//! A = 1/2 sum p x q,   m c = sum m_k c_k,   I = tr(C) 1 - C      mass, centre, inertia    (7.2, 7.3)
+//! g exp(s log(g^-1 k)),   Ad_g v,   [v, w]                       straight paths                (8.2)
+//! d/dt exp(theta) = exp(theta) [T(theta) theta.]                 angular velocity              (9.3)
+//! I w. + w x I w = -dV,   R. = R [w]                             Euler's equations             (9.4)
+//! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)     made discrete                 (9.5)
+//! F dx = (F, c x R^T F)                                          forces at points             (10.1)
+//! ```
+//! `p q` corners, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
+//! orientation, `w` the angular velocity and `I` the inertia in body axes, `dV` the differential of
+//! the potential in body axes (minus the torque), `h` the step. The numbers name sections of the
+//! notes.
+//!
+//! ```
+//! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};
+//!
+//! let tumbling = tumbling_box()?;
+//! let mut state = tumbling.initial.clone();
+//! let mut method = BodyMethod::VariationalRotation.integrator(&tumbling.system)?;
+//! for _ in 0..500 {
+//!     method.step(&mut state, 0.01)?;
+//! }
+//! let momentum = |state| spatial_angular_momentum::<Poses>(state);
+//! assert!((momentum(&state) - momentum(&tumbling.initial)).norm() < 1e-14);
+//! assert!((tumbling.energy(&state) / tumbling.energy(&tumbling.initial) - 1.0).abs() < 2e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
+//! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
+//! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
+//! potentials, forces and joints on them; the free top in closed form, and heavy tops; then free
+//! rotation by three maps, kicked in [`LieVerlet`], Munthe-Kaas and what games do for contrast;
+//! [`BodyMethod`], which names them all, and [`problems`].
+//!
+//! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
+//! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.
+
+mod error;
+mod group;
+mod stumpff;
+mod translation;
+mod planar;
+mod rotation;
+mod rotation_matrix;
+mod euler;
+mod jacobian;
+mod motion;
+mod matrix_group;
+mod body;
+mod mass_properties;
+mod polygon;
+mod surface_mass;
+mod space;
+mod metric;
+mod weight;
+mod body_spring;
+mod point_force;
+mod joint;
+mod elliptic;
+mod free_top;
+mod symmetric_top;
+mod kovalevskaya;
+mod step;
+mod free_rotation;
+mod variational;
+mod axis_rotations;
+mod exact_rotation;
+mod lie_verlet;
+mod munthe_kaas;
+mod renormalized_euler;
+mod method;
+pub mod problems;
+
+pub use axis_rotations::AxisRotations;
+pub use body::{Body, PrincipalFrame};
+pub use body_spring::{Attachment, BodySpring};
+pub use error::RigidError;
+pub use euler::EulerAngles;
+pub use exact_rotation::ExactRotation;
+pub use free_rotation::{FreeRotation, Turned};
+pub use free_top::FreeTop;
+pub use group::LieGroup;
+pub use jacobian::{
+    left_jacobian, left_jacobian_inverse, right_jacobian, right_jacobian_derivative,
+    right_jacobian_inverse,
+};
+pub use joint::Joint;
+pub use kovalevskaya::KovalevskayaTop;
+pub use lie_verlet::LieVerlet;
+pub use mass_properties::{PlanarMass, SpatialMass};
+pub use matrix_group::{matrix_exponential, matrix_logarithm, null_space};
+pub use method::BodyMethod;
+pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
+pub use motion::RigidMotion;
+pub use munthe_kaas::MuntheKaas4;
+pub use planar::{PlanarMotion, PlanarRotation};
+pub use point_force::{Wrench, apply_impulse, force_at_point};
+pub use polygon::polygon_mass;
+pub use renormalized_euler::RenormalizedEuler;
+pub use rotation::Rotation;
+pub use space::{BodySpace, Orientations, Poses};
+pub use surface_mass::{surface_mass, turned_outward};
+pub use symmetric_top::{SymmetricTop, tilt};
+pub use translation::Translation;
+pub use variational::ConstantVelocity;
+pub use weight::{Free, PointMass, Weight};

@@ -1,0 +1,116 @@
+//! The exponential and the logarithm of matrices: every matrix group's, given by its equations.
+//!
+//! ```text
+//! exp(A) = sum_k A^k/k!                                                         (8.2.2)
+//! log(M) = 2^k log(M^(1/2^k)),    log(Y) = 2 artanh((Y - I)(Y + I)^-1)           (8.2.3)
+//! algebra = { A : dg(I) A = 0 }        of the group { M : g(M) = 0 }            (8.2.1)
+//! ```
+//! `A M Y` n x n. The logarithm takes square roots, by the product form of Denman and Beavers'
+//! iteration, until the matrix is close to I, where the series of artanh converges fast; it is the
+//! principal one, whose eigenvalues have imaginary parts within (-pi, pi). A matrix with an
+//! eigenvalue on the negative axis (zero included) has none, and is refused: a reflection, half a
+//! turn. What a logarithm claims is checked: its exponential gives M back, or there is an error.
+//! The notes' power series is not used: it diverges for rotations beyond 60 degrees (errata 8.2.3).
+//! Source: Higham, Functions of Matrices, 6.3 and 11.5.
+
+use nalgebra::{DMatrix, SVD};
+use stationary_calculus::SizeError;
+
+use crate::RigidError;
+use crate::error::check_finite;
+
+/// The exponential of a square matrix.
+pub fn matrix_exponential(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
+    checked(a)?;
+    let result = a.exp();
+    check_finite("the exponential", result.as_slice())?;
+    Ok(result)
+}
+
+/// Most square roots: each halves the logarithm, and no finite matrix needs more.
+const ROOTS: i32 = 64;
+/// Most iterations for one square root, which converges quadratically.
+const ITERATIONS: usize = 60;
+/// Close enough to I, in the Frobenius norm, for the series of artanh.
+const CLOSE: f64 = 0.25;
+/// Terms of the series: `(1/7)^(2*12)` is below rounding.
+const TERMS: i32 = 12;
+/// How far the exponential of the logarithm may miss the matrix, relative to it.
+const ACCURACY: f64 = 1e-9;
+
+/// The principal logarithm of a square matrix.
+pub fn matrix_logarithm(m: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
+    checked(m)?;
+    let identity = DMatrix::identity(m.nrows(), m.nrows());
+    let mut root = m.clone();
+    let mut roots = 0;
+    while (&root - &identity).norm() > CLOSE {
+        if roots == ROOTS {
+            return Err(RigidError::NoLogarithm { reason: "its roots do not approach I" });
+        }
+        root = square_root(&root)?;
+        roots += 1;
+    }
+    let sum = (&root + &identity).lu();
+    let z = sum.solve(&(&root - &identity)).ok_or(SINGULAR)?;
+    let log = artanh(&z) * 2.0_f64.powi(roots + 1);
+    let back = matrix_exponential(&log)?;
+    if (back - m).norm() > ACCURACY * m.norm() {
+        return Err(RigidError::NoLogarithm { reason: "what was found is not accurate" });
+    }
+    Ok(log)
+}
+
+const SINGULAR: RigidError = RigidError::NoLogarithm { reason: "it is singular" };
+
+/// `z + z^3/3 + z^5/5 + ...`
+fn artanh(z: &DMatrix<f64>) -> DMatrix<f64> {
+    let square = z * z;
+    let identity = DMatrix::identity(z.nrows(), z.nrows());
+    let series = (0..TERMS).rev().fold(DMatrix::zeros(z.nrows(), z.nrows()), |sum, k| {
+        sum * &square + &identity / f64::from(2 * k + 1)
+    });
+    series * z
+}
+
+/// The principal square root: `M <- (I + (M + M^-1)/2)/2`, `X <- X (I + M^-1)/2` from `X = M`.
+fn square_root(m: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
+    let identity = DMatrix::identity(m.nrows(), m.nrows());
+    let (mut x, mut product) = (m.clone(), m.clone());
+    for _ in 0..ITERATIONS {
+        let inverse = product.clone().try_inverse().ok_or(SINGULAR)?;
+        x = &x * (&identity + &inverse) * 0.5;
+        product = (&identity + (&product + &inverse) * 0.5) * 0.5;
+        let off = (&product - &identity).norm();
+        if !off.is_finite() {
+            break;
+        }
+        if off < 1e-8 {
+            // One more step than this squares it below rounding.
+            let inverse = product.clone().try_inverse().ok_or(SINGULAR)?;
+            return Ok(&x * (&identity + &inverse) * 0.5);
+        }
+    }
+    Err(RigidError::NoLogarithm { reason: "an eigenvalue lies on the negative axis" })
+}
+
+/// A basis of the vectors that the m x n matrix `a` maps to zero: the null space's dimension in
+/// columns. Singular values below `1e-12` of the largest count as zero.
+///
+/// Of `dg(I)`, the differential at the identity of a group's equations, it is the Lie algebra.
+pub fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
+    check_finite("the matrix", a.as_slice())?;
+    let n = a.ncols();
+    // Rows of zeros, so that the decomposition is square and shows all n directions.
+    let square = a.clone().resize_vertically(n.max(a.nrows()), 0.0);
+    let svd = SVD::new(square, false, true);
+    let largest = svd.singular_values.max();
+    let v = svd.v_t.unwrap_or_else(|| DMatrix::identity(n, n)).transpose();
+    let null: Vec<usize> = (0..n).filter(|&i| svd.singular_values[i] <= 1e-12 * largest).collect();
+    Ok(v.select_columns(&null))
+}
+
+fn checked(m: &DMatrix<f64>) -> Result<(), RigidError> {
+    SizeError::check("the matrix's columns", m.nrows(), m.ncols())?;
+    check_finite("the matrix", m.as_slice())
+}

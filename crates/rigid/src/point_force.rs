@@ -1,0 +1,58 @@
+//! A force or an impulse at a point of a body, pulled back by virtual work.
+//!
+//! ```text
+//! x = t + R c,     dx = [ I   -R [c] ]                                            (10.1.2)
+//! F dx = (F, c x R^T F)          a force at x acts as itself, and as a torque in body axes
+//! (P, m) <- (P, m) + (J, c x R^T J)                                                (10.2, 10.3)
+//! ```
+//! `c` the point in body axes (m); `F` newtons, `J` newton seconds, world axes. The chart's `T` of
+//! the notes cancels: no axis-angle is ever formed. An impulse at a point of a body that turns
+//! about a fixed point leaves its torque only; the support takes the rest.
+
+use nalgebra::Vector3;
+use stationary_calculus::SizeError;
+use stationary_integrators::State;
+
+use crate::error::check_finite;
+use crate::{BodySpace, RigidError, RigidMotion};
+
+/// A force and a torque on a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrench {
+    /// The force, N, world axes; or an impulse, N s.
+    pub force: Vector3<f64>,
+    /// The torque about the centre, N m, body axes; or its impulse, N m s.
+    pub torque: Vector3<f64>,
+}
+
+/// The force on the freedoms of a body that a force `force` at its point `point` exerts.
+#[inline]
+pub fn force_at_point(pose: &RigidMotion, point: &Vector3<f64>, force: Vector3<f64>) -> Wrench {
+    Wrench { force, torque: point.cross(&pose.rotation.rotate_back(&force)) }
+}
+
+/// Adds an impulse at a point of a body to its momentum.
+pub fn apply_impulse<S: BodySpace>(
+    state: &mut State<Vec<f64>>,
+    body: usize,
+    point: &Vector3<f64>,
+    impulse: Vector3<f64>,
+) -> Result<(), RigidError> {
+    check_finite("the impulse", impulse.as_slice())?;
+    check_finite("the point", point.as_slice())?;
+    let bodies = state.q.len() / S::STORED;
+    if body >= bodies {
+        return Err(
+            SizeError { what: "the body of an impulse", expected: bodies, got: body }.into()
+        );
+    }
+    let wrench = force_at_point(&S::pose(&state.q, body), point, impulse);
+    let p = &mut state.p.components_mut()[S::FREEDOMS * body..][..S::FREEDOMS];
+    for (p, force) in p.iter_mut().zip(&wrench.force).take(S::TRANSLATION) {
+        *p += force;
+    }
+    for c in 0..3 {
+        p[S::TRANSLATION + c] += wrench.torque[c];
+    }
+    Ok(())
+}

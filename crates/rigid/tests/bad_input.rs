@@ -1,0 +1,85 @@
+//! What bad input gets: a typed error, and a state as it was.
+
+use nalgebra::Vector3;
+use stationary_integrators::{State, StepError};
+use stationary_rigid::problems::{nodding_top, tumbling_box};
+use stationary_rigid::{
+    Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, LieGroup, Poses, RigidError,
+    RigidMotion,
+};
+
+#[test]
+fn a_pose_that_is_not_one_is_refused_by_body() {
+    let q = |w: f64| vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, w, 0.0, 0.0, 0.0];
+    assert!(Poses::check(&q(1.0)).is_ok());
+    assert!(matches!(Poses::check(&q(1.1)), Err(RigidError::Pose { body: 1, .. })));
+    assert!(matches!(Poses::check(&q(f64::NAN)), Err(RigidError::NonFinite { index: 10, .. })));
+    let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, [0.1; 3]).unwrap()]);
+    let mut motion = BodyMotion {
+        pose: RigidMotion::identity(),
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::new(f64::NAN, 0.0, 0.0),
+    };
+    assert!(matches!(metric.state(&[motion]), Err(RigidError::NonFinite { index: 3, .. })));
+    motion.angular_velocity = Vector3::zeros();
+    motion.pose.translation.y = f64::INFINITY;
+    assert!(matches!(metric.state(&[motion]), Err(RigidError::NonFinite { index: 1, .. })));
+    assert!(matches!(metric.state(&[]), Err(RigidError::Size(_))));
+}
+
+#[test]
+fn a_potential_of_other_bodies_is_refused() {
+    let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, [0.1; 3]).unwrap()]);
+    let error = metric.under(Free { freedoms: 3 }).unwrap_err();
+    assert_eq!((error.expected, error.got), (6, 3));
+}
+
+#[test]
+fn a_step_that_fails_leaves_the_state_as_it_was() {
+    let problem = tumbling_box().unwrap();
+    for &method in BodyMethod::ALL {
+        let mut integrator = method.integrator(&problem.system).unwrap();
+        let mut state = problem.initial.clone();
+        for h in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            assert!(matches!(integrator.step(&mut state, h), Err(StepError::Step(_))), "{method}");
+        }
+        assert_eq!(state, problem.initial);
+        let mut short = State::new(vec![0.0; 6], vec![0.0; 6]);
+        assert!(matches!(integrator.step(&mut short, 0.1), Err(StepError::Size(_))), "{method}");
+        for m in [f64::INFINITY, f64::NAN] {
+            let mut wild = problem.initial.clone();
+            wild.p.0[4] = m;
+            let before = format!("{wild:?}");
+            assert!(integrator.step(&mut wild, 0.1).is_err(), "{method} at {m}");
+            assert_eq!(format!("{wild:?}"), before);
+        }
+        integrator.step(&mut state, 0.01).unwrap();
+    }
+}
+
+#[test]
+fn a_momentum_beyond_all_measure_is_an_error_of_the_implicit_step() {
+    let problem = tumbling_box().unwrap();
+    let mut integrator = BodyMethod::VariationalRotation.integrator(&problem.system).unwrap();
+    for m in [1e10, 1e160, 1e300] {
+        let mut wild = problem.initial.clone();
+        wild.p.0[4] = m;
+        assert!(matches!(integrator.step(&mut wild, 0.1), Err(StepError::Newton(_))), "{m:e}");
+    }
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let problem = nodding_top().unwrap();
+    for &method in BodyMethod::ALL {
+        let mut integrator = method.integrator(&problem.system).unwrap();
+        let mut state = problem.initial.clone();
+        integrator.step(&mut state, 1e-3).unwrap();
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..10 {
+                integrator.step(&mut state, 1e-3).unwrap();
+            }
+        });
+        assert_eq!(counted.count_total, 0, "{method}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The closed form of the free top against its equations, and every integrator against it.
+
+use nalgebra::Vector3;
+use stationary_rigid::{
+    Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, FreeTop, LieGroup, Orientations,
+    RigidMotion, Rotation, problems::thrown_racket,
+};
+
+const BOX: [f64; 3] = [0.1, 0.2, 0.3];
+
+/// Moments and angular velocities on both sides of the separatrix, on it, and where moments agree.
+fn tops() -> Vec<(Body, Vector3<f64>)> {
+    let body = |moments| Body::new(1.0, moments).unwrap();
+    let w = Vector3::new;
+    let asymmetric = body([1.0, 2.0, 2.5]);
+    let orders =
+        [[1.0, 2.0, 2.5], [2.0, 1.0, 2.5], [2.5, 2.0, 1.0], [1.0, 2.5, 2.0], [2.5, 1.0, 2.0]];
+    let mut tops: Vec<_> = orders.iter().map(|&i| (body(i), w(1.0, 2.0, 3.0))).collect();
+    tops.extend(orders.iter().map(|&i| (body(i), w(3.0, -0.3, -0.2))));
+    tops.extend([
+        (asymmetric, w(0.01, 2.0, -0.001)),
+        (asymmetric, w(1e-9, 2.0, 0.0)),
+        (asymmetric, w(0.0, 2.0, 0.0)),
+        (asymmetric, w(0.0, 0.0, -3.0)),
+        (asymmetric, w(1e-8, -1e-8, 3.0)),
+        (body([1.0, 1.0, 1.5]), w(1.0, 2.0, 3.0)),
+        (body([1.5, 1.0, 1.5]), w(1.0, 2.0, -3.0)),
+        (body([1.5, 1.0, 1.5]), w(1.0, 0.0, -3.0)),
+        (body([2.0, 2.0, 2.0]), w(1.0, 2.0, 3.0)),
+        (body([3.0, 3.75, 5.0]), w(-1.0 / 3.0, 0.1, 0.2)),
+        (body([3.0, 3.75, 5.0]), w(1.0 / 3.0, 0.1, -0.2)),
+        (asymmetric, w(0.0, 0.0, 0.0)),
+        (Body::solid_box(1.0, BOX).unwrap(), w(1.0, 2.0, 3.0)),
+    ]);
+    tops
+}
+
+#[test]
+fn the_closed_form_solves_the_equations_of_motion() {
+    let start = Rotation::exp(Vector3::new(0.5, -0.2, 1.1));
+    for (body, w) in tops() {
+        let top = FreeTop::new(body, start, w).unwrap();
+        assert!((top.momentum(0.0) - body.angular_momentum(&w)).norm() <= 1e-14 * (1.0 + w.norm()));
+        assert!(start.direction_to(&top.orientation(0.0)).norm() < 1e-7, "{body:?} {w}");
+        let spatial = start.rotate(&body.angular_momentum(&w));
+        for t in [0.0, 0.3, 1.0, 5.0, 20.0] {
+            let (m, r, h) = (top.momentum(t), top.orientation(t), 1e-4);
+            let scale = 1.0 + w.norm_squared();
+            let slope = (top.momentum(t + h) - top.momentum(t - h)) / (2.0 * h);
+            let euler = m.cross(&top.angular_velocity(t));
+            assert!((slope - euler).norm() < 1e-6 * scale, "{body:?} {w} {t}: {slope} {euler}");
+            let (before, after) = (top.orientation(t - h), top.orientation(t + h));
+            let turned = before.direction_to(&after) / (2.0 * h);
+            let off = (turned - top.angular_velocity(t)).norm();
+            assert!(off < 1e-6 * scale, "{body:?} {w} {t}: {turned} {}", top.angular_velocity(t));
+            assert!((r.rotate(&m) - spatial).norm() < 1e-13 * (1.0 + spatial.norm()) * (1.0 + t));
+        }
+    }
+}
+
+/// The attitude's and the angular velocity's largest error over ten seconds.
+fn error(method: BodyMethod, body: Body, w: Vector3<f64>, steps: u32) -> (f64, f64) {
+    let metric = BodyMetric::<Orientations>::new(vec![body]);
+    let pose = RigidMotion {
+        translation: Vector3::zeros(),
+        rotation: Rotation::exp(Vector3::new(0.5, -0.2, 1.1)),
+    };
+    let motion = BodyMotion { pose, velocity: Vector3::zeros(), angular_velocity: w };
+    let mut state = metric.state(&[motion]).unwrap();
+    let top = FreeTop::new(body, pose.rotation, w).unwrap();
+    let system = metric.under(Free { freedoms: 3 }).unwrap();
+    let mut integrator = method.integrator(&system).unwrap();
+    let h = 10.0 / f64::from(steps);
+    let mut largest = (0.0_f64, 0.0_f64);
+    for step in 1..=steps {
+        integrator.step(&mut state, h).unwrap();
+        let t = h * f64::from(step);
+        let r = Orientations::pose(&state.q, 0).rotation;
+        largest.0 = largest.0.max(r.direction_to(&top.orientation(t)).norm());
+        let m = Vector3::from_column_slice(state.p.components());
+        let off = body.angular_velocity(&m) - top.angular_velocity(t);
+        largest.1 = largest.1.max(off.norm());
+    }
+    largest
+}
+
+#[test]
+fn the_closed_form_agrees_with_a_fine_integration() {
+    for (body, w) in tops().into_iter().filter(|(_, w)| w.norm() < 4.0) {
+        let (attitude, velocity) = error(BodyMethod::MuntheKaas4, body, w, 20_000);
+        // The integration itself is off by the fourth power of its step, more near the separatrix.
+        assert!(attitude < 2e-9 && velocity < 2e-9, "{body:?} {w}: {attitude:e} {velocity:e}");
+    }
+}
+
+#[test]
+fn the_error_against_the_closed_form_has_the_claimed_order() {
+    let body = Body::solid_box(1.0, BOX).unwrap();
+    // The exact one has no error to take an order of: its order shows on heavy tops.
+    for &method in BodyMethod::ALL.iter().filter(|&&m| m != BodyMethod::ExactRotation) {
+        let order = f64::from(method.facts().order);
+        let steps = match method.facts().order {
+            1 => 160_000,
+            2 => 4_000,
+            _ => 1_000,
+        };
+        let w = Vector3::new(1.0, 2.0, 3.0);
+        let (coarse, fine) = (error(method, body, w, steps), error(method, body, w, 2 * steps));
+        let measured = ((coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2());
+        assert!((measured.0 - order).abs() < 0.1, "{method} attitude: {}", measured.0);
+        assert!((measured.1 - order).abs() < 0.1, "{method} velocity: {}", measured.1);
+    }
+}
+
+#[test]
+fn exact_rotation_has_no_error_at_any_step() {
+    for (body, w) in tops() {
+        let off = error(BodyMethod::ExactRotation, body, w, 20);
+        // A motion that leaves the separatrix multiplies rounding by exp(rate t).
+        let tolerance = if w.x.abs() < 0.1 && w.z.abs() < 0.1 { 1e-4 } else { 1e-12 };
+        assert!(off.0 < tolerance && off.1 < tolerance, "{body:?} {w}: {off:?}");
+    }
+}
+
+#[test]
+fn a_thrown_racket_flips_over_twice_a_period() {
+    let racket = thrown_racket().unwrap();
+    let w = racket.motion.angular_velocity;
+    let top = FreeTop::new(*racket.body(), racket.motion.pose.rotation, w).unwrap();
+    let period = top.period().unwrap();
+    let middle = |t: f64| top.angular_velocity(t).y;
+    assert!((middle(0.5 * period) + middle(0.0)).abs() < 1e-9 && middle(0.0) > 9.9);
+    // Near the separatrix K = ln(4/kc): the flip takes four over the rate times that, slowly
+    // growing as the throw gets better.
+    let better = FreeTop::new(*racket.body(), Rotation::identity(), Vector3::new(0.001, 10.0, 0.0));
+    let rate = 10.0 * ((6.0 - 1.0) * (7.0 - 6.0) / (1.0_f64 * 7.0)).sqrt();
+    let longer = better.unwrap().period().unwrap() - period;
+    assert!((longer / (4.0 * 10.0_f64.ln() / rate) - 1.0).abs() < 1e-4, "{longer}");
+    // And the variational integrator flips at the same moments.
+    let mut state = racket.initial.clone();
+    let mut flips = Vec::new();
+    let method = BodyMethod::VariationalRotation;
+    let mut integrator = method.integrator(&racket.system).unwrap();
+    for _ in 0..50_000 {
+        let before = state.p.components()[1];
+        integrator.step(&mut state, 1e-4).unwrap();
+        if before * state.p.components()[1] < 0.0 {
+            flips.push(state.t);
+        }
+    }
+    assert!(flips.len() >= 3);
+    for (k, flip) in flips.iter().enumerate() {
+        let expected = period * (0.25 + 0.5 * k as f64);
+        assert!((flip - expected).abs() < 2e-3, "flip {k} at {flip}, expected {expected}");
+    }
+}
