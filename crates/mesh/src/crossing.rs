@@ -73,15 +73,8 @@ fn turns_back(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> bool {
     side_of_line(a, b, c) == Ordering::Equal && (b - a).dot(&(c - b)) < 0.0
 }
 
-fn segments_meet(
-    a: &Vector2<f64>,
-    b: &Vector2<f64>,
-    c: &Vector2<f64>,
-    d: &Vector2<f64>,
-) -> bool {
-    let apart = |k: usize| {
-        a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k])
-    };
+fn segments_meet(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>, d: &Vector2<f64>) -> bool {
+    let apart = |k: usize| a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k]);
     if apart(0) || apart(1) {
         return false;
     }
@@ -93,7 +86,7 @@ fn segments_meet(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::vector;
+    use nalgebra::Vector2;
 
     fn outline(corners: &[[f64; 2]]) -> Vec<Vector2<f64>> {
         corners.iter().map(|&corner| corner.into()).collect()
@@ -107,8 +100,7 @@ mod tests {
 
     #[test]
     fn a_bow_tie_with_a_corner_at_its_knot_touches_itself() {
-        let bow =
-            [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]];
+        let bow = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]];
         assert_eq!(crossings(&[outline(&bow)]).len(), 4);
     }
 
@@ -129,7 +121,8 @@ mod tests {
     #[test]
     fn outlines_that_touch_at_a_point_are_found_and_those_a_bit_apart_are_not() {
         let square = outline(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
-        let beside = |x: f64| vec![vector![x, 0.5], vector![2.0, 0.0], vector![2.0, 1.0]];
+        let beside =
+            |x: f64| vec![Vector2::new(x, 0.5), Vector2::new(2.0, 0.0), Vector2::new(2.0, 1.0)];
         assert_eq!(crossings(&[square.clone(), beside(1.0)]).len(), 2);
         assert!(crossings(&[square, beside(1.0_f64.next_up())]).is_empty());
     }
@@ -138,8 +131,8 @@ mod tests {
     fn at_most_a_thousand_pairs_are_listed() {
         let zigzag = |swap: bool| {
             let tooth = |k: usize| match (k % 2 == 0, swap) {
-                (even, false) => vector![k as f64, if even { 0.0 } else { 1.0 }],
-                (even, true) => vector![if even { 0.0 } else { 99.0 }, k as f64 / 99.0],
+                (even, false) => Vector2::new(k as f64, if even { 0.0 } else { 1.0 }),
+                (even, true) => Vector2::new(if even { 0.0 } else { 99.0 }, k as f64 / 99.0),
             };
             (0..100).map(tooth).collect::<Vec<_>>()
         };

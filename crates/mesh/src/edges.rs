@@ -119,10 +119,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Vector2, Vector3, vector};
+    use nalgebra::{Vector2, Vector3};
 
     fn square() -> Mesh<2, 3> {
-        let vertices = vec![Vector2::zeros(), Vector2::x(), vector![1.0, 1.0], Vector2::y()];
+        let vertices = vec![Vector2::zeros(), Vector2::x(), Vector2::new(1.0, 1.0), Vector2::y()];
         Mesh::new(vertices, vec![[2, 3, 0], [0, 1, 2]]).unwrap()
     }
 

@@ -54,10 +54,11 @@ impl ClosedSurface {
         let mesh = mesh.oriented()?;
         let wrong = Bodies::of(&mesh)?.inside_out();
         let components = mesh.components();
-        let turned = mesh.simplices().iter().zip(&components.of_simplices).map(|(&[a, b, c], &k)| {
-            let turn = wrong.contains(&components.first_simplices[k]);
-            if turn { [b, a, c] } else { [a, b, c] }
-        });
+        let turned =
+            mesh.simplices().iter().zip(&components.of_simplices).map(|(&[a, b, c], &k)| {
+                let turn = wrong.contains(&components.first_simplices[k]);
+                if turn { [b, a, c] } else { [a, b, c] }
+            });
         let mesh = Mesh::known(mesh.vertices().to_vec(), turned.collect());
         Ok(Bodies::of(&mesh)?.surface(mesh))
     }
@@ -159,10 +160,7 @@ impl Body {
     }
 }
 
-fn winding_number(
-    triangles: impl Iterator<Item = [Vector3<f64>; 3]>,
-    point: &Vector3<f64>,
-) -> f64 {
+fn winding_number(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, point: &Vector3<f64>) -> f64 {
     triangles.map(|corners| solid_angle(corners.map(|c| c - point))).sum::<f64>() / (4.0 * PI)
 }
 

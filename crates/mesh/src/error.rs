@@ -43,7 +43,9 @@ pub enum MeshError {
         value: f64,
     },
     /// A coordinate whose powers leave the range of numbers.
-    #[error("component {component} of vertex {vertex} is {value:e}; the limit is {limit:e} in size")]
+    #[error(
+        "component {component} of vertex {vertex} is {value:e}; the limit is {limit:e} in size"
+    )]
     TooFar {
         /// Which vertex.
         vertex: usize,
@@ -174,9 +176,6 @@ mod tests {
         let few = MeshError::Degenerate(Places(vec![3, 5]));
         assert_eq!(few.to_string(), "simplices of no size: 3, 5");
         let many = MeshError::Unreferenced(Places((0..9).collect()));
-        assert_eq!(
-            many.to_string(),
-            "vertices that no simplex names: 0, 1, 2, 3, 4 and 4 more"
-        );
+        assert_eq!(many.to_string(), "vertices that no simplex names: 0, 1, 2, 3, 4 and 4 more");
     }
 }

@@ -122,11 +122,11 @@ impl<const D: usize> Mesh<D, 4> {
 mod tests {
     use super::*;
     use crate::measure::measure;
-    use nalgebra::{Vector2, Vector3, vector};
+    use nalgebra::{Vector2, Vector3};
 
     #[test]
     fn the_boundary_of_a_square_runs_around_it_counterclockwise() {
-        let vertices = vec![Vector2::zeros(), Vector2::x(), vector![1.0, 1.0], Vector2::y()];
+        let vertices = vec![Vector2::zeros(), Vector2::x(), Vector2::new(1.0, 1.0), Vector2::y()];
         let square = Mesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
         let mut boundary = square.boundary_facets();
         boundary.sort();

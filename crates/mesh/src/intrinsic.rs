@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::measure::measure;
     use crate::torus;
-    use nalgebra::{Vector3, vector};
+    use nalgebra::Vector3;
     use proptest::prelude::*;
     use std::f64::consts::PI;
 
@@ -125,7 +125,9 @@ mod tests {
         let mut lengths = vec![1.0; edges.ends.len()];
         lengths[edges.of_simplices[7][2]] = 2.5;
         let error = edges.intrinsic(&lengths).unwrap_err();
-        assert!(matches!(error, MeshError::TriangleInequality(p) if p.0.len() == 2 && p.0.contains(&7)));
+        assert!(
+            matches!(error, MeshError::TriangleInequality(p) if p.0.len() == 2 && p.0.contains(&7))
+        );
     }
 
     #[test]
@@ -156,7 +158,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_triangle_in_space_and_its_lengths_agree(n in proptest::array::uniform9(-1.0..1.0_f64)) {
-            let corners = [0, 3, 6].map(|k| vector![n[k], n[k + 1], n[k + 2]]);
+            let corners = [0, 3, 6].map(|k| Vector3::new(n[k], n[k + 1], n[k + 2]));
             let [a, b, c]: [Vector3<f64>; 3] = corners;
             prop_assume!(measure(&corners) > 1e-3);
             let lengths = [(b - a).norm(), (c - b).norm(), (a - c).norm()];

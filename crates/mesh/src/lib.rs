@@ -14,9 +14,9 @@
 //!
 //! ```
 //! use stationary_mesh::{ClosedSurface, Polygon, Quality, ball, icosphere};
-//! use nalgebra::vector;
+//! use nalgebra::{Vector2};
 //!
-//! let plate = vec![vector![0.0, 0.0], vector![2.0, 0.0], vector![2.0, 1.0], vector![0.0, 1.0]];
+//! let plate = vec![Vector2::new(0.0, 0.0), Vector2::new(2.0, 0.0), Vector2::new(2.0, 1.0), Vector2::new(0.0, 1.0)];
 //! assert_eq!(Polygon::new(vec![plate])?.moments().measure, 2.0);
 //! let sphere = icosphere(1.0, 3)?;
 //! assert_eq!(sphere.euler_characteristic(), 2);
@@ -32,7 +32,7 @@
 //! Reading order: a simplex and its facets; the [`Mesh`]; who shares what (facets, edges, components,
 //! manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`], [`ClosedSurface`]) with
 //! the exact signs that they rest on; shapes of simplices ([`Quality`], edge lengths, refinement);
-//! curved elements ([`Quadratic`]); generators; and files, behind the features `obj`, `msh` and `vtk`.
+//! curved elements ([`Quadratic`]); generators; and files, behind the feature `obj`.
 //!
 //! Every list comes in the order of vertex numbers, so that the same mesh gives the same answer
 //! everywhere. The crate knows nothing of mass, time or materials.
@@ -58,20 +58,10 @@ mod refinement;
 mod quadrature;
 mod quadratic;
 mod generators;
-#[cfg(any(feature = "obj", feature = "msh"))]
-mod text;
-#[cfg(feature = "obj")]
-mod obj;
-#[cfg(feature = "msh")]
-mod msh;
-#[cfg(feature = "vtk")]
-mod vtk;
 
 pub use components::Components;
 pub use edges::{Adjacency, Edges};
 pub use enclosed::ClosedSurface;
-#[cfg(any(feature = "obj", feature = "msh", feature = "vtk"))]
-pub use error::FileError;
 pub use error::{MeshError, Places};
 pub use facets::FacetUse;
 pub use generators::{
@@ -83,15 +73,9 @@ pub use intrinsic::IntrinsicTriangle;
 pub use measure::measure;
 pub use mesh::{Mesh, Part};
 pub use moments::Moments;
-#[cfg(feature = "msh")]
-pub use msh::{Msh, MshElements, parse_msh, read_msh};
-#[cfg(feature = "obj")]
-pub use obj::{parse_obj, read_obj};
 pub use polygon::Polygon;
 pub use quadratic::{Quadratic, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles};
 pub use quadrature::simplex_quadrature;
-pub use quality::{Histogram, Quality};
+pub use quality::Quality;
 pub use refinement::MOST_SIMPLICES;
 pub use simplex::Simplex;
-#[cfg(feature = "vtk")]
-pub use vtk::{VtkCells, VtkField, write_vtk};

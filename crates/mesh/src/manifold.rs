@@ -31,9 +31,11 @@ where
         let stars = self.simplices_at_vertices();
         let vertices = (0..self.vertices().len()).map(|vertex| vec![vertex]);
         let edges = self.edges().ends.into_iter().filter(|_| K == 4).map(Vec::from);
-        let pinched = vertices.chain(edges).filter(|face| !self.hangs_together(face, &stars, &neighbours));
+        let pinched =
+            vertices.chain(edges).filter(|face| !self.hangs_together(face, &stars, &neighbours));
         Places::refuse(pinched.collect(), MeshError::Pinched)?;
-        let knotted = (0..self.vertices().len()).filter(|&v| K == 4 && !self.has_round_link(v, &stars));
+        let knotted =
+            (0..self.vertices().len()).filter(|&v| K == 4 && !self.has_round_link(v, &stars));
         Places::refuse(knotted.map(|vertex| vec![vertex]).collect(), MeshError::Pinched)
     }
 
@@ -56,7 +58,8 @@ where
             reached += 1;
             let simplex = star[place];
             for (corner, neighbour) in neighbours[simplex].iter().enumerate() {
-                let across = neighbour.filter(|_| !face.contains(&self.simplices()[simplex][corner]));
+                let across =
+                    neighbour.filter(|_| !face.contains(&self.simplices()[simplex][corner]));
                 next.extend(across.and_then(|other| star.binary_search(&other).ok()));
             }
         }
@@ -93,10 +96,10 @@ where
 mod tests {
     use super::*;
     use crate::icosphere;
-    use nalgebra::{Vector3, vector};
+    use nalgebra::Vector3;
 
     fn points(count: usize) -> Vec<Vector3<f64>> {
-        (0..count).map(|k| vector![k as f64, (k * k) as f64, (k * k * k) as f64]).collect()
+        (0..count).map(|k| Vector3::new(k as f64, (k * k) as f64, (k * k * k) as f64)).collect()
     }
 
     #[test]
@@ -125,7 +128,7 @@ mod tests {
         let cone = |surface: Mesh<3, 3>| {
             let mut vertices = surface.vertices().to_vec();
             let apex = vertices.len();
-            vertices.push(vector![0.1, 0.2, 7.0]);
+            vertices.push(Vector3::new(0.1, 0.2, 7.0));
             let solids = surface.simplices().iter().map(|&[a, b, c]| [a, b, c, apex]);
             (Mesh::new(vertices, solids.collect()).unwrap(), apex)
         };

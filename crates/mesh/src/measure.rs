@@ -89,7 +89,7 @@ impl<const D: usize, const K: usize> Mesh<D, K> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Vector1, vector};
+    use nalgebra::{Vector1, Vector2, Vector3};
     use proptest::prelude::*;
 
     #[test]
@@ -102,19 +102,21 @@ mod tests {
 
     #[test]
     fn a_line_and_a_triangle_in_space_have_no_sign() {
-        assert_eq!(measure(&[vector![3.0, 0.0, 4.0], Vector3::zeros()]), 5.0);
+        assert_eq!(measure(&[Vector3::new(3.0, 0.0, 4.0), Vector3::zeros()]), 5.0);
         assert_eq!(measure(&[Vector3::zeros(), Vector3::z(), Vector3::y()]), 0.5);
     }
 
     #[test]
     fn flat_and_inverted_simplices_are_listed() {
-        let vertices =
-            vec![Vector2::zeros(), Vector2::x(), Vector2::y(), vector![0.5, 0.5], vector![0.1, 0.9]];
+        let vertices = vec![
+            Vector2::zeros(),
+            Vector2::x(),
+            Vector2::y(),
+            Vector2::new(0.5, 0.5),
+            Vector2::new(0.1, 0.9),
+        ];
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [1, 3, 2], [0, 2, 1], [1, 4, 3]]).unwrap();
-        assert_eq!(
-            mesh.check_nondegenerate(),
-            Err(MeshError::Degenerate(Places(vec![1, 3])))
-        );
+        assert_eq!(mesh.check_nondegenerate(), Err(MeshError::Degenerate(Places(vec![1, 3]))));
         assert!(matches!(
             mesh.check_positive(),
             Err(MeshError::Inverted(places)) if places.0.contains(&2) && !places.0.contains(&0)
@@ -128,7 +130,7 @@ mod tests {
             shift in proptest::array::uniform3(-1e6..1e6_f64),
         ) {
             let corners: [Vector3<f64>; 4] = std::array::from_fn(|k| {
-                vector![numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]]
+                Vector3::new(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2])
             });
             let [a, b, c, d] = corners;
             prop_assert!((measure(&corners) + measure(&[b, a, c, d])).abs() < 1e-15);

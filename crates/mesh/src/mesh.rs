@@ -186,10 +186,10 @@ pub(crate) fn check_corners<const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Vector2, vector};
+    use nalgebra::Vector2;
 
     fn corner() -> Vec<Vector2<f64>> {
-        vec![vector![0.0, 0.0], vector![1.0, 0.0], vector![0.0, 1.0]]
+        vec![Vector2::new(0.0, 0.0), Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)]
     }
 
     #[test]
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn unreferenced_vertices_are_listed_and_dropped_on_request() {
         let mut vertices = corner();
-        vertices.insert(1, vector![9.0, 9.0]);
+        vertices.insert(1, Vector2::new(9.0, 9.0));
         let mesh = Mesh::new(vertices, vec![[0, 2, 3]]).unwrap();
         assert_eq!(mesh.check_referenced(), Err(MeshError::Unreferenced(Places(vec![1]))));
         let part = mesh.referenced();

@@ -45,12 +45,7 @@ impl<const D: usize> Moments<D> {
 
     /// Adds a simplex of this measure and number of corners. They are seen from `about`; one that is
     /// there may be left out of the list.
-    pub(crate) fn add_simplex(
-        &mut self,
-        measure: f64,
-        corners: &[SVector<f64, D>],
-        number: usize,
-    ) {
+    pub(crate) fn add_simplex(&mut self, measure: f64, corners: &[SVector<f64, D>], number: usize) {
         let s: SVector<f64, D> = corners.iter().sum();
         let k = number as f64;
         let squares: SMatrix<f64, D, D> = corners.iter().map(|v| v * v.transpose()).sum();
@@ -150,7 +145,7 @@ pub(crate) fn middle<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Vector2, Vector3, vector};
+    use nalgebra::{Vector2, Vector3};
     use proptest::prelude::*;
 
     /// The integral of x^a y^b z^c over the unit tetrahedron is a! b! c! / (a + b + c + 3)!.
@@ -175,10 +170,13 @@ mod tests {
 
     #[test]
     fn a_rod_has_its_textbook_inertia() {
-        let rod = Moments::of_simplex(&[vector![1.0, 0.0, 0.0], vector![1.0, 0.0, 2.0]]);
+        let rod = Moments::of_simplex(&[Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, 0.0, 2.0)]);
         let central = rod.central().unwrap();
-        assert_eq!(central.about, vector![1.0, 0.0, 1.0]);
-        assert!((central.inertia() - Matrix3::from_diagonal(&vector![2.0, 2.0, 0.0]) / 3.0).amax() < 1e-15);
+        assert_eq!(central.about, Vector3::new(1.0, 0.0, 1.0));
+        assert!(
+            (central.inertia() - Matrix3::from_diagonal(&Vector3::new(2.0, 2.0, 0.0)) / 3.0).amax()
+                < 1e-15
+        );
     }
 
     #[test]
@@ -189,7 +187,7 @@ mod tests {
     }
 
     fn triangle(numbers: [f64; 6]) -> [Vector2<f64>; 3] {
-        std::array::from_fn(|k| vector![numbers[2 * k], numbers[2 * k + 1]])
+        std::array::from_fn(|k| Vector2::new(numbers[2 * k], numbers[2 * k + 1]))
     }
 
     proptest! {

@@ -58,7 +58,8 @@ where
         let mut neighbours = vec![[None; K]; self.simplices().len()];
         for shared in pairs() {
             for (one, other) in [(0, 1), (1, 0)].map(|(i, j)| (shared[i], shared[j])) {
-                neighbours[one.simplex][one.opposite] = Some((other.simplex, one.even == other.even));
+                neighbours[one.simplex][one.opposite] =
+                    Some((other.simplex, one.even == other.even));
             }
         }
         let turned = spread(&neighbours);
@@ -94,11 +95,11 @@ fn spread<const K: usize>(neighbours: &[[Option<(usize, bool)>; K]]) -> Vec<bool
 mod tests {
     use super::*;
     use crate::{Diagonals, icosphere, rectangle};
-    use nalgebra::{Vector3, vector};
+    use nalgebra::{Vector2, Vector3};
 
     /// A band of n quadrilaterals, closed with or without a half twist.
     fn band(n: usize, twisted: bool) -> Mesh<3, 3> {
-        let vertices = (0..2 * n).map(|k| vector![k as f64, (k * k) as f64, (k % 2) as f64]);
+        let vertices = (0..2 * n).map(|k| Vector3::new(k as f64, (k * k) as f64, (k % 2) as f64));
         let mut triangles = Vec::new();
         for k in 0..n {
             let (a, b) = (2 * k, 2 * k + 1);
@@ -135,7 +136,10 @@ mod tests {
         assert_eq!(square.check_oriented(), Ok(()));
         let oriented = square.reversed().oriented().unwrap();
         assert_eq!(oriented, square);
-        let flat = Mesh::new(vec![vector![0.0, 0.0], vector![1.0, 1.0], vector![2.0, 2.0]], vec![[0, 1, 2]]);
+        let flat = Mesh::new(
+            vec![Vector2::new(0.0, 0.0), Vector2::new(1.0, 1.0), Vector2::new(2.0, 2.0)],
+            vec![[0, 1, 2]],
+        );
         assert_eq!(flat.unwrap().oriented(), Err(MeshError::Degenerate(Places(vec![0]))));
     }
 

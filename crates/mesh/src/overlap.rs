@@ -1,12 +1,13 @@
-//! Does a surface pass through itself? A test that raises no false alarm.
+//! Does a surface pass through itself?
 //!
 //! ```text
-//! pq passes through abc:  |abcp| and |abcq| differ in sign, |pqab|, |pqbc| and |pqca| agree
+//! pq passes through abc:  |abcp| and |abcq| differ in sign, |pqab|, |pqbc| and |pqca| do not
 //! ```
-//! Every edge against every triangle that shares no corner with it, with signs that rounding cannot
-//! have made. What is reported is real. What only touches, or lies flat upon itself, is not reported.
-//! Triangles are swept along the longest side of the surface's box; the worst case (all of them above
-//! each other) looks at all pairs.
+//! Every edge against every triangle that shares no corner with it. The ends of an edge that is
+//! reported lie on both sides of the triangle beyond doubt; where it meets the triangle's rim, within
+//! rounding, it counts as passing. What touches with a corner, or lies flat upon itself, is not
+//! reported. Triangles are swept along the longest side of the surface's box; the worst case (all of
+//! them above each other) looks at all pairs.
 
 use std::cmp::Ordering;
 
@@ -72,12 +73,11 @@ fn edge_passes(mesh: &Mesh<3, 3>, edges: &[usize; 3], triangle: &[usize; 3]) -> 
         }
         let [p, q] = ends.map(|end| mesh.vertices()[end]);
         let (above, below) = (side_of_plane(&a, &b, &c, &p), side_of_plane(&a, &b, &c, &q));
-        let turn = side_of_plane(&p, &q, &a, &b);
-        above != Ordering::Equal
-            && below == above.reverse()
-            && turn != Ordering::Equal
-            && side_of_plane(&p, &q, &b, &c) == turn
-            && side_of_plane(&p, &q, &c, &a) == turn
+        if above == Ordering::Equal || below != above.reverse() {
+            return false;
+        }
+        let turns = [(a, b), (b, c), (c, a)].map(|(from, to)| side_of_plane(&p, &q, &from, &to));
+        !(turns.contains(&Ordering::Greater) && turns.contains(&Ordering::Less))
     })
 }
 

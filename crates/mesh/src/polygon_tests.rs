@@ -1,5 +1,5 @@
 use super::*;
-use nalgebra::{Rotation2, vector};
+use nalgebra::{Rotation2, Vector2};
 use proptest::prelude::*;
 
 fn outline(corners: &[[f64; 2]]) -> Vec<Vector2<f64>> {
@@ -13,7 +13,11 @@ fn rectangle(x: f64, y: f64, a: f64, b: f64) -> Vec<Vector2<f64>> {
 /// A star-shaped outline around the origin.
 fn star(radii: &[f64]) -> Vec<Vector2<f64>> {
     let angle = |k: usize| std::f64::consts::TAU * k as f64 / radii.len() as f64;
-    radii.iter().enumerate().map(|(k, r)| vector![angle(k).cos(), angle(k).sin()] * *r).collect()
+    radii
+        .iter()
+        .enumerate()
+        .map(|(k, r)| Vector2::new(angle(k).cos(), angle(k).sin()) * *r)
+        .collect()
 }
 
 #[test]
@@ -23,7 +27,7 @@ fn a_rectangle_has_its_textbook_moments_whichever_way_it_winds() {
         let moments = Polygon::new(vec![corners.clone()]).unwrap().moments();
         assert!((moments.measure - 12.0).abs() < 1e-14);
         let central = moments.central().unwrap();
-        assert!((central.about - vector![2.5, 4.0]).amax() < 1e-15);
+        assert!((central.about - Vector2::new(2.5, 4.0)).amax() < 1e-15);
         assert!((central.second[(0, 0)] - 9.0).abs() < 1e-14, "a b^3/12 = 3^3 4/12");
         assert!((central.second[(1, 1)] - 16.0).abs() < 1e-14);
         assert!(central.second[(0, 1)].abs() < 1e-14);

@@ -39,12 +39,14 @@ pub fn simplex_quadrature<const K: usize>(degree: usize) -> Vec<([f64; K], f64)>
         let left = (K - 1 - corner) as f64;
         points = points
             .into_iter()
-            .flat_map(|(l, rest, weight)| line.iter().map(move |&(u, w)| {
-                let mut l: [f64; K] = l;
-                l[corner] = rest * u;
-                let shrunk: f64 = 1.0 - u;
-                (l, rest * shrunk, weight * w * left * shrunk.powf(left - 1.0))
-            }))
+            .flat_map(|(l, rest, weight)| {
+                line.iter().map(move |&(u, w)| {
+                    let mut l: [f64; K] = l;
+                    l[corner] = rest * u;
+                    let shrunk: f64 = 1.0 - u;
+                    (l, rest * shrunk, weight * w * left * shrunk.powf(left - 1.0))
+                })
+            })
             .collect();
     }
     let with_last = |(mut l, rest, weight): ([f64; K], f64, f64)| {

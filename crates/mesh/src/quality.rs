@@ -112,7 +112,8 @@ fn angles(corners: &[Vector3<f64>]) -> Vec<f64> {
         return (0..3).map(at).collect();
     }
     // Along an edge the faces look like a corner: the parts of their far corners across the edge.
-    let edges = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
+    let edges =
+        [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
     let dihedral = |[a, b, c, d]: [usize; 4]| {
         let along = (corners[b] - corners[a]).normalize();
         let across = |far: usize| {
@@ -124,32 +125,10 @@ fn angles(corners: &[Vector3<f64>]) -> Vec<f64> {
     edges.map(dihedral).to_vec()
 }
 
-/// How many values fall between borders.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Histogram {
-    /// The borders, rising.
-    pub borders: Vec<f64>,
-    /// How many values lie below the first border, then from each border to the next (the lower one
-    /// included), then at the last border and above. Values that are not numbers count as above.
-    pub counts: Vec<usize>,
-}
-
-impl Histogram {
-    /// Counts values between these borders, which are put in rising order.
-    pub fn new(values: &[f64], mut borders: Vec<f64>) -> Self {
-        borders.sort_by(f64::total_cmp);
-        let mut counts = vec![0; borders.len() + 1];
-        for value in values {
-            counts[borders.partition_point(|border| !(value < border))] += 1;
-        }
-        Histogram { borders, counts }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Vector2, vector};
+    use nalgebra::{Rotation3, Vector2, Vector3};
     use proptest::prelude::*;
 
     const ALL: [Quality; 5] = [
@@ -161,12 +140,13 @@ mod tests {
     ];
 
     fn regular() -> [Vector3<f64>; 4] {
-        [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vector3::from)
+        [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]]
+            .map(Vector3::from)
     }
 
     #[test]
     fn regular_simplices_are_perfect() {
-        let triangle = [Vector2::zeros(), Vector2::x(), vector![0.5, 0.75_f64.sqrt()]];
+        let triangle = [Vector2::zeros(), Vector2::x(), Vector2::new(0.5, 0.75_f64.sqrt())];
         let dihedral = (1.0_f64 / 3.0).acos();
         for (quality, [flat, solid]) in ALL.into_iter().zip([
             [1.0, 1.0],
@@ -197,7 +177,12 @@ mod tests {
     #[test]
     fn slivers_are_bad_by_every_measure_and_each_tells_its_own_story() {
         let sliver = |e: f64| {
-            [vector![1.0, 0.0, e], vector![-1.0, 0.0, e], vector![0.0, 1.0, -e], vector![0.0, -1.0, -e]]
+            [
+                Vector3::new(1.0, 0.0, e),
+                Vector3::new(-1.0, 0.0, e),
+                Vector3::new(0.0, 1.0, -e),
+                Vector3::new(0.0, -1.0, -e),
+            ]
         };
         let [flat, flatter] = [sliver(1e-2), sliver(1e-4)];
         for (quality, slope) in [
@@ -216,14 +201,10 @@ mod tests {
     #[test]
     fn an_inverted_simplex_has_a_negative_mean_ratio() {
         let [a, b, c, d] = regular();
-        assert!((Quality::MeanRatio.of(&[b, a, c, d]) + Quality::MeanRatio.of(&regular())).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_histogram_counts_every_value_once() {
-        let histogram = Histogram::new(&[0.0, 1.0, 1.5, 2.0, 9.0, f64::NAN], vec![2.0, 1.0]);
-        assert_eq!(histogram.borders, [1.0, 2.0]);
-        assert_eq!(histogram.counts, [1, 2, 3]);
+        assert!(
+            (Quality::MeanRatio.of(&[b, a, c, d]) + Quality::MeanRatio.of(&regular())).abs()
+                < 1e-15
+        );
     }
 
     proptest! {
@@ -233,11 +214,11 @@ mod tests {
             axis in proptest::array::uniform3(-3.0..3.0_f64),
         ) {
             let corners: [Vector3<f64>; 4] = std::array::from_fn(|k| {
-                vector![n[3 * k], n[3 * k + 1], n[3 * k + 2]]
+                Vector3::new(n[3 * k], n[3 * k + 1], n[3 * k + 2])
             });
             prop_assume!(Quality::MeanRatio.of(&corners).abs() > 0.05);
             let turn = Rotation3::new(Vector3::from(axis));
-            let moved = corners.map(|c| turn * c * 37.0 + vector![1.0, -2.0, 3.0]);
+            let moved = corners.map(|c| turn * c * 37.0 + Vector3::new(1.0, -2.0, 3.0));
             for quality in ALL {
                 let (here, there) = (quality.of(&corners), quality.of(&moved));
                 prop_assert!((here - there).abs() < 1e-11 * here.abs().max(1.0), "{quality:?}");
@@ -247,7 +228,7 @@ mod tests {
         #[test]
         fn ratios_stay_between_zero_and_one(n in proptest::array::uniform12(-1.0..1.0_f64)) {
             let corners: [Vector3<f64>; 4] = std::array::from_fn(|k| {
-                vector![n[3 * k], n[3 * k + 1], n[3 * k + 2]]
+                Vector3::new(n[3 * k], n[3 * k + 1], n[3 * k + 2])
             });
             let [a, b, c, _] = corners;
             for quality in [Quality::MeanRatio, Quality::RadiusRatio] {

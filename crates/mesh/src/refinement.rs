@@ -62,7 +62,7 @@ pub(crate) fn check_count<const N: usize>(
 mod tests {
     use super::*;
     use crate::{Diagonals, Quality, bar, cuboid, rectangle};
-    use nalgebra::{Vector3, vector};
+    use nalgebra::Vector3;
     use proptest::prelude::*;
 
     #[test]
@@ -105,7 +105,7 @@ mod tests {
             n in proptest::array::uniform12(-1.0..1.0_f64),
         ) {
             let corners: [Vector3<f64>; 4] = std::array::from_fn(|k| {
-                vector![n[3 * k], n[3 * k + 1], n[3 * k + 2]]
+                Vector3::new(n[3 * k], n[3 * k + 1], n[3 * k + 2])
             });
             prop_assume!(Quality::MeanRatio.of(&corners) > 0.05);
             let mut mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2, 3]]).unwrap();

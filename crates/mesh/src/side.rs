@@ -25,8 +25,7 @@ pub(crate) fn side_of_line(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>)
     if determinant.abs() > BOUND_2 * (left.abs() + right.abs()) {
         return determinant.total_cmp(&0.0);
     }
-    let products =
-        [(a.x, b.y), (-a.y, b.x), (b.x, c.y), (-b.y, c.x), (c.x, a.y), (-c.y, a.x)];
+    let products = [(a.x, b.y), (-a.y, b.x), (b.x, c.y), (-b.y, c.x), (c.x, a.y), (-c.y, a.x)];
     sign_of_sum(&products.map(|(x, y)| (x * y, x.mul_add(y, -(x * y)))))
 }
 
@@ -60,33 +59,37 @@ pub(crate) fn side_of_plane(
     let terms = [(c.z, minor(&a, &b)), (a.z, minor(&b, &c)), (b.z, minor(&c, &a))];
     let determinant: f64 = terms.iter().map(|(z, (p, q))| z * (p - q)).sum();
     let size: f64 = terms.iter().map(|(z, (p, q))| z.abs() * (p.abs() + q.abs())).sum();
-    if determinant.abs() > BOUND_3 * size { 0.0.total_cmp(&determinant) } else { Ordering::Equal }
+    if determinant.abs() > BOUND_3 * size {
+        0.0_f64.total_cmp(&determinant)
+    } else {
+        Ordering::Equal
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::vector;
+    use nalgebra::{Vector2, Vector3};
     use proptest::prelude::*;
 
     #[test]
     fn the_last_bit_of_a_coordinate_decides_in_the_plane() {
-        let (a, b) = (vector![0.1, 0.1], vector![24.3, 24.3]);
+        let (a, b) = (Vector2::new(0.1, 0.1), Vector2::new(24.3, 24.3));
         for k in 0..200 {
             let on = 0.1 + 0.1 * f64::from(k);
-            assert_eq!(side_of_line(&a, &b, &vector![on, on]), Ordering::Equal);
-            assert_eq!(side_of_line(&a, &b, &vector![on, on.next_up()]), Ordering::Greater);
-            assert_eq!(side_of_line(&a, &b, &vector![on.next_up(), on]), Ordering::Less);
+            assert_eq!(side_of_line(&a, &b, &Vector2::new(on, on)), Ordering::Equal);
+            assert_eq!(side_of_line(&a, &b, &Vector2::new(on, on.next_up())), Ordering::Greater);
+            assert_eq!(side_of_line(&a, &b, &Vector2::new(on.next_up(), on)), Ordering::Less);
         }
     }
 
     #[test]
     fn the_plain_determinant_gets_some_of_these_wrong() {
-        let (a, b) = (vector![0.1, 0.1], vector![24.3, 24.3]);
+        let (a, b) = (Vector2::new(0.1, 0.1), Vector2::new(24.3, 24.3));
         let plain = |c: Vector2<f64>| (a.x - c.x) * (b.y - c.y) - (a.y - c.y) * (b.x - c.x);
         let wrong = |k: &i32| {
             let on = 0.1 + 0.1 * f64::from(*k);
-            !(plain(vector![on, on.next_up()]) > 0.0)
+            !(plain(Vector2::new(on, on.next_up())) > 0.0)
         };
         assert!((0..200).filter(wrong).count() > 0);
     }
@@ -94,9 +97,9 @@ mod tests {
     #[test]
     fn a_point_above_a_counterclockwise_triangle_is_seen_as_such() {
         let [a, b, c] = [Vector3::zeros(), Vector3::x(), Vector3::y()];
-        assert_eq!(side_of_plane(&a, &b, &c, &vector![0.2, 0.2, 1e-300]), Ordering::Greater);
-        assert_eq!(side_of_plane(&a, &b, &c, &vector![0.2, 0.2, -1.0]), Ordering::Less);
-        assert_eq!(side_of_plane(&a, &b, &c, &vector![0.2, 0.2, 0.0]), Ordering::Equal);
+        assert_eq!(side_of_plane(&a, &b, &c, &Vector3::new(0.2, 0.2, 1e-300)), Ordering::Greater);
+        assert_eq!(side_of_plane(&a, &b, &c, &Vector3::new(0.2, 0.2, -1.0)), Ordering::Less);
+        assert_eq!(side_of_plane(&a, &b, &c, &Vector3::new(0.2, 0.2, 0.0)), Ordering::Equal);
     }
 
     proptest! {
@@ -104,7 +107,7 @@ mod tests {
         fn integers_agree_with_whole_number_arithmetic(
             n in proptest::array::uniform6(-(1_i64 << 52)..(1 << 52)),
         ) {
-            let [a, b, c] = [0, 2, 4].map(|k| vector![n[k] as f64, n[k + 1] as f64]);
+            let [a, b, c] = [0, 2, 4].map(|k| Vector2::new(n[k] as f64, n[k + 1] as f64));
             let n = n.map(i128::from);
             let exact = (n[2] - n[0]) * (n[5] - n[1]) - (n[3] - n[1]) * (n[4] - n[0]);
             prop_assert_eq!(side_of_line(&a, &b, &c), exact.cmp(&0));

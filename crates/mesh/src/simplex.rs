@@ -14,7 +14,9 @@ use std::fmt::Debug;
 
 /// Vertex numbers of a segment, a triangle or a tetrahedron. Implemented for two, three and four of
 /// them, and for nothing else.
-pub trait Simplex: Copy + Ord + Debug + AsRef<[usize]> + AsMut<[usize]> + sealed::Sealed {
+pub trait Simplex:
+    Copy + Ord + Debug + AsRef<[usize]> + AsMut<[usize]> + sealed::Sealed + 'static
+{
     /// The vertex numbers of a facet.
     type Facet: Copy + Ord + Debug + AsRef<[usize]> + AsMut<[usize]>;
     /// A number for each edge.

@@ -11,7 +11,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Vector2, vector};
+use nalgebra::Vector2;
 
 use super::{Diagonals, rectangle};
 use crate::MeshError;
@@ -41,7 +41,7 @@ pub fn curved_elliptic_membrane(cells: [usize; 2]) -> Result<QuadraticTriangles<
 /// [`MeshError::TooFew`] and [`MeshError::TooMany`].
 pub fn tapered_membrane(cells: [usize; 2]) -> Result<Mesh<2, 3>, MeshError> {
     rectangle([1.0, 1.0], cells, Diagonals::Alternating)?
-        .mapped(|x| vector![10.0 * x.x, (2.5 - 2.0 * x.x) * (2.0 * x.y - 1.0)])
+        .mapped(|x| Vector2::new(10.0 * x.x, (2.5 - 2.0 * x.x) * (2.0 * x.y - 1.0)))
 }
 
 fn elliptic(x: &Vector2<f64>) -> Vector2<f64> {
@@ -50,7 +50,7 @@ fn elliptic(x: &Vector2<f64>) -> Vector2<f64> {
         1.0 => (1.0, 0.0),
         y => (FRAC_PI_2 * y).sin_cos(),
     };
-    vector![(2.0 + 1.25 * x.x) * c, (1.0 + 1.75 * x.x) * s]
+    Vector2::new((2.0 + 1.25 * x.x) * c, (1.0 + 1.75 * x.x) * s)
 }
 
 #[cfg(test)]
@@ -78,7 +78,8 @@ mod tests {
     fn nodes_of_the_curved_membrane_lie_on_both_ellipses() {
         let mesh = curved_elliptic_membrane([2, 5]).unwrap();
         let on = |a: f64, b: f64| {
-            let level = |x: &&Vector2<f64>| ((x.x / a).powi(2) + (x.y / b).powi(2) - 1.0).abs() < 1e-14;
+            let level =
+                |x: &&Vector2<f64>| ((x.x / a).powi(2) + (x.y / b).powi(2) - 1.0).abs() < 1e-14;
             mesh.nodes().iter().filter(level).count()
         };
         assert_eq!((on(2.0, 1.0), on(3.25, 2.75)), (11, 11));

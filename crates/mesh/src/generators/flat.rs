@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{SVector, Vector1, Vector2, vector};
+use nalgebra::{SVector, Vector1, Vector2};
 
 use super::{check_cells, check_size};
 use crate::MeshError;
@@ -69,7 +69,7 @@ pub fn circle(radius: f64, cells: usize) -> Result<Mesh<2, 2>, MeshError> {
 
 fn on_circle(radius: f64, k: usize, of: usize) -> Vector2<f64> {
     let (s, c) = (TAU * k as f64 / of as f64).sin_cos();
-    vector![c, s] * radius
+    Vector2::new(c, s) * radius
 }
 
 /// A rectangle with a corner at the origin, in equal cells, each cut into triangles.
@@ -89,7 +89,7 @@ pub fn rectangle(
     }
     let [m, n] = cells;
     check_count("the rectangle", [m, n, 4])?;
-    let at = |x: f64, y: f64| vector![size[0] * x / m as f64, size[1] * y / n as f64];
+    let at = |x: f64, y: f64| Vector2::new(size[0] * x / m as f64, size[1] * y / n as f64);
     let corners = (0..=n).flat_map(|j| (0..=m).map(move |i| at(i as f64, j as f64)));
     let mut vertices: Vec<Vector2<f64>> = corners.collect();
     let mut triangles = Vec::with_capacity(4 * m * n);

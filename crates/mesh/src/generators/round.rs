@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Vector3, vector};
+use nalgebra::Vector3;
 
 use super::{check_cells, check_size};
 use crate::MeshError;
@@ -106,7 +106,7 @@ pub fn torus(radii: [f64; 2], cells: [usize; 2]) -> Result<Mesh<3, 3>, MeshError
         let (sin_u, cos_u) = (TAU * i as f64 / m as f64).sin_cos();
         let (sin_v, cos_v) = (TAU * j as f64 / n as f64).sin_cos();
         let out = large + small * cos_v;
-        vertices.push(vector![out * cos_u, out * sin_u, small * sin_v]);
+        vertices.push(Vector3::new(out * cos_u, out * sin_u, small * sin_v));
         let at = |i: usize, j: usize| (i % m) * n + j % n;
         let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
         triangles.extend([[a, b, c], [a, c, d]]);
