@@ -3,9 +3,9 @@
 //! ```text
 //! ab meets cd where c, d are not on one side of ab, a, b not on one side of cd, and boxes meet
 //! ```
-//! Two edges in a row share a corner, and meet only if the second turns back on the first. Edges are
-//! swept from left to right, so that most pairs are never looked at; the worst case (all edges above
-//! each other) looks at all of them.
+//! Two edges in a row share a corner, and meet only if the second turns back on the first. Edges
+//! are swept from left to right, so that most pairs are never looked at; the worst case (all
+//! edges above each other) looks at all of them.
 
 use std::cmp::Ordering;
 
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn at_most_a_thousand_pairs_are_listed() {
         let zigzag = |swap: bool| {
-            let tooth = |k: usize| match (k % 2 == 0, swap) {
+            let tooth = |k: usize| match (k.is_multiple_of(2), swap) {
                 (even, false) => Vector2::new(k as f64, if even { 0.0 } else { 1.0 }),
                 (even, true) => Vector2::new(if even { 0.0 } else { 99.0 }, k as f64 / 99.0),
             };

@@ -1,7 +1,7 @@
 //! Edges, numbered once, and who stands next to whom.
 //!
 //! ```text
-//! e = (a, b), a < b, in rising order           simplex -> its edges           vertex -> its vertices
+//! e = (a, b), a < b, in rising order      simplex -> its edges      vertex -> its vertices
 //! ```
 //! `a b` vertex numbers. All orders are those of the numbers, so that the same mesh gives the same
 //! lists on every machine.

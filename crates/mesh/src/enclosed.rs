@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! m = 1/6 sum d     f = 1/24 sum d s     C = 1/120 sum d (a a^T + b b^T + c c^T + s s^T)
-//! d = a.(b x c),  s = a + b + c          w(p) = 1/4pi sum of the angles of the triangles seen from p
+//! d = a.(b x c),  s = a + b + c        w(p) = 1/4pi sum of the solid angles seen from p
 //! ```
-//! `a b c` the corners of a triangle (m) seen from the middle of its component, counterclockwise from
-//! outside. A component inside an odd number of others bounds a cavity and must face inward, the
-//! others outward; the winding number `w` of a closed surface is 0 outside and +-1 inside.
-//! A surface is taken if it is closed, a manifold, oriented outward, without flat triangles or
-//! components that enclose nothing, and if no edge is found to pass through a triangle.
-//! Source: notes 7.1, 9.4; Van Oosterom and Strackee 1983 (the angle).
+//! `a b c` the corners of a triangle (m) seen from the middle of its component, counterclockwise
+//! from outside. A component inside an odd number of others bounds a cavity and must face inward,
+//! the others outward; the winding number `w` of a closed surface is 0 outside and +-1 inside. A
+//! surface is taken if it is closed, a manifold, oriented outward, without flat triangles or
+//! components that enclose nothing, and if no edge is found to pass through a triangle. Source:
+//! notes 7.1, 9.4; Van Oosterom and Strackee 1983 (the angle).
 
 use std::f64::consts::PI;
 
@@ -68,7 +68,8 @@ impl ClosedSurface {
         &self.mesh
     }
 
-    /// Volume, first and second moments of the solid within, about the middle of the first component.
+    /// Volume, first and second moments of the solid within, about the middle of the first
+    /// component.
     pub fn moments(&self) -> Moments<3> {
         self.moments
     }
@@ -151,7 +152,7 @@ impl Body {
 
     fn is_flat(&self) -> bool {
         let extent = (self.high - self.low).amax();
-        !(self.moments.measure.abs() > FLAT * extent.powi(3))
+        self.moments.measure.abs() <= FLAT * extent.powi(3)
     }
 
     fn goes_around(&self, point: &Vector3<f64>) -> bool {

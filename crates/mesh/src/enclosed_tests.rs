@@ -128,13 +128,14 @@ proptest! {
         field in proptest::array::uniform3(-1.0..1.0_f64),
         shape in proptest::array::uniform3(0.5..2.0_f64),
     ) {
-        let surface = torus([2.0, 0.5], [9, 7]).unwrap().mapped(|x| x.component_mul(&Vector3::from(shape)));
-        let surface = surface.unwrap();
+        let (shape, field) = (Vector3::from(shape), Vector3::from(field));
+        let surface = torus([2.0, 0.5], [9, 7]).unwrap();
+        let surface = surface.mapped(|x| x.component_mul(&shape)).unwrap();
         let flux: f64 = surface
             .simplices()
             .iter()
             .map(|t| surface.corners(t))
-            .map(|[a, b, c]: [Vector3<f64>; 3]| (b - a).cross(&(c - a)).dot(&Vector3::from(field)) / 2.0)
+            .map(|[a, b, c]: [Vector3<f64>; 3]| (b - a).cross(&(c - a)).dot(&field) / 2.0)
             .sum();
         prop_assert!(flux.abs() < 1e-13);
     }

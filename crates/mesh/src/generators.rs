@@ -1,4 +1,5 @@
-//! Shapes that everyone needs: lines, rectangles, discs, boxes, cylinders, balls and their surfaces.
+//! Shapes that everyone needs: lines, rectangles, discs, boxes, cylinders, balls and their
+//! surfaces.
 
 mod benchmarks;
 mod flat;

@@ -5,7 +5,7 @@
 //! d [v0 ... vn] = sum (-1)^i [... vi-1 vi+1 ...]    facets, orientation, boundary         (7.2)
 //! V - E + F - T                                     what a shape is made of
 //! int 1, x, x x^T over simplices, closed outlines   mass, centre and inertia for
-//!   and closed surfaces                               density one                         (7.1-7.3, 9.4)
+//!   and closed surfaces                               density one                 (7.1-7.3, 9.4)
 //! x(l) = sum N_i(l) x_i                             curved elements                       (13)
 //! cot alpha, A from edge lengths                    what a Laplacian needs                (15)
 //! ```
@@ -16,8 +16,8 @@
 //! use stationary_mesh::{ClosedSurface, Polygon, Quality, ball, icosphere};
 //! use nalgebra::{Vector2};
 //!
-//! let plate = vec![Vector2::new(0.0, 0.0), Vector2::new(2.0, 0.0), Vector2::new(2.0, 1.0), Vector2::new(0.0, 1.0)];
-//! assert_eq!(Polygon::new(vec![plate])?.moments().measure, 2.0);
+//! let plate = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]].map(Vector2::from);
+//! assert_eq!(Polygon::new(vec![plate.to_vec()])?.moments().measure, 2.0);
 //! let sphere = icosphere(1.0, 3)?;
 //! assert_eq!(sphere.euler_characteristic(), 2);
 //! let inside_out = ClosedSurface::new(sphere.reversed()).unwrap_err();
@@ -29,10 +29,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Reading order: a simplex and its facets; the [`Mesh`]; who shares what (facets, edges, components,
-//! manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`], [`ClosedSurface`]) with
-//! the exact signs that they rest on; shapes of simplices ([`Quality`], edge lengths, refinement);
-//! curved elements ([`Quadratic`]); generators; and files, behind the feature `obj`.
+//! Reading order: a simplex and its facets; the [`Mesh`]; who shares what (facets, edges,
+//! components, manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`],
+//! [`ClosedSurface`]) with the exact signs that they rest on; shapes of simplices ([`Quality`],
+//! edge lengths, refinement); curved elements ([`Quadratic`]); generators; and files, behind the
+//! feature `obj`.
 //!
 //! Every list comes in the order of vertex numbers, so that the same mesh gives the same answer
 //! everywhere. The crate knows nothing of mass, time or materials.

@@ -1,7 +1,7 @@
 //! Length, area and volume of a simplex, from its edges.
 //!
 //! ```text
-//! |s| = |det(x1 - x0, ..., xn - x0)| / n!            n = K - 1 = D, with the sign of the determinant
+//! |s| = |det(x1 - x0, ..., xn - x0)| / n!        n = K - 1 = D, with the sign of the determinant
 //! |s| = |x1 - x0|,   |(x1 - x0) x (x2 - x0)| / 2     in more dimensions than its own, no sign
 //! ```
 //! `x0 ... xn` corners (m). Differences of corners come first, so that a small simplex far from the
@@ -50,7 +50,7 @@ pub(crate) fn is_flat<const D: usize, const K: usize>(corners: &[SVector<f64, D>
         longest = corners[..k].iter().fold(longest, |l, other| l.max((corner - other).norm()));
     }
     let size = measure(corners).abs();
-    !(size > FLAT * longest.powi(K as i32 - 1))
+    size <= FLAT * longest.powi(K as i32 - 1)
 }
 
 impl<const D: usize, const K: usize> Mesh<D, K> {
@@ -74,8 +74,8 @@ impl<const D: usize, const K: usize> Mesh<D, K> {
         Places::refuse(flat.collect(), MeshError::Degenerate)
     }
 
-    /// An error that lists the simplices that are turned inside out: what a mesh of elements must not
-    /// have. A mesh of smaller dimension than its space has none.
+    /// An error that lists the simplices that are turned inside out: what a mesh of elements must
+    /// not have. A mesh of smaller dimension than its space has none.
     ///
     /// # Errors
     /// [`MeshError::Inverted`].

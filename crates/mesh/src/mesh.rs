@@ -3,10 +3,10 @@
 //! ```text
 //! x_a in R^D, a = 0 ... V-1          s = (a_1 ... a_K), K = 2 segments, 3 triangles, 4 tetrahedra
 //! ```
-//! `x_a` a vertex (m), `K` the corners of a simplex, one more than its dimension, which is at most D.
-//! A mesh is checked when it is made: coordinates finite and at most 1e50 in size, vertices that
-//! exist, no vertex twice in a simplex. It may still be open, folded, badly shaped or in pieces:
-//! those are questions, and their functions are in the files that follow.
+//! `x_a` a vertex (m), `K` the corners of a simplex, one more than its dimension, which is at
+//! most D. A mesh is checked when it is made: coordinates finite and at most 1e50 in size,
+//! vertices that exist, no vertex twice in a simplex. It may still be open, folded, badly shaped
+//! or in pieces: those are questions, and their functions are in the files that follow.
 
 use nalgebra::SVector;
 

@@ -5,11 +5,11 @@
 //! simplex:  m = |s|,   f = m s/K,   C = m (sum_k v_k v_k^T + s s^T) / (K (K + 1)),   s = sum_k v_k
 //! another o, d = o - o':  f' = f + m d,   C' = C + f d^T + d f^T + m d d^T
 //! ```
-//! `v_k` corners seen from `o` (m), `K` of them; `m` in m^n, `f` in m^(n+1), `C` in m^(n+2), where n
-//! is the dimension of the shape. Exact for polynomials of degree 2. Sums run about the middle of the
-//! shape's extent, never about the origin: a unit cube a million metres away keeps what its
-//! coordinates have. Times a density `C` gives the inertia tensor `tr(C) 1 - C` in space and
-//! the polar inertia `tr(C)` in the plane. Source: notes 7.1-7.3, 9.4; errata chapter 7.
+//! `v_k` corners seen from `o` (m), `K` of them; `m` in m^n, `f` in m^(n+1), `C` in m^(n+2),
+//! where n is the dimension of the shape. Exact for polynomials of degree 2. Sums run about the
+//! middle of the shape's extent, never about the origin: a unit cube a million metres away keeps
+//! what its coordinates have. Times a density `C` gives the inertia tensor `tr(C) 1 - C` in space
+//! and the polar inertia `tr(C)` in the plane. Source: notes 7.1-7.3, 9.4; errata chapter 7.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
@@ -43,8 +43,8 @@ impl<const D: usize> Moments<D> {
         moments
     }
 
-    /// Adds a simplex of this measure and number of corners. They are seen from `about`; one that is
-    /// there may be left out of the list.
+    /// Adds a simplex of this measure and number of corners. They are seen from `about`; one that
+    /// is there may be left out of the list.
     pub(crate) fn add_simplex(&mut self, measure: f64, corners: &[SVector<f64, D>], number: usize) {
         let s: SVector<f64, D> = corners.iter().sum();
         let k = number as f64;
@@ -208,7 +208,8 @@ mod tests {
             weights in (0.1..0.9_f64, 0.1..0.9_f64),
         ) {
             let [a, b, c] = triangle(numbers);
-            let inner = a + (b - a) * weights.0 * weights.1 + (c - a) * weights.0 * (1.0 - weights.1);
+            let (u, v) = (weights.0 * weights.1, weights.0 * (1.0 - weights.1));
+            let inner = a + (b - a) * u + (c - a) * v;
             let whole = Moments::of_simplex(&[a, b, c]);
             let pieces = [[a, b, inner], [b, c, inner], [c, a, inner]];
             let sum = pieces.iter().fold(Moments::zero(a), |sum, piece| {

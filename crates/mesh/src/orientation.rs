@@ -3,9 +3,9 @@
 //! ```text
 //! two simplices agree where they see their shared facet with opposite signs
 //! ```
-//! A mesh that is not oriented can be, one component after the other, each after its first simplex; or
-//! it cannot, like a Moebius strip. Elements that fill their space (triangles in the plane,
-//! tetrahedra) have a sign of their own, and are made positive.
+//! A mesh that is not oriented can be, one component after the other, each after its first
+//! simplex; or it cannot, like a Moebius strip. Elements that fill their space (triangles in the
+//! plane, tetrahedra) have a sign of their own, and are made positive.
 
 use crate::facets::{named, refuse_more_than_two};
 use crate::measure::measure;

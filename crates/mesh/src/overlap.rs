@@ -4,10 +4,10 @@
 //! pq passes through abc:  |abcp| and |abcq| differ in sign, |pqab|, |pqbc| and |pqca| do not
 //! ```
 //! Every edge against every triangle that shares no corner with it. The ends of an edge that is
-//! reported lie on both sides of the triangle beyond doubt; where it meets the triangle's rim, within
-//! rounding, it counts as passing. What touches with a corner, or lies flat upon itself, is not
-//! reported. Triangles are swept along the longest side of the surface's box; the worst case (all of
-//! them above each other) looks at all pairs.
+//! reported lie on both sides of the triangle beyond doubt; where it meets the triangle's rim,
+//! within rounding, it counts as passing. What touches with a corner, or lies flat upon itself,
+//! is not reported. Triangles are swept along the longest side of the surface's box; the worst
+//! case (all of them above each other) looks at all pairs.
 
 use std::cmp::Ordering;
 

@@ -1,13 +1,14 @@
 //! A region of the plane between outlines: holes, islands in holes, and its moments.
 //!
 //! ```text
-//! m = 1/2 sum v x w        f = 1/6 sum (v + w)(v x w)        tr C = 1/12 sum (v.v + v.w + w.w)(v x w)
+//! m = 1/2 sum v x w     f = 1/6 sum (v + w)(v x w)     tr C = 1/12 sum (v.v + v.w + w.w)(v x w)
 //! ```
 //! Sums over edges from `v` to `w` (m, seen from the middle of the outline), `v x w` the number
-//! `vx wy - vy wx`: the integrals of the notes' Stokes theorem, written as signed triangles. Outlines
-//! may wind either way and come in any order; one inside an odd number of others is a hole, and
-//! they are turned silently so that the region lies on their left. Outlines that cross or touch
-//! themselves or each other are refused, by exact signs. Source: notes 7.1-7.3; errata chapter 7.
+//! `vx wy - vy wx`: the integrals of the notes' Stokes theorem, written as signed triangles.
+//! Outlines may wind either way and come in any order; one inside an odd number of others is a
+//! hole, and they are turned silently so that the region lies on their left. Outlines that cross
+//! or touch themselves or each other are refused, by exact signs. Source: notes 7.1-7.3; errata
+//! chapter 7.
 
 use std::cmp::Ordering;
 

@@ -5,10 +5,10 @@
 //! int f = int_reference f |J|      J = dx, columns x_,i - x_,0
 //! ```
 //! `l` barycentric coordinates, `x_i` nodes (m), corners first, then the edges in the order of
-//! [`Simplex::EDGES`]. Where the element has the dimension of its space its measure and moments are
-//! integrals of polynomials, and exact; a surface in space has an area under a root, for which the
-//! rule is accurate but not exact. What a closed surface encloses is exact again. Source: any text on
-//! isoparametric elements.
+//! [`Simplex::EDGES`]. Where the element has the dimension of its space its measure and moments
+//! are integrals of polynomials, and exact; a surface in space has an area under a root, for
+//! which the rule is accurate but not exact. What a closed surface encloses is exact again.
+//! Source: any text on isoparametric elements.
 
 use nalgebra::{SVector, Vector3};
 
@@ -49,8 +49,8 @@ where
         Ok(Quadratic { nodes, elements })
     }
 
-    /// The elements of a mesh with a node halfway along each edge. Node `V + e` belongs to edge `e` of
-    /// [`Mesh::edges`], `V` the number of vertices.
+    /// The elements of a mesh with a node halfway along each edge. Node `V + e` belongs to edge
+    /// `e` of [`Mesh::edges`], `V` the number of vertices.
     pub fn straight(mesh: &Mesh<D, K>) -> Self {
         const { assert!(N == K + K * (K - 1) / 2, "one node a corner and one an edge") };
         let (edges, corners) = (mesh.edges(), mesh.vertices());
@@ -64,8 +64,8 @@ where
         Quadratic { nodes, elements: numbered.map(element).collect() }
     }
 
-    /// The elements of a mesh whose edges pass through points of one's choice: the function gets the
-    /// ends of an edge, the smaller number first, and the point halfway between them.
+    /// The elements of a mesh whose edges pass through points of one's choice: the function gets
+    /// the ends of an edge, the smaller number first, and the point halfway between them.
     ///
     /// # Errors
     /// [`MeshError::NonFinite`] and [`MeshError::TooFar`].
@@ -116,8 +116,9 @@ where
         element.iter().zip(shape).map(|(&node, n)| self.nodes[node] * n).sum()
     }
 
-    /// The derivatives of [`Quadratic::point`] by the coordinates of the corners 1 to K - 1, at the
-    /// cost of that of corner 0: the columns of J, as points of a simplex whose first corner is zero.
+    /// The derivatives of [`Quadratic::point`] by the coordinates of the corners 1 to K - 1, at
+    /// the cost of that of corner 0: the columns of J, as points of a simplex whose first corner
+    /// is zero.
     fn tangents(&self, element: &[usize; N], l: &[f64; K]) -> [SVector<f64, D>; K] {
         let mut by_coordinate = [SVector::<f64, D>::zeros(); K];
         for (k, derivative) in by_coordinate.iter_mut().enumerate() {
@@ -131,15 +132,16 @@ where
         by_coordinate.map(|derivative| derivative - by_coordinate[0])
     }
 
-    /// An error that lists the elements whose Jacobian is not positive at some node. Between nodes it
-    /// may still fail, which no list of points can tell. For elements that fill their space.
+    /// An error that lists the elements whose Jacobian is not positive at some node. Between
+    /// nodes it may still fail, which no list of points can tell. For elements that fill their
+    /// space.
     ///
     /// # Errors
     /// [`MeshError::Inverted`].
     pub fn check_positive(&self) -> Result<(), MeshError> {
         let at_nodes = node_coordinates::<K, N>();
         let bad = |element: &[usize; N]| {
-            K == D + 1 && at_nodes.iter().any(|l| !(measure(&self.tangents(element, l)) > 0.0))
+            K == D + 1 && at_nodes.iter().any(|l| measure(&self.tangents(element, l)) <= 0.0)
         };
         let numbered = self.elements.iter().enumerate();
         let inverted = numbered.filter(|(_, element)| bad(element)).map(|(number, _)| number);
@@ -174,8 +176,8 @@ where
 }
 
 impl QuadraticTriangles<3> {
-    /// The moments of what closed curved triangles enclose, exact by the divergence theorem. Whether
-    /// they are closed is the question of [`Quadratic::corners`] and their mesh.
+    /// The moments of what closed curved triangles enclose, exact by the divergence theorem.
+    /// Whether they are closed is the question of [`Quadratic::corners`] and their mesh.
     pub fn enclosed_moments(&self) -> Moments<3> {
         let mut moments = Moments::zero(self.middle());
         for element in &self.elements {
@@ -250,7 +252,8 @@ mod tests {
 
     #[test]
     fn a_quadratic_map_of_a_square_is_met_exactly() {
-        // x = u + u v/2, y = v - u^2/4 has det (1 + v/2) + u^2/4: over the unit square 1 + 1/4 + 1/12.
+        // x = u + u v/2, y = v - u^2/4 has det (1 + v/2) + u^2/4: over the unit square 1 + 1/4 +
+        // 1/12.
         let square = rectangle([1.0, 1.0], [3, 2], Diagonals::Alternating).unwrap();
         let bent = QuadraticTriangles::straight(&square)
             .mapped(|x| Vector2::new(x.x + x.x * x.y / 2.0, x.y - x.x * x.x / 4.0))

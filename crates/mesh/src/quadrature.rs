@@ -4,9 +4,9 @@
 //! int_s f = |s| sum_i w_i f(l_i),  sum w_i = 1         l_i barycentric coordinates, w_i > 0
 //! l_1 = u_1,  l_2 = (1 - u_1) u_2,  ...                u_k Gauss's points on [0, 1]
 //! ```
-//! The cube is collapsed onto the simplex, so n points a side are exact up to degree 2n - d, where d is
-//! the dimension: not the fewest points there are, but of any degree, and all of them inside.
-//! Source: Stroud, Approximate calculation of multiple integrals, 1971.
+//! The cube is collapsed onto the simplex, so n points a side are exact up to degree 2n - d,
+//! where d is the dimension: not the fewest points there are, but of any degree, and all of them
+//! inside. Source: Stroud, Approximate calculation of multiple integrals, 1971.
 
 /// Gauss's points on [0, 1] with their weights, exact up to degree 2n - 1.
 fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
@@ -35,7 +35,8 @@ pub fn simplex_quadrature<const K: usize>(degree: usize) -> Vec<([f64; K], f64)>
     let line = gauss_legendre((degree + K).div_ceil(2).max(1));
     let mut points = vec![([0.0; K], 1.0, 1.0)];
     for corner in 0..K - 1 {
-        // The rest shrinks with each coordinate; its powers are the volume that the collapse leaves.
+        // The rest shrinks with each coordinate; its powers are the volume that the collapse
+        // leaves.
         let left = (K - 1 - corner) as f64;
         points = points
             .into_iter()

@@ -1,12 +1,12 @@
 //! How good is the shape of a triangle or a tetrahedron?
 //!
 //! ```text
-//!                    triangle                      tetrahedron                     best   worst
-//! mean ratio         4 sqrt 3 A / sum l^2          12 (3 V)^(2/3) / sum l^2        1      0
-//! radius ratio       2 r / R                       3 r / R                         1      0
-//! aspect ratio       (sqrt 3/2) l_max / h_min      sqrt(2/3) l_max / h_min         1      infinity
-//! smallest angle     at a corner                   dihedral, at an edge            60, 70.5 deg   0
-//! largest angle      at a corner                   dihedral, at an edge            60, 70.5 deg   180
+//!                  triangle               tetrahedron             best           worst
+//! mean ratio       4 sqrt 3 A / sum l^2   12 (3 V)^(2/3) / sum l^2  1          0
+//! radius ratio     2 r / R                3 r / R                 1              0
+//! aspect ratio     (sqrt 3/2) l_max/h_min sqrt(2/3) l_max/h_min   1              infinity
+//! smallest angle   at a corner            dihedral, at an edge    60, 70.5 deg   0
+//! largest angle    at a corner            dihedral, at an edge    60, 70.5 deg   180
 //! ```
 //! `A V` area and volume, `l` edges, `h` altitudes, `r R` the radii of the inscribed and the
 //! circumscribed sphere. None depends on size; angles are in radians. The mean ratio of an inverted

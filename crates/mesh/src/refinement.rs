@@ -5,8 +5,8 @@
 //! ```
 //! `V` the number of coarse vertices, `e` the number of an edge in [`Mesh::edges`]. Segments and
 //! triangles get children of the parent's shape. A tetrahedron's inner octahedron is cut along
-//! one diagonal, named by the order of the corners, so that over all levels at most three shapes (up
-//! to mirror images) come of each tetrahedron (Bey 1995).
+//! one diagonal, named by the order of the corners, so that over all levels at most three shapes
+//! (up to mirror images) come of each tetrahedron (Bey 1995).
 
 use nalgebra::SVector;
 

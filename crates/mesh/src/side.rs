@@ -1,13 +1,14 @@
 //! On which side of a line, or of a plane, does a point lie? Signs that can be trusted.
 //!
 //! ```text
-//! plane: sign of |b - a, c - a|, exact          space: sign of |a - d, b - d, c - d|, or "too close"
+//! plane: sign of |b - a, c - a|, exact      space: sign of |a - d, b - d, c - d|, or "too close"
 //! ```
-//! In the plane the determinant is expanded into products, each split without error into two numbers
-//! (`x y = p + e` by a fused multiply-add), and the twelve are summed without error; a first look
-//! with an error bound settles most cases. In space there is the first look only. Exact while no
-//! product leaves the range of f64: coordinates up to 1e50, and zero or above 1e-140 in size.
-//! Source: Shewchuk, Adaptive precision floating-point arithmetic, 1997 (the bounds and the sums).
+//! In the plane the determinant is expanded into products, each split without error into two
+//! numbers (`x y = p + e` by a fused multiply-add), and the twelve are summed without error; a
+//! first look with an error bound settles most cases. In space there is the first look only.
+//! Exact while no product leaves the range of f64: coordinates up to 1e50, and zero or above
+//! 1e-140 in size. Source: Shewchuk, Adaptive precision floating-point arithmetic, 1997 (the
+//! bounds and the sums).
 
 use std::cmp::Ordering;
 
@@ -89,7 +90,7 @@ mod tests {
         let plain = |c: Vector2<f64>| (a.x - c.x) * (b.y - c.y) - (a.y - c.y) * (b.x - c.x);
         let wrong = |k: &i32| {
             let on = 0.1 + 0.1 * f64::from(*k);
-            !(plain(Vector2::new(on, on.next_up())) > 0.0)
+            plain(Vector2::new(on, on.next_up())) <= 0.0
         };
         assert!((0..200).filter(wrong).count() > 0);
     }

@@ -4,11 +4,11 @@
 //! d [v0 ... vn] = sum_i (-1)^i [v0 ... vi-1 vi+1 ... vn]        its facets, each seen from outside
 //! ```
 //! `vi` vertex numbers; an odd permutation turns a simplex over. A sign is `+1` where the facet's
-//! vertices in rising order are an even permutation of the outward ones, so that two neighbours agree
-//! where their signs of the shared facet differ. The edges of a triangle are 01, 12, 20, those of a
-//! tetrahedron 01, 12, 20, 03, 13, 23 (VTK's order; Gmsh swaps the last two). The children are those
-//! of red refinement, a tetrahedron's octahedron cut along the diagonal 02-13 (Bey 1995), each with
-//! the orientation of its parent.
+//! vertices in rising order are an even permutation of the outward ones, so that two neighbours
+//! agree where their signs of the shared facet differ. The edges of a triangle are 01, 12, 20,
+//! those of a tetrahedron 01, 12, 20, 03, 13, 23 (VTK's order; Gmsh swaps the last two). The
+//! children are those of red refinement, a tetrahedron's octahedron cut along the diagonal 02-13
+//! (Bey 1995), each with the orientation of its parent.
 
 use std::fmt::Debug;
 
@@ -90,11 +90,12 @@ fn without<const K: usize, const F: usize>(corners: &[usize; K], opposite: usize
     std::array::from_fn(|k| corners[if k < opposite { k } else { k + 1 }])
 }
 
-/// Whether a facet's rising order is an even permutation of its outward order, and that rising order.
+/// Whether a facet's rising order is an even permutation of its outward order, and that rising
+/// order.
 pub(crate) fn signed_facet<S: Simplex>(simplex: &S, opposite: usize) -> (S::Facet, bool) {
     let mut facet = simplex.facet(opposite);
     let swaps = sort_counting_swaps(facet.as_mut());
-    (facet, (swaps + opposite) % 2 == 0)
+    (facet, (swaps + opposite).is_multiple_of(2))
 }
 
 /// Sorts a handful of numbers, and tells how many swaps of neighbours that took.

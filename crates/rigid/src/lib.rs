@@ -2,14 +2,14 @@
 //! drifts.
 //!
 //! ```text
-//! A = 1/2 sum p x q,   m c = sum m_k c_k,   I = tr(C) 1 - C      mass, centre, inertia    (7.2, 7.3)
+//! m = rho V,   c = f / V,   I = tr(C) 1 - C,   m c = sum m_k c_k  mass, centre, inertia    (7.2, 7.3)
 //! g exp(s log(g^-1 k)),   Ad_g v,   [v, w]                       straight paths                (8.2)
 //! d/dt exp(theta) = exp(theta) [T(theta) theta.]                 angular velocity              (9.3)
 //! I w. + w x I w = -dV,   R. = R [w]                             Euler's equations             (9.4)
 //! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)     made discrete                 (9.5)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
 //! ```
-//! `p q` corners, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
+//! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
 //! orientation, `w` the angular velocity and `I` the inertia in body axes, `dV` the differential of
 //! the potential in body axes (minus the torque), `h` the step. The numbers name sections of the
 //! notes.
@@ -52,8 +52,6 @@ mod motion;
 mod matrix_group;
 mod body;
 mod mass_properties;
-mod polygon;
-mod surface_mass;
 mod space;
 mod metric;
 mod weight;
@@ -99,11 +97,9 @@ pub use motion::RigidMotion;
 pub use munthe_kaas::MuntheKaas4;
 pub use planar::{PlanarMotion, PlanarRotation};
 pub use point_force::{Wrench, apply_impulse, force_at_point};
-pub use polygon::polygon_mass;
 pub use renormalized_euler::RenormalizedEuler;
 pub use rotation::Rotation;
 pub use space::{BodySpace, Orientations, Poses};
-pub use surface_mass::{surface_mass, turned_outward};
 pub use symmetric_top::{SymmetricTop, tilt};
 pub use translation::Translation;
 pub use variational::ConstantVelocity;

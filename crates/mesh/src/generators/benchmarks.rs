@@ -4,10 +4,10 @@
 //! LE1    ((2 + 5/4 s) cos t, (1 + 7/4 s) sin t)          s in [0, 1],  t in [0, pi/2]
 //! FV32   (10 s, (5/2 - 2 s) (2 t - 1))                   s, t in [0, 1]
 //! ```
-//! In metres. LE1 is a quarter of an elliptic ring between semi-axes 2, 1 and 3.25, 2.75, with its
-//! corners at (2, 0), (3.25, 0), (0, 2.75), (0, 1); FV32 a symmetric membrane 10 long, 5 high at x = 0 and
-//! 1 at its tip. Areas are pi/4 (3.25 2.75 - 2 1) and 30. Source: NAFEMS, The standard NAFEMS
-//! benchmarks, 1990, tests LE1 and FV32.
+//! In metres. LE1 is a quarter of an elliptic ring between semi-axes 2, 1 and 3.25, 2.75, with
+//! its corners at (2, 0), (3.25, 0), (0, 2.75), (0, 1); FV32 a symmetric membrane 10 long, 5 high
+//! at x = 0 and 1 at its tip. Areas are pi/4 (3.25 2.75 - 2 1) and 30. Source: NAFEMS, The
+//! standard NAFEMS benchmarks, 1990, tests LE1 and FV32.
 
 use std::f64::consts::FRAC_PI_2;
 

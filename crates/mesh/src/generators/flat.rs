@@ -5,8 +5,8 @@
 //! rectangle  x_ij = (i a/m, j b/n),  i fastest
 //! disc       ring k of n has 6 k vertices at radius k R/n
 //! ```
-//! `L a b R` lengths (m). Triangles run counterclockwise. A disc's rings make triangles whose angles
-//! stay near 60 degrees however fine they are; its boundary vertices are on the circle.
+//! `L a b R` lengths (m). Triangles run counterclockwise. A disc's rings make triangles whose
+//! angles stay near 60 degrees however fine they are; its boundary vertices are on the circle.
 
 use std::f64::consts::TAU;
 

@@ -5,8 +5,9 @@
 //! ball     twenty tetrahedra from the centre of an icosahedron, refined, then x -> R g(x) x/|x|
 //! torus    ((R + r cos v) cos u, (R + r cos v) sin u, r sin v)
 //! ```
-//! `R r` radii (m), `g` the gauge of the icosahedron: 0 at its centre, 1 on its faces, so that shells
-//! of the icosahedron become spheres. Each level halves the mesh size. Surfaces face outward.
+//! `R r` radii (m), `g` the gauge of the icosahedron: 0 at its centre, 1 on its faces, so that
+//! shells of the icosahedron become spheres. Each level halves the mesh size. Surfaces face
+//! outward.
 
 use std::f64::consts::TAU;
 
@@ -84,8 +85,8 @@ pub fn curved_ball(radius: f64, levels: usize) -> Result<QuadraticTetrahedra<3>,
     })
 }
 
-/// A torus about the z axis with radii of the tube's centre line and of the tube, in cells around the
-/// axis and around the tube.
+/// A torus about the z axis with radii of the tube's centre line and of the tube, in cells around
+/// the axis and around the tube.
 ///
 /// # Errors
 /// [`MeshError::Size`], [`MeshError::Order`], [`MeshError::TooFew`] and [`MeshError::TooMany`].

@@ -1,11 +1,11 @@
 //! Boxes, and what becomes of a plane shape that is drawn out: cylinders.
 //!
 //! ```text
-//! box      x_ijk = (i a/l, j b/m, k c/n),  i fastest, six tetrahedra along the diagonal of each cell
+//! box      x_ijk = (i a/l, j b/m, k c/n),  i fastest, six tetrahedra a cell
 //! prism    (a, b, c) below, (a', b', c') above:  a b c c',  a b b' c',  a a' b' c'   for a < b < c
 //! ```
-//! Lengths in metres. Neighbours cut their common face along the same diagonal, because both go by the
-//! rising order of its vertices. All tetrahedra are positive. Source: Kuhn 1960 (the six).
+//! Lengths in metres. Neighbours cut their common face along the same diagonal, because both go
+//! by the rising order of its vertices. All tetrahedra are positive. Source: Kuhn 1960 (the six).
 
 use nalgebra::Vector3;
 
@@ -55,8 +55,8 @@ fn grid([n, m, l]: [usize; 3]) -> impl Iterator<Item = (usize, usize, usize)> {
 /// A plane shape drawn upward from z = 0 in equal layers of prisms, three tetrahedra each.
 ///
 /// # Errors
-/// [`MeshError::Size`], [`MeshError::TooFew`], [`MeshError::TooMany`] and, for a shape with inverted
-/// triangles, [`MeshError::Inverted`].
+/// [`MeshError::Size`], [`MeshError::TooFew`], [`MeshError::TooMany`] and, for a shape with
+/// inverted triangles, [`MeshError::Inverted`].
 pub fn extruded(shape: &Mesh<2, 3>, height: f64, layers: usize) -> Result<Mesh<3, 4>, MeshError> {
     check_size("the height", height)?;
     check_cells("the number of layers", layers, 1)?;
