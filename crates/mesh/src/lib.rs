@@ -59,6 +59,8 @@ mod refinement;
 mod quadrature;
 mod quadratic;
 mod generators;
+#[cfg(feature = "obj")]
+mod obj;
 
 pub use components::Components;
 pub use edges::{Adjacency, Edges};
@@ -74,6 +76,8 @@ pub use intrinsic::IntrinsicTriangle;
 pub use measure::measure;
 pub use mesh::{Mesh, Part};
 pub use moments::Moments;
+#[cfg(feature = "obj")]
+pub use obj::{ObjError, parse_obj, read_obj};
 pub use polygon::Polygon;
 pub use quadratic::{Quadratic, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles};
 pub use quadrature::simplex_quadrature;
