@@ -127,6 +127,12 @@ pub enum MeshError {
     /// Three lengths that no triangle has.
     #[error("no triangle has the edge lengths of simplices {0}")]
     TriangleInequality(Places<usize>),
+    /// Flips that do not come to an end.
+    #[error("edges are not Delaunay after {limit} flips")]
+    TooManyFlips {
+        /// How many were made.
+        limit: usize,
+    },
     /// A size that must be positive and finite.
     #[error("{what} is {value}; it must be positive and finite")]
     Size {

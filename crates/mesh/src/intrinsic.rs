@@ -9,11 +9,6 @@
 //! triangle has are refused; three that lie on a line have area zero and no finite cotangents.
 //! Source: Kahan, Miscalculating area and angles of a needle-like triangle, 2014.
 
-use crate::edges::Edges;
-use crate::mesh::Mesh;
-use crate::simplex::Simplex;
-use crate::{MeshError, Places};
-
 /// The lengths of a triangle's edges 01, 12 and 20.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntrinsicTriangle {
@@ -25,6 +20,11 @@ impl IntrinsicTriangle {
     pub fn new(lengths: [f64; 3]) -> Option<Self> {
         let [a, b, c] = falling(lengths);
         (c > 0.0 && a.is_finite() && a - b <= c).then_some(IntrinsicTriangle { lengths })
+    }
+
+    /// A triangle of lengths that are known to be one's.
+    pub(crate) fn known(lengths: [f64; 3]) -> Self {
+        IntrinsicTriangle { lengths }
     }
 
     /// The lengths of the edges 01, 12 and 20.
@@ -68,40 +68,10 @@ fn falling(mut lengths: [f64; 3]) -> [f64; 3] {
     lengths
 }
 
-impl<const D: usize, const K: usize> Mesh<D, K>
-where
-    [usize; K]: Simplex,
-{
-    /// The lengths of these edges of the mesh.
-    pub fn edge_lengths(&self, edges: &Edges<<[usize; K] as Simplex>::Edges>) -> Vec<f64> {
-        let length = |&[a, b]: &[usize; 2]| (self.vertices()[a] - self.vertices()[b]).norm();
-        edges.ends.iter().map(length).collect()
-    }
-}
-
-impl Edges<[usize; 3]> {
-    /// The triangles of a mesh as their edge lengths give them, whether or not any vertices have
-    /// these distances.
-    ///
-    /// # Errors
-    /// [`MeshError::TriangleInequality`] lists the triangles that do not exist.
-    ///
-    /// # Panics
-    /// If there are fewer lengths than edges.
-    pub fn intrinsic(&self, lengths: &[f64]) -> Result<Vec<IntrinsicTriangle>, MeshError> {
-        let triangle = |edges: &[usize; 3]| IntrinsicTriangle::new(edges.map(|edge| lengths[edge]));
-        let triangles: Vec<_> = self.of_simplices.iter().map(triangle).collect();
-        let missing = triangles.iter().enumerate().filter(|(_, t)| t.is_none()).map(|(k, _)| k);
-        Places::refuse(missing.collect(), MeshError::TriangleInequality)?;
-        Ok(triangles.into_iter().flatten().collect())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measure::measure;
-    use crate::torus;
     use nalgebra::Vector3;
     use proptest::prelude::*;
     use std::f64::consts::PI;
@@ -121,13 +91,6 @@ mod tests {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert_eq!(IntrinsicTriangle::new([1.0, 1.0, bad]), None);
         }
-        let edges = torus([2.0, 0.5], [6, 5]).unwrap().edges();
-        let mut lengths = vec![1.0; edges.ends.len()];
-        lengths[edges.of_simplices[7][2]] = 2.5;
-        let error = edges.intrinsic(&lengths).unwrap_err();
-        assert!(
-            matches!(error, MeshError::TriangleInequality(p) if p.0.len() == 2 && p.0.contains(&7))
-        );
     }
 
     #[test]
@@ -140,19 +103,6 @@ mod tests {
         let s = (1.0 + e + 1.0) / 2.0;
         let heron = (s * (s - 1.0) * (s - e) * (s - 1.0)).sqrt();
         assert!((heron / exact - 1.0).abs() > 1e-9, "{heron:e}");
-    }
-
-    #[test]
-    fn a_torus_measured_from_within_has_its_area_and_no_total_curvature() {
-        let torus = torus([2.0, 0.5], [24, 16]).unwrap();
-        let edges = torus.edges();
-        let triangles = edges.intrinsic(&torus.edge_lengths(&edges)).unwrap();
-        let area: f64 = triangles.iter().map(IntrinsicTriangle::area).sum();
-        assert!((area - torus.measure()).abs() < 1e-12);
-        // Gauss-Bonnet: the sum of 2 pi - angles is 2 pi times the Euler characteristic.
-        let angles: f64 = triangles.iter().flat_map(IntrinsicTriangle::angles).sum();
-        let curvature = 2.0 * PI * torus.vertices().len() as f64 - angles;
-        assert!((curvature - 2.0 * PI * torus.euler_characteristic() as f64).abs() < 1e-10);
     }
 
     proptest! {

@@ -32,8 +32,8 @@
 //! Reading order: a simplex and its facets; the [`Mesh`]; who shares what (facets, edges,
 //! components, manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`],
 //! [`ClosedSurface`]) with the exact signs that they rest on; shapes of simplices ([`Quality`],
-//! edge lengths, refinement); curved elements ([`Quadratic`]); generators; and files, behind the
-//! feature `obj`.
+//! refinement; [`IntrinsicSurface`], known by edge lengths); curved elements ([`Quadratic`]);
+//! generators; and files, behind the feature `obj`.
 //!
 //! Every list comes in the order of vertex numbers, so that the same mesh gives the same answer
 //! everywhere. The crate knows nothing of mass, time or materials.
@@ -55,6 +55,7 @@ mod overlap;
 mod enclosed;
 mod quality;
 mod intrinsic;
+mod intrinsic_surface;
 mod refinement;
 mod quadrature;
 mod quadratic;
@@ -73,6 +74,7 @@ pub use generators::{
     icosphere, rectangle, segment, tapered_membrane, torus,
 };
 pub use intrinsic::IntrinsicTriangle;
+pub use intrinsic_surface::{IntrinsicSurface, Side};
 pub use measure::measure;
 pub use mesh::{Mesh, Part};
 pub use moments::Moments;

@@ -81,14 +81,8 @@ pub fn rectangle(
     cells: [usize; 2],
     diagonals: Diagonals,
 ) -> Result<Mesh<2, 3>, MeshError> {
-    for (what, side) in ["the width", "the height"].into_iter().zip(size) {
-        check_size(what, side)?;
-    }
-    for (what, count) in ["cells across", "cells up"].into_iter().zip(cells) {
-        check_cells(what, count, 1)?;
-    }
+    check_rectangle(size, cells)?;
     let [m, n] = cells;
-    check_count("the rectangle", [m, n, 4])?;
     let at = |x: f64, y: f64| Vector2::new(size[0] * x / m as f64, size[1] * y / n as f64);
     let corners = (0..=n).flat_map(|j| (0..=m).map(move |i| at(i as f64, j as f64)));
     let mut vertices: Vec<Vector2<f64>> = corners.collect();
@@ -109,6 +103,17 @@ pub fn rectangle(
         }
     }
     Mesh::new(vertices, triangles)
+}
+
+/// An error unless a rectangle can be cut like that.
+pub(crate) fn check_rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<(), MeshError> {
+    for (what, side) in ["the width", "the height"].into_iter().zip(size) {
+        check_size(what, side)?;
+    }
+    for (what, count) in ["cells across", "cells up"].into_iter().zip(cells) {
+        check_cells(what, count, 1)?;
+    }
+    check_count("the rectangle", [cells[0], cells[1], 4]).map(|_| ())
 }
 
 /// A disc about the origin, in rings of triangles.
