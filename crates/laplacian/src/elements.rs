@@ -4,7 +4,7 @@
 //! V(f) = 1/2 int |grad f|^2 = 1/2 sum_s f_s^T W_s f_s
 //! segment       W_01 = -1/l
 //! triangle      W_ij = e_i.e_j / 4A = -1/2 cot(angle at k)         e_i the edge opposite to i
-//! tetrahedron   W_ij = n_i.n_j / 9V                                n_i the area vector opposite to i
+//! tetrahedron   W_ij = n_i.n_j / 9V                             n_i the area vector opposite to i
 //! ```
 //! `f` one number a vertex, `l A V` length, area, volume. Rows sum to zero by construction, so
 //! that constants cost nothing. Weights of embedded simplices come from edge vectors: the area of

@@ -1,4 +1,4 @@
-//! A plate with a hole and an island in it: area, centre, polar moment, and what a mistake is called.
+//! A plate with a hole and an island in it: area, centre, polar moment, and a mistake's name.
 //!
 //! `cargo run --example plate_with_holes -p stationary-mesh`
 

@@ -9,10 +9,10 @@
 //! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)     made discrete                 (9.5)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
 //! ```
-//! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
-//! orientation, `w` the angular velocity and `I` the inertia in body axes, `dV` the differential of
-//! the potential in body axes (minus the torque), `h` the step. The numbers name sections of the
-//! notes.
+//! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
+//! `theta` axis times angle, `R` an orientation, `w` the angular velocity and `I` the inertia in
+//! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the
+//! step. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};

@@ -1,16 +1,16 @@
 //! What of a shape matters to its motion: mass, centre and inertia, and how pieces add up.
 //!
 //! ```text
-//! m = rho V,      c = o + f/V,      I = rho (tr(C') 1 - C')           C' the second moments about c
+//! m = rho V,      c = o + f/V,      I = rho (tr(C') 1 - C')       C' second moments about c
 //! m = sum m_k,    c = sum m_k c_k / m
 //! I about c = sum I_k + m_k (|d|^2 - d d^T),   d = c_k - c        the parallel-axis rule
 //! R I R^T                                                          turned with the piece
 //! ```
 //! `V f C` the area or volume of a shape and its moments about a point `o`, `rho` the density
-//! (kg/m^2 or kg/m^3), `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and the rule `m |d|^2`.
-//! Pieces may have densities of their own. Only differences of centres enter, so pieces far from
-//! the origin lose no digits. The moments of polygons, closed surfaces and solids, and what may be
-//! wrong with those, are the crate mesh's. Source: notes 7.2, 7.3, 9.4.
+//! (kg/m^2 or kg/m^3), `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and
+//! the rule `m |d|^2`. Pieces may have densities of their own. Only differences of centres enter,
+//! so pieces far from the origin lose no digits. The moments of polygons, closed surfaces and
+//! solids, and what may be wrong with those, are the crate mesh's. Source: notes 7.2, 7.3, 9.4.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 use stationary_calculus::DiagonalMetric;
