@@ -41,7 +41,8 @@ fn undershoot(
             lowest = f.iter().copied().fold(lowest, f64::min);
         }
     }
-    Ok(-lowest)
+    // Not minus the lowest: that would be a negative zero.
+    Ok(0.0 - lowest)
 }
 
 /// The four ways on one mesh, and how obtuse the mesh is: its largest angle in degrees.
