@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use stationary_calculus::System;
+use stationary_calculus::{SparseError, System};
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_laplacian::problems::{interval, square};
 use stationary_laplacian::{
@@ -154,4 +154,15 @@ fn a_mode_that_is_not_there_grows_from_rounding_beyond_the_explicit_border() {
     assert!(f.iter().all(|x| x.abs() < 1.1), "nothing to be seen at first");
     (0..2 * steps).for_each(|_| heat.step(&mut f).unwrap());
     assert!(f.iter().any(|x| x.abs() > 1e3), "then the fastest mode takes over");
+}
+
+#[test]
+fn a_torus_of_one_cell_has_no_sparse_matrix() {
+    let torus = IntrinsicSurface::flat_torus([1.0, 1.0], [1, 1]).unwrap();
+    let domain = Domain::free(Elements::of_surface(&torus).unwrap()).unwrap();
+    let metric = domain.lumped().unwrap();
+    let method = HeatMethod::ImplicitEuler;
+    let error = Heat::new(&metric, domain.dirichlet(), method, 1.0, 1.0).unwrap_err();
+    let expected = SparseError::RepeatedFreedom { block: 1, freedom: 0 };
+    assert_eq!(error, LaplacianError::Sparse(expected));
 }

@@ -151,8 +151,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         conclusion: format!(
             "The largest error of the distance to one vertex, and the estimate that is given with \
              it. The estimate compares two heat times and the edges next to the source, and was \
-             {low:.1} to {high:.1} times the error. The advised time, the square of the mean edge, is \
-             near the best. On a square of slivers heat takes both signs, which is refused; \
+             {low:.1} to {high:.1} times the error. The advised time, the square of the mean edge, \
+             suits all three; where fronts meet, as on the torus, shorter and longer ones are both \
+             worse. On a square of slivers heat takes both signs, which is refused; \
              with Delaunay edges the same surface is measured within {flipped:.3}."
         ),
         table,
