@@ -102,8 +102,15 @@ where
             return Err(MeshError::Empty.into());
         }
         mesh.check_referenced()?;
-        mesh.check_nondegenerate()?;
         mesh.check_manifold()?;
+        Elements::of_known_manifold(mesh)
+    }
+
+    /// The same for a mesh whose simplices were looked at before; their sizes are checked.
+    pub(crate) fn of_known_manifold<const D: usize>(
+        mesh: &Mesh<D, K>,
+    ) -> Result<Self, LaplacianError> {
+        mesh.check_nondegenerate()?;
         let numbered = mesh.simplices().iter().zip(mesh.measures());
         let element = |(simplex, measure): (&[usize; K], f64)| {
             let (corners, size) = (mesh.corners(simplex).map(|x| in_space(&x)), measure.abs());

@@ -5,6 +5,7 @@
 //! W_ij = -1/2 (cot alpha + cot beta),   Lap = -M^-1 W                 (15.3)
 //! df/dt = alpha Lap f            explicit, implicit, exact            (15.2, 15.3)
 //! -Lap u = s,   Lap v = -lambda v,   u'' = c^2 Lap u                  (15.2)
+//! dx/dt = Lap x                                                       a surface that shrinks
 //! (M + t W) u = delta,   Lap phi = div(-grad u / |grad u|)            distance from heat
 //! ```
 //! `f u v phi` functions on vertices, linear in between, `W` the Hessian of V, `M` the mass,
@@ -27,9 +28,9 @@
 //! ```
 //!
 //! Reading order: an [`Element`]'s energy; a [`Domain`], its masses and its [`laplacian`]; the
-//! spectrum; [`Heat`], stepped and exact; [`Poisson`]; [`GeodesicDistance`]; [`problems`] with
-//! known spectra. Waves are any integrator on a system of the mass and the energy of
-//! [`Elements::scaled`] by the square of their speed.
+//! spectrum; [`Heat`], stepped and exact; [`Poisson`]; [`MeanCurvatureFlow`];
+//! [`GeodesicDistance`]; [`problems`] with known spectra. Waves are any integrator on a system of
+//! the mass and the energy of [`Elements::scaled`] by the square of their speed.
 //!
 //! The crate knows nothing of files, of scenes or of materials.
 
@@ -40,9 +41,11 @@ mod spectrum;
 mod heat;
 mod exact_heat;
 mod poisson;
+mod curvature_flow;
 mod geodesic;
 pub mod problems;
 
+pub use curvature_flow::MeanCurvatureFlow;
 pub use domain::{Dirichlet, Domain, laplacian};
 pub use elements::{Element, Elements};
 pub use error::LaplacianError;
