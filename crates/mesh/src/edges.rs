@@ -6,6 +6,7 @@
 //! `a b` vertex numbers. All orders are those of the numbers, so that the same mesh gives the same
 //! lists on every machine.
 
+use crate::buckets::sorted_by_bucket;
 use crate::mesh::Mesh;
 use crate::simplex::Simplex;
 
@@ -45,8 +46,8 @@ impl Adjacency {
     }
 
     /// Things below `count`, each with the seconds of its pairs in rising order, none twice.
-    fn of_pairs(count: usize, mut pairs: Vec<(usize, usize)>) -> Self {
-        pairs.sort_unstable();
+    fn of_pairs(count: usize, pairs: &[(usize, usize)]) -> Self {
+        let mut pairs = sorted_by_bucket(count, pairs, |pair| pair.0);
         pairs.dedup();
         let mut starts = vec![0; count + 1];
         for &(thing, _) in &pairs {
@@ -72,7 +73,7 @@ where
                 uses.push(([a.min(b), a.max(b)], number, edge));
             }
         }
-        uses.sort_unstable();
+        let uses = sorted_by_bucket(self.vertices().len(), &uses, |edge| edge.0[0]);
         let mut ends = Vec::new();
         let mut of_simplices = vec![Default::default(); self.simplices().len()];
         for shared in uses.chunk_by(|a, b| a.0 == b.0) {
@@ -89,14 +90,14 @@ where
     pub fn vertex_neighbours(&self) -> Adjacency {
         let ends = self.edges().ends;
         let both = ends.into_iter().flat_map(|[a, b]| [(a, b), (b, a)]);
-        Adjacency::of_pairs(self.vertices().len(), both.collect())
+        Adjacency::of_pairs(self.vertices().len(), &both.collect::<Vec<_>>())
     }
 
     /// For each vertex, the simplices that name it.
     pub fn simplices_at_vertices(&self) -> Adjacency {
         let numbered = self.simplices().iter().enumerate();
         let pairs = numbered.flat_map(|(s, corners)| corners.map(|vertex| (vertex, s)));
-        Adjacency::of_pairs(self.vertices().len(), pairs.collect())
+        Adjacency::of_pairs(self.vertices().len(), &pairs.collect::<Vec<_>>())
     }
 
     /// Faces of every dimension counted with alternating sign, `V - E + F - T`. Vertices that no

@@ -7,6 +7,7 @@
 //! neighbours that agree; two with equal signs are oriented against each other; more are not a
 //! manifold.
 
+use crate::buckets::sorted_by_bucket;
 use crate::mesh::{Mesh, Part, part};
 use crate::simplex::{Simplex, signed_facet};
 use crate::{MeshError, Places};
@@ -42,8 +43,7 @@ where
                 uses.push(FacetUse { facet, simplex: number, opposite, even });
             }
         }
-        uses.sort_unstable();
-        uses
+        sorted_by_bucket(self.vertices().len(), &uses, |side| side.facet.as_ref()[0])
     }
 
     /// For each simplex and each of its corners, the neighbour across the facet opposite to it.

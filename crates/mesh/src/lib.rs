@@ -41,6 +41,7 @@
 mod error;
 mod simplex;
 mod mesh;
+mod buckets;
 mod facets;
 mod edges;
 mod components;

@@ -9,7 +9,6 @@
 //! its Euler characteristic tells.
 
 use crate::edges::Adjacency;
-use crate::facets::refuse_more_than_two;
 use crate::mesh::Mesh;
 use crate::simplex::Simplex;
 use crate::{MeshError, Places};
@@ -23,19 +22,22 @@ where
     /// # Errors
     /// [`MeshError::NonManifold`] and [`MeshError::Pinched`].
     pub fn check_manifold(&self) -> Result<(), MeshError> {
-        refuse_more_than_two(&self.facet_uses())?;
+        let neighbours = self.neighbours()?;
         if K == 2 {
             return Ok(());
         }
-        let neighbours = self.neighbours()?;
         let stars = self.simplices_at_vertices();
-        let vertices = (0..self.vertices().len()).map(|vertex| vec![vertex]);
-        let edges = self.edges().ends.into_iter().filter(|_| K == 4).map(Vec::from);
-        let pinched =
-            vertices.chain(edges).filter(|face| !self.hangs_together(face, &stars, &neighbours));
-        Places::refuse(pinched.collect(), MeshError::Pinched)?;
-        let knotted =
-            (0..self.vertices().len()).filter(|&v| K == 4 && !self.has_round_link(v, &stars));
+        let torn = |face: &[usize]| !self.hangs_together(face, &stars, &neighbours);
+        let vertices = (0..self.vertices().len()).map(|vertex| [vertex]);
+        let mut pinched: Vec<Vec<usize>> =
+            vertices.filter(|vertex| torn(vertex)).map(Vec::from).collect();
+        if K == 4 {
+            let edges = self.edges().ends.into_iter();
+            pinched.extend(edges.filter(|ends| torn(ends)).map(Vec::from));
+        }
+        Places::refuse(pinched, MeshError::Pinched)?;
+        let all = 0..self.vertices().len();
+        let knotted = all.filter(|&vertex| K == 4 && !self.has_round_link(vertex, &stars));
         Places::refuse(knotted.map(|vertex| vec![vertex]).collect(), MeshError::Pinched)
     }
 
@@ -46,7 +48,7 @@ where
         stars: &Adjacency,
         neighbours: &[[Option<usize>; K]],
     ) -> bool {
-        let within = |s: &usize| face.iter().all(|vertex| self.simplices()[*s].contains(vertex));
+        let within = |s: &usize| face[1..].iter().all(|v| self.simplices()[*s].contains(v));
         let star: Vec<usize> = stars.of(face[0]).iter().copied().filter(within).collect();
         let mut seen = vec![false; star.len()];
         let mut next: Vec<usize> = star.first().map(|_| 0).into_iter().collect();
