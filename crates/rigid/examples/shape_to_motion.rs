@@ -4,9 +4,10 @@
 //! `cargo run --example shape_to_motion -p stationary-rigid`
 
 use nalgebra::{Matrix3, Vector2, Vector3};
+use stationary_mesh::Polygon;
 use stationary_rigid::{
-    BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, LieGroup, Poses, RigidMotion, SpatialMass,
-    apply_impulse, polygon_mass, spatial_angular_momentum,
+    BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, LieGroup, PlanarMass, Poses, RigidMotion,
+    SpatialMass, apply_impulse, spatial_angular_momentum,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let outline =
         corners(&[[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.1, 0.1], [0.1, 0.4], [0.0, 0.4]]);
     let hole = corners(&[[0.03, 0.03], [0.07, 0.03], [0.07, 0.07], [0.03, 0.07]]);
-    let flat = polygon_mass(8.0, &[&outline, &hole])?;
+    let flat = PlanarMass::of(8.0, &Polygon::new(vec![outline, hole])?.moments())?;
     println!("mass {:.4} kg, centre {:.4?} m", flat.mass, flat.centre.as_slice());
     println!("polar moment {:.3e} kg m^2 about the centre", flat.inertia);
 

@@ -112,62 +112,11 @@ pub enum RigidError {
     /// A density is positive.
     #[error("the density is {0}; it must be positive and finite")]
     Density(f64),
-    /// A loop of an outline has too few corners to hold an area.
-    #[error("loop {outline} has {vertices} vertices; it needs three")]
-    ShortLoop {
-        /// The loop, counted from 0.
-        outline: usize,
-        /// Its vertices.
-        vertices: usize,
-    },
-    /// Edges of an outline cross, or a loop touches itself along an edge.
-    #[error("edge {edge} crosses edge {other}, counted through all loops")]
-    Crossing {
-        /// The first such edge.
-        edge: usize,
-        /// The other.
-        other: usize,
-    },
-    /// An outline or a surface that encloses nothing.
-    #[error("the {0} encloses nothing")]
-    Empty(&'static str),
-    /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} names vertex {vertex} of {vertices}")]
-    NoSuchVertex {
-        /// The triangle.
-        triangle: usize,
-        /// The vertex that it names.
-        vertex: usize,
-        /// How many there are.
-        vertices: usize,
-    },
-    /// A surface with a hole, or with neighbours turned against each other.
-    #[error(
-        "the surface is open: edge {from}-{to} of triangle {triangle} has no neighbour facing its way"
-    )]
-    OpenEdge {
-        /// The triangle.
-        triangle: usize,
-        /// The vertex where its edge starts.
-        from: usize,
-        /// The vertex where it ends.
-        to: usize,
-    },
-    /// More than two triangles meet at an edge, or two of them overlap.
-    #[error("the edge {from}-{to} of triangle {triangle} belongs to another triangle already")]
-    SharedEdge {
-        /// The second triangle to use it.
-        triangle: usize,
-        /// The vertex where the edge starts.
-        from: usize,
-        /// The vertex where it ends.
-        to: usize,
-    },
-    /// A surface whose triangles are clockwise seen from outside.
-    #[error("the surface is inside out: its volume is {volume} m^3")]
-    InsideOut {
-        /// Its signed volume.
-        volume: f64,
+    /// A shape whose area or volume is not positive, or whose moments are not numbers.
+    #[error("the shape has measure {measure}; a body needs a positive and finite one")]
+    NoMeasure {
+        /// Its area (m^2) or volume (m^3).
+        measure: f64,
     },
     /// Something has the wrong size.
     #[error(transparent)]

@@ -2,7 +2,7 @@
 //! drifts.
 //!
 //! ```text
-//! A = 1/2 sum p x q,   m c = sum m_k c_k,   I = tr(C) 1 - C      mass, centre, inertia    (7.2, 7.3)
+//! m = rho V,   c = f / V,   I = tr(C) 1 - C,   m c = sum m_k c_k  mass, centre, inertia    (7.2, 7.3)
 //! g exp(s log(g^-1 k)),   Ad_g v,   [v, w]                       straight paths                (8.2)
 //! d/dt exp(theta) = exp(theta) [T(theta) theta.]                 angular velocity              (9.3)
 //! I w. + w x I w = -dV,   R. = R [w]                             Euler's equations             (9.4)
@@ -11,11 +11,11 @@
 //! J = <P, v> + <a, t x P + R m>                                  momentum maps                 (8.3)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
 //! ```
-//! `p q` corners, `g k` motions, `v w` directions in body axes, `theta` axis times angle, `R` an
-//! orientation, `w` the angular velocity and `I` the inertia in body axes, `dV` the differential of
-//! the potential in body axes (minus the torque), `h` the step; `A B` impulses of joints `g`, with
-//! differential `J`; `P m` linear and angular momenta, `F` a force. The numbers name sections of the
-//! notes.
+//! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
+//! `theta` axis times angle, `R` an orientation, `w` the angular velocity and `I` the inertia in
+//! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the step;
+//! `A B` impulses of joints `g`, with differential `J`; `P m` linear and angular momenta, `F` a
+//! force. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};
@@ -57,8 +57,6 @@ mod motion;
 mod matrix_group;
 mod body;
 mod mass_properties;
-mod polygon;
-mod surface_mass;
 mod space;
 mod metric;
 mod weight;
@@ -115,11 +113,9 @@ pub use planar::{PlanarMotion, PlanarRotation};
 pub use planar_joint::{PlanarAttachment, PlanarJoint};
 pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
-pub use polygon::polygon_mass;
 pub use renormalized_euler::RenormalizedEuler;
 pub use rotation::Rotation;
 pub use space::{BodySpace, Orientations, Poses};
-pub use surface_mass::{surface_mass, turned_outward};
 pub use symmetric_top::{SymmetricTop, tilt};
 pub use symmetry::{Carried, PlanarCarried, Spun};
 pub use translation::Translation;

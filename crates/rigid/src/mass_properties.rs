@@ -1,16 +1,20 @@
 //! What of a shape matters to its motion: mass, centre and inertia, and how pieces add up.
 //!
 //! ```text
+//! m = rho V,      c = o + f/V,      I = rho (tr(C') 1 - C')       C' second moments about c
 //! m = sum m_k,    c = sum m_k c_k / m
 //! I about c = sum I_k + m_k (|d|^2 - d d^T),   d = c_k - c        the parallel-axis rule
 //! R I R^T                                                          turned with the piece
 //! ```
-//! `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and the rule `m |d|^2`.
-//! Pieces may have densities of their own. Only differences of centres enter, so pieces far from
-//! the origin lose no digits. Source: notes 7.2, 7.3, 9.4.
+//! `V f C` the area or volume of a shape and its moments about a point `o`, `rho` the density
+//! (kg/m^2 or kg/m^3), `m` kg, `c` metres, `I` kg m^2; in the plane `I` is the polar moment and
+//! the rule `m |d|^2`. Pieces may have densities of their own. Only differences of centres enter,
+//! so pieces far from the origin lose no digits. The moments of polygons, closed surfaces and
+//! solids, and what may be wrong with those, are the crate mesh's. Source: notes 7.2, 7.3, 9.4.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 use stationary_calculus::DiagonalMetric;
+use stationary_mesh::Moments;
 
 use crate::{Body, LieGroup, PlanarMotion, PrincipalFrame, RigidError, RigidMotion};
 
@@ -26,6 +30,16 @@ pub struct PlanarMass {
 }
 
 impl PlanarMass {
+    /// A shape of the plane, known by its moments, made of a plate of this density (kg/m^2).
+    ///
+    /// # Errors
+    /// [`RigidError::Density`] and [`RigidError::NoMeasure`].
+    pub fn of(density: f64, shape: &Moments<2>) -> Result<Self, RigidError> {
+        let central = central(density, shape)?;
+        let (mass, inertia) = (density * central.measure, density * central.polar());
+        Ok(PlanarMass { mass, centre: central.about, inertia })
+    }
+
     /// The polar moment about any point.
     pub fn about(&self, point: &Vector2<f64>) -> f64 {
         self.inertia + self.mass * (self.centre - point).norm_squared()
@@ -65,6 +79,16 @@ pub struct SpatialMass {
 }
 
 impl SpatialMass {
+    /// A solid, known by its moments, made of a material of this density (kg/m^3).
+    ///
+    /// # Errors
+    /// [`RigidError::Density`] and [`RigidError::NoMeasure`].
+    pub fn of(density: f64, shape: &Moments<3>) -> Result<Self, RigidError> {
+        let central = central(density, shape)?;
+        let (mass, inertia) = (density * central.measure, central.inertia() * density);
+        Ok(SpatialMass { mass, centre: central.about, inertia })
+    }
+
     /// The inertia tensor about any point.
     pub fn about(&self, point: &Vector3<f64>) -> Matrix3<f64> {
         let d = self.centre - point;
@@ -106,6 +130,12 @@ fn total(masses: impl Iterator<Item = f64>) -> Result<f64, RigidError> {
     if mass > 0.0 && mass.is_finite() { Ok(mass) } else { Err(RigidError::Mass(mass)) }
 }
 
-pub(crate) fn check_density(density: f64) -> Result<(), RigidError> {
-    if density > 0.0 && density.is_finite() { Ok(()) } else { Err(RigidError::Density(density)) }
+/// The moments about the centroid of a shape that a body can be made of.
+fn central<const D: usize>(density: f64, shape: &Moments<D>) -> Result<Moments<D>, RigidError> {
+    if !(density > 0.0 && density.is_finite()) {
+        return Err(RigidError::Density(density));
+    }
+    let measure = shape.measure;
+    let central = shape.central().filter(|_| measure > 0.0 && measure.is_finite());
+    central.ok_or(RigidError::NoMeasure { measure })
 }

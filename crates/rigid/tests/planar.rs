@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 use stationary_calculus::{Automatic, Energy, Number, System};
 use stationary_integrators::{Integrator, State, StormerVerlet, SymplecticEulerDriftKick};
-use stationary_rigid::polygon_mass;
+use stationary_mesh::Polygon;
+use stationary_rigid::PlanarMass;
 
 /// A spring from the origin to the body's point c: `k/2 |t + R(theta) c|^2`.
 struct Tether {
@@ -24,7 +25,7 @@ impl Energy<3> for Tether {
 fn a_planar_body_on_a_spring_keeps_its_angular_momentum_with_the_update_of_7_4() {
     let l = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
     let l: Vec<Vector2<f64>> = l.iter().map(|&p| p.into()).collect();
-    let mass = polygon_mass(0.3, &[&l]).unwrap();
+    let mass = PlanarMass::of(0.3, &Polygon::new(vec![l]).unwrap().moments()).unwrap();
     let corner = -mass.centre;
     let potential = Automatic(Tether { stiffness: 4.0, point: [corner.x, corner.y] });
     let system = System::new(mass.metric().unwrap(), potential).unwrap();

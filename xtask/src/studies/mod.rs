@@ -6,6 +6,7 @@ mod damping;
 mod derivative;
 mod hamilton;
 mod high_order;
+mod laplacian;
 mod long_run;
 mod modal;
 mod multiscale;
@@ -51,6 +52,11 @@ pub const STUDIES: &[Entry<'static>] = &[
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
     modal::LARGE_MOTION,
+    laplacian::spectrum::STUDY,
+    laplacian::border::STUDY,
+    laplacian::cost::STUDY,
+    laplacian::maximum::STUDY,
+    laplacian::distance::STUDY,
     stability_regions::REGIONS,
     damping::STUDY,
     stiff::WORK_PRECISION,

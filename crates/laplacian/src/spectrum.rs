@@ -1,0 +1,111 @@
+//! Eigenvalues of the Laplacian: the lowest through the crate modal, the largest here.
+//!
+//! ```text
+//! W v = lambda M v        Lap v = -lambda v,  lambda >= 0
+//! Lanczos:  x_(k+1) ~ M^-1 W x_k, made orthogonal in M; the largest eigenvalue of the small matrix
+//! ```
+//! `W` the Hessian of the Dirichlet energy, `M` the mass; `lambda` in 1/m^2. The largest
+//! eigenvalue is what an explicit step is bounded by. Source: notes 15.3; Parlett, The symmetric
+//! eigenvalue problem, 1980.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, SplitMix64, Vector};
+use stationary_modal::{Linearized, ModalError, Modes, RigidMotions};
+
+use crate::{Domain, LaplacianError};
+
+/// The lowest modes of a domain in a mass, the constant among them where nothing is held.
+///
+/// # Errors
+/// Those of [`Linearized::lowest`].
+pub fn lowest_modes<const K: usize>(
+    domain: &Domain<K>,
+    metric: &impl Metric,
+    count: usize,
+) -> Result<Modes, LaplacianError> {
+    let homogeneous = Homogeneous(domain);
+    let rest = vec![0.0; domain.dim()];
+    let mut linearized = Linearized::at(metric, &homogeneous, &rest, 0.0)?;
+    let constants = RigidMotions::of_points::<1>(&linearized, &rest)?;
+    if count <= constants.len() {
+        return Err(ModalError::Count { asked: count, there: domain.dim() }.into());
+    }
+    let modes = linearized.lowest(count - constants.len(), &constants)?;
+    Ok(modes.with_rigid(&constants)?)
+}
+
+/// The energy of the difference to the steady state: held values are zero.
+struct Homogeneous<'a, const K: usize>(&'a Domain<K>);
+
+impl<const K: usize> Potential for Homogeneous<'_, K> {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn energy(&self, f: &[f64]) -> f64 {
+        let mut dv = Covector(vec![0.0; f.len()]);
+        self.add_differential(f, dv.view_mut());
+        0.5 * dv.apply(&Vector(f))
+    }
+
+    fn add_differential(&self, f: &[f64], dv: Covector<&mut [f64]>) {
+        if let Some(mut sink) = stationary_calculus::ProductSink::new(1.0, f, dv.0) {
+            self.add_hessian(f, &mut sink);
+        }
+    }
+
+    fn add_hessian(&self, f: &[f64], hessian: &mut impl stationary_calculus::Sink) {
+        self.0.dirichlet().add_hessian(f, hessian);
+    }
+}
+
+/// Steps of Lanczos: the largest eigenvalue is the first to converge.
+const STEPS: usize = 80;
+/// Below this part of the largest, what is left of a vector is rounding.
+const EXHAUSTED: f64 = 1e-12;
+
+/// The largest eigenvalue, from below; for meshes it is met to ten digits and more.
+///
+/// # Errors
+/// [`LaplacianError::Size`].
+pub fn largest_eigenvalue(
+    metric: &impl Metric,
+    dirichlet: &impl Potential,
+) -> Result<f64, LaplacianError> {
+    let n = metric.dim();
+    SizeError::check("the energy's freedoms", n, dirichlet.dim())?;
+    let anywhere = vec![0.0; n];
+    let mut random = SplitMix64::new(15);
+    let mut next: Vec<f64> = (0..n).map(|_| random.symmetric()).collect();
+    let (mut basis, mut small): (Vec<Vec<f64>>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
+    let mut largest = 0.0_f64;
+    for _ in 0..STEPS.min(n) {
+        for _ in 0..2 {
+            for x in &basis {
+                let part = metric.inner(Vector(x), Vector(&next));
+                next.iter_mut().zip(x).for_each(|(next, x)| *next -= part * x);
+            }
+        }
+        let size = metric.inner(Vector(&next), Vector(&next)).max(0.0).sqrt();
+        largest = largest.max(size);
+        if size <= EXHAUSTED * largest {
+            break;
+        }
+        let x: Vec<f64> = next.iter().map(|value| value / size).collect();
+        let (mut dv, mut moved) = (Covector(vec![0.0; n]), Vector(vec![0.0; n]));
+        if let Some(mut sink) = stationary_calculus::ProductSink::new(1.0, &x, &mut dv.0) {
+            dirichlet.add_hessian(&anywhere, &mut sink);
+        }
+        metric.sharp(dv.view(), moved.view_mut());
+        small.push([dv.apply(&Vector(&x)), if basis.is_empty() { 0.0 } else { size }]);
+        basis.push(x);
+        next = moved.0;
+    }
+    let k = small.len();
+    let tridiagonal = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
+        0 => small[i][0],
+        1 => small[i.max(j)][1],
+        _ => 0.0,
+    });
+    Ok(SymmetricEigen::new(tridiagonal).eigenvalues.iter().copied().fold(0.0, f64::max))
+}

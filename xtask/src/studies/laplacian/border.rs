@@ -1,0 +1,122 @@
+//! Which steps explicit heat survives.
+
+use stationary_calculus::{Column, SplitMix64, Table, loglog_slope};
+use stationary_laplacian::problems::interval;
+use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
+
+use crate::chart::{Axis, Map};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+
+/// Step against mesh size.
+pub const STUDY: Entry<'static> = Entry {
+    id: "heat-border",
+    krate: "laplacian",
+    chapter: "15.3",
+    kind: Kind::StabilityMap,
+    title: "Which steps explicit heat survives",
+    run: &study,
+};
+
+const ALPHA: f64 = 0.5;
+const STEPS: usize = 600;
+const SURVIVES: &str = "survives";
+const BLOWS_UP: &str = "blows up";
+
+/// Whether a random function grows, on an interval of n segments.
+fn grows(n: usize, method: HeatMethod, h: f64) -> Result<bool, LaplacianError> {
+    let problem = interval(n)?;
+    let metric = problem.domain.lumped()?;
+    let mut heat = Heat::new(&metric, problem.domain.dirichlet(), method, ALPHA, h)?;
+    let mut random = SplitMix64::new(n as u64);
+    let mut f: Vec<f64> = (0..=n).map(|_| random.symmetric()).collect();
+    for _ in 0..STEPS {
+        if heat.step(&mut f).is_err() {
+            return Ok(true);
+        }
+    }
+    Ok(f.iter().any(|x| x.abs() > 2.0))
+}
+
+fn predicted(n: usize) -> Result<f64, LaplacianError> {
+    let problem = interval(n)?;
+    let largest = largest_eigenvalue(&problem.domain.lumped()?, problem.domain.dirichlet())?;
+    Ok(2.0 / (ALPHA * largest))
+}
+
+/// The border between steps that decay and steps that grow, by bisection.
+fn measured(n: usize, near: f64) -> Result<f64, LaplacianError> {
+    let (mut low, mut high) = (0.5 * near, 2.0 * near);
+    for _ in 0..12 {
+        let middle = (low * high).sqrt();
+        *(if grows(n, HeatMethod::ExplicitEuler, middle)? { &mut high } else { &mut low }) = middle;
+    }
+    Ok((low * high).sqrt())
+}
+
+fn study(size: Size) -> Result<Study, StudyError> {
+    let (sizes, steps): (&[usize], i32) = match size {
+        Size::Default => (&[4, 6, 8, 11, 16, 23, 32, 45, 64], 24),
+        Size::Full => (&[4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256], 60),
+    };
+    let mut table = Table::new([
+        Column::exact("segments"),
+        Column::rounded("border, 2 / (alpha lambda)", 4, 0.0),
+        Column::rounded("border, measured", 4, 0.0),
+    ]);
+    let axes = (Axis::log("mesh size", "m"), Axis::log("step", "s"));
+    let mut map = Map::new("", axes.0, axes.1, [SURVIVES, BLOWS_UP]);
+    let (mut borders, mut worst, mut implicit_grew) = (Vec::new(), 0.0_f64, 0_u32);
+    for &n in sizes {
+        let h = 1.0 / n as f64;
+        let border = predicted(n).map_err(StudyError::at("the largest eigenvalue"))?;
+        let found = measured(n, border).map_err(StudyError::at("the border"))?;
+        worst = worst.max((found / border - 1.0).abs());
+        borders.push((h, border));
+        table.push([(n as u64).into(), border.into(), found.into()]);
+        for k in 0..=steps {
+            let step = 1e-4 * 1e3_f64.powf(f64::from(k) / f64::from(steps));
+            let blown =
+                grows(n, HeatMethod::ExplicitEuler, step).map_err(StudyError::at("heat"))?;
+            map.cell(h, step, if blown { BLOWS_UP } else { SURVIVES });
+            let implicit =
+                grows(n, HeatMethod::ImplicitEuler, step).map_err(StudyError::at("heat"))?;
+            implicit_grew += u32::from(implicit);
+        }
+    }
+    let slope = loglog_slope(&borders).unwrap_or(f64::NAN);
+    Ok(Study {
+        id: STUDY.id,
+        krate: STUDY.krate,
+        chapter: STUDY.chapter,
+        kind: STUDY.kind,
+        title: STUDY.title.into(),
+        conclusion: format!(
+            "Explicit heat of diffusivity {ALPHA} m^2/s on the unit interval, {STEPS} steps from \
+             random values. The border is 2 / (alpha lambda) for the largest eigenvalue, the square \
+             of the mesh size over 2 alpha: half the mesh size costs a quarter of the step. \
+             Implicit Euler survives every step on this map."
+        ),
+        table,
+        charts: vec![map.border("2 / (alpha lambda)", borders).into()],
+        claims: vec![
+            Claim::number(
+                "the measured border is off from the predicted one by at most a part of",
+                "below 1 %",
+                worst,
+                (0.0, 0.01),
+            ),
+            Claim::number(
+                "the border falls with the mesh size to a power",
+                "2",
+                slope,
+                (1.99, 2.01),
+            ),
+            Claim::number(
+                "steps at which implicit heat grew",
+                "0",
+                f64::from(implicit_grew),
+                (0.0, 0.0),
+            ),
+        ],
+    })
+}
