@@ -26,20 +26,20 @@ use crate::{ElasticityError, Elements, Freedoms, Lanes, Material, Real, Referenc
 pub struct Solid<M, const N: usize, const D: usize, const R: usize, const Q: usize> {
     freedoms: Freedoms<D>,
     material: M,
-    groups: Vec<Group<N, R, Q>>,
+    pub(crate) groups: Vec<Group<N, R, Q>>,
     elements: usize,
     curvature: Curvature,
 }
 
 /// Four elements side by side.
 #[derive(Clone, Debug)]
-struct Group<const N: usize, const R: usize, const Q: usize> {
+pub(crate) struct Group<const N: usize, const R: usize, const Q: usize> {
     /// What stands for each node, lane by lane.
-    nodes: [[u32; N]; LANES],
+    pub(crate) nodes: [[u32; N]; LANES],
     /// How many of the lanes are elements; the others repeat the last one, without weight.
-    filled: usize,
-    weights: [Lanes; Q],
-    gradients: [[[Lanes; R]; N]; Q],
+    pub(crate) filled: usize,
+    pub(crate) weights: [Lanes; Q],
+    pub(crate) gradients: [[[Lanes; R]; N]; Q],
 }
 
 impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
@@ -97,6 +97,17 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         Solid { curvature, ..self }
     }
 
+    /// The same elements of another material.
+    pub fn of_material<O: Material<D, R>>(&self, material: O) -> Solid<O, N, D, R, Q> {
+        Solid {
+            freedoms: self.freedoms.clone(),
+            material,
+            groups: self.groups.clone(),
+            elements: self.elements,
+            curvature: self.curvature,
+        }
+    }
+
     /// Its material.
     pub fn material(&self) -> &M {
         &self.material
@@ -127,11 +138,15 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     #[inline(always)]
-    fn corners(&self, group: &Group<N, R, Q>, q: &[f64]) -> [[Lanes; D]; N] {
+    pub(crate) fn corners(
+        freedoms: &Freedoms<D>,
+        group: &Group<N, R, Q>,
+        q: &[f64],
+    ) -> [[Lanes; D]; N] {
         let mut x = [[Lanes::default(); D]; N];
         for (lane, nodes) in group.nodes.iter().enumerate() {
             for (corner, &node) in x.iter_mut().zip(nodes) {
-                let position = self.freedoms.position(node, q);
+                let position = freedoms.position(node, q);
                 for c in 0..D {
                     corner[c].0[lane] = position[c];
                 }
@@ -147,7 +162,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
 
     /// F at a quadrature point, from the corners less the first one.
     #[inline(always)]
-    fn deformation(x: &[[Lanes; D]; N], gradients: &[[Lanes; R]; N]) -> [[Lanes; D]; R] {
+    pub(crate) fn deformation(x: &[[Lanes; D]; N], gradients: &[[Lanes; R]; N]) -> [[Lanes; D]; R] {
         let mut f = [[Lanes::default(); D]; R];
         for k in 0..R {
             for c in 0..D {
@@ -164,7 +179,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     #[inline(always)]
     fn visit_differential(&self, q: &[f64], mut add: impl FnMut(u32, &[f64; D])) {
         for group in &self.groups {
-            let forces = self.differential_of(group, &self.corners(group, q));
+            let forces = self.differential_of(group, &Self::corners(&self.freedoms, group, q));
             for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
                 for (&node, force) in nodes.iter().zip(&forces) {
                     add(node, &force.map(|component| component.0[lane]));
@@ -194,10 +209,27 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         forces
     }
 
-    /// The Hessian of four elements but for the rows and columns of their first nodes.
+    /// Hands the matrices of four elements to a sink, one after the other.
+    #[inline(always)]
+    pub(crate) fn scatter(
+        &self,
+        group: &Group<N, R, Q>,
+        lanes: &LaneHessian<N, D>,
+        block: &mut StencilHessian<N, D>,
+        sink: &mut impl Sink,
+    ) {
+        for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
+            of_lane(lanes, lane, block);
+            let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
+            let block = block.as_flattened().as_flattened().as_flattened();
+            sink.add_symmetric(freedoms.as_flattened(), block);
+        }
+    }
+
+    /// The lower triangle of the Hessians of four elements.
     #[inline(always)]
     fn hessian_of(&self, group: &Group<N, R, Q>, x: &[[Lanes; D]; N]) -> LaneHessian<N, D> {
-        let mut hessian = [[[[Lanes::default(); D]; N]; D]; N];
+        let mut hessian = [[[[Lanes::default(); D]; D]; N]; N];
         for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
             let f = Self::deformation(x, gradients);
             if self.curvature == Curvature::Exact || self.material.is_semidefinite(&f) {
@@ -211,11 +243,17 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 }
 
-type LaneHessian<const N: usize, const D: usize> = [[[[Lanes; D]; N]; D]; N];
+/// Blocks `[b][a][d][c]` of four elements, a >= b: rows of node a, columns of node b.
+pub(crate) type LaneHessian<const N: usize, const D: usize> = [[[[Lanes; D]; D]; N]; N];
 
 /// Adds the lower triangle of the blocks between the nodes after the first.
 #[inline(always)]
-fn accumulate<A: Tangent<Lanes, D, R>, const N: usize, const D: usize, const R: usize>(
+pub(crate) fn accumulate<
+    A: Tangent<Lanes, D, R>,
+    const N: usize,
+    const D: usize,
+    const R: usize,
+>(
     hessian: &mut LaneHessian<N, D>,
     tangent: &A,
     gradients: &[[Lanes; R]; N],
@@ -226,46 +264,54 @@ fn accumulate<A: Tangent<Lanes, D, R>, const N: usize, const D: usize, const R: 
             let block = tangent.block(&nodes[a], &nodes[b]);
             for d in 0..D {
                 for c in 0..D {
-                    hessian[b][d][a][c] += block[d][c];
+                    hessian[b][a][d][c] += block[d][c];
                 }
             }
         }
     }
 }
 
-/// Mirrors the lower triangle, and gives the first node what the others leave: no translation costs
-/// anything.
+/// Gives the first node what the others leave: no translation costs anything.
 #[inline(always)]
-fn complete<const N: usize, const D: usize>(hessian: &mut LaneHessian<N, D>) {
-    for b in 1..N {
-        for d in 0..D {
-            for a in b..N {
-                for c in if a == b { d + 1 } else { 0 }..D {
-                    hessian[a][c][b][d] = hessian[b][d][a][c];
-                }
-            }
-        }
-    }
-    for b in 1..N {
-        for d in 0..D {
-            for c in 0..D {
-                let mut sum = hessian[b][d][1][c];
-                for a in 2..N {
-                    sum += hessian[b][d][a][c];
-                }
-                hessian[b][d][0][c] = -sum;
-                hessian[0][c][b][d] = -sum;
-            }
-        }
-    }
+pub(crate) fn complete<const N: usize, const D: usize>(hessian: &mut LaneHessian<N, D>) {
     for d in 0..D {
-        for c in d..D {
-            let mut sum = hessian[0][d][1][c];
-            for a in 2..N {
-                sum += hessian[0][d][a][c];
+        for c in 0..D {
+            let mut corner = Lanes::default();
+            for a in 1..N {
+                // Row c of node a, column d of node 0: what is left over of that row.
+                let mut sum = Lanes::default();
+                for b in 1..N {
+                    sum += if a >= b { hessian[b][a][d][c] } else { hessian[a][b][c][d] };
+                }
+                hessian[0][a][d][c] = -sum;
+                corner += sum;
             }
-            hessian[0][d][0][c] = -sum;
-            hessian[0][c][0][d] = -sum;
+            hessian[0][0][d][c] = corner;
+        }
+    }
+}
+
+/// The whole matrix of one of four elements, both triangles, exactly symmetric.
+#[inline(always)]
+pub(crate) fn of_lane<const N: usize, const D: usize>(
+    lanes: &LaneHessian<N, D>,
+    lane: usize,
+    hessian: &mut StencilHessian<N, D>,
+) {
+    for b in 0..N {
+        for d in 0..D {
+            for c in d..D {
+                let entry = lanes[b][b][d][c].0[lane];
+                hessian[b][d][b][c] = entry;
+                hessian[b][c][b][d] = entry;
+            }
+            for a in b + 1..N {
+                for c in 0..D {
+                    let entry = lanes[b][a][d][c].0[lane];
+                    hessian[b][d][a][c] = entry;
+                    hessian[a][c][b][d] = entry;
+                }
+            }
         }
     }
 }
@@ -281,7 +327,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         let q = &q[..self.freedoms.dim()];
         let mut sum = Lanes::default();
         for group in &self.groups {
-            let x = self.corners(group, q);
+            let x = Self::corners(&self.freedoms, group, q);
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
                 let density = self.material.energy(&Self::deformation(&x, gradients));
                 sum = density.multiply_add(weight, sum);
@@ -298,15 +344,10 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         let q = &q[..self.freedoms.dim()];
+        let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
         for group in &self.groups {
-            let lanes = self.hessian_of(group, &self.corners(group, q));
-            for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
-                let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
-                let block: StencilHessian<N, D> =
-                    lanes.map(|b| b.map(|d| d.map(|a| a.map(|entry| entry.0[lane]))));
-                let block = block.as_flattened().as_flattened().as_flattened();
-                hessian.add_symmetric(freedoms.as_flattened(), block);
-            }
+            let lanes = self.hessian_of(group, &Self::corners(&self.freedoms, group, q));
+            self.scatter(group, &lanes, &mut block, hessian);
         }
     }
 }
@@ -317,7 +358,7 @@ impl<M: Material<D, D>, const N: usize, const D: usize, const Q: usize> Solid<M,
         self.freedoms.check(q.len())?;
         let mut inverted = Vec::new();
         for (number, group) in self.groups.iter().enumerate() {
-            let x = self.corners(group, q);
+            let x = Self::corners(&self.freedoms, group, q);
             for lane in 0..group.filled {
                 let bad = |gradients: &[[Lanes; D]; N]| {
                     !(determinant(&Self::deformation(&x, gradients)).0[lane] > 0.0)
