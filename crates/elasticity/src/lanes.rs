@@ -130,7 +130,11 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn reciprocal(self) -> Self {
-        Lanes(self.0.map(f64::recip))
+        let mut result = [0.0; LANES];
+        for (result, number) in result.iter_mut().zip(self.0) {
+            *result = 1.0 / number;
+        }
+        Lanes(result)
     }
 
     #[inline(always)]
@@ -185,7 +189,7 @@ impl Mul<f64> for Lanes {
 
     #[inline(always)]
     fn mul(self, factor: f64) -> Lanes {
-        Lanes(self.0.map(|number| number * factor))
+        self * Lanes([factor; LANES])
     }
 }
 
@@ -194,7 +198,11 @@ impl Neg for Lanes {
 
     #[inline(always)]
     fn neg(self) -> Lanes {
-        Lanes(self.0.map(|number| -number))
+        let mut result = [0.0; LANES];
+        for (result, number) in result.iter_mut().zip(self.0) {
+            *result = -number;
+        }
+        Lanes(result)
     }
 }
 

@@ -60,13 +60,16 @@ mod freedoms;
 mod solid;
 mod hinge;
 mod mass;
+mod boundary;
 mod load;
 mod strain_rate;
 mod rigid_motions;
 mod statics;
 mod stress;
+pub mod problems;
 
 pub use automatic::{AutomaticMaterial, Density};
+pub use boundary::{curved_boundary, straight_boundary};
 pub use corotated::FixedCorotated;
 pub use error::{ElasticityError, SpringError};
 pub use freedoms::{Freedoms, Held};

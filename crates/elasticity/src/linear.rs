@@ -9,7 +9,7 @@
 //! angle t for a compression of 1 - cos t, so large turns cost energy: not invariant, and said so.
 
 use crate::material::hookean_block;
-use crate::tensor::{dot, inner, trace};
+use crate::tensor::{dot, inner, scaled, trace};
 use crate::{Lame, Material, Real, Tangent};
 
 /// The linear material of bodies that fill their space.
@@ -57,7 +57,7 @@ impl<const D: usize> Material<D, D> for Linear<D> {
     fn stress<T: Real>(&self, f: &[[T; D]; D]) -> [[T; D]; D] {
         let strain = strain(f);
         let pressure = trace(&strain) * self.lame.lambda();
-        let mut stress = strain.map(|column| column.map(|entry| entry * (2.0 * self.lame.mu())));
+        let mut stress = scaled(&strain, T::splat(2.0 * self.lame.mu()));
         for (k, column) in stress.iter_mut().enumerate() {
             column[k] += pressure;
         }

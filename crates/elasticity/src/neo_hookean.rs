@@ -79,7 +79,13 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
         let a = (T::splat(1.0) - Self::softening(f)) * self.stretch;
         let b = self.volume_stress(f);
         let c = cofactor(f);
-        std::array::from_fn(|k| std::array::from_fn(|i| f[k][i].multiply_add(a, c[k][i] * b)))
+        let mut stress = *f;
+        for k in 0..D {
+            for i in 0..D {
+                stress[k][i] = f[k][i].multiply_add(a, c[k][i] * b);
+            }
+        }
+        stress
     }
 
     #[inline(always)]

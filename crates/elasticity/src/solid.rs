@@ -18,7 +18,7 @@ use stationary_calculus::{Covector, Curvature, Potential, Sink, StencilHessian};
 
 use crate::lanes::LANES;
 use crate::shape::points;
-use crate::tensor::{apply, determinant};
+use crate::tensor::{apply, determinant, scaled};
 use crate::{ElasticityError, Elements, Freedoms, Lanes, Material, Real, Reference, Tangent};
 
 /// Elements of `N` nodes and `Q` quadrature points, of `R` dimensions in `D`, of one material.
@@ -182,7 +182,11 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
             let forces = self.differential_of(group, &Self::corners(&self.freedoms, group, q));
             for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
                 for (&node, force) in nodes.iter().zip(&forces) {
-                    add(node, &force.map(|component| component.0[lane]));
+                    let mut part = [0.0; D];
+                    for c in 0..D {
+                        part[c] = force[c].0[lane];
+                    }
+                    add(node, &part);
                 }
             }
         }
@@ -193,7 +197,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         let mut forces = [[Lanes::default(); D]; N];
         for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
             let stress = self.material.stress(&Self::deformation(x, gradients));
-            let stress = stress.map(|column| column.map(|entry| entry * weight));
+            let stress = scaled(&stress, weight);
             for a in 1..N {
                 let force = apply(&stress, &gradients[a]);
                 for c in 0..D {
@@ -258,7 +262,10 @@ pub(crate) fn accumulate<
     tangent: &A,
     gradients: &[[Lanes; R]; N],
 ) {
-    let nodes: [A::Node; N] = std::array::from_fn(|a| tangent.node(&gradients[a]));
+    let mut nodes = [tangent.node(&gradients[0]); N];
+    for a in 1..N {
+        nodes[a] = tangent.node(&gradients[a]);
+    }
     for b in 1..N {
         for a in b..N {
             let block = tangent.block(&nodes[a], &nodes[b]);

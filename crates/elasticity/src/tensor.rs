@@ -22,7 +22,10 @@ pub(crate) fn apply<T: Real, const D: usize, const R: usize>(
     f: &[[T; D]; R],
     g: &[T; R],
 ) -> [T; D] {
-    let mut image = f[0].map(|entry| entry * g[0]);
+    let mut image = f[0];
+    for entry in &mut image {
+        *entry = *entry * g[0];
+    }
     for k in 1..R {
         for i in 0..D {
             image[i] = f[k][i].multiply_add(g[k], image[i]);
@@ -100,10 +103,12 @@ pub(crate) fn inner<T: Real, const D: usize, const R: usize>(
 /// The cross product, in space.
 #[inline(always)]
 pub(crate) fn cross<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
-    std::array::from_fn(|i| {
+    let mut product = *a;
+    for (i, entry) in product.iter_mut().enumerate() {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j].multiply_add(b[k], -(a[k] * b[j]))
-    })
+        *entry = a[j].multiply_add(b[k], -(a[k] * b[j]));
+    }
+    product
 }
 
 /// The matrix of cofactors, dJ/dF, of a square matrix of one, two or three columns.
@@ -117,7 +122,13 @@ pub(crate) fn cofactor<T: Real, const D: usize>(f: &[[T; D]; D]) -> [[T; D]; D] 
             let sign = if k == 0 { 1.0 } else { -1.0 };
             std::array::from_fn(|i| if i == 0 { other[1] * sign } else { other[0] * -sign })
         }),
-        _ => std::array::from_fn(|k| cross(&f[(k + 1) % 3], &f[(k + 2) % 3])),
+        _ => {
+            let mut columns = *f;
+            for (k, column) in columns.iter_mut().enumerate() {
+                *column = cross(&f[(k + 1) % 3], &f[(k + 2) % 3]);
+            }
+            columns
+        }
     }
 }
 
@@ -136,13 +147,19 @@ pub(crate) fn shifted<T: Real, const R: usize>(mut s: [[T; R]; R], shift: T) -> 
     s
 }
 
-/// `shift S`.
+/// `scale S`.
 #[inline(always)]
 pub(crate) fn scaled<T: Real, const D: usize, const R: usize>(
     s: &[[T; D]; R],
     scale: T,
 ) -> [[T; D]; R] {
-    s.map(|column| column.map(|entry| entry * scale))
+    let mut product = *s;
+    for column in &mut product {
+        for entry in column {
+            *entry = *entry * scale;
+        }
+    }
+    product
 }
 
 /// Green's strain `1/2 (F^T F - I)`.
