@@ -3,6 +3,7 @@
 mod constraints;
 mod convergence;
 mod derivative;
+mod elasticity;
 mod gimbal_lock;
 mod hamilton;
 mod high_order;
@@ -67,6 +68,13 @@ pub const STUDIES: &[Entry<'static>] = &[
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
     gimbal_lock::STUDY,
+    elasticity::ORDERS,
+    elasticity::MEMBRANE,
+    elasticity::CANTILEVER,
+    elasticity::LOCKING,
+    elasticity::COMPRESSION,
+    elasticity::DISPERSION,
+    elasticity::SLINKY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
