@@ -4,6 +4,7 @@ mod constraints;
 mod convergence;
 mod damping;
 mod derivative;
+mod elasticity;
 mod hamilton;
 mod high_order;
 mod laplacian;
@@ -52,11 +53,6 @@ pub const STUDIES: &[Entry<'static>] = &[
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
     modal::LARGE_MOTION,
-    laplacian::spectrum::STUDY,
-    laplacian::border::STUDY,
-    laplacian::cost::STUDY,
-    laplacian::maximum::STUDY,
-    laplacian::distance::STUDY,
     stability_regions::REGIONS,
     damping::STUDY,
     stiff::WORK_PRECISION,
@@ -82,6 +78,18 @@ pub const STUDIES: &[Entry<'static>] = &[
     rigid::NUTATION,
     rigid::KOVALEVSKAYA,
     rigid::JOINTED,
+    elasticity::ORDERS,
+    elasticity::MEMBRANE,
+    elasticity::CANTILEVER,
+    elasticity::LOCKING,
+    elasticity::COMPRESSION,
+    elasticity::DISPERSION,
+    elasticity::SLINKY,
+    laplacian::spectrum::STUDY,
+    laplacian::border::STUDY,
+    laplacian::cost::STUDY,
+    laplacian::maximum::STUDY,
+    laplacian::distance::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
