@@ -10,11 +10,33 @@ mod gauss_seidel;
 mod jacobi;
 mod reflection;
 mod law;
+#[cfg(feature = "3d")]
+mod convert;
+#[cfg(feature = "3d")]
+mod shape;
+#[cfg(feature = "3d")]
+mod collider;
+#[cfg(feature = "3d")]
+mod contact_point;
+#[cfg(feature = "3d")]
+mod broad_phase;
+#[cfg(feature = "3d")]
+mod detection;
+mod time_of_impact;
 pub mod problems;
 
+#[cfg(feature = "3d")]
+pub use collider::{Carrier, Collider};
+#[cfg(feature = "3d")]
+pub use contact_point::{ContactId, ContactPoint};
+#[cfg(feature = "3d")]
+pub use detection::{Detector, Overlap, gap_rows};
 pub use error::ContactError;
 pub use impact::Impact;
 pub use inverse_mass::InverseMass;
 pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
 pub use projection::{Projected, project, project_from, residual};
 pub use rows::ContactRows;
+#[cfg(feature = "3d")]
+pub use shape::Shape;
+pub use time_of_impact::{Closeness, Hit, Moving, edge_meets_edge, particle_meets_triangle};

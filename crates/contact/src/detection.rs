@@ -1,0 +1,205 @@
+//! Detection: every contact point of some bodies within a margin, in an order of its own.
+//!
+//! ```text
+//! boxes that overlap  ->  contact points with gap <= margin                                 (11.1)
+//! ```
+//! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's separating axes and
+//! clipping (boxes), Gilbert-Johnson-Keerthi and expanding polytopes (other convex solids). Contact
+//! points are computed afresh from the poses each time: nothing is carried over from the step before,
+//! so that a gap is what the poses say and not what a cache remembers. They come sorted by their
+//! identifiers. Source: notes 11.1.
+
+use nalgebra::Vector3;
+use parry3d_f64::math::Pose;
+use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use stationary_calculus::SizeError;
+use stationary_rigid::{BodySpace, LieGroup, Poses, RigidMotion};
+
+use crate::broad_phase::BroadPhase;
+use crate::convert::{from_vector, pose};
+use crate::{Carrier, Collider, ContactError, ContactId, ContactPoint, ContactRows};
+
+/// Colliders, and the memory that finding their contacts takes.
+pub struct Detector {
+    colliders: Vec<Collider>,
+    bodies: usize,
+    broad: BroadPhase,
+    placed: Vec<RigidMotion>,
+    poses: Vec<Pose>,
+    pairs: Vec<(usize, usize)>,
+    manifolds: Vec<ContactManifold<(), ()>>,
+    contacts: Vec<ContactPoint>,
+}
+
+impl std::fmt::Debug for Detector {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Detector").field("colliders", &self.colliders).finish_non_exhaustive()
+    }
+}
+
+/// Two bodies that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// The colliders.
+    pub colliders: [usize; 2],
+    /// How deep, m.
+    pub depth: f64,
+}
+
+impl Detector {
+    /// A detector of contacts between these colliders of `bodies` bodies.
+    pub fn new(colliders: Vec<Collider>, bodies: usize) -> Result<Self, ContactError> {
+        for (i, collider) in colliders.iter().enumerate() {
+            collider.check(i)?;
+            if let Some(body) = collider.body().filter(|&body| body >= bodies) {
+                let what = "the body of a collider";
+                return Err(SizeError { what, expected: bodies, got: body }.into());
+            }
+        }
+        Ok(Detector {
+            broad: BroadPhase::new(&colliders),
+            placed: vec![RigidMotion::identity(); colliders.len()],
+            poses: vec![Pose::identity(); colliders.len()],
+            pairs: Vec::new(),
+            manifolds: vec![ContactManifold::new()],
+            contacts: Vec::new(),
+            colliders,
+            bodies,
+        })
+    }
+
+    /// The colliders.
+    pub fn colliders(&self) -> &[Collider] {
+        &self.colliders
+    }
+
+    /// The pairs of colliders that the last broad phase could not rule out.
+    pub fn candidates(&self) -> &[(usize, usize)] {
+        &self.pairs
+    }
+
+    /// The broad phase alone: how many pairs it leaves.
+    pub fn broad_phase(&mut self, q: &[f64], margin: f64) -> Result<usize, ContactError> {
+        self.place(q)?;
+        self.broad.pairs(&self.colliders, &self.poses, margin, &mut self.pairs);
+        Ok(self.pairs.len())
+    }
+
+    /// The contact points of bodies at the poses `q` whose gap is at most `margin`.
+    pub fn detect(&mut self, q: &[f64], margin: f64) -> Result<&[ContactPoint], ContactError> {
+        self.broad_phase(q, margin)?;
+        self.contacts.clear();
+        for k in 0..self.pairs.len() {
+            let (a, b) = self.pairs[k];
+            self.meet(q, [a, b], margin)?;
+        }
+        self.contacts.sort_by_key(|contact| contact.id);
+        Ok(&self.contacts)
+    }
+
+    /// The pairs that overlap by more than `depth`, the deepest point of each.
+    pub fn overlaps(&mut self, q: &[f64], depth: f64) -> Result<Vec<Overlap>, ContactError> {
+        let mut overlaps: Vec<Overlap> = Vec::new();
+        for contact in self.detect(q, 0.0)?.iter().filter(|contact| -contact.gap > depth) {
+            let colliders = contact.id.colliders.map(|c| c as usize);
+            match overlaps.last_mut().filter(|last| last.colliders == colliders) {
+                Some(last) => last.depth = last.depth.max(-contact.gap),
+                None => overlaps.push(Overlap { colliders, depth: -contact.gap }),
+            }
+        }
+        Ok(overlaps)
+    }
+
+    /// An error where bodies overlap by more than `depth`.
+    pub fn check_free(&mut self, q: &[f64], depth: f64) -> Result<(), ContactError> {
+        let overlaps = self.overlaps(q, depth)?;
+        let deepest = overlaps.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        match deepest {
+            None => Ok(()),
+            Some(worst) => Err(ContactError::Overlap {
+                count: overlaps.len(),
+                first: worst.colliders[0],
+                second: worst.colliders[1],
+                depth: worst.depth,
+            }),
+        }
+    }
+
+    fn place(&mut self, q: &[f64]) -> Result<(), ContactError> {
+        SizeError::check("the poses' numbers", 7 * self.bodies, q.len())?;
+        Poses::check(q)?;
+        for (i, collider) in self.colliders.iter().enumerate() {
+            self.placed[i] = match collider.carrier {
+                Carrier::World => collider.place,
+                Carrier::Body(body) => Poses::pose(q, body).compose(&collider.place),
+            };
+            self.poses[i] = pose(&self.placed[i]);
+        }
+        Ok(())
+    }
+
+    fn meet(&mut self, q: &[f64], pair: [usize; 2], margin: f64) -> Result<(), ContactError> {
+        let [a, b] = pair.map(|i| self.colliders[i].shape.geometry());
+        let relative = self.poses[pair[0]].inv_mul(&self.poses[pair[1]]);
+        self.manifolds.truncate(1);
+        if let Some(manifold) = self.manifolds.first_mut() {
+            manifold.clear();
+            (manifold.subshape1, manifold.subshape2) = (0, 0);
+        }
+        if a.as_composite_shape().is_some() || b.as_composite_shape().is_some() {
+            self.manifolds.clear();
+        }
+        DefaultQueryDispatcher
+            .contact_manifolds(&relative, &**a, &**b, margin, &mut self.manifolds, &mut None)
+            .map_err(|_| {
+                let [first, second] = pair.map(|i| self.colliders[i].shape.name());
+                ContactError::NoQuery { first, second }
+            })?;
+        for manifold in &self.manifolds {
+            for point in manifold.points.iter().filter(|point| point.dist <= margin) {
+                let local = [from_vector(point.local_p1), from_vector(point.local_p2)];
+                let features = [point.fid1.0, point.fid2.0];
+                let parts = [manifold.subshape1, manifold.subshape2];
+                let id = ContactId { colliders: pair.map(|i| i as u32), parts, features };
+                let normal = from_vector(manifold.local_n1);
+                self.contacts.push(self.point(q, id, local, normal, point.dist));
+            }
+        }
+        Ok(())
+    }
+
+    fn point(
+        &self,
+        q: &[f64],
+        id: ContactId,
+        local: [Vector3<f64>; 2],
+        normal: Vector3<f64>,
+        gap: f64,
+    ) -> ContactPoint {
+        let pair = id.colliders.map(|c| c as usize);
+        let [first, second] = pair.map(|i| &self.colliders[i]);
+        let points = [0, 1].map(|k| self.placed[pair[k]].apply(&local[k]));
+        let bodies = [first.body(), second.body()];
+        let arm = |k: usize| match bodies[k] {
+            Some(body) => Poses::pose(q, body).inverse().apply(&points[k]),
+            None => points[k],
+        };
+        ContactPoint {
+            id,
+            bodies,
+            gap,
+            normal: self.placed[pair[0]].rotation.rotate(&normal),
+            points,
+            arms: [arm(0), arm(1)],
+            restitution: first.restitution.min(second.restitution),
+            friction: (first.friction * second.friction).sqrt(),
+        }
+    }
+}
+
+/// The differentials of the gaps of some contact points, one row each.
+pub fn gap_rows(contacts: &[ContactPoint], q: &[f64]) -> ContactRows {
+    let mut rows = ContactRows::new();
+    contacts.iter().for_each(|contact| contact.push_row(q, &mut rows));
+    rows
+}
