@@ -66,7 +66,8 @@ impl BroadPhase {
             let aabb = colliders[i].shape.geometry().compute_aabb(&poses[i]);
             self.boxes[i] = Some(aabb.loosened(margin));
         }
-        let boxes = self.leaves.iter().enumerate().filter_map(|(leaf, &i)| Some((leaf, self.boxes[i]?)));
+        let boxes =
+            self.leaves.iter().enumerate().filter_map(|(leaf, &i)| Some((leaf, self.boxes[i]?)));
         if self.built {
             for (leaf, aabb) in boxes {
                 self.tree.insert_or_update_partially(aabb, leaf as u32, 0.0);

@@ -64,10 +64,7 @@ impl Shape {
     }
 
     /// A surface of triangles.
-    pub fn mesh(
-        vertices: &[Vector3<f64>],
-        triangles: &[[u32; 3]],
-    ) -> Result<Self, ContactError> {
+    pub fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Self, ContactError> {
         let shape = "mesh";
         vertices.iter().try_for_each(|v| check_finite("a vertex of a mesh", v.as_slice()))?;
         for (triangle, corners) in triangles.iter().enumerate() {

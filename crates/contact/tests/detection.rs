@@ -55,8 +55,16 @@ fn the_differential_of_the_gap_is_its_rate_for_every_pair_of_shapes() {
         for second in shapes().into_iter().chain([Shape::half_space(Vector3::z()).unwrap()]) {
             let names = (first.name(), second.name());
             let (colliders, bodies) = match second.plane_like() {
-                true => (vec![Collider::on_body(0, first.clone()), Collider::fixed(at(0.0, 0.0, -0.5), second)], 1),
-                false => (vec![Collider::on_body(0, first.clone()), Collider::on_body(1, second)], 2),
+                true => (
+                    vec![
+                        Collider::on_body(0, first.clone()),
+                        Collider::fixed(at(0.0, 0.0, -0.5), second),
+                    ],
+                    1,
+                ),
+                false => {
+                    (vec![Collider::on_body(0, first.clone()), Collider::on_body(1, second)], 2)
+                }
             };
             let mut detector = Detector::new(colliders, bodies).unwrap();
             let (mut seen, mut agreed) = (0, 0);
@@ -147,8 +155,7 @@ fn the_broad_phase_misses_no_pair_and_leaves_few_more() {
 #[test]
 fn bodies_that_overlap_are_reported_with_their_depth() {
     let ball = Shape::ball(0.5).unwrap();
-    let mut colliders: Vec<_> =
-        (0..3).map(|body| Collider::on_body(body, ball.clone())).collect();
+    let mut colliders: Vec<_> = (0..3).map(|body| Collider::on_body(body, ball.clone())).collect();
     colliders.push(Collider::fixed(at(0.0, 0.0, -0.5), Shape::half_space(Vector3::z()).unwrap()));
     let mut detector = Detector::new(colliders, 3).unwrap();
     let q = configuration(&[at(0.0, 0.0, 0.0), at(0.75, 0.0, 0.0), at(3.0, 0.0, -0.125)]);

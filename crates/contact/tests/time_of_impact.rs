@@ -54,9 +54,8 @@ fn nearly_meeting(random: &mut SplitMix64) -> [Corner; 4] {
     let middle: [i64; 3] = std::array::from_fn(|k| (a[0][k] + a[1][k]) / 2);
     let go = place(random, 512);
     let off = place(random, 1);
-    let p = [0, 1].map(|end: i64| {
-        std::array::from_fn(|k| middle[k] + (2 * end - 1) * go[k] + off[k])
-    });
+    let p =
+        [0, 1].map(|end: i64| std::array::from_fn(|k| middle[k] + (2 * end - 1) * go[k] + off[k]));
     [p, a, b, c]
 }
 
@@ -104,6 +103,7 @@ struct Score {
     meetings: usize,
     missed: usize,
     invented: usize,
+    unsettled: usize,
     boxes: usize,
 }
 
@@ -128,7 +128,8 @@ fn score(family: &Family, edges: bool) -> Score {
         if let Some(hit) = hit {
             score.boxes = score.boxes.max(hit.boxes);
             let far = distance(&moves, edges, &hit);
-            assert!(far <= 3.0_f64.sqrt() * CLOSE.tolerance, "{}: {far} {hit:?}", family.0);
+            assert!(!hit.settled || far <= 3.0 * CLOSE.tolerance, "{}: {far} {hit:?}", family.0);
+            score.unsettled += usize::from(!hit.settled);
         }
     }
     score
@@ -140,8 +141,10 @@ fn no_meeting_of_a_particle_and_a_triangle_is_missed() {
         let score = score(family, false);
         println!("{}: {score:?}", family.0);
         assert_eq!(score.missed, 0, "{}", family.0);
-        // Integers of this size that miss, miss by more than the tolerance.
+        // Integers of this size that miss, miss by more than the tolerance. The bound on the boxes is
+        // hit where parallel edges and collapsed triangles meet, and only there.
         assert_eq!(score.invented, 0, "{}", family.0);
+        assert!(score.unsettled * 100 <= score.queries, "{}: {score:?}", family.0);
         assert!(score.meetings * 100 > score.queries, "{}: {score:?}", family.0);
     }
 }
@@ -153,6 +156,7 @@ fn no_meeting_of_two_edges_is_missed() {
         println!("{}: {score:?}", family.0);
         assert_eq!(score.missed, 0, "{}", family.0);
         assert_eq!(score.invented, 0, "{}", family.0);
+        assert!(score.unsettled * 100 <= score.queries, "{}: {score:?}", family.0);
         assert!(score.meetings * 100 > score.queries, "{}: {score:?}", family.0);
     }
 }

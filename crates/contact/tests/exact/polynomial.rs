@@ -204,9 +204,11 @@ impl Polynomial {
                     }
                 }
             }
-            roots.extend(
-                kept.into_iter().map(|(low, high)| Root { low, high, of: Some(p.clone()) }),
-            );
+            roots.extend(kept.into_iter().map(|(low, high)| Root {
+                low,
+                high,
+                of: Some(p.clone()),
+            }));
             return roots;
         }
     }
@@ -229,8 +231,7 @@ fn greatest_common_divisor(mut a: BigInt, mut b: BigInt) -> BigInt {
 }
 
 fn changes(sequence: &[Polynomial], x: &Dyadic) -> i32 {
-    let signs: Vec<i32> =
-        sequence.iter().map(|p| p.sign_at(x)).filter(|&sign| sign != 0).collect();
+    let signs: Vec<i32> = sequence.iter().map(|p| p.sign_at(x)).filter(|&sign| sign != 0).collect();
     signs.windows(2).filter(|pair| pair[0] != pair[1]).count() as i32
 }
 
