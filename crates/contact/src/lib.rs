@@ -22,7 +22,11 @@ mod contact_point;
 mod broad_phase;
 #[cfg(feature = "3d")]
 mod detection;
+mod moving;
 mod time_of_impact;
+mod gaps;
+mod penalty;
+mod impacting;
 pub mod problems;
 
 #[cfg(feature = "3d")]
@@ -32,11 +36,15 @@ pub use contact_point::{ContactId, ContactPoint};
 #[cfg(feature = "3d")]
 pub use detection::{Detector, Overlap, gap_rows};
 pub use error::ContactError;
+pub use gaps::{Balls, Inequality, Swept, Wall};
 pub use impact::Impact;
+pub use impacting::{Impacting, ImpactingReport, REST, When};
 pub use inverse_mass::InverseMass;
 pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
+pub use moving::{Closeness, Hit, Moving};
+pub use penalty::OneSidedPenalty;
 pub use projection::{Projected, project, project_from, residual};
 pub use rows::ContactRows;
 #[cfg(feature = "3d")]
 pub use shape::Shape;
-pub use time_of_impact::{Closeness, Hit, Moving, edge_meets_edge, particle_meets_triangle};
+pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};

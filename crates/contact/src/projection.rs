@@ -49,10 +49,31 @@ pub fn project_from(
     project_onto(impact, &all, guess, v)
 }
 
+/// The projection on `dg v + bias >= 0`: contacts with a gap left may use it up.
+pub(crate) fn project_biased(
+    impact: &Impact,
+    bias: &[f64],
+    v: Vector<&mut [f64]>,
+) -> Result<Projected, ContactError> {
+    let all: Vec<usize> = (0..impact.len()).collect();
+    project_with(impact, &all, bias, &vec![0.0; impact.len()], v)
+}
+
 /// The projection that knows only some of the contacts.
 pub(crate) fn project_onto(
     impact: &Impact,
     contacts: &[usize],
+    guess: &[f64],
+    v: Vector<&mut [f64]>,
+) -> Result<Projected, ContactError> {
+    project_with(impact, contacts, &vec![0.0; impact.len()], guess, v)
+}
+
+/// The projection of some contacts, biased, with a guess of who pushes.
+pub(crate) fn project_with(
+    impact: &Impact,
+    contacts: &[usize],
+    bias: &[f64],
     guess: &[f64],
     v: Vector<&mut [f64]>,
 ) -> Result<Projected, ContactError> {
@@ -65,6 +86,7 @@ pub(crate) fn project_onto(
         let mut work = Island {
             impact,
             contacts: &island,
+            bias,
             rounding,
             before: Vector(v.0),
             scratch: &mut scratch,
@@ -76,16 +98,27 @@ pub(crate) fn project_onto(
             done.impulses[contact] = lambda;
         }
     }
-    done.residual = residual(impact, contacts, &done.impulses, next.view());
+    done.residual = biased_residual(impact, contacts, bias, &done.impulses, next.view());
     v.0.copy_from_slice(&next.0);
     Ok(done)
 }
 
 /// How far impulses and the velocity after them are from the conditions (11.2), m/s.
-pub fn residual(impact: &Impact, contacts: &[usize], impulses: &[f64], v: Vector<&[f64]>) -> f64 {
+pub fn residual(impact: &Impact, impulses: &[f64], v: Vector<&[f64]>) -> f64 {
+    let all: Vec<usize> = (0..impact.len()).collect();
+    biased_residual(impact, &all, &vec![0.0; impact.len()], impulses, v)
+}
+
+fn biased_residual(
+    impact: &Impact,
+    contacts: &[usize],
+    bias: &[f64],
+    impulses: &[f64],
+    v: Vector<&[f64]>,
+) -> f64 {
     let one = |&i: &usize| {
         let push = impact.compliance(i) * impulses[i];
-        push.min(impact.relative_velocity(i, v)).abs()
+        push.min(impact.relative_velocity(i, v) + bias[i]).abs()
     };
     contacts.iter().map(one).fold(0.0, f64::max)
 }
@@ -115,6 +148,7 @@ fn islands(impact: &Impact, contacts: &[usize]) -> Vec<Vec<usize>> {
 struct Island<'a> {
     impact: &'a Impact,
     contacts: &'a [usize],
+    bias: &'a [f64],
     rounding: f64,
     before: Vector<&'a [f64]>,
     scratch: &'a mut [f64],
@@ -206,7 +240,8 @@ impl Island<'_> {
     }
 
     fn rates(&self, v: Vector<&[f64]>) -> Vec<f64> {
-        self.set.members().iter().map(|&i| self.impact.relative_velocity(i, v)).collect()
+        let rate = |&i: &usize| self.impact.relative_velocity(i, v) + self.bias[i];
+        self.set.members().iter().map(rate).collect()
     }
 
     fn push_all(&self, lambda: &[f64], mut v: Vector<&mut [f64]>) {
@@ -229,7 +264,7 @@ impl Island<'_> {
     fn fastest_approach(&self, v: Vector<&[f64]>, refused: &[bool]) -> Option<usize> {
         let mut worst = (0.0, None);
         for (place, &contact) in self.contacts.iter().enumerate().filter(|&(p, _)| !refused[p]) {
-            let u = self.impact.relative_velocity(contact, v);
+            let u = self.impact.relative_velocity(contact, v) + self.bias[contact];
             let weighed = u / self.impact.compliance(contact).sqrt();
             if u < -self.rounding && weighed < worst.0 && !self.set.members().contains(&contact) {
                 worst = (weighed, Some(place));
