@@ -73,6 +73,17 @@ impl Detector {
         &self.colliders
     }
 
+    /// The radius of a ball about a body's centre that holds all its shapes, m.
+    pub fn radius(&self, body: usize) -> f64 {
+        let own = self.colliders.iter().filter(|c| c.body() == Some(body));
+        let far = |collider: &Collider| {
+            let ball = collider.shape.geometry().compute_local_bounding_sphere();
+            let centre = collider.place.apply(&from_vector(ball.center));
+            centre.norm() + ball.radius
+        };
+        own.map(far).fold(0.0, f64::max)
+    }
+
     /// The pairs of colliders that the last broad phase could not rule out.
     pub fn candidates(&self) -> &[(usize, usize)] {
         &self.pairs

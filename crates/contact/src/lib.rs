@@ -27,6 +27,9 @@ mod time_of_impact;
 mod gaps;
 mod penalty;
 mod impacting;
+mod friction;
+#[cfg(feature = "3d")]
+mod touching_bodies;
 pub mod problems;
 
 #[cfg(feature = "3d")]
@@ -36,6 +39,7 @@ pub use contact_point::{ContactId, ContactPoint};
 #[cfg(feature = "3d")]
 pub use detection::{Detector, Overlap, gap_rows};
 pub use error::ContactError;
+pub use friction::{Frictional, Staggered};
 pub use gaps::{Balls, Inequality, Swept, Wall};
 pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
@@ -48,3 +52,5 @@ pub use rows::ContactRows;
 #[cfg(feature = "3d")]
 pub use shape::Shape;
 pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
+#[cfg(feature = "3d")]
+pub use touching_bodies::{Bodies, TouchingBodies, TouchingReport};
