@@ -1,6 +1,7 @@
 //! The studies of the report, in the order of the page.
 
 mod constraints;
+mod contact;
 mod convergence;
 mod derivative;
 mod gimbal_lock;
@@ -67,6 +68,13 @@ pub const STUDIES: &[Entry<'static>] = &[
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
     gimbal_lock::STUDY,
+    contact::IMPACT_LAWS,
+    contact::BOUNCING_BALL,
+    contact::CONTACT_PENALTY,
+    contact::TUNNELLING,
+    contact::DETECTION_COST,
+    contact::PILE_SOLVERS,
+    contact::FRICTION_THRESHOLD,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
