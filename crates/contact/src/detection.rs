@@ -23,6 +23,7 @@ use crate::{Carrier, Collider, ContactError, ContactId, ContactPoint, ContactRow
 pub struct Detector {
     colliders: Vec<Collider>,
     bodies: usize,
+    radii: Vec<f64>,
     broad: BroadPhase,
     placed: Vec<RigidMotion>,
     poses: Vec<Pose>,
@@ -57,6 +58,7 @@ impl Detector {
             }
         }
         Ok(Detector {
+            radii: radii(&colliders, bodies),
             broad: BroadPhase::new(&colliders),
             placed: vec![RigidMotion::identity(); colliders.len()],
             poses: vec![Pose::identity(); colliders.len()],
@@ -75,13 +77,17 @@ impl Detector {
 
     /// The radius of a ball about a body's centre that holds all its shapes, m.
     pub fn radius(&self, body: usize) -> f64 {
-        let own = self.colliders.iter().filter(|c| c.body() == Some(body));
-        let far = |collider: &Collider| {
-            let ball = collider.shape.geometry().compute_local_bounding_sphere();
-            let centre = collider.place.apply(&from_vector(ball.center));
-            centre.norm() + ball.radius
-        };
-        own.map(far).fold(0.0, f64::max)
+        self.radii[body]
+    }
+
+    /// What [`Detector::detect`] found last, to be given back by [`Detector::put_back`].
+    pub(crate) fn take_contacts(&mut self) -> Vec<ContactPoint> {
+        std::mem::take(&mut self.contacts)
+    }
+
+    /// Reuses the memory of contacts that are no longer needed.
+    pub(crate) fn put_back(&mut self, contacts: Vec<ContactPoint>) {
+        self.contacts = contacts;
     }
 
     /// The pairs of colliders that the last broad phase could not rule out.
@@ -104,7 +110,6 @@ impl Detector {
             let (a, b) = self.pairs[k];
             self.meet(q, [a, b], margin)?;
         }
-        self.contacts.sort_by_key(|contact| contact.id);
         Ok(&self.contacts)
     }
 
@@ -166,6 +171,7 @@ impl Detector {
                 let [first, second] = pair.map(|i| self.colliders[i].shape.name());
                 ContactError::NoQuery { first, second }
             })?;
+        let first = self.contacts.len();
         for manifold in &self.manifolds {
             for point in manifold.points.iter().filter(|point| point.dist <= margin) {
                 let local = [from_vector(point.local_p1), from_vector(point.local_p2)];
@@ -173,9 +179,19 @@ impl Detector {
                 let parts = [manifold.subshape1, manifold.subshape2];
                 let id = ContactId { colliders: pair.map(|i| i as u32), parts, features };
                 let normal = from_vector(manifold.local_n1);
-                self.contacts.push(self.point(q, id, local, normal, point.dist));
+                let contact = self.point(q, id, local, normal, point.dist);
+                let same = |other: &ContactPoint| coincide(other, &contact);
+                match self.contacts[first..].iter().position(same) {
+                    None => self.contacts.push(contact),
+                    Some(place) if contact.gap < self.contacts[first + place].gap => {
+                        self.contacts[first + place] = contact;
+                    }
+                    Some(_) => {}
+                }
             }
         }
+        // Pairs come sorted; so do the contacts, once those of each pair are.
+        self.contacts[first..].sort_by_key(|contact| contact.id);
         Ok(())
     }
 
@@ -206,6 +222,28 @@ impl Detector {
             friction: (first.friction * second.friction).sqrt(),
         }
     }
+}
+
+/// For each body the radius of a ball about its centre that holds all its shapes.
+fn radii(colliders: &[Collider], bodies: usize) -> Vec<f64> {
+    let mut radii = vec![0.0_f64; bodies];
+    for collider in colliders {
+        if let Some(body) = collider.body() {
+            let ball = collider.shape.geometry().compute_local_bounding_sphere();
+            let centre = collider.place.apply(&from_vector(ball.center));
+            radii[body] = radii[body].max(centre.norm() + ball.radius);
+        }
+    }
+    radii
+}
+
+/// Points closer to each other than this part of their arms are one: a corner that meets a corner is
+/// found from both sides.
+const COINCIDENT: f64 = 1e-7;
+
+fn coincide(a: &ContactPoint, b: &ContactPoint) -> bool {
+    let near = COINCIDENT * (a.arms[0].norm() + a.arms[1].norm());
+    (a.points[1] - b.points[1]).norm() < near && a.normal.dot(&b.normal) > 1.0 - COINCIDENT
 }
 
 /// The differentials of the gaps of some contact points, one row each.

@@ -39,8 +39,7 @@ impl Impact {
             return Err(ContactError::Restitution { contact, value: restitution[contact] });
         }
         let lifted = lift(&rows, mass);
-        let compliance: Vec<f64> =
-            (0..rows.len()).map(|contact| compliance(&rows, &lifted, contact)).collect();
+        let compliance = compliances(&rows, &lifted, freedoms);
         if let Some(contact) = compliance.iter().position(|&d| d <= 0.0) {
             return Err(ContactError::Immovable { contact });
         }
@@ -153,15 +152,19 @@ impl Impact {
     }
 }
 
+/// The rows `M^-1 dg^T`, each freedom once.
 fn lift(rows: &ContactRows, mass: &InverseMass) -> ContactRows {
     let mut lifted = ContactRows::new();
     let mut entries: Vec<(usize, f64)> = Vec::new();
+    // In which row a freedom was last met, and where its entry is.
+    let mut met = vec![(usize::MAX, 0); mass.dim()];
     for contact in 0..rows.len() {
         entries.clear();
-        mass.lift(rows.row(contact), |freedom, x| {
-            match entries.iter_mut().find(|(f, _)| *f == freedom) {
-                Some((_, sum)) => *sum += x,
-                None => entries.push((freedom, x)),
+        mass.lift(rows.row(contact), |freedom, x| match met[freedom] {
+            (row, place) if row == contact => entries[place].1 += x,
+            _ => {
+                met[freedom] = (contact, entries.len());
+                entries.push((freedom, x));
             }
         });
         lifted.push(entries.iter().copied());
@@ -169,10 +172,16 @@ fn lift(rows: &ContactRows, mass: &InverseMass) -> ContactRows {
     lifted
 }
 
-fn compliance(rows: &ContactRows, lifted: &ContactRows, contact: usize) -> f64 {
-    let response =
-        |freedom| lifted.row(contact).find(|&(f, _)| f == freedom).map_or(0.0, |(_, value)| value);
-    rows.row(contact).map(|(freedom, value)| value * response(freedom)).sum()
+/// The compliance of each contact, through a scratch vector of zeros.
+fn compliances(rows: &ContactRows, lifted: &ContactRows, freedoms: usize) -> Vec<f64> {
+    let mut scratch = vec![0.0; freedoms];
+    let mut one = |contact: usize| {
+        lifted.row(contact).for_each(|(freedom, x)| scratch[freedom] = x);
+        let sum = rows.row(contact).map(|(freedom, value)| value * scratch[freedom]).sum();
+        lifted.row(contact).for_each(|(freedom, _)| scratch[freedom] = 0.0);
+        sum
+    };
+    (0..rows.len()).map(&mut one).collect()
 }
 
 #[cfg(test)]

@@ -100,6 +100,10 @@ impl InverseMass {
         for (freedom, value) in row.filter(|&(f, value)| !self.held[f] && value != 0.0) {
             let (block, column) = self.place[freedom];
             let block = &self.blocks[block];
+            if let [inverse] = block.inverse.as_slice() {
+                add(freedom, inverse * value);
+                continue;
+            }
             for (i, &reached) in block.freedoms.iter().enumerate() {
                 if !self.held[reached] {
                     add(reached, block.inverse[(i, column)] * value);

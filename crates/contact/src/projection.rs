@@ -89,11 +89,12 @@ pub(crate) fn project_with(
             bias,
             rounding,
             before: Vector(v.0),
+            after: Vector(&mut next.0),
             scratch: &mut scratch,
             set: PassiveSet::default(),
             lambda: Vec::new(),
         };
-        done.solves += work.solve(guess, &mut next)?;
+        done.solves += work.solve(guess)?;
         for (&contact, &lambda) in work.set.members().iter().zip(&work.lambda) {
             done.impulses[contact] = lambda;
         }
@@ -151,20 +152,21 @@ struct Island<'a> {
     bias: &'a [f64],
     rounding: f64,
     before: Vector<&'a [f64]>,
+    after: Vector<&'a mut [f64]>,
     scratch: &'a mut [f64],
     set: PassiveSet,
     lambda: Vec<f64>,
 }
 
 impl Island<'_> {
-    /// Projects the part of `v` that the island reaches; says how many systems it solved.
-    fn solve(&mut self, guess: &[f64], v: &mut Vector<Vec<f64>>) -> Result<usize, ContactError> {
+    /// Projects the part of `after` that the island reaches; says how many systems it solved.
+    fn solve(&mut self, guess: &[f64]) -> Result<usize, ContactError> {
         let mut refused = vec![false; self.contacts.len()];
         let mut solves = self.take_guess(guess);
         let bound = 10 * self.contacts.len() + 20;
         for _ in 0..bound {
-            self.write(v);
-            let Some(place) = self.fastest_approach(v.view(), &refused) else {
+            self.move_by(&self.lambda.clone());
+            let Some(place) = self.fastest_approach(&refused) else {
                 return Ok(solves);
             };
             let contact = self.contacts[place];
@@ -181,8 +183,8 @@ impl Island<'_> {
         Err(ContactError::NotConverged {
             what: "the inelastic projection",
             iterations: bound,
-            residual: self.impact.approach(v.view()),
-            velocity: v.0.clone(),
+            residual: self.impact.approach(Vector(self.after.0)),
+            velocity: self.after.0.to_vec(),
         })
     }
 
@@ -202,27 +204,23 @@ impl Island<'_> {
         loop {
             let target = self.target();
             solves += 1;
-            let mut reach = 1.0_f64;
-            for (&from, &to) in self.lambda.iter().zip(&target) {
-                if to <= 0.0 {
-                    reach = reach.min(from / (from - to));
-                }
-            }
-            let pulls = |&to: &f64| to <= 0.0;
-            if !target.iter().any(pulls) {
+            if target.iter().all(|&to| to > 0.0) {
                 self.lambda = target;
                 return solves;
             }
-            let reach = if reach.is_finite() { reach } else { 0.0 };
+            let part = |(&from, &to): (&f64, &f64)| match to <= 0.0 {
+                true if from > 0.0 => from / (from - to),
+                true => 0.0,
+                false => f64::INFINITY,
+            };
+            let parts: Vec<f64> = self.lambda.iter().zip(&target).map(part).collect();
+            let reach = parts.iter().copied().fold(f64::INFINITY, f64::min);
             for (lambda, to) in self.lambda.iter_mut().zip(&target) {
                 *lambda += reach * (to - *lambda);
             }
-            let largest = self.lambda.iter().copied().fold(0.0, f64::max);
-            for place in (0..target.len()).rev() {
-                if pulls(&target[place]) && self.lambda[place] <= 1e-15 * largest {
-                    self.set.remove(place);
-                    self.lambda.remove(place);
-                }
+            for place in (0..parts.len()).rev().filter(|&place| parts[place] == reach) {
+                self.set.remove(place);
+                self.lambda.remove(place);
             }
         }
     }
@@ -231,9 +229,8 @@ impl Island<'_> {
     fn target(&mut self) -> Vec<f64> {
         let mut z: Vec<f64> = self.rates(self.before).iter().map(|rate| -rate).collect();
         self.set.solve(&mut z);
-        let mut v = self.before.0.to_vec();
-        self.push_all(&z, Vector(&mut v));
-        let mut off: Vec<f64> = self.rates(Vector(&v)).iter().map(|rate| -rate).collect();
+        self.move_by(&z);
+        let mut off: Vec<f64> = self.rates(Vector(self.after.0)).iter().map(|rate| -rate).collect();
         self.set.solve(&mut off);
         z.iter_mut().zip(&off).for_each(|(z, off)| *z += off);
         z
@@ -244,27 +241,24 @@ impl Island<'_> {
         self.set.members().iter().map(rate).collect()
     }
 
-    fn push_all(&self, lambda: &[f64], mut v: Vector<&mut [f64]>) {
-        for (&contact, &lambda) in self.set.members().iter().zip(lambda) {
-            self.impact.push(contact, lambda, v.view_mut());
-        }
-    }
-
-    /// Writes the velocity of the present impulses into the freedoms of the island.
-    fn write(&self, v: &mut Vector<Vec<f64>>) {
+    /// Writes the velocity after the set's impulses into the freedoms of the island.
+    fn move_by(&mut self, lambda: &[f64]) {
         for &contact in self.contacts {
             for freedom in self.impact.reached(contact) {
-                v.0[freedom] = self.before.0[freedom];
+                self.after.0[freedom] = self.before.0[freedom];
             }
         }
-        self.push_all(&self.lambda, v.view_mut());
+        for (&contact, &lambda) in self.set.members().iter().zip(lambda) {
+            self.impact.push(contact, lambda, self.after.view_mut());
+        }
     }
 
     /// The place of the contact whose approach would cost the most energy.
-    fn fastest_approach(&self, v: Vector<&[f64]>, refused: &[bool]) -> Option<usize> {
+    fn fastest_approach(&self, refused: &[bool]) -> Option<usize> {
         let mut worst = (0.0, None);
         for (place, &contact) in self.contacts.iter().enumerate().filter(|&(p, _)| !refused[p]) {
-            let u = self.impact.relative_velocity(contact, v) + self.bias[contact];
+            let u =
+                self.impact.relative_velocity(contact, Vector(self.after.0)) + self.bias[contact];
             let weighed = u / self.impact.compliance(contact).sqrt();
             if u < -self.rounding && weighed < worst.0 && !self.set.members().contains(&contact) {
                 worst = (weighed, Some(place));

@@ -111,21 +111,37 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         let mut before = self.velocity(&state.p);
         let kick = self.kick(state, h);
         let reach = self.reach(&before, &kick, h);
-        let contacts = self.detector.detect(&state.q, reach)?.to_vec();
+        self.detector.detect(&state.q, reach)?;
+        let contacts = self.detector.take_contacts();
         let mut report = TouchingReport { contacts: contacts.len(), ..Default::default() };
         report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
-        let mut lambda = HashMap::new();
-        let mut v = sum(&before, &kick);
-        if !contacts.is_empty() {
-            let rows = gap_rows(&contacts, &state.q);
-            self.impacts(&contacts, &rows, &kick, h, &mut before, &mut report)?;
-            v = sum(&before, &kick);
-            lambda = self.rest(&contacts, rows, &state.q, h, &mut v, &mut report)?;
-        }
-        let next = self.moved(state, &v, h)?;
+        let solved = self.solve(&contacts, &state.q, &kick, h, &mut before, &mut report);
+        self.detector.put_back(contacts);
+        let lambda = solved?;
+        let next = self.moved(state, &before, h)?;
         self.last = lambda;
         *state = next;
         Ok(report)
+    }
+
+    /// Turns the velocity before a step into that over it; the normal impulses by contact.
+    fn solve(
+        &self,
+        contacts: &[ContactPoint],
+        q: &[f64],
+        kick: &Vector<Vec<f64>>,
+        h: f64,
+        v: &mut Vector<Vec<f64>>,
+        report: &mut TouchingReport,
+    ) -> Result<HashMap<ContactId, f64>, ContactError> {
+        if contacts.is_empty() {
+            v.add_scaled(1.0, kick.view());
+            return Ok(HashMap::new());
+        }
+        let rows = gap_rows(contacts, q);
+        self.impacts(contacts, &rows, kick, h, v, report)?;
+        v.add_scaled(1.0, kick.view());
+        self.rest(contacts, rows, q, h, v, report)
     }
 
     /// Impacts of what would close its gap in this step.
