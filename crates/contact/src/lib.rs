@@ -33,7 +33,8 @@
 //! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the laws
 //! ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and times of
-//! impact, whose "never" is a proof. Then time: gaps of [`Balls`], their penalty, the three answers to
+//! impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
+//! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
 //! when ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks is
@@ -63,6 +64,8 @@ mod broad_phase;
 mod detection;
 mod moving;
 mod time_of_impact;
+mod swept_boxes;
+mod mesh_filter;
 mod gaps;
 mod penalty;
 mod impacting;
@@ -84,6 +87,7 @@ pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
 pub use inverse_mass::InverseMass;
 pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
+pub use mesh_filter::{FilterReport, MeshFilter};
 pub use moving::{Closeness, Hit, Moving};
 pub use penalty::OneSidedPenalty;
 pub use projection::{Projected, project, project_from, residual};
