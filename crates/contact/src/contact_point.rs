@@ -10,6 +10,7 @@
 //! columns.
 
 use nalgebra::Vector3;
+use stationary_calculus::Vector;
 use stationary_rigid::{BodySpace, Poses, force_at_point};
 
 use crate::ContactRows;
@@ -57,6 +58,20 @@ impl ContactPoint {
         for tangent in self.tangents() {
             self.push_along(q, &tangent, rows);
         }
+    }
+
+    /// How fast the second point slides along the first at these velocities, m/s.
+    pub fn sliding(&self, q: &[f64], v: Vector<&[f64]>) -> f64 {
+        let rate = |k: usize| match self.bodies[k] {
+            Some(body) => {
+                let [x, y, z, a, b, c] = [0, 1, 2, 3, 4, 5].map(|f| v.0[6 * body + f]);
+                let turning = Vector3::new(a, b, c).cross(&self.arms[k]);
+                Vector3::new(x, y, z) + Poses::pose(q, body).rotation.rotate(&turning)
+            }
+            None => Vector3::zeros(),
+        };
+        let apart = rate(1) - rate(0);
+        (apart - self.normal * apart.dot(&self.normal)).norm()
     }
 
     /// Two unit vectors across the normal and each other.

@@ -18,7 +18,7 @@
 
 use stationary_calculus::{SizeError, Vector};
 
-use crate::projection::project_with;
+use crate::projection::{all, project_with};
 use crate::{ContactError, Impact};
 
 /// What the contacts' impulses came out as.
@@ -41,7 +41,7 @@ const TURNS: usize = 60;
 /// Sweeps over the contacts in one friction projection.
 const SWEEPS: usize = 400;
 /// Changes of impulses, as velocities, relative to the largest relative velocity, that end both.
-const SETTLED: f64 = 1e-13;
+pub(crate) const SETTLED: f64 = 1e-11;
 
 /// Contacts with friction: their normals, their tangents (two for each), and their coefficients.
 #[derive(Clone, Copy, Debug)]
@@ -109,8 +109,7 @@ impl Frictional<'_> {
         guess: &[f64],
         v: Vector<&mut [f64]>,
     ) -> Result<(Vec<f64>, f64), ContactError> {
-        let all: Vec<usize> = (0..self.normal.len()).collect();
-        let done = project_with(self.normal, &all, self.bias, guess, v)?;
+        let done = project_with(self.normal, &all(self.normal.len()), self.bias, guess, v)?;
         Ok((done.impulses, done.residual))
     }
 

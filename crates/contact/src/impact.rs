@@ -154,7 +154,7 @@ impl Impact {
 
 /// The rows `M^-1 dg^T`, each freedom once.
 fn lift(rows: &ContactRows, mass: &InverseMass) -> ContactRows {
-    let mut lifted = ContactRows::new();
+    let mut lifted = ContactRows::with_room(rows.len(), rows.entries());
     let mut entries: Vec<(usize, f64)> = Vec::new();
     // In which row a freedom was last met, and where its entry is.
     let mut met = vec![(usize::MAX, 0); mass.dim()];

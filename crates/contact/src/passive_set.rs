@@ -5,8 +5,8 @@
 //! append j:   l = L^-1 A_Pj,  pivot^2 = A_jj - |l|^2
 //! remove j:   drop the row, rotate the others back to a triangle
 //! ```
-//! A contact whose row depends on those in P (pivot zero to rounding) is not taken in: it adds
-//! nothing that they cannot do. So the factor exists however redundant the contacts are.
+//! A contact whose row depends on those in P (pivot zero to rounding) is not taken in; how it depends
+//! is said instead, `dg_j = sum c_k dg_k`. So the factor exists however redundant the contacts are.
 //! Source: Lawson and Hanson 1974, chapters 23 and 24, for the idea; Golub and Van Loan 6.5.4 for
 //! the rotations.
 
@@ -29,20 +29,26 @@ impl PassiveSet {
         &self.members
     }
 
-    /// Takes a contact in, unless its row depends on the others.
-    pub(crate) fn append(&mut self, impact: &Impact, contact: usize, scratch: &mut [f64]) -> bool {
+    /// Takes a contact in; or says by which coefficients its row depends on the members'.
+    pub(crate) fn append(
+        &mut self,
+        impact: &Impact,
+        contact: usize,
+        scratch: &mut [f64],
+    ) -> Result<(), Vec<f64>> {
         let mut row = Vec::with_capacity(self.members.len() + 1);
         impact.couple(contact, &self.members, scratch, &mut row);
         self.forward(&mut row);
         let diagonal = impact.compliance(contact);
         let pivot = diagonal - row.iter().map(|x| x * x).sum::<f64>();
         if pivot <= DEPENDENT * diagonal {
-            return false;
+            self.backward(&mut row);
+            return Err(row);
         }
         row.push(pivot.sqrt());
         self.rows.push(row);
         self.members.push(contact);
-        true
+        Ok(())
     }
 
     /// Lets the member at a place go.
@@ -66,6 +72,10 @@ impl PassiveSet {
     /// Solves `A_PP z = b` in place.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         self.forward(b);
+        self.backward(b);
+    }
+
+    fn backward(&self, b: &mut [f64]) {
         for k in (0..b.len()).rev() {
             b[k] /= self.rows[k][k];
             let x = b[k];
@@ -106,7 +116,7 @@ mod tests {
         let impact = random_impact(8, 20);
         let (mut set, mut scratch) = (PassiveSet::default(), vec![0.0; 20]);
         for contact in 0..8 {
-            assert!(set.append(&impact, contact, &mut scratch));
+            set.append(&impact, contact, &mut scratch).unwrap();
         }
         for place in [3, 0, 4] {
             set.remove(place);
@@ -125,10 +135,17 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_depends_on_the_others_is_not_taken_in() {
+    fn a_row_that_depends_on_the_others_is_not_taken_in_and_says_how() {
         let impact = random_impact(5, 3);
         let (mut set, mut scratch) = (PassiveSet::default(), vec![0.0; 3]);
-        let taken: Vec<_> = (0..5).map(|c| set.append(&impact, c, &mut scratch)).collect();
-        assert_eq!(taken, [true, true, true, false, false]);
+        (0..3).for_each(|contact| set.append(&impact, contact, &mut scratch).unwrap());
+        for contact in [3, 4] {
+            let depends = set.append(&impact, contact, &mut scratch).unwrap_err();
+            let v = Vector([0.3, -0.7, 0.2]);
+            let rate = |contact| impact.relative_velocity(contact, v.view());
+            let sum: f64 = (0..3).map(|k| depends[k] * rate(k)).sum();
+            assert!((sum - rate(contact)).abs() < 1e-12);
+        }
+        assert_eq!(set.members(), [0, 1, 2]);
     }
 }

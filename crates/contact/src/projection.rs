@@ -8,7 +8,7 @@
 //! A convex quadratic programme: `v` is unique, `lambda` only if no contact is redundant. Solved
 //! exactly by active sets, on each island of bodies on its own: the contact that approaches fastest
 //! joins those that push, those that would have to pull leave, and the system of those that push is
-//! solved by its factor. Every round ends at a lower kinetic energy, so that no set comes twice. A
+//! solved by its factor; one that depends on those that push takes the place of another. Every round ends at a lower kinetic energy, so that no set comes twice. A
 //! guess of who pushes (the last step's) saves most of the rounds.
 //!
 //! Kinetic energy never grows, and momentum is kept. Source: notes 11.5.1 (errata: the conditions
@@ -34,8 +34,7 @@ pub struct Projected {
 
 /// Projects a velocity on those that no contact forbids.
 pub fn project(impact: &Impact, v: Vector<&mut [f64]>) -> Result<Projected, ContactError> {
-    let all: Vec<usize> = (0..impact.len()).collect();
-    project_onto(impact, &all, &vec![0.0; impact.len()], v)
+    project_onto(impact, &all(impact.len()), &vec![0.0; impact.len()], v)
 }
 
 /// The same with a guess of the impulses: who pushes, not how much.
@@ -45,8 +44,12 @@ pub fn project_from(
     v: Vector<&mut [f64]>,
 ) -> Result<Projected, ContactError> {
     stationary_calculus::SizeError::check("the guessed impulses", impact.len(), guess.len())?;
-    let all: Vec<usize> = (0..impact.len()).collect();
-    project_onto(impact, &all, guess, v)
+    project_onto(impact, &all(impact.len()), guess, v)
+}
+
+/// Every contact.
+pub(crate) fn all(contacts: usize) -> Vec<usize> {
+    (0..contacts).collect()
 }
 
 /// The projection on `dg v + bias >= 0`: contacts with a gap left may use it up.
@@ -55,8 +58,7 @@ pub(crate) fn project_biased(
     bias: &[f64],
     v: Vector<&mut [f64]>,
 ) -> Result<Projected, ContactError> {
-    let all: Vec<usize> = (0..impact.len()).collect();
-    project_with(impact, &all, bias, &vec![0.0; impact.len()], v)
+    project_with(impact, &all(impact.len()), bias, &vec![0.0; impact.len()], v)
 }
 
 /// The projection that knows only some of the contacts.
@@ -106,8 +108,7 @@ pub(crate) fn project_with(
 
 /// How far impulses and the velocity after them are from the conditions (11.2), m/s.
 pub fn residual(impact: &Impact, impulses: &[f64], v: Vector<&[f64]>) -> f64 {
-    let all: Vec<usize> = (0..impact.len()).collect();
-    biased_residual(impact, &all, &vec![0.0; impact.len()], impulses, v)
+    biased_residual(impact, &all(impact.len()), &vec![0.0; impact.len()], impulses, v)
 }
 
 fn biased_residual(
@@ -170,11 +171,10 @@ impl Island<'_> {
                 return Ok(solves);
             };
             let contact = self.contacts[place];
-            if !self.set.append(self.impact, contact, self.scratch) {
+            if !self.take_in(contact) {
                 refused[place] = true;
                 continue;
             }
-            self.lambda.push(0.0);
             solves += self.settle();
             let stayed = self.set.members().contains(&contact);
             // A contact that leaves at once came in by rounding only.
@@ -188,9 +188,35 @@ impl Island<'_> {
         })
     }
 
+    /// Lets a contact push. Where its row depends on those that push already, it takes over from
+    /// them, at the same velocity, until the first of them is free to leave; says whether it can.
+    fn take_in(&mut self, contact: usize) -> bool {
+        let Err(depends) = self.set.append(self.impact, contact, self.scratch) else {
+            self.lambda.push(0.0);
+            return true;
+        };
+        let largest = depends.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let shares = self.lambda.iter().zip(&depends).enumerate();
+        let leaves = shares
+            .filter(|(_, (_, c))| **c > 1e-9 * largest)
+            .map(|(place, (lambda, c))| (place, lambda / c))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((leaving, taken)) = leaves else { return false };
+        for (lambda, c) in self.lambda.iter_mut().zip(&depends) {
+            *lambda = (*lambda - taken * c).max(0.0);
+        }
+        self.set.remove(leaving);
+        self.lambda.remove(leaving);
+        if self.set.append(self.impact, contact, self.scratch).is_err() {
+            return false;
+        }
+        self.lambda.push(taken);
+        true
+    }
+
     fn take_guess(&mut self, guess: &[f64]) -> usize {
         for &contact in self.contacts.iter().filter(|&&contact| guess[contact] > 0.0) {
-            if self.set.append(self.impact, contact, self.scratch) {
+            if self.set.append(self.impact, contact, self.scratch).is_ok() {
                 self.lambda.push(0.0);
             }
         }
@@ -265,5 +291,36 @@ impl Island<'_> {
             }
         }
         worst.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ContactRows, InverseMass};
+    use stationary_calculus::{DiagonalMetric, SplitMix64};
+
+    /// Gaps that no rigid motion makes: of the points of a face more than three are redundant, and
+    /// which of them push is decided by taking each other's places.
+    #[test]
+    fn redundant_contacts_with_gaps_that_do_not_fit_each_other_are_solved_exactly() {
+        let mut random = SplitMix64::new(21);
+        let masses = vec![1.0, 1.0, 1.0, 0.1, 0.2, 0.15];
+        let mass = InverseMass::of(&DiagonalMetric::new(masses).unwrap()).unwrap();
+        for count in [4, 5, 20, 60] {
+            for _ in 0..50 {
+                let mut rows = ContactRows::new();
+                for _ in 0..count {
+                    let (x, y) = (random.symmetric(), random.symmetric());
+                    rows.push([(2, 1.0), (3, y), (4, -x)]);
+                }
+                let impact = Impact::new(rows, &mass, vec![0.0; count]).unwrap();
+                let bias: Vec<f64> = (0..count).map(|_| 0.3 * random.symmetric()).collect();
+                let mut v = Vector(vec![0.1, 0.0, -1.0, 0.2, -0.1, 0.0]);
+                let done = project_biased(&impact, &bias, v.view_mut()).unwrap();
+                assert!(done.residual < 1e-12, "{count}: {}", done.residual);
+                assert!(done.impulses.iter().filter(|&&lambda| lambda > 0.0).count() <= 3);
+            }
+        }
     }
 }

@@ -32,6 +32,19 @@ impl ContactRows {
         ContactRows::default()
     }
 
+    /// No rows yet, with room for some rows and entries.
+    pub fn with_room(rows: usize, entries: usize) -> Self {
+        let mut starts = Vec::with_capacity(rows + 1);
+        starts.push(0);
+        let (freedoms, values) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
+        ContactRows { starts, freedoms, values }
+    }
+
+    /// How many entries there are.
+    pub fn entries(&self) -> usize {
+        self.values.len()
+    }
+
     /// Appends a row: pairs of a freedom and the derivative of the gap with respect to it.
     pub fn push(&mut self, entries: impl IntoIterator<Item = (usize, f64)>) {
         for (freedom, value) in entries {
@@ -49,13 +62,6 @@ impl ContactRows {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Forgets all rows and keeps the memory.
-    pub fn clear(&mut self) {
-        self.starts.truncate(1);
-        self.freedoms.clear();
-        self.values.clear();
     }
 
     /// The entries of a row.

@@ -13,13 +13,13 @@
 //! that it does is reported. On an error the state is as it was. Source: notes 11.4, 11.5.1; Stewart
 //! and Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
-use std::collections::HashMap;
-
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{State, StepError};
 use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Poses, Rotation};
 
 use crate::error::check_finite;
+use crate::friction::SETTLED;
+use crate::projection::{all, project_with};
 use crate::{
     ContactError, ContactId, ContactPoint, ContactRows, Detector, Frictional, Impact, ImpactLaw,
     InverseMass, gap_rows,
@@ -58,7 +58,7 @@ pub struct TouchingBodies<'s, P> {
     mass: InverseMass,
     obstacles: Vec<usize>,
     law: ImpactLaw,
-    last: HashMap<ContactId, f64>,
+    last: Vec<(ContactId, f64)>,
 }
 
 impl<'s, P: Potential> TouchingBodies<'s, P> {
@@ -71,7 +71,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
             mass,
             obstacles: Vec::new(),
             law: ImpactLaw::GeneralizedReflections,
-            last: HashMap::new(),
+            last: Vec::new(),
         })
     }
 
@@ -133,10 +133,10 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         h: f64,
         v: &mut Vector<Vec<f64>>,
         report: &mut TouchingReport,
-    ) -> Result<HashMap<ContactId, f64>, ContactError> {
+    ) -> Result<Vec<(ContactId, f64)>, ContactError> {
         if contacts.is_empty() {
             v.add_scaled(1.0, kick.view());
-            return Ok(HashMap::new());
+            return Ok(Vec::new());
         }
         let rows = gap_rows(contacts, q);
         self.impacts(contacts, &rows, kick, h, v, report)?;
@@ -181,27 +181,51 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         h: f64,
         v: &mut Vector<Vec<f64>>,
         report: &mut TouchingReport,
-    ) -> Result<HashMap<ContactId, f64>, ContactError> {
+    ) -> Result<Vec<(ContactId, f64)>, ContactError> {
         let count = contacts.len();
         let share = |gap: f64| if gap < 0.0 { GIVEN_BACK * gap } else { gap };
         let bias: Vec<f64> = contacts.iter().map(|c| share(c.gap) / h).collect();
-        let guess: Vec<f64> =
-            contacts.iter().map(|c| self.last.get(&c.id).copied().unwrap_or(0.0)).collect();
-        let friction: Vec<f64> = contacts.iter().map(|c| c.friction).collect();
-        let mut sliding = ContactRows::new();
-        contacts.iter().for_each(|contact| contact.push_tangents(q, &mut sliding));
         let normal = Impact::new(rows, &self.mass, vec![0.0; count])?;
-        let tangent = Impact::new(sliding, &self.mass, vec![0.0; 2 * count])?;
-        let frictional =
-            Frictional { normal: &normal, tangent: &tangent, bias: &bias, friction: &friction };
-        let done = frictional.stagger(&guess, v.view_mut())?;
-        (report.residual, report.coulomb) = (done.residual, done.coulomb);
-        report.work = self.work(&normal, &done.normal, v) + self.work(&tangent, &done.friction, v);
-        Ok(contacts.iter().map(|contact| contact.id).zip(done.normal).collect())
+        let start = v.clone();
+        let done = project_with(&normal, &all(count), &bias, &self.guess(contacts), v.view_mut())?;
+        let mut pushes = done.impulses;
+        report.residual = done.residual;
+        // What does not slide needs no friction.
+        let rubs = |c: &&ContactPoint| c.friction > 0.0;
+        let slip = contacts.iter().filter(rubs).map(|c| c.sliding(q, v.view())).fold(0.0, f64::max);
+        report.coulomb = slip;
+        if slip > SETTLED * normal.approach(start.view()) {
+            let friction: Vec<f64> = contacts.iter().map(|c| c.friction).collect();
+            let mut sliding = ContactRows::new();
+            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut sliding));
+            let tangent = Impact::new(sliding, &self.mass, vec![0.0; 2 * count])?;
+            let frictional =
+                Frictional { normal: &normal, tangent: &tangent, bias: &bias, friction: &friction };
+            v.copy_from(start.view());
+            let done = frictional.stagger(&pushes, v.view_mut())?;
+            (report.residual, report.coulomb) = (done.residual, done.coulomb);
+            report.work = self.work(&tangent, &done.friction, v);
+            pushes = done.normal;
+        }
+        report.work += self.work(&normal, &pushes, v);
+        Ok(contacts.iter().map(|contact| contact.id).zip(pushes).collect())
+    }
+
+    /// The normal impulses that the last step ended with. Both lists are sorted.
+    fn guess(&self, contacts: &[ContactPoint]) -> Vec<f64> {
+        let mut last = self.last.iter().peekable();
+        let of = |contact: &ContactPoint| {
+            while last.next_if(|(id, _)| *id < contact.id).is_some() {}
+            last.next_if(|(id, _)| *id == contact.id).map_or(0.0, |(_, lambda)| *lambda)
+        };
+        contacts.iter().map(of).collect()
     }
 
     /// The work that obstacles do by these impulses.
     fn work(&self, impact: &Impact, impulses: &[f64], v: &Vector<Vec<f64>>) -> f64 {
+        if self.obstacles.is_empty() {
+            return 0.0;
+        }
         let power = |contact: usize| {
             let held = impact.rows().row(contact).filter(|&(f, _)| self.mass.is_held(f));
             held.map(|(freedom, value)| value * v.0[freedom]).sum::<f64>()

@@ -125,6 +125,29 @@ fn a_box_on_a_box_touches_in_four_named_points_that_keep_their_names() {
 }
 
 #[test]
+fn boxes_that_face_each_other_but_for_rounding_touch_at_every_corner() {
+    let cuboid = Shape::cuboid([0.5; 3]).unwrap();
+    let colliders = (0..2).map(|body| Collider::on_body(body, cuboid.clone())).collect();
+    let mut detector = Detector::new(colliders, 2).unwrap();
+    let mut random = SplitMix64::new(3);
+    for size in [1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-6] {
+        for _ in 0..500 {
+            let mut near = |z: f64| RigidMotion {
+                translation: random_vector(&mut random) * size + Vector3::z() * z,
+                rotation: Rotation::exp(random_vector(&mut random) * size),
+            };
+            let q = configuration(&[near(0.0), near(1.0)]);
+            let contacts = detector.detect(&q, 1e-3).unwrap();
+            for (x, y) in [(0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)] {
+                let corner = |point: &Vector3<f64>| (point.x - x).hypot(point.y - y) < 1e-5;
+                assert!(contacts.iter().any(|c| corner(&c.points[0])), "{size} {x} {y}");
+            }
+            assert!(contacts.iter().all(|c| c.gap.abs() < 5.0 * size + 1e-15), "{size}");
+        }
+    }
+}
+
+#[test]
 fn the_broad_phase_misses_no_pair_and_leaves_few_more() {
     let mut random = SplitMix64::new(2);
     let n = 300;
