@@ -58,6 +58,12 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "impulse-limit",
         "modes-needed",
         "modes-large-motion",
+        "impact-laws",
+        "bouncing-ball",
+        "contact-penalty",
+        "tunnelling",
+        "pile-solvers",
+        "friction-threshold",
     ] {
         text(id);
     }

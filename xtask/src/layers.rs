@@ -48,7 +48,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     ("laplacian", &[Always("nalgebra"), Always("thiserror"), Always("faer")]),
     ("scene", &[Always("serde"), Always("toml"), Always("thiserror"), Always("strsim")]),
     // The peers that timings are compared with: whoever does not compare does not build them.
-    ("benches", &[Optional("diffsol"), Optional("ode_solvers")]),
+    ("benches", &[Optional("diffsol"), Optional("ode_solvers"), Optional("rapier3d-f64")]),
 ];
 
 /// An outside package and when it may be used.

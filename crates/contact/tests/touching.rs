@@ -1,5 +1,7 @@
 //! Rigid bodies that rest, slide, roll and bounce on each other.
 
+#![cfg(feature = "3d")]
+
 use nalgebra::Vector3;
 use stationary_contact::{
     Bodies, Collider, ContactError, Detector, Shape, TouchingBodies, TouchingReport,
