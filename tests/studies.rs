@@ -64,6 +64,12 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "nodding-top",
         "kovalevskaya-top",
         "box-on-its-corner",
+        "impact-laws",
+        "bouncing-ball",
+        "contact-penalty",
+        "tunnelling",
+        "pile-solvers",
+        "friction-threshold",
     ] {
         text(id);
     }

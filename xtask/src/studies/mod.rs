@@ -1,6 +1,7 @@
 //! The studies of the report, in the order of the page.
 
 mod constraints;
+mod contact;
 mod convergence;
 mod damping;
 mod derivative;
@@ -78,6 +79,13 @@ pub const STUDIES: &[Entry<'static>] = &[
     rigid::NUTATION,
     rigid::KOVALEVSKAYA,
     rigid::JOINTED,
+    contact::IMPACT_LAWS,
+    contact::BOUNCING_BALL,
+    contact::CONTACT_PENALTY,
+    contact::TUNNELLING,
+    contact::DETECTION_COST,
+    contact::PILE_SOLVERS,
+    contact::FRICTION_THRESHOLD,
     elasticity::ORDERS,
     elasticity::MEMBRANE,
     elasticity::CANTILEVER,
