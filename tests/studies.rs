@@ -58,6 +58,11 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "impulse-limit",
         "modes-needed",
         "modes-large-motion",
+        "laplacian-spectrum",
+        "heat-border",
+        "heat-work-precision",
+        "maximum-principle",
+        "geodesic-distance",
     ] {
         text(id);
     }
