@@ -70,6 +70,11 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "tunnelling",
         "pile-solvers",
         "friction-threshold",
+        "laplacian-spectrum",
+        "heat-border",
+        "heat-work-precision",
+        "maximum-principle",
+        "geodesic-distance",
     ] {
         text(id);
     }

@@ -46,6 +46,9 @@ pub struct Distances {
 /// Heat below this part of its height at the source may be rounding.
 const FAINTEST: f64 = 1e-298;
 
+/// Sources whose heat is solved for together: the factor is read once for all of them.
+const AT_ONCE: usize = 16;
+
 impl GeodesicDistance {
     /// The heat time that suits a surface: the square of its mean edge length.
     pub fn advised_time(surface: &IntrinsicSurface) -> f64 {
@@ -122,14 +125,18 @@ impl GeodesicDistance {
 
     /// Heat from each source, one at its own.
     fn warmth(&mut self, heat: usize, sources: &[usize]) -> Result<Vec<f64>, LaplacianError> {
-        let mut warmest = vec![0.0_f64; self.domain.dim()];
-        for &source in sources {
-            let mut u = vec![0.0; self.domain.dim()];
-            u[source] = 1.0;
-            self.heat[heat].solve(&mut u);
-            let height = u[source];
-            for (warmest, u) in warmest.iter_mut().zip(&u) {
-                *warmest = warmest.max(u / height);
+        let n = self.domain.dim();
+        let mut warmest = vec![0.0_f64; n];
+        for together in sources.chunks(AT_ONCE) {
+            let mut heats = vec![0.0; n * together.len()];
+            for (u, &source) in heats.chunks_exact_mut(n).zip(together) {
+                u[source] = 1.0;
+            }
+            self.heat[heat].solve(&mut heats);
+            for (u, &source) in heats.chunks_exact(n).zip(together) {
+                for (warmest, value) in warmest.iter_mut().zip(u) {
+                    *warmest = warmest.max(value / u[source]);
+                }
             }
         }
         let cold = |u: &f64| u.is_nan() || *u < FAINTEST;

@@ -1,4 +1,4 @@
-//! Sorting what belongs to vertices: by the vertex first, in linear time, then each vertex's own few.
+//! Sorting what belongs to vertices: by the vertex, in linear time, then each vertex's own few.
 
 /// The items in rising order, given that a smaller bucket means a smaller item; buckets are below
 /// `count`.
@@ -34,7 +34,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn buckets_sort_like_any_sort(items in proptest::collection::vec((0..9_usize, 0..99_u8), 0..60)) {
+        fn buckets_sort_like_any_sort(
+            items in proptest::collection::vec((0..9_usize, 0..99_u8), 0..60),
+        ) {
             let mut expected = items.clone();
             expected.sort_unstable();
             prop_assert_eq!(sorted_by_bucket(9, &items, |item| item.0), expected);

@@ -1,6 +1,6 @@
 //! The pieces of a mesh that share no vertex.
 
-use crate::mesh::{Mesh, Part, part};
+use crate::mesh::Mesh;
 
 /// Which piece each simplex belongs to. Pieces are numbered in the order of their first simplices.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,16 +34,6 @@ impl<const D: usize, const K: usize> Mesh<D, K> {
         }
         Components { of_simplices, first_simplices }
     }
-
-    /// Each connected component as a mesh of its own.
-    pub fn split(&self) -> Vec<Part<D, K>> {
-        let components = self.components();
-        let mut pieces = vec![Vec::new(); components.first_simplices.len()];
-        for (&piece, &simplex) in components.of_simplices.iter().zip(self.simplices()) {
-            pieces[piece].push(simplex);
-        }
-        pieces.iter().map(|simplices| part(self.vertices(), simplices)).collect()
-    }
 }
 
 /// The leader of a vertex's set; the way to it is halved.
@@ -68,15 +58,11 @@ mod tests {
         let components = mesh.components();
         assert_eq!(components.of_simplices, [0, 1, 0, 1]);
         assert_eq!(components.first_simplices, [0, 1]);
-        let pieces = mesh.split();
-        assert_eq!(pieces[0].vertices, [4, 5, 6]);
-        assert_eq!(pieces[0].mesh.simplices(), [[1, 2], [0, 1]]);
-        assert_eq!(pieces[1].mesh.simplices(), [[0, 1], [1, 2]]);
     }
 
     #[test]
     fn a_mesh_without_simplices_has_no_pieces() {
         let mesh = Mesh::<1, 2>::new(vec![Vector1::new(0.0)], vec![]).unwrap();
-        assert!(mesh.split().is_empty());
+        assert!(mesh.components().first_simplices.is_empty());
     }
 }

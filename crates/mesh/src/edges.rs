@@ -1,7 +1,7 @@
-//! Edges, numbered once, and who stands next to whom.
+//! Edges, numbered once, and which simplices meet at a vertex.
 //!
 //! ```text
-//! e = (a, b), a < b, in rising order      simplex -> its edges      vertex -> its vertices
+//! e = (a, b), a < b, in rising order      simplex -> its edges      vertex -> its simplices
 //! ```
 //! `a b` vertex numbers. All orders are those of the numbers, so that the same mesh gives the same
 //! lists on every machine.
@@ -86,13 +86,6 @@ where
         Edges { ends, of_simplices }
     }
 
-    /// For each vertex, the vertices at the other ends of its edges.
-    pub fn vertex_neighbours(&self) -> Adjacency {
-        let ends = self.edges().ends;
-        let both = ends.into_iter().flat_map(|[a, b]| [(a, b), (b, a)]);
-        Adjacency::of_pairs(self.vertices().len(), &both.collect::<Vec<_>>())
-    }
-
     /// For each vertex, the simplices that name it.
     pub fn simplices_at_vertices(&self) -> Adjacency {
         let numbered = self.simplices().iter().enumerate();
@@ -135,10 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_of_vertices_are_in_rising_order() {
-        let neighbours = square().vertex_neighbours();
-        assert_eq!(neighbours.of(0), [1, 2, 3]);
-        assert_eq!(neighbours.of(1), [0, 2]);
+    fn simplices_at_a_vertex_are_in_rising_order() {
         let simplices = square().simplices_at_vertices();
         assert_eq!((simplices.len(), simplices.is_empty()), (4, false));
         assert_eq!([simplices.of(0), simplices.of(1), simplices.of(3)], [&[0, 1][..], &[1], &[0]]);

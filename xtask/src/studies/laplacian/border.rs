@@ -92,8 +92,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
         title: STUDY.title.into(),
         conclusion: format!(
             "Explicit heat of diffusivity {ALPHA} m^2/s on the unit interval, {STEPS} steps from \
-             random values. The border is 2 / (alpha lambda) for the largest eigenvalue, the square \
-             of the mesh size over 2 alpha: half the mesh size costs a quarter of the step. \
+             random values. The border is 2 / (alpha lambda) for the largest eigenvalue, the \
+             square of the mesh size over 2 alpha: half the mesh size costs a quarter of the step. \
              Implicit Euler survives every step on this map."
         ),
         table,

@@ -133,7 +133,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         title: STUDY.title.into(),
         conclusion: format!(
             "A square of {n} x {n} cells, one half of it warm, after {TIME} s, against the discrete \
-             Laplacian's own exact flow. Explicit steps are cheap but must be short; implicit Euler \
+             Laplacian's exact flow. Explicit steps are cheap but must be short; implicit Euler \
              buys a digit with ten times the work, Crank-Nicolson two digits. The spectral basis \
              wins once its modes are there, because what is missing is what heat kills first; \
              finding the modes and factoring the matrix, once for any number of starts, are not \
