@@ -219,7 +219,6 @@ impl<const D: usize> Freedoms<D> {
 }
 
 /// The number of freedoms, and what stands for each vertex.
-#[expect(clippy::type_complexity, reason = "three tables made in one pass")]
 fn number<const D: usize>(holding: &[[Option<u32>; D]]) -> (usize, Vec<u32>, Vec<[Coordinate; D]>) {
     let free = holding.as_flattened().iter().filter(|held| held.is_none()).count();
     let (mut next, mut mixed) = (0, Vec::new());

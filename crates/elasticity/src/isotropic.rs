@@ -15,6 +15,7 @@
 //! Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion Energies (2019).
 
 use crate::singular::{singular, spectral, symmetric_eigen};
+use crate::tensor::is_positive;
 use crate::{Real, Tangent};
 
 /// A material whose energy depends on the stretches only, not on their directions.
@@ -42,10 +43,12 @@ impl<const R: usize> PrincipalCurvature<R> {
     /// The nearest positive semidefinite one.
     fn projected(&self) -> Self {
         let floor = |x: f64| if x < 0.0 { 0.0 } else { x };
-        let (values, vectors) = symmetric_eigen(&self.scaling);
-        let definite = values.iter().all(|&l| l >= 0.0);
+        let nearest = || {
+            let (values, vectors) = symmetric_eigen(&self.scaling);
+            spectral(&vectors, &values.map(floor))
+        };
         PrincipalCurvature {
-            scaling: if definite { self.scaling } else { spectral(&vectors, &values.map(floor)) },
+            scaling: if is_positive(&self.scaling) { self.scaling } else { nearest() },
             twist: self.twist.map(|row| row.map(floor)),
             flip: self.flip.map(|row| row.map(floor)),
             normal: self.normal.map(floor),

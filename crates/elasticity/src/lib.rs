@@ -37,6 +37,8 @@
 //!
 //! The crate gives potentials, forces and metrics; it knows nothing of time.
 
+#![expect(clippy::needless_range_loop, reason = "tensors are written by their indices")]
+
 mod error;
 mod spring;
 mod net;

@@ -29,8 +29,9 @@ pub(crate) struct Singular<const D: usize, const R: usize> {
 #[inline]
 fn rotation(a: f64, b: f64, c: f64) -> (f64, f64) {
     let ratio = (c - a) / (2.0 * b);
-    let tangent = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
-    let cosine = tangent.hypot(1.0).recip();
+    // Where the square overflows, the tangent is zero, and right to rounding.
+    let tangent = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
+    let cosine = (1.0 + tangent * tangent).sqrt().recip();
     (cosine, cosine * tangent)
 }
 

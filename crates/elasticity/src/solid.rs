@@ -368,7 +368,8 @@ impl<M: Material<D, D>, const N: usize, const D: usize, const Q: usize> Solid<M,
             let x = Self::corners(&self.freedoms, group, q);
             for lane in 0..group.filled {
                 let bad = |gradients: &[[Lanes; D]; N]| {
-                    !(determinant(&Self::deformation(&x, gradients)).0[lane] > 0.0)
+                    let volume = determinant(&Self::deformation(&x, gradients)).0[lane];
+                    volume <= 0.0 || volume.is_nan()
                 };
                 if group.gradients.iter().any(bad) {
                     inverted.push(LANES * number + lane);

@@ -37,10 +37,11 @@ where
         .iter()
         .flat_map(|x| std::array::from_fn::<_, D, _>(|c| if c == 0 { x[0] } else { 0.0 }))
         .collect();
-    let of = |metric: &dyn Fn(Vector<&[f64]>, Vector<&[f64]>) -> f64| {
-        [metric(Vector(&along), Vector(&along)), metric(Vector(&along), Vector(&places))]
-    };
-    [of(&|a, b| galerkin.inner(a, b)), of(&|a, b| lumped.inner(a, b))]
+    let (along, places) = (Vector(&along[..]), Vector(&places[..]));
+    [
+        [galerkin.inner(along, along), galerkin.inner(along, places)],
+        [lumped.inner(along, along), lumped.inner(along, places)],
+    ]
 }
 
 #[test]
