@@ -12,7 +12,7 @@
 //! same bits in every run. Node 0 is the origin of its element and takes what the others leave, so
 //! that forces of an element add up to zero to the last bit and a translation costs none.
 //! Elements that are turned inside out keep whatever energy the material gives them; they are listed
-//! by [`Solid::inverted`]. Source: notes 12.1, 13.2, 13.3; /crates/calculus' stencils do the same one by one.
+//! by [`Solid::inverted`]. Source: notes 12.1, 13.2, 13.3.
 
 use stationary_calculus::{Covector, Curvature, Potential, Sink, StencilHessian};
 

@@ -9,7 +9,7 @@
 //! positive definite it is shifted by the mass (the ladder of calculus). What is found is a minimum of
 //! the energy, not of all of them the lowest. A body that can still move as a whole is refused before
 //! any solve: its Hessian has no inverse, and the answer would be whatever rounding makes of it.
-//! Source: notes 4.4; load stepping after Bonet and Wood (2008), section 9.6.
+//! Source: notes 4.4; load stepping after Bonet and Wood (2008).
 
 use stationary_calculus::{
     DiagonalMetric, Equilibrium, EquilibriumReport, Newton, Potential, SparseSolver,

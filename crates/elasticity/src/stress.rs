@@ -9,7 +9,7 @@
 //! continued linearly to the nodes, and averaged with the elements' sizes. On linear elements, whose
 //! stress is constant, it is of first order at boundaries. Across an interface between two materials
 //! stress may jump, and is averaged all the same.
-//! Source: Zienkiewicz and Taylor, The Finite Element Method (2005), section 14.2; Barlow (1976).
+//! Source: Zienkiewicz and Taylor, The Finite Element Method (2005); Barlow (1976).
 
 use crate::shape::point;
 use crate::tensor::determinant;

@@ -8,7 +8,7 @@
 //! quadratic elements is the reference. In plane strain E becomes E/(1 - nu^2), and as nu goes to 1/2
 //! linear triangles lock: they have no way to bend without changing their area. They do so where all
 //! cells are cut alike; cut in turn one way and the other, four triangles around a vertex find a way.
-//! Source: Timoshenko (1921); Hughes, The Finite Element Method (2000), section 4.1.
+//! Source: Timoshenko (1921); Hughes, The Finite Element Method (2000).
 
 use stationary_mesh::{Diagonals, QuadraticTriangles, rectangle};
 
