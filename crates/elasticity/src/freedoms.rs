@@ -4,9 +4,10 @@
 //! vertex a, component c   ->   freedom i of n            free
 //!                         ->   its place (m)             held
 //! ```
-//! Free coordinates are numbered vertex by vertex, so that a vertex that is wholly free has D freedoms
-//! in a row. A held coordinate costs no freedom; it may be moved between steps. Solids, masses, loads
-//! and statics share one numbering, cloned from one another: its tables are shared, its places are not.
+//! Free coordinates are numbered vertex by vertex, so that a vertex that is wholly free has D
+//! freedoms in a row. A held coordinate costs no freedom; it may be moved between steps. Solids,
+//! masses, loads and statics share one numbering, cloned from one another: its tables are shared,
+//! its places are not.
 
 use std::sync::Arc;
 

@@ -9,10 +9,11 @@
 //! K(a, b) = U K^ U^T + (I - U U^T) sum_k normal_k a_k b_k          a, b in the frame of V
 //! ```
 //! `u v` the columns of U (D x R) and V (R x R), `w_i w_ij` derivatives by the stretches, Pa. These
-//! directions are orthonormal, so that A and its nearest positive semidefinite neighbour are both sums
-//! over them: what is left to iteration are the stretches and the eigenvalues of an R x R matrix. Each
-//! material gives the quotients with the division carried out, so that equal stretches cost no digits.
-//! Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion Energies (2019).
+//! directions are orthonormal, so that A and its nearest positive semidefinite neighbour are both
+//! sums over them: what is left to iteration are the stretches and the eigenvalues of an R x R
+//! matrix. Each material gives the quotients with the division carried out, so that equal stretches
+//! cost no digits. Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion
+//! Energies (2019).
 
 use crate::singular::{singular, spectral, symmetric_eigen};
 use crate::tensor::is_positive;

@@ -6,13 +6,13 @@
 //! T = 2 mu S + lambda tr S I,  P = F T     T the second Piola-Kirchhoff stress, R x R
 //! K(a, b) = lambda (F a)(F b)^T + mu (F b)(F a)^T + mu (a.b) F F^T + (a.T b) I
 //! ```
-//! `(lambda, mu)` the pair of the body's own dimension: for a sheet [`Lame::plane_stress`], for a bar
-//! [`Lame::uniaxial_stress`]. Defined for every body of R dimensions in D, R <= D: bars, sheets and
-//! membranes, solids.
+//! `(lambda, mu)` the pair of the body's own dimension: for a sheet [`Lame::plane_stress`], for a
+//! bar [`Lame::uniaxial_stress`]. Defined for every body of R dimensions in D, R <= D: bars, sheets
+//! and membranes, solids.
 //!
-//! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt 3
-//! and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1). Where T
-//! is positive semidefinite so is the second derivative, a test that costs next to nothing.
+//! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt
+//! 3 and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1).
+//! Where T is positive semidefinite so is the second derivative, a test that costs next to nothing.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
 use crate::material::hookean_block;

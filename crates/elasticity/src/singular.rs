@@ -6,8 +6,8 @@
 //! S = Q diag(l) Q^T         S symmetric R x R
 //! ```
 //! By Jacobi's rotations of pairs of columns, which find small singular values to full relative
-//! accuracy. The number of sweeps is bounded; four or five are the rule. What is not finite comes out
-//! as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
+//! accuracy. The number of sweeps is bounded; four or five are the rule. What is not finite comes
+//! out as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
 
 use crate::tensor::{determinant, dot};
 

@@ -7,10 +7,10 @@
 //! ```
 //! `eta zeta` viscosities (Pa s) in the places of mu and lambda, with the same bounds; `F F'` the
 //! deformation and its rate. Strain-rate damping does not feel rigid motion, however fast: it slows
-//! vibration and leaves flight and spin alone. Rayleigh's does: alpha is a drag on all motion, and beta
-//! is blind to rotation only near rest. Its Hessian ought to be positive semidefinite, or it would
-//! drive what it should damp; give it a body [`with_curvature`](Solid::with_curvature) projected.
-//! The damping's own matrix is exact; its change with q is left to the next Newton step.
+//! vibration and leaves flight and spin alone. Rayleigh's does: alpha is a drag on all motion, and
+//! beta is blind to rotation only near rest. Its Hessian ought to be positive semidefinite, or it
+//! would drive what it should damp; give it a body [`with_curvature`](Solid::with_curvature)
+//! projected. The damping's own matrix is exact; its change with q is left to the next Newton step.
 //! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
 
 use stationary_calculus::{

@@ -348,7 +348,8 @@ proptest! {
         let power = Covector(&f[..]).apply(&Vector(&v[..]));
         prop_assert!(power < 0.0);
         let mut matrix = vec![0.0; 24 * 24];
-        damping.add_damping(0.0, &q, Vector(&v), &mut DenseSink::new(1.0, 24, &mut matrix).unwrap());
+        let mut sink = DenseSink::new(1.0, 24, &mut matrix).unwrap();
+        damping.add_damping(0.0, &q, Vector(&v), &mut sink);
         for i in 0..24 {
             let row: f64 = (0..24).map(|j| matrix[i + 24 * j] * v[j]).sum();
             prop_assert!((row + f[i]).abs() < 1e-12, "{} {}", row, f[i]);
@@ -432,7 +433,8 @@ fn the_differential_and_hessian_of_hinges_are_derivatives() {
     }
 }
 
-/// A strip bent to a circle: half the bending stiffness times the curvature squared, times the area.
+/// A strip bent to a circle: half the bending stiffness times the curvature squared, times the
+/// area.
 #[test]
 fn a_bent_strip_costs_what_a_plate_does() {
     let (length, width, plate) = (1.0, 0.2, 3.0);
