@@ -1,9 +1,9 @@
 //! Elements of a solid: energy, differential and Hessian of 52,728 linear tetrahedra.
 //!
-//! `cargo bench --bench solid` prints nanoseconds an element on one thread, the median of many runs, on
-//! the mesh and the configuration of a reference in C++ with Eigen that was run beside it: a bar of 52 x
-//! 13 x 13 cells of six tetrahedra, bent and stretched. The Hessian goes into the fixed pattern of its
-//! sparse lower triangle.
+//! `cargo bench --bench solid` prints nanoseconds an element on one thread, the median of many
+//! runs, on the mesh and the configuration of a reference in C++ with Eigen that was run beside it:
+//! a bar of 52 x 13 x 13 cells of six tetrahedra, bent and stretched. The Hessian goes into the
+//! fixed pattern of its sparse lower triangle.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -3,10 +3,10 @@
 //! ```text
 //! W(F + eps_1 A + eps_2 B) = W + eps_1 P:A + eps_2 P:B + eps_1 eps_2 A:(dP/dF):B
 //! ```
-//! A [`Density`] is a formula over any [`Number`]; [`AutomaticMaterial`] makes a [`Material`] of it. In
-//! space a stress costs 9 evaluations and a second derivative 45, a hundred times a closed form: for
-//! experiments, and as the oracle of what is written by hand. Whether W is frame invariant, zero at
-//! rest and nonnegative is the author's business. Source: notes 13.1, laws 1-4.
+//! A [`Density`] is a formula over any [`Number`]; [`AutomaticMaterial`] makes a [`Material`] of
+//! it. In space a stress costs 9 evaluations and a second derivative 45, a hundred times a closed
+//! form: for experiments, and as the oracle of what is written by hand. Whether W is frame
+//! invariant, zero at rest and nonnegative is the author's business. Source: notes 13.1, laws 1-4.
 
 use num_dual::{Dual64, HyperDual64};
 use stationary_calculus::Number;

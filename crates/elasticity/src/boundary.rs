@@ -1,7 +1,7 @@
 //! The boundary of curved elements: where loads are put and supports are found.
 //!
 //! ```text
-//! edge (a, b) of a triangle with node m in its middle   ->   segment (a, b, m), surface on its left
+//! edge (a, b) of a triangle, node m in its middle   ->   segment (a, b, m), surface on its left
 //! ```
 //! Nodes keep their numbers, so that boundary and body share one numbering of freedoms.
 

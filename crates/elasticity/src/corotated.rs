@@ -5,11 +5,12 @@
 //! W = mu |F - R|^2 + lambda/2 (J - 1)^2 = mu sum (s_i - 1)^2 + lambda/2 (s_1 ... s_d - 1)^2
 //! P = 2 mu (F - R) + lambda (J - 1) cof F
 //! ```
-//! `(lambda, mu)` Lame's pair of d dimensions, Pa. Cauchy strain in the frame of R. Finite for every F;
-//! where two stretches add up to zero, as just past inversion, R jumps and the second derivative has
-//! no bound, and at exactly that place it is not finite. With a negative lambda a body would gain
-//! energy by swelling without end, as `J^2` outgrows `s^2`: that is refused.
-//! Source: Stomakhin, Howes, Schroeder and Teran, Energetically Consistent Invertible Elasticity (2012).
+//! `(lambda, mu)` Lame's pair of d dimensions, Pa. Cauchy strain in the frame of R. Finite for
+//! every F; where two stretches add up to zero, as just past inversion, R jumps and the second
+//! derivative has no bound, and at exactly that place it is not finite. With a negative lambda a
+//! body would gain energy by swelling without end, as `J^2` outgrows `s^2`: that is refused.
+//! Source: Stomakhin, Howes, Schroeder and Teran, Energetically Consistent Invertible Elasticity
+//! (2012).
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
 use crate::singular::singular;

@@ -4,9 +4,10 @@
 //! vertex a, component c   ->   freedom i of n            free
 //!                         ->   its place (m)             held
 //! ```
-//! Free coordinates are numbered vertex by vertex, so that a vertex that is wholly free has D freedoms
-//! in a row. A held coordinate costs no freedom; it may be moved between steps. Solids, masses, loads
-//! and statics share one numbering, cloned from one another: its tables are shared, its places are not.
+//! Free coordinates are numbered vertex by vertex, so that a vertex that is wholly free has D
+//! freedoms in a row. A held coordinate costs no freedom; it may be moved between steps. Solids,
+//! masses, loads and statics share one numbering, cloned from one another: its tables are shared,
+//! its places are not.
 
 use std::sync::Arc;
 
@@ -219,7 +220,6 @@ impl<const D: usize> Freedoms<D> {
 }
 
 /// The number of freedoms, and what stands for each vertex.
-#[expect(clippy::type_complexity, reason = "three tables made in one pass")]
 fn number<const D: usize>(holding: &[[Option<u32>; D]]) -> (usize, Vec<u32>, Vec<[Coordinate; D]>) {
     let free = holding.as_flattened().iter().filter(|held| held.is_none()).count();
     let (mut next, mut mixed) = (0, Vec::new());

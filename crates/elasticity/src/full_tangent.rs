@@ -5,10 +5,10 @@
 //! A+ = Q max(Lambda, 0) Q^T                           nearest in the Frobenius norm
 //! ```
 //! If A is positive semidefinite at each quadrature point, so is every element's Hessian. The
-//! projection here finds eigenvalues by iteration, in the space of F and not in that of the vertices:
-//! four freedoms for a sheet, nine for a solid, however many nodes an element has. Isotropic materials
-//! know theirs in closed form and do not come here. What is not finite is left as it is, for the step
-//! to report. Source: Teran et al. (2005).
+//! projection here finds eigenvalues by iteration, in the space of F and not in that of the
+//! vertices: four freedoms for a sheet, nine for a solid, however many nodes an element has.
+//! Isotropic materials know theirs in closed form and do not come here. What is not finite is left
+//! as it is, for the step to report. Source: Teran et al. (2005).
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -56,7 +56,8 @@ impl<T: Real, const D: usize, const R: usize> FullTangent<T, D, R> {
     }
 }
 
-/// The nearest positive semidefinite matrix; `None` where the matrix is that already, or not finite.
+/// The nearest positive semidefinite matrix; `None` where the matrix is that already, or not
+/// finite.
 fn project(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     if matrix.iter().any(|entry| !entry.is_finite()) {
         return None;

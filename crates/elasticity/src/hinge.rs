@@ -4,15 +4,16 @@
 //! theta = signed angle between the normals of (x0, x1, x2) and (x1, x0, x3)      radians
 //! V = 1/2 k |e|^2/A (theta - theta_rest)^2          |e| edge, A both areas, at rest
 //! ```
-//! `x0 x1` the edge, `x2 x3` the corners on either side (m), counterclockwise seen from one side. `k` a
-//! bending stiffness in joules: with three times as much area as is shared by the fold, A/3 each side,
-//! the discrete shells' `3 |e|^2/A`, so `k = 3 B` where a plate has the stiffness `B = E h^3/(12 (1 - nu^2))`
-//! and bends along one direction on a mesh of right angles; other meshes differ by a factor of order one.
+//! `x0 x1` the edge, `x2 x3` the corners on either side (m), counterclockwise seen from one side.
+//! `k` a bending stiffness in joules: the plate's `B = E h^3/(12 (1 - nu^2))` where the sheet bends
+//! along the sides of right triangles; bent askew, or on another mesh, the two differ by a factor
+//! of order one.
 //!
-//! The angle is the signed one of atan2, of full accuracy folded or flat; it jumps at a full fold, where
-//! the sheet would pass through itself. The gradient is the closed one of Bridson et al. (2003); second
-//! derivatives are its exact derivatives by dual numbers. A flat triangle has no normal: its hinge is
-//! not finite, for the step to report. Source: Grinspun et al., Discrete Shells (2003).
+//! The angle is the signed one of atan2, of full accuracy folded or flat; it jumps at a full fold,
+//! where the sheet would pass through itself. The gradient is the closed one of Bridson et al.
+//! (2003); second derivatives are its exact derivatives by dual numbers. A flat triangle has no
+//! normal: its hinge is not finite, for the step to report. Source: Grinspun et al., Discrete
+//! Shells (2003).
 
 use num_dual::Dual64;
 use stationary_calculus::{Curvature, Number, Stencil, StencilHessian, project_semidefinite};
@@ -29,8 +30,8 @@ pub struct Hinge {
 }
 
 impl Hinge {
-    /// A hinge of stiffness k, joules, at rest where the vertices are. `vertices` are the ends of the
-    /// edge, then the corner on its left and the one on its right; `x` their places.
+    /// A hinge of stiffness k, joules, at rest where the vertices are. `vertices` are the ends of
+    /// the edge, then the corner on its left and the one on its right; `x` their places.
     pub fn new(
         vertices: [usize; 4],
         x: &[[f64; 3]; 4],

@@ -9,12 +9,14 @@
 //! K(a, b) = U K^ U^T + (I - U U^T) sum_k normal_k a_k b_k          a, b in the frame of V
 //! ```
 //! `u v` the columns of U (D x R) and V (R x R), `w_i w_ij` derivatives by the stretches, Pa. These
-//! directions are orthonormal, so that A and its nearest positive semidefinite neighbour are both sums
-//! over them: what is left to iteration are the stretches and the eigenvalues of an R x R matrix. Each
-//! material gives the quotients with the division carried out, so that equal stretches cost no digits.
-//! Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion Energies (2019).
+//! directions are orthonormal, so that A and its nearest positive semidefinite neighbour are both
+//! sums over them: what is left to iteration are the stretches and the eigenvalues of an R x R
+//! matrix. Each material gives the quotients with the division carried out, so that equal stretches
+//! cost no digits. Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion
+//! Energies (2019).
 
 use crate::singular::{singular, spectral, symmetric_eigen};
+use crate::tensor::is_positive;
 use crate::{Real, Tangent};
 
 /// A material whose energy depends on the stretches only, not on their directions.
@@ -42,10 +44,12 @@ impl<const R: usize> PrincipalCurvature<R> {
     /// The nearest positive semidefinite one.
     fn projected(&self) -> Self {
         let floor = |x: f64| if x < 0.0 { 0.0 } else { x };
-        let (values, vectors) = symmetric_eigen(&self.scaling);
-        let definite = values.iter().all(|&l| l >= 0.0);
+        let nearest = || {
+            let (values, vectors) = symmetric_eigen(&self.scaling);
+            spectral(&vectors, &values.map(floor))
+        };
         PrincipalCurvature {
-            scaling: if definite { self.scaling } else { spectral(&vectors, &values.map(floor)) },
+            scaling: if is_positive(&self.scaling) { self.scaling } else { nearest() },
             twist: self.twist.map(|row| row.map(floor)),
             flip: self.flip.map(|row| row.map(floor)),
             normal: self.normal.map(floor),

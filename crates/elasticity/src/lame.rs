@@ -1,4 +1,5 @@
-//! The two numbers of an isotropic material, and their conversions in one, two and three dimensions.
+//! The two numbers of an isotropic material, and their conversions in one, two and three
+//! dimensions.
 //!
 //! ```text
 //! W = mu tr S^2 + lambda/2 (tr S)^2               the pair (lambda, mu), Pa; mu the shear modulus
@@ -9,10 +10,10 @@
 //! plane stress    lambda' = 2 lambda mu/(lambda + 2 mu)      a sheet free to thin
 //! uniaxial stress lambda' + 2 mu = E              a bar free to thin
 //! ```
-//! `S` Green's strain tensor (d x d), `W` energy density (J/m^3), `mu` the same in every dimension. The
-//! notes' equation (13.2) has alpha = 2 mu and beta = lambda; public shell codes use alpha and beta the
-//! other way round, so neither letter appears here. The energy is positive for every strain exactly
-//! if mu > 0 and K > 0, that is -1 < nu < 1/(d - 1): other pairs are refused.
+//! `S` Green's strain tensor (d x d), `W` energy density (J/m^3), `mu` the same in every dimension.
+//! The notes' equation (13.2) has alpha = 2 mu and beta = lambda; public shell codes use alpha and
+//! beta the other way round, so neither letter appears here. The energy is positive for every
+//! strain exactly if mu > 0 and K > 0, that is -1 < nu < 1/(d - 1): other pairs are refused.
 //! Source: notes 13.1; errata 13, which checks the sheet's pair by eliminating the free strain.
 
 use crate::ElasticityError;
@@ -37,7 +38,8 @@ impl<const DIM: usize> Lame<DIM> {
         if positive { Ok(pair) } else { Err(ElasticityError::Lame { lambda, mu, dimensions: DIM }) }
     }
 
-    /// Young's modulus (Pa) and Poisson's ratio, `-1 < nu < 1/(d - 1)`; without a bound above on a line.
+    /// Young's modulus (Pa) and Poisson's ratio, `-1 < nu < 1/(d - 1)`; without a bound above on a
+    /// line.
     pub fn from_young_poisson(young: f64, poisson: f64) -> Result<Self, ElasticityError> {
         let bound = 1.0 / (Self::D - 1.0);
         if !(poisson > -1.0 && poisson < bound && poisson.is_finite()) {

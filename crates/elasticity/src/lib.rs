@@ -5,13 +5,14 @@
 //! stretch    eps(s) = s - 1, (s^2 - 1)/2, log s      measures of it, and what changes between them
 //! strain     S = 1/2 (F^T F - I),  F = d phi                                      (13.1)
 //! material   W = mu tr S^2 + lambda/2 (tr S)^2, and others;  P = dW/dF            (13.2)
-//! body       V(q) = sum of elements, sum of points  w W(F)                        (12.1, 13.2, 13.3)
+//! body       V(q) = sum of elements, sum of points  w W(F)                     (12.1, 13.2, 13.3)
 //! mass       M_ab = int rho N_a N_b, or a share for each node                     (12.2, 13.2.1)
 //! damping    F = -dD/dv with D >= 0                                               (10.1.1)
 //! rest       dV(q) = f                                                            (4.4)
 //! ```
-//! `l L` lengths, now and at rest (m), `F` how a body is laid out in space, `W` energy density (J/m^3),
-//! `P` stress (Pa), `w` volumes, `N` shape functions, `rho` density. The numbers name sections of the notes.
+//! `l L` lengths, now and at rest (m), `F` how a body is laid out in space, `W` energy density
+//! (J/m^3), `P` stress (Pa), `w` volumes, `N` shape functions, `rho` density. The numbers name
+//! sections of the notes.
 //!
 //! ```
 //! use stationary_calculus::Potential;
@@ -30,12 +31,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Reading order: [`Spring`] and nets of them; measures of stretch; the pair of numbers of an isotropic
-//! material; what a [`Material`] is, and six of them; shape functions; which coordinates move
-//! ([`Freedoms`]); the [`Solid`], which sums its elements; bending; mass, loads, damping; statics with
-//! supports and reactions; stress at the nodes.
+//! Reading order: [`Spring`] and nets of them; measures of stretch; the pair of numbers of an
+//! isotropic material; what a [`Material`] is, and six of them; shape functions; which coordinates
+//! move ([`Freedoms`]); the [`Solid`], which sums its elements; bending; mass, loads, damping;
+//! statics with supports and reactions; stress at the nodes.
 //!
 //! The crate gives potentials, forces and metrics; it knows nothing of time.
+
+#![expect(clippy::needless_range_loop, reason = "tensors are written by their indices")]
 
 mod error;
 mod spring;

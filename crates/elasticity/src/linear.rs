@@ -4,9 +4,10 @@
 //! e = 1/2 (F + F^T) - I,   W = mu tr e^2 + lambda/2 (tr e)^2,   P = 2 mu e + lambda tr e I
 //! K(a, b) = lambda a b^T + mu b a^T + mu (a.b) I
 //! ```
-//! `(lambda, mu)` Lame's pair of d dimensions, Pa. What textbooks call linear elasticity: the energy is
-//! quadratic in the displacement and one linear solve finds its equilibrium. It takes a rotation by an
-//! angle t for a compression of 1 - cos t, so large turns cost energy: not invariant, and said so.
+//! `(lambda, mu)` Lame's pair of d dimensions, Pa. What textbooks call linear elasticity: the
+//! energy is quadratic in the displacement and one linear solve finds its equilibrium. It takes a
+//! rotation by an angle t for a compression of 1 - cos t, so large turns cost energy: not
+//! invariant, and said so.
 
 use crate::material::hookean_block;
 use crate::tensor::{dot, inner, scaled, trace};

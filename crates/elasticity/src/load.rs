@@ -4,9 +4,9 @@
 //! V = -<f, x>,    f_a = int N_a b   over a body,     b a force per volume   (N/m^3), as rho g
 //!                 f_a = int N_a t   over a boundary, t a traction           (N/m^2)
 //! ```
-//! Integrals over the shape at rest, times the section. `f` newtons at each vertex, `x` positions; the
-//! energy is that of the free coordinates only. A traction that follows the surface has no potential
-//! here. A point load is added by hand: it belongs to a vertex and not to a shape.
+//! Integrals over the shape at rest, times the section. `f` newtons at each vertex, `x` positions;
+//! the energy is that of the free coordinates only. A traction that follows the surface has no
+//! potential here. A point load is added by hand: it belongs to a vertex and not to a shape.
 
 use stationary_calculus::{Covector, Potential, Sink};
 
@@ -46,8 +46,9 @@ impl<const D: usize> DeadLoad<D> {
         DeadLoad::integrated::<F, N, R, Q, G>(mesh, section, freedoms, |_, place| force(place))
     }
 
-    /// A traction at each place of a boundary at rest, N/m^2: the function gets the place and the unit
-    /// normal, which points to the right of a segment and to where a triangle runs counterclockwise.
+    /// A traction at each place of a boundary at rest, N/m^2: the function gets the place and the
+    /// unit normal, which points to the right of a segment and to where a triangle runs
+    /// counterclockwise.
     pub fn traction<F, const N: usize, const R: usize, const Q: usize>(
         _family: F,
         boundary: &impl Elements<D, N>,

@@ -1,4 +1,5 @@
-//! The mass of a body: every point moves as the shape functions say, or each node carries its share.
+//! The mass of a body: every point moves as the shape functions say, or each node carries its
+//! share.
 //!
 //! ```text
 //! Galerkin  M_ab = int rho N_a N_b                        kg, the same for each coordinate  (12.2)
@@ -6,12 +7,13 @@
 //! ```
 //! `rho` density (kg/m^3), the integral over the body at rest times its section. On linear elements
 //! lumping gives each node an equal share of its elements: the row sums of the Galerkin mass. On
-//! quadratic ones row sums would give corners zero or less; shares in proportion to the diagonal are
-//! positive (Hinton, Rock and Zienkiewicz 1976). Both have the total mass exactly, and the centre of
-//! mass of straight elements.
+//! quadratic ones row sums would give corners zero or less; shares in proportion to the diagonal
+//! are positive (Hinton, Rock and Zienkiewicz 1976). Both have the total mass exactly, and the
+//! centre of mass of straight elements.
 //!
-//! A linear triangle has rho A (1 + delta_ij)/12, a tetrahedron rho V (1 + delta_ij)/20 (errata 13.2.1).
-//! Held coordinates have no row: their motion is prescribed, and what it drags along is not here.
+//! A linear triangle has rho A (1 + delta_ij)/12, a tetrahedron rho V (1 + delta_ij)/20 (errata
+//! 13.2.1). Held coordinates have no row: their motion is prescribed, and what it drags along is
+//! not here.
 
 use stationary_calculus::{DiagonalMetric, FIXED, Sink, SparseMetric, SymmetricMatrix};
 use stationary_mesh::Places;

@@ -7,9 +7,9 @@
 //! A_ikjl = d2W/dF_ik dF_jl       Pa
 //! K(a, b)_ij = sum_kl a_k A_ikjl b_l         D x D, for gradients a and b of shape functions
 //! ```
-//! An element needs A only between the gradients of its shape functions, which most materials give in
-//! closed form and far more cheaply than the whole of A: hence [`Tangent`]. Kernels are written over
-//! any [`Real`], so that four elements go side by side.
+//! An element needs A only between the gradients of its shape functions, which most materials give
+//! in closed form and far more cheaply than the whole of A: hence [`Tangent`]. Kernels are written
+//! over any [`Real`], so that four elements go side by side.
 //!
 //! Knows nothing of elements, meshes or assembly. Source: notes 13.1; Bonet and Wood (2008).
 

@@ -9,11 +9,11 @@
 //! in R dimensions, F = U diag(s) V^T:    strain tensor = V diag(eps(s)) V^T,  R x R
 //! Green = 1/2 (F^T F - I),  Cauchy = sqrt(F^T F) - I,  logarithmic = 1/2 log F^T F
 //! ```
-//! `c2 c3 c4` joules for a spring, J/m^3 for a body. "The strain can be chosen freely, but the material
-//! must then be specified with respect to that strain": [`Measure::converted`] does so, exactly through
-//! fourth order. Logarithmic and deformed strain have no value at stretch zero, the others have.
-//! A body that is turned inside out has the stretches of its mirror image.
-//! Source: notes 3.1 with its bonus section, 13.1; errata 3 (a sign of the deformed measure).
+//! `c2 c3 c4` joules for a spring, J/m^3 for a body. "The strain can be chosen freely, but the
+//! material must then be specified with respect to that strain": [`Measure::converted`] does so,
+//! exactly through fourth order. Logarithmic and deformed strain have no value at stretch zero, the
+//! others have. A body that is turned inside out has the stretches of its mirror image. Source:
+//! notes 3.1 with its bonus section, 13.1; errata 3 (a sign of the deformed measure).
 
 use crate::singular::singular;
 use crate::tensor::green;
@@ -172,7 +172,8 @@ mod tests {
         #[test]
         fn rotations_have_no_strain(angle in -3.0..3.0_f64) {
             let (c, d) = (angle.cos(), angle.sin());
-            let turn = |f: &[[f64; 3]; 3]| product(&[[c, d, 0.0], [-d, c, 0.0], [0.0, 0.0, 1.0]], f);
+            let about = [[c, d, 0.0], [-d, c, 0.0], [0.0, 0.0, 1.0]];
+            let turn = |f: &[[f64; 3]; 3]| product(&about, f);
             let sheet = turn(&[[1.0, 0.0, 0.0], [0.0, c, d], [0.0, -d, c]]);
             for measure in Measure::ALL {
                 let strain = measure.tensor(&[sheet[0], sheet[1]]);

@@ -8,13 +8,13 @@
 //! K(a', b') = a (a'.b') I + 2 m/(I + 1)^2 (F a')(F b')^T + l (cof F a')(cof F b')^T
 //!             + b dcof        dcof = -[F (a' x b')]x in space
 //! ```
-//! `(lambda, mu)` Lame's pair of d dimensions, Pa. W and P vanish at rest, and for small strains W is
-//! that of linear elasticity for every Poisson's ratio, zero and negative ones included: nothing is
-//! divided by lambda. W is finite and smooth for every F, also where J <= 0, and at F = 0 it has no
-//! resting point. That pulls an inverted element back; it is no barrier against inversion.
-//! Needs l > 0, true of every solid and of plane strain; a sheet in plane stress needs nu > -1/2.
-//! Source: Smith, de Goes and Kim, Stable Neo-Hookean Flesh Simulation (2018), rewritten so that the
-//! rest state has no energy, and carried over to two dimensions.
+//! `(lambda, mu)` Lame's pair of d dimensions, Pa. W and P vanish at rest, and for small strains W
+//! is that of linear elasticity for every Poisson's ratio, zero and negative ones included: nothing
+//! is divided by lambda. W is finite and smooth for every F, also where J <= 0, and at F = 0 it has
+//! no resting point. That pulls an inverted element back; it is no barrier against inversion. Needs
+//! l > 0, true of every solid and of plane strain; a sheet in plane stress needs nu > -1/2. Source:
+//! Smith, de Goes and Kim, Stable Neo-Hookean Flesh Simulation (2018), rewritten so that the rest
+//! state has no energy, and carried over to two dimensions.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
 use crate::tensor::{apply, cofactor, cross, determinant, dot, inner};

@@ -5,11 +5,12 @@
 //! W = 1/2 (c11 S11^2 + 2 c12 S11 S22 + c22 S22^2) + 2 g S12^2
 //! c11 = E1/(1 - nu12 nu21),  c22 = E2/(1 - nu12 nu21),  c12 = nu12 c22,   nu21 = nu12 E2/E1
 //! ```
-//! `E1 E2` Young's moduli along warp and weft (Pa), `nu12` the thinning along the weft for a stretch
-//! along the warp, `g` the shear modulus, all of plane stress. Positive for every strain if the moduli
-//! are and nu12^2 < E1/E2. Quadratic in the entries of S and not in eigenvalues and an angle, which
-//! has no value at zero strain (errata 13.1). With E1 = E2 and g = E/(2 (1 + nu)) it is the isotropic
-//! sheet. For sheets in the plane and membranes in space; for small strains, however large the motion.
+//! `E1 E2` Young's moduli along warp and weft (Pa), `nu12` the thinning along the weft for a
+//! stretch along the warp, `g` the shear modulus, all of plane stress. Positive for every strain if
+//! the moduli are and nu12^2 < E1/E2. Quadratic in the entries of S and not in eigenvalues and an
+//! angle, which has no value at zero strain (errata 13.1). With E1 = E2 and g = E/(2 (1 + nu)) it
+//! is the isotropic sheet. For sheets in the plane and membranes in space; for small strains,
+//! however large the motion.
 
 use crate::tensor::{apply, dot};
 use crate::{ElasticityError, FullTangent, Material, Real, Tangent};

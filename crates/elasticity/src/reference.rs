@@ -8,10 +8,10 @@
 //! ```
 //! Edge nodes follow the corners: 01 on a segment, 01 12 20 on a triangle, 01 12 20 03 13 23 on a
 //! tetrahedron. The rules have one point for linear elements, whose gradients are constant, and for
-//! quadratic ones 2, 3 and 4, exact to degree 3, 2 and 2: enough for the full order of convergence and
-//! for a stiffness without false zero modes, as 3 x 3 = 12 - 3 and 4 x 6 = 30 - 6 strains tell. The
-//! energy of a quadratic element has degree 4 and more, and is sampled.
-//! Source: notes 13.2 (linear); Ciarlet (1978), section 4.1; Hammer and Stroud (1956).
+//! quadratic ones 2, 3 and 4, exact to degree 3, 2 and 2: enough for the full order of convergence
+//! and for a stiffness without false zero modes, as 3 x 3 = 12 - 3 and 4 x 6 = 30 - 6 strains tell.
+//! The energy of a quadratic element has degree 4 and more, and is sampled. Source: notes 13.2
+//! (linear); Ciarlet (1978), section 4.1; Hammer and Stroud (1956).
 
 use stationary_mesh::simplex_quadrature;
 

@@ -1,7 +1,7 @@
 //! The motions that strain nothing, and whether supports forbid them all.
 //!
 //! ```text
-//! v(x) = e_i,   v(x) = e_j (x_k - c_k) - e_k (x_j - c_j)         D translations, D (D - 1)/2 rotations
+//! v(x) = e_i,   v(x) = e_j (x_k - c_k) - e_k (x_j - c_j)     D translations, D (D - 1)/2 rotations
 //! B z = 0       B (m x rigid motions): what each motion does to the m held coordinates
 //! ```
 //! `c` the middle of the body. Motions z in the kernel of B are free. They are named where they are

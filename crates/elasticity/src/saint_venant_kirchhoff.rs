@@ -6,17 +6,19 @@
 //! T = 2 mu S + lambda tr S I,  P = F T     T the second Piola-Kirchhoff stress, R x R
 //! K(a, b) = lambda (F a)(F b)^T + mu (F b)(F a)^T + mu (a.b) F F^T + (a.T b) I
 //! ```
-//! `(lambda, mu)` the pair of the body's own dimension: for a sheet [`Lame::plane_stress`], for a bar
-//! [`Lame::uniaxial_stress`]. Defined for every body of R dimensions in D, R <= D: bars, sheets and
-//! membranes, solids.
+//! `(lambda, mu)` the pair of the body's own dimension: for a sheet [`Lame::plane_stress`], for a
+//! bar [`Lame::uniaxial_stress`]. Defined for every body of R dimensions in D, R <= D: bars, sheets
+//! and membranes, solids.
 //!
-//! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt 3
-//! and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1). Where T
-//! is positive semidefinite so is the second derivative, a test that costs next to nothing.
+//! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt
+//! 3 and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1).
+//! Where T is positive semidefinite so is the second derivative, a test that costs next to nothing.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
 use crate::material::hookean_block;
-use crate::tensor::{apply, dot, green, inner, outer_gram, product, scaled, shifted, trace};
+use crate::tensor::{
+    apply, dot, green, inner, is_positive, outer_gram, product, scaled, shifted, trace,
+};
 use crate::{Lame, Material, Real, Tangent};
 
 /// The Saint Venant-Kirchhoff material of bodies of `R` dimensions.
@@ -87,29 +89,12 @@ impl<const D: usize, const R: usize> Material<D, R> for SaintVenantKirchhoff<R> 
     fn is_semidefinite<T: Real>(&self, f: &[[T; D]; R]) -> bool {
         // Rounding of the rest state, where T is zero, must not look like compression.
         let slack = T::splat(1e-13 * self.lame.mu());
-        all_minors_nonnegative(&shifted(self.second_stress(f), slack)) && self.lame.lambda() >= 0.0
+        is_positive(&shifted(self.second_stress(f), slack)) && self.lame.lambda() >= 0.0
     }
 
     fn semidefinite<T: Real>(&self, f: &[[T; D]; R], weight: T) -> PrincipalTangent<T, D, R> {
         PrincipalTangent::semidefinite(self, f, weight)
     }
-}
-
-/// Whether the pivots of Cholesky's method are all positive, in every lane.
-#[inline(always)]
-fn all_minors_nonnegative<T: Real, const R: usize>(s: &[[T; R]; R]) -> bool {
-    let positive = |x: f64| x > 0.0;
-    let corner = s[0][0].all(positive);
-    if R == 1 {
-        return corner;
-    }
-    let minor = |i: usize, j: usize| s[0][i] * s[j][0];
-    let (a, second) = (s[0][0], s[0][0] * s[1][1] - minor(1, 1));
-    if R == 2 || !corner || !second.all(positive) {
-        return corner && second.all(positive);
-    }
-    let (third, mixed) = (a * s[2][2] - minor(2, 2), a * s[1][2] - minor(2, 1));
-    (second * third - mixed * mixed).all(positive)
 }
 
 impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R>

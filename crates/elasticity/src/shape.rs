@@ -3,13 +3,13 @@
 //! ```text
 //! J = sum_a X_a (x) dN_a/dl       G x R, columns the images of the reference directions
 //! G = R     gradient of N_a = J^-T dN_a/dl,    size det J > 0
-//! G > R     J = E T,  E an orthonormal frame of the element (first vector along the first direction),
+//! G > R     J = E T,  E an orthonormal frame of the element, its first vector along l_1,
 //!           gradient of N_a = T^-T dN_a/dl,    size det T
 //! ```
-//! `X_a` the nodes at rest in `G` dimensions (m), gradients in 1/m. A sheet laid out in the plane has G
-//! = R = 2; one whose rest shape is curved in space has G = 3, and its gradients refer to a frame of
-//! each element's own: right for isotropic materials, and for woven ones only if laid out in the plane.
-//! Source: notes 13.2, with the Jacobian of either shape (errata 13.2).
+//! `X_a` the nodes at rest in `G` dimensions (m), gradients in 1/m. A sheet laid out in the plane
+//! has G = R = 2; one whose rest shape is curved in space has G = 3, and its gradients refer to a
+//! frame of each element's own: right for isotropic materials, and for woven ones only if laid out
+//! in the plane. Source: notes 13.2, with the Jacobian of either shape (errata 13.2).
 
 use stationary_mesh::{Mesh, MeshError, Places, Quadratic};
 

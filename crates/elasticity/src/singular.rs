@@ -6,8 +6,8 @@
 //! S = Q diag(l) Q^T         S symmetric R x R
 //! ```
 //! By Jacobi's rotations of pairs of columns, which find small singular values to full relative
-//! accuracy. The number of sweeps is bounded; four or five are the rule. What is not finite comes out
-//! as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
+//! accuracy. The number of sweeps is bounded; four or five are the rule. What is not finite comes
+//! out as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
 
 use crate::tensor::{determinant, dot};
 
@@ -29,8 +29,9 @@ pub(crate) struct Singular<const D: usize, const R: usize> {
 #[inline]
 fn rotation(a: f64, b: f64, c: f64) -> (f64, f64) {
     let ratio = (c - a) / (2.0 * b);
-    let tangent = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
-    let cosine = tangent.hypot(1.0).recip();
+    // Where the square overflows, the tangent is zero, and right to rounding.
+    let tangent = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
+    let cosine = (1.0 + tangent * tangent).sqrt().recip();
     (cosine, cosine * tangent)
 }
 

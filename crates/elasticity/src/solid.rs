@@ -4,15 +4,15 @@
 //! F = sum_a x_a (x) g_a                        D x R at each quadrature point            (13.2)
 //! V = sum w W(F),   dV_a = sum w P g_a,   d2V_ab = sum w K(g_a, g_b)
 //! ```
-//! `x_a` the nodes of an element (m), `g_a` gradients of its shape functions at rest (1/m), `w` volumes:
-//! sizes of the element times its section, the thickness of a sheet (m) or the cross-section of a bar
-//! (m^2), 1 for solids. V in joules.
+//! `x_a` the nodes of an element (m), `g_a` gradients of its shape functions at rest (1/m), `w`
+//! volumes: sizes of the element times its section, the thickness of a sheet (m) or the
+//! cross-section of a bar (m^2), 1 for solids. V in joules.
 //!
 //! Four elements are computed side by side, in the order of the mesh, and summed in that order: the
 //! same bits in every run. Node 0 is the origin of its element and takes what the others leave, so
-//! that forces of an element add up to zero to the last bit and a translation costs none.
-//! Elements that are turned inside out keep whatever energy the material gives them; they are listed
-//! by [`Solid::inverted`]. Source: notes 12.1, 13.2, 13.3; /crates/calculus' stencils do the same one by one.
+//! that forces of an element add up to zero to the last bit and a translation costs none. Elements
+//! that are turned inside out keep whatever energy the material gives them; they are listed by
+//! [`Solid::inverted`]. Source: notes 12.1, 13.2, 13.3.
 
 use stationary_calculus::{Covector, Curvature, Potential, Sink, StencilHessian};
 
@@ -45,8 +45,8 @@ pub(crate) struct Group<const N: usize, const R: usize, const Q: usize> {
 impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
     Solid<M, N, D, R, Q>
 {
-    /// A body of these elements at rest. `section` is the thickness of a sheet (m), the cross-section
-    /// of a bar (m^2), and 1 for what fills its space.
+    /// A body of these elements at rest. `section` is the thickness of a sheet (m), the
+    /// cross-section of a bar (m^2), and 1 for what fills its space.
     ///
     /// # Errors
     /// Elements that are flat or inside out, all of them listed; a section that is not positive; a
@@ -368,7 +368,8 @@ impl<M: Material<D, D>, const N: usize, const D: usize, const Q: usize> Solid<M,
             let x = Self::corners(&self.freedoms, group, q);
             for lane in 0..group.filled {
                 let bad = |gradients: &[[Lanes; D]; N]| {
-                    !(determinant(&Self::deformation(&x, gradients)).0[lane] > 0.0)
+                    let volume = determinant(&Self::deformation(&x, gradients)).0[lane];
+                    volume <= 0.0 || volume.is_nan()
                 };
                 if group.gradients.iter().any(bad) {
                     inverted.push(LANES * number + lane);

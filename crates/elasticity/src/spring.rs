@@ -11,11 +11,11 @@
 //! differential by the other end is the opposite: what one end feels, the other feels reversed.
 //!
 //! With Cauchy strain and L > 0 the energy has a spike where the ends meet (notes 3.2): it has no
-//! differential there, and a curvature `k (1 - L/l)` without bound nearby. The spike is refused, not
-//! hidden: at l = 0 the differential is NaN, which a step reports by the freedom's number. A spring
-//! without rest length has no spike, nor has Green strain; see
-//! `coincident_ends_have_no_force_where_there_is_a_spike`.
-//! Source: notes 3.1-3.2; errata 3. Does not model plasticity or rupture.
+//! differential there, and a curvature `k (1 - L/l)` without bound nearby. The spike is refused,
+//! not hidden: at l = 0 the differential is NaN, which a step reports by the freedom's number. A
+//! spring without rest length has no spike, nor has Green strain; see
+//! `coincident_ends_have_no_force_where_there_is_a_spike`. Source: notes 3.1-3.2; errata 3. Does
+//! not model plasticity or rupture.
 
 use stationary_calculus::{Curvature, Stencil, StencilHessian};
 

@@ -4,12 +4,12 @@
 //! dV(q) = t f,   held coordinates at (1 - t) start + t end,      t = 1/n, 2/n, ..., 1
 //! reaction = dV at the held coordinates - the load there
 //! ```
-//! `f` a dead load (N), `t` the fraction of it: each step starts where the one before came to rest, so
-//! that Newton's method has a good guess. The line search lowers the energy; where the Hessian is not
-//! positive definite it is shifted by the mass (the ladder of calculus). What is found is a minimum of
-//! the energy, not of all of them the lowest. A body that can still move as a whole is refused before
-//! any solve: its Hessian has no inverse, and the answer would be whatever rounding makes of it.
-//! Source: notes 4.4; load stepping after Bonet and Wood (2008), section 9.6.
+//! `f` a dead load (N), `t` the fraction of it: each step starts where the one before came to rest,
+//! so that Newton's method has a good guess. The line search lowers the energy; where the Hessian
+//! is not positive definite it is shifted by the mass (the ladder of calculus). What is found is a
+//! minimum of the energy, not of all of them the lowest. A body that can still move as a whole is
+//! refused before any solve: its Hessian has no inverse, and the answer would be whatever rounding
+//! makes of it. Source: notes 4.4; load stepping after Bonet and Wood (2008).
 
 use stationary_calculus::{
     DiagonalMetric, Equilibrium, EquilibriumReport, Newton, Potential, SparseSolver,
@@ -51,8 +51,8 @@ impl AtRest {
 }
 
 impl Statics {
-    /// Moves `q` to where the body rests under the load, with its held coordinates moved to `places`
-    /// along the way. On failure both are left as they were.
+    /// Moves `q` to where the body rests under the load, with its held coordinates moved to
+    /// `places` along the way. On failure both are left as they were.
     pub fn solve<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
         &self,
         solid: &mut Solid<M, N, D, R, Q>,

@@ -7,10 +7,10 @@
 //! ```
 //! `eta zeta` viscosities (Pa s) in the places of mu and lambda, with the same bounds; `F F'` the
 //! deformation and its rate. Strain-rate damping does not feel rigid motion, however fast: it slows
-//! vibration and leaves flight and spin alone. Rayleigh's does: alpha is a drag on all motion, and beta
-//! is blind to rotation only near rest. Its Hessian ought to be positive semidefinite, or it would
-//! drive what it should damp; give it a body [`with_curvature`](Solid::with_curvature) projected.
-//! The damping's own matrix is exact; its change with q is left to the next Newton step.
+//! vibration and leaves flight and spin alone. Rayleigh's does: alpha is a drag on all motion, and
+//! beta is blind to rotation only near rest. Its Hessian ought to be positive semidefinite, or it
+//! would drive what it should damp; give it a body [`with_curvature`](Solid::with_curvature)
+//! projected. The damping's own matrix is exact; its change with q is left to the next Newton step.
 //! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
 
 use stationary_calculus::{
@@ -24,10 +24,13 @@ use crate::{
     ElasticityError, Freedoms, Lame, Lanes, Material, Real, SaintVenantKirchhoff, Solid, Tangent,
 };
 
+type Body<const N: usize, const D: usize, const R: usize, const Q: usize> =
+    Solid<SaintVenantKirchhoff<R>, N, D, R, Q>;
+
 /// Viscosity of the elements of a body.
 #[derive(Clone, Debug)]
 pub struct StrainRate<const N: usize, const D: usize, const R: usize, const Q: usize> {
-    body: Solid<SaintVenantKirchhoff<R>, N, D, R, Q>,
+    body: Body<N, D, R, Q>,
     /// The same numbering with every held velocity zero.
     resting: Freedoms<D>,
 }
@@ -64,12 +67,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
         let n = self.dim();
         let (q, v, f) = (&q[..n], &v.0[..n], &mut f.0[..n]);
         for group in &self.body.groups {
-            let x = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(
-                self.body.freedoms(),
-                group,
-                q,
-            );
-            let u = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(&self.resting, group, v);
+            let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
+            let u = Body::<N, D, R, Q>::corners(&self.resting, group, v);
             let mut forces = [[Lanes::default(); D]; N];
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
                 let stress = self.stress(&x, &u, gradients, weight);
@@ -93,14 +92,10 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
         let q = &q[..self.dim()];
         let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
         for group in &self.body.groups {
-            let x = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(
-                self.body.freedoms(),
-                group,
-                q,
-            );
+            let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
             let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
-                let f = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(&x, gradients);
+                let f = Body::<N, D, R, Q>::deformation(&x, gradients);
                 let pair = [weight * self.pair().lambda(), weight * self.pair().mu()];
                 let viscosity = Viscosity { spread: outer_gram(&f), f, pair };
                 accumulate(&mut lanes, &viscosity, gradients);
@@ -121,8 +116,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<
         gradients: &[[Lanes; R]; N],
         weight: Lanes,
     ) -> [[Lanes; D]; R] {
-        let f = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(x, gradients);
-        let rate = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(u, gradients);
+        let f = Body::<N, D, R, Q>::deformation(x, gradients);
+        let rate = Body::<N, D, R, Q>::deformation(u, gradients);
         let strain: [[Lanes; R]; R] = std::array::from_fn(|k| {
             std::array::from_fn(|l| (dot(&f[k], &rate[l]) + dot(&f[l], &rate[k])) * 0.5)
         });
@@ -194,20 +189,24 @@ impl<M: Metric, P: Potential> Force for Rayleigh<M, P> {
     }
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
-        self.metric.add_matrix(&mut Times { factor: self.alpha, sink: damping });
-        self.stiffness.add_hessian(q, &mut Times { factor: self.beta, sink: damping });
+        let mut times = Times { factor: self.alpha, scaled: Vec::new(), sink: damping };
+        self.metric.add_matrix(&mut times);
+        times.factor = self.beta;
+        self.stiffness.add_hessian(q, &mut times);
     }
 }
 
 /// Hands blocks on, times a factor.
 struct Times<'a, S> {
     factor: f64,
+    scaled: Vec<f64>,
     sink: &'a mut S,
 }
 
 impl<S: Sink> Sink for Times<'_, S> {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        let block: Vec<f64> = block.iter().map(|entry| self.factor * entry).collect();
-        self.sink.add_symmetric(freedoms, &block);
+        self.scaled.clear();
+        self.scaled.extend(block.iter().map(|entry| self.factor * entry));
+        self.sink.add_symmetric(freedoms, &self.scaled);
     }
 }

@@ -5,11 +5,11 @@
 //! sigma_e(X_a) = sum_q w_q(a) sigma_q   the linear function through its values at the points
 //! sigma_a = sum_e |e| sigma_e(X_a) / sum_e |e|         over the elements e at node a
 //! ```
-//! Named extrapolated and averaged: stress is taken at the quadrature points, where it is most accurate,
-//! continued linearly to the nodes, and averaged with the elements' sizes. On linear elements, whose
-//! stress is constant, it is of first order at boundaries. Across an interface between two materials
-//! stress may jump, and is averaged all the same.
-//! Source: Zienkiewicz and Taylor, The Finite Element Method (2005), section 14.2; Barlow (1976).
+//! Named extrapolated and averaged: stress is taken at the quadrature points, where it is most
+//! accurate, continued linearly to the nodes, and averaged with the elements' sizes. On linear
+//! elements, whose stress is constant, it is of first order at boundaries. Across an interface
+//! between two materials stress may jump, and is averaged all the same. Source: Zienkiewicz and
+//! Taylor, The Finite Element Method (2005); Barlow (1976).
 
 use crate::shape::point;
 use crate::tensor::determinant;
@@ -56,8 +56,8 @@ where
     Ok(sums.into_iter().map(average).collect())
 }
 
-/// The linear functions that are one at their own quadrature point and zero at the others. Point q is
-/// the one close to corner q.
+/// The linear functions that are one at their own quadrature point and zero at the others. Point q
+/// is the one close to corner q.
 fn shares<F, const N: usize, const D: usize, const Q: usize>(l: &[f64; D]) -> [f64; Q]
 where
     F: Reference<N, D, Q>,

@@ -162,6 +162,23 @@ pub(crate) fn scaled<T: Real, const D: usize, const R: usize>(
     product
 }
 
+/// Whether a symmetric matrix is positive definite, in every lane: by its leading minors.
+#[inline(always)]
+pub(crate) fn is_positive<T: Real, const R: usize>(s: &[[T; R]; R]) -> bool {
+    let positive = |x: f64| x > 0.0;
+    let corner = s[0][0].all(positive);
+    if R == 1 {
+        return corner;
+    }
+    let minor = |i: usize, j: usize| s[0][i] * s[j][0];
+    let (a, second) = (s[0][0], s[0][0] * s[1][1] - minor(1, 1));
+    if R == 2 || !corner || !second.all(positive) {
+        return corner && second.all(positive);
+    }
+    let (third, mixed) = (a * s[2][2] - minor(2, 2), a * s[1][2] - minor(2, 1));
+    (second * third - mixed * mixed).all(positive)
+}
+
 /// Green's strain `1/2 (F^T F - I)`.
 #[inline(always)]
 pub(crate) fn green<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; R]; R] {

@@ -275,7 +275,8 @@ fn forces_turn_with_the_body() {
 struct PatchTest;
 
 impl Law for PatchTest {
-    /// Uniform strain everywhere: the inner nodes feel no force, and the energy is W times the size.
+    /// Uniform strain everywhere: the inner nodes feel no force, and the energy is W times the
+    /// size.
     fn check<M, F, const N: usize, const D: usize, const R: usize, const Q: usize>(
         &mut self,
         solid: &Solid<M, N, D, R, Q>,

@@ -3,12 +3,12 @@
 //! ```text
 //! tip = P L^3/(3 E I) + 6 P L/(5 G A),   I = b h^3/12,  A = b h         Timoshenko
 //! ```
-//! `L h b` length, height and thickness (m), `P` the push (N), in linear elasticity. Beam theory knows
-//! nothing of the clamp's corners, so elements converge to a slightly stiffer answer: a fine mesh of
-//! quadratic elements is the reference. In plane strain E becomes E/(1 - nu^2), and as nu goes to 1/2
-//! linear triangles lock: they have no way to bend without changing their area. They do so where all
-//! cells are cut alike; cut in turn one way and the other, four triangles around a vertex find a way.
-//! Source: Timoshenko (1921); Hughes, The Finite Element Method (2000), section 4.1.
+//! `L h b` length, height and thickness (m), `P` the push (N), in linear elasticity. Beam theory
+//! knows nothing of the clamp's corners, so elements converge to a slightly stiffer answer: a fine
+//! mesh of quadratic elements is the reference. In plane strain E becomes E/(1 - nu^2), and as nu
+//! goes to 1/2 linear triangles lock: they have no way to bend without changing their area. They do
+//! so where all cells are cut alike; cut in turn one way and the other, four triangles around a
+//! vertex find a way. Source: Timoshenko (1921); Hughes, The Finite Element Method (2000).
 
 use stationary_mesh::{Diagonals, QuadraticTriangles, rectangle};
 

@@ -4,8 +4,8 @@
 //! u_i = A sin(k_i.x + i)                             on the unit line, square or cube, metres
 //! b_j = -(mu laplace u_j + (lambda + mu) d_j div u)  N/m^3
 //! ```
-//! `k_i` wave vectors (1/m), D of them. Nodes on the boundary are held at u; the errors are those of
-//! the solution inside. Source: notes 13.2, on consistency and order; Roache (2002).
+//! `k_i` wave vectors (1/m), D of them. Nodes on the boundary are held at u; the errors are those
+//! of the solution inside. Source: notes 13.2, on consistency and order; Roache (2002).
 
 use stationary_mesh::MeshError;
 
