@@ -1,9 +1,9 @@
 //! A hundred columns of ten resting boxes, against rapier3d-f64 at the same step, in the same run.
 //!
 //! `cargo bench --bench columns --features peers` prints the ratio of times a step (ours over
-//! rapier's, its boxes kept awake, then asleep), rapier's number of solver iterations, and what each
-//! leaves after two seconds: how deep boxes have sunk, how fast the fastest moves, and the residual of
-//! our conditions. Then detection alone, in microseconds. One thread each.
+//! rapier's, its boxes kept awake, then asleep), rapier's number of solver iterations, and what
+//! each leaves after two seconds: how deep boxes have sunk, how fast the fastest moves, and the
+//! residual of our conditions. Then detection alone, in microseconds. One thread each.
 
 mod in_turn;
 

@@ -42,8 +42,8 @@ impl Collider {
         Collider { shape, carrier: Carrier::Body(body), place, restitution: 0.0, friction: 0.0 }
     }
 
-    /// A shape that stays where it is, perfectly elastic and perfectly rough, so that what touches it
-    /// decides.
+    /// A shape that stays where it is, perfectly elastic and perfectly rough, so that what touches
+    /// it decides.
     pub fn fixed(place: RigidMotion, shape: Shape) -> Self {
         Collider { shape, carrier: Carrier::World, place, restitution: 1.0, friction: 1.0 }
     }

@@ -1,8 +1,8 @@
 //! A contact point: a gap, where it is, and its differential.
 //!
 //! ```text
-//! g = n.(x2 - x1)                          the gap, m; negative where the bodies overlap     (11.2)
-//! dg = (-n, -c1 x R1^T n,  n, c2 x R2^T n)  on the velocities (t1., w1, t2., w2)             (11.4.1)
+//! g = n.(x2 - x1)                         the gap, m; negative where the bodies overlap     (11.2)
+//! dg = (-n, -c1 x R1^T n,  n, c2 x R2^T n)  on the velocities (t1., w1, t2., w2)          (11.4.1)
 //! ```
 //! `n` the unit normal from the first body to the second, world axes; `x1 x2` the points that face
 //! each other; `c` the same in body axes, from the centre. The normal's own rate drops out: it is

@@ -5,9 +5,9 @@
 //! ```
 //! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's separating axes and
 //! clipping (boxes), Gilbert-Johnson-Keerthi and expanding polytopes (other convex solids). Contact
-//! points are computed afresh from the poses each time: nothing is carried over from the step before,
-//! so that a gap is what the poses say and not what a cache remembers. They come sorted by their
-//! identifiers. Source: notes 11.1.
+//! points are computed afresh from the poses each time: nothing is carried over from the step
+//! before, so that a gap is what the poses say and not what a cache remembers. They come sorted by
+//! their identifiers. Source: notes 11.1.
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
@@ -235,9 +235,9 @@ impl Detector {
 
 /// A box made larger by a hair on all sides.
 ///
-/// Clipping one face against another of the same size, off by no more than rounding, may lose corners
-/// altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie; what it takes
-/// from the gap is known exactly, and is given back.
+/// Clipping one face against another of the same size, off by no more than rounding, may lose
+/// corners altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie;
+/// what it takes from the gap is known exactly, and is given back.
 struct WideBox {
     geometry: SharedShape,
     hair: f64,

@@ -2,19 +2,20 @@
 //! turns.
 //!
 //! ```text
-//! normal     min 1/2 |v - v_f|_M^2,   dg v + bias >= 0           v_f with the friction impulses kept
+//! normal     min 1/2 |v - v_f|_M^2,   dg v + bias >= 0         v_f with the friction impulses kept
 //! friction   min 1/2 |v|_M^2 over |beta_i| <= mu_i lambda_i      v with the normal impulses kept
 //! residual = max_i |beta_i - disc_i(beta_i - T_i v/d_i)| d_i     Coulomb's law, m/s
 //! ```
 //! `lambda` normal impulses (N s), `beta` friction impulses, two for each contact, `T` the rates of
 //! sliding, `disc_i` the nearest point of the disc of radius `mu_i lambda_i`, `d_i` a bound on the
-//! compliance across the normal. Each projection is convex; a point that both leave is Coulomb's law:
-//! friction opposes sliding, as far as the normal impulse lets it. One projection onto cones of both
-//! at once would instead lift what slides, by mu times its speed.
+//! compliance across the normal. Each projection is convex; a point that both leave is Coulomb's
+//! law: friction opposes sliding, as far as the normal impulse lets it. One projection onto cones
+//! of both at once would instead lift what slides, by mu times its speed.
 //!
-//! The turns need not converge; they are bounded, and what is left of Coulomb's law is reported. The
-//! last projection is the normal one, so that gaps are kept however friction comes out. Kinetic energy
-//! does not grow by friction. Source: Kaufman, Sueda, James and Pai 2008 (staggered projections).
+//! The turns need not converge; they are bounded, and what is left of Coulomb's law is reported.
+//! The last projection is the normal one, so that gaps are kept however friction comes out. Kinetic
+//! energy does not grow by friction. Source: Kaufman, Sueda, James and Pai 2008 (staggered
+//! projections).
 
 use stationary_calculus::{SizeError, Vector};
 

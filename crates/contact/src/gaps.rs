@@ -3,7 +3,7 @@
 //! ```text
 //! g_i(q) >= 0                          feasible; dg_i is not zero where g_i is              (11.2)
 //! floor       g = n.x - offset - r
-//! two balls   g = |x2 - x1| - (r1 + r2)                              (errata 11.2: the sum of radii)
+//! two balls   g = |x2 - x1| - (r1 + r2)                            (errata 11.2: the sum of radii)
 //! ```
 //! The shape is that of an equality, the type is not: [`Inequality`] reads a constraint's functions
 //! as gaps. `x` centres in D dimensions, `r` radii, `n` unit normals, lengths in metres.

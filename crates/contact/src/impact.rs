@@ -1,8 +1,8 @@
 //! An impact: contacts that touch, the mass that they move, and one contact solved.
 //!
 //! ```text
-//! u = dg v                        relative velocities, m/s                                 (11.4.1)
-//! v+ = v- + M^-1 dg^T lambda      impulses lambda >= 0, N s                                (11.4.2)
+//! u = dg v                        relative velocities, m/s                                (11.4.1)
+//! v+ = v- + M^-1 dg^T lambda      impulses lambda >= 0, N s                               (11.4.2)
 //! lambda = -(1 + c) u/d,   d = dg M^-1 dg^T                one contact, restitution c
 //! T+ - T- = 1/2 lambda (u- + u+) = -(1 - c^2) u^2/(2 d)    what it costs, J
 //! ```

@@ -1,23 +1,23 @@
 //! Impacts in time: when is an impulse given?
 //!
 //! ```text
-//! after overlap      step, then: g <= 0 and dg v < 0  ->  impact                            (11.4, 1)
-//! at the instant     step to g = 0, impact, go on with what is left of the step             (11.4, 2)
-//! velocity filter    v~ = v - h M^-1 dV,  if q + h v~ would overlap: impact, then q + h v   (11.4, 3)
+//! after overlap      step, then: g <= 0 and dg v < 0  ->  impact                         (11.4, 1)
+//! at the instant     step to g = 0, impact, go on with what is left of the step          (11.4, 2)
+//! velocity filter  v~ = v - h M^-1 dV,  if q + h v~ would overlap: impact, then q + h v  (11.4, 3)
 //! ```
-//! The first overlaps by up to h u, the third turns back before it touches: heights are off by order
-//! h. The second hits the moment to rounding; a step of Stormer-Verlet in a uniform field is the exact
-//! parabola, so the rebound of a ball is exact too.
+//! The first overlaps by up to h u, the third turns back before it touches: heights are off by
+//! order h. The second hits the moment to rounding; a step of Stormer-Verlet in a uniform field is
+//! the exact parabola, so the rebound of a ball is exact too.
 //!
-//! Zeno: bounces lower than [`REST`] of the size of things are rest, and what is left of the step is a
-//! filtered step without restitution.
+//! Zeno: bounces lower than [`REST`] of the size of things are rest, and what is left of the step
+//! is a filtered step without restitution.
 //!
 //! The filter is a step of symplectic Euler. Its impact acts on the velocity before the step's own
 //! kick, so that no bounce gains energy, and approach of the order of a kick has no restitution, so
 //! that what rests does not rattle. What would still overlap ahead is held by the projection with
-//! `dg v >= -g/h`: gaps are used up, not crossed; and where even that overlaps, bodies stay where they
-//! were proved free. Paths are judged by the smallest gap on them, so that nothing is passed through.
-//! Source: notes 10.3, 11.4.
+//! `dg v >= -g/h`: gaps are used up, not crossed; and where even that overlaps, bodies stay where
+//! they were proved free. Paths are judged by the smallest gap on them, so that nothing is passed
+//! through. Source: notes 10.3, 11.4.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{Integrator, State, StormerVerlet};

@@ -1,7 +1,7 @@
 //! One over the mass, block by block: what an impulse does to the freedoms that it touches.
 //!
 //! ```text
-//! M = diag(B_1, B_2, ...),     M^-1 dg^T = the blocks that dg touches, solved                (11.4.2)
+//! M = diag(B_1, B_2, ...),     M^-1 dg^T = the blocks that dg touches, solved             (11.4.2)
 //! ```
 //! The blocks are found by asking the metric for its matrix. A held freedom has infinite mass:
 //! impulses leave its velocity, and whatever drives it does the work. Source: notes 10.2, 11.4.2.
@@ -113,7 +113,8 @@ impl InverseMass {
     }
 }
 
-/// The inverse of a positive definite block; of a single mass without the rounding of a square root.
+/// The inverse of a positive definite block; of a single mass without the rounding of a square
+/// root.
 fn inverse(block: DMatrix<f64>) -> Option<DMatrix<f64>> {
     match block.as_slice() {
         &[mass] => (mass > 0.0).then(|| DMatrix::from_element(1, 1, mass.recip())),

@@ -8,8 +8,8 @@
 //! | blended | that projection, and c times as far again |
 //! | generalized reflections | the same, of the approaching contacts only |
 //!
-//! All but the inelastic one repeat their pass until no contact approaches. Which of them keeps what
-//! is data ([`ImpactLaw::facts`]), and tests and a study measure it. Source: notes 11.5.
+//! All but the inelastic one repeat their pass until no contact approaches. Which of them keeps
+//! what is data ([`ImpactLaw::facts`]), and tests and a study measure it. Source: notes 11.5.
 
 use stationary_calculus::Vector;
 

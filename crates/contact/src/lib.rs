@@ -2,20 +2,21 @@
 //! measured.
 //!
 //! ```text
-//! g(q) >= 0,   u = dg v                                      gaps, and how fast they close    (11.2)
-//! v+ = v- - (1 + c) u/d M^-1 dg^T,   d = dg M^-1 dg^T         one contact                   (11.4.2)
-//! for each i in order; or all at once                        Gauss-Seidel, Jacobi            (11.5)
-//! min 1/2 |v - v-|^2_M,   dg v >= 0                          the inelastic projection      (11.5.1)
-//! v+ = v= + c (v= - v-),  of the contacts that approach      generalized reflections
-//! boxes that overlap -> features that are near -> g, dg      detection                       (11.1)
-//! F(t, u, v) = 0,   0 <= t <= 1                              times of impact                 (11.1)
-//! V = k/2 min(g, 0)^2,   h sqrt(k d) < 2                     the penalty                     (11.3)
-//! after overlap, at the instant, before                      when an impulse is given        (11.4)
-//! |beta| <= mu lambda, against sliding                       Coulomb's friction
+//! g(q) >= 0,   u = dg v                                 gaps, and how fast they close     (11.2)
+//! v+ = v- - (1 + c) u/d M^-1 dg^T,   d = dg M^-1 dg^T   one contact                     (11.4.2)
+//! for each i in order; or all at once                   Gauss-Seidel, Jacobi              (11.5)
+//! min 1/2 |v - v-|^2_M,   dg v >= 0                     the inelastic projection        (11.5.1)
+//! v+ = v= + c (v= - v-),   of what approaches           generalized reflections
+//! boxes that overlap -> near features -> g, dg          detection                         (11.1)
+//! F(t, u, v) = 0,   0 <= t <= 1                         times of impact                   (11.1)
+//! V = k/2 min(g, 0)^2,   h sqrt(k d) < 2                the penalty                       (11.3)
+//! after overlap, at the instant, before                 when an impulse is given          (11.4)
+//! |beta| <= mu lambda, against sliding                  Coulomb's friction
 //! ```
-//! `q` a configuration, `v` a velocity, `M` the metric, `g` gaps in metres with sparse differentials
-//! `dg`, `c` the restitution (separating over approaching speed, 0 to 1), `lambda` normal and `beta`
-//! friction impulses in newton seconds, `mu` the friction. The numbers name sections of the notes.
+//! `q` a configuration, `v` a velocity, `M` the metric, `g` gaps in metres with sparse
+//! differentials `dg`, `c` the restitution (separating over approaching speed, 0 to 1), `lambda`
+//! normal and `beta` friction impulses in newton seconds, `mu` the friction. The numbers name
+//! sections of the notes.
 //!
 //! ```
 //! use stationary_calculus::Vector;
@@ -31,14 +32,14 @@
 //! ```
 //!
 //! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
-//! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the laws
-//! ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and times of
-//! impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
-//! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
-//! when ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
+//! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
+//! laws ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and
+//! times of impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
+//! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to when
+//! ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
 //!
-//! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks is
-//! known to one border file and the detection behind it.
+//! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
+//! is known to one border file and the detection behind it.
 
 mod error;
 mod rows;

@@ -5,12 +5,13 @@
 //! a meeting at (u, v):  n.(sum_i w_i v_i) >= 0      w the weights of the two places, n across
 //! ```
 //! Meetings are found by times of impact, whose "never" is a proof. Rounds of projections (11.1) of
-//! all meetings found so far turn approach into no approach. What still meets after some rounds moves
-//! as one: the vertices of such meetings get their common velocity, zone by zone, until nothing meets
-//! (in the end the whole mesh would be one zone, in which nothing can). Where even that is impossible,
-//! because pinned vertices move against each other, the mesh stays where it was proved free. Inelastic;
-//! momentum of what is not pinned is kept, kinetic energy never grows. Source: notes 11.1, 11.4;
-//! Bridson, Fedkiw and Anderson 2002 (zones), Harmon, Vouga, Tamstorf and Grinspun 2008 (projection).
+//! all meetings found so far turn approach into no approach. What still meets after some rounds
+//! moves as one: the vertices of such meetings get their common velocity, zone by zone, until
+//! nothing meets (in the end the whole mesh would be one zone, in which nothing can). Where even
+//! that is impossible, because pinned vertices move against each other, the mesh stays where it was
+//! proved free. Inelastic; momentum of what is not pinned is kept, kinetic energy never grows.
+//! Source: notes 11.1, 11.4; Bridson, Fedkiw and Anderson 2002 (zones), Harmon, Vouga, Tamstorf and
+//! Grinspun 2008 (projection).
 
 use std::collections::BTreeSet;
 
@@ -61,8 +62,8 @@ struct Meeting {
 }
 
 impl MeshFilter {
-    /// A filter for vertices of these masses (kg), some of them pinned (they move as they are told),
-    /// and these triangles. Meetings are found to `tolerance` metres.
+    /// A filter for vertices of these masses (kg), some of them pinned (they move as they are
+    /// told), and these triangles. Meetings are found to `tolerance` metres.
     pub fn new(
         masses: Vec<f64>,
         pinned: Vec<bool>,
@@ -89,13 +90,14 @@ impl MeshFilter {
         Ok(MeshFilter { triangles, edges, masses, pinned, mass, tolerance, rounds: ROUNDS })
     }
 
-    /// The same with another number of rounds before what meets moves as one; none, and it does at once.
+    /// The same with another number of rounds before what meets moves as one; none, and it does at
+    /// once.
     pub fn with_rounds(self, rounds: usize) -> Self {
         MeshFilter { rounds, ..self }
     }
 
-    /// Changes the velocities of the vertices so that nothing meets on the way from `q` to `q + h v`.
-    /// On an error they are as they were.
+    /// Changes the velocities of the vertices so that nothing meets on the way from `q` to `q + h
+    /// v`. On an error they are as they were.
     pub fn filter(
         &self,
         q: &[f64],
@@ -222,8 +224,8 @@ impl MeshFilter {
         Ok(())
     }
 
-    /// The velocity of each zone becomes that of its centre of mass, or of what is pinned in it; says
-    /// how many vertices are in zones.
+    /// The velocity of each zone becomes that of its centre of mass, or of what is pinned in it;
+    /// says how many vertices are in zones.
     fn unite(&self, zones: &mut Groups, v: &mut Vector<Vec<f64>>) -> usize {
         let vertices = self.masses.len();
         let root: Vec<usize> = (0..vertices).map(|vertex| zones.find(vertex)).collect();

@@ -32,8 +32,8 @@ pub struct Hit {
     pub place: [f64; 2],
     /// Boxes looked at.
     pub boxes: usize,
-    /// Whether the distance at [`Hit::time`] is as promised. Where the search hit its bound it is not
-    /// known; that they are apart before still is.
+    /// Whether the distance at [`Hit::time`] is as promised. Where the search hit its bound it is
+    /// not known; that they are apart before still is.
     pub settled: bool,
 }
 

@@ -5,10 +5,10 @@
 //! append j:   l = L^-1 A_Pj,  pivot^2 = A_jj - |l|^2
 //! remove j:   drop the row, rotate the others back to a triangle
 //! ```
-//! A contact whose row depends on those in P (pivot zero to rounding) is not taken in; how it depends
-//! is said instead, `dg_j = sum c_k dg_k`. So the factor exists however redundant the contacts are.
-//! Source: Lawson and Hanson 1974, chapters 23 and 24, for the idea; Golub and Van Loan 6.5.4 for
-//! the rotations.
+//! A contact whose row depends on those in P (pivot zero to rounding) is not taken in; how it
+//! depends is said instead, `dg_j = sum c_k dg_k`. So the factor exists however redundant the
+//! contacts are. Source: Lawson and Hanson 1974, chapters 23 and 24, for the idea; Golub and Van
+//! Loan 6.5.4 for the rotations.
 
 use crate::Impact;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! V = k/2 sum_i min(g_i, 0)^2,    dV = k sum min(g_i, 0) dg_i                               (11.3)
-//! d2V = k sum_(g_i < 0) (dg_i^T dg_i + g_i d2g_i)            jumps where a gap closes (errata 11.3)
+//! d2V = k sum_(g_i < 0) (dg_i^T dg_i + g_i d2g_i)           jumps where a gap closes (errata 11.3)
 //! omega = sqrt(k d),   d = dg M^-1 dg^T,   h omega < 2       the stable step of Stormer-Verlet
 //! depth <= u / omega,   time of contact pi / omega           of an impact at the speed u
 //! ```
@@ -104,7 +104,8 @@ mod tests {
         }
     }
 
-    /// One ball pressed against a wall by nothing: half an oscillation, out at the speed it came in.
+    /// One ball pressed against a wall by nothing: half an oscillation, out at the speed it came
+    /// in.
     fn rebound(stiffness: f64, h: f64) -> f64 {
         let wall = Wall { normal: [1.0], offset: 0.0 };
         let balls = Balls::new(vec![1.0], vec![wall]).unwrap();

@@ -8,8 +8,9 @@
 //! A convex quadratic programme: `v` is unique, `lambda` only if no contact is redundant. Solved
 //! exactly by active sets, on each island of bodies on its own: the contact that approaches fastest
 //! joins those that push, those that would have to pull leave, and the system of those that push is
-//! solved by its factor; one that depends on those that push takes the place of another. Every round ends at a lower kinetic energy, so that no set comes twice. A
-//! guess of who pushes (the last step's) saves most of the rounds.
+//! solved by its factor; one that depends on those that push takes the place of another. Every
+//! round ends at a lower kinetic energy, so that no set comes twice. A guess of who pushes (the
+//! last step's) saves most of the rounds.
 //!
 //! Kinetic energy never grows, and momentum is kept. Source: notes 11.5.1 (errata: the conditions
 //! are on gaps and their rates, and v is the pre-impact velocity plus impulses); Lawson and Hanson

@@ -11,10 +11,10 @@
 //! largest overshoot that does not.
 //!
 //! Blended: the projection knows all contacts that touch (errata 11.5.1). Generalized reflections:
-//! only those that approach, so that what merely touches is free to break away: Newton's cradle comes
-//! out right. Either repeats until nothing approaches. Source: Smith, Kaufman, Vouga, Tamstorf and
-//! Grinspun, "Reflections on simultaneous impact" (SIGGRAPH 2012), for the approaching set at
-//! `c = 1`; the overshoot by contact and its cap are ours.
+//! only those that approach, so that what merely touches is free to break away: Newton's cradle
+//! comes out right. Either repeats until nothing approaches. Source: Smith, Kaufman, Vouga,
+//! Tamstorf and Grinspun, "Reflections on simultaneous impact" (SIGGRAPH 2012), for the approaching
+//! set at `c = 1`; the overshoot by contact and its cap are ours.
 
 use stationary_calculus::Vector;
 

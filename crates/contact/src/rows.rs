@@ -1,7 +1,7 @@
 //! Differentials of gaps: sparse rows, one for each contact.
 //!
 //! ```text
-//! u_i = dg_i v          the relative velocity of contact i, m/s; negative where it closes   (11.4.1)
+//! u_i = dg_i v        the relative velocity of contact i, m/s; negative where it closes   (11.4.1)
 //! p += lambda_i dg_i    an impulse of the contact, a covector
 //! ```
 //! Columns belong to the freedoms of velocities, so that `dg v` is the rate of the gap; a row names

@@ -55,7 +55,8 @@ impl Shape {
         Ok(Shape { geometry, name: shape })
     }
 
-    /// The half-space on the side of the origin away from this normal, whose length does not matter.
+    /// The half-space on the side of the origin away from this normal, whose length does not
+    /// matter.
     pub fn half_space(normal: Vector3<f64>) -> Result<Self, ContactError> {
         check_finite("the normal of a half-space", normal.as_slice())?;
         check_length("half-space", "normal", normal.norm())?;

@@ -6,15 +6,16 @@
 //! ```
 //! Every corner moves on a straight line, `a(t) = a0 + t (a1 - a0)`, `0 <= t <= 1` (metres). `F` is
 //! linear in each of its arguments, so that its values over a box of them lie in the hull of its
-//! values at the eight corners. If all eight lie beyond `thickness` on one side along some direction,
-//! by more than rounding can account for, then nothing in the box comes that close: the box is
-//! ruled out, in exact arithmetic. The directions tried are the three axes, the normal, and the way
-//! straight from an edge to the other thing. What is not ruled out is halved along the argument that
-//! changes `F` most, earliest first, until the values spread by less than the tolerance; that is
-//! a hit. A close place that is known lets all but an instant of the other boxes be tried at once.
+//! values at the eight corners. If all eight lie beyond `thickness` on one side along some
+//! direction, by more than rounding can account for, then nothing in the box comes that close: the
+//! box is ruled out, in exact arithmetic. The directions tried are the three axes, the normal, and
+//! the way straight from an edge to the other thing. What is not ruled out is halved along the
+//! argument that changes `F` most, earliest first, until the values spread by less than the
+//! tolerance; that is a hit. A close place that is known lets all but an instant of the other boxes
+//! be tried at once.
 //!
-//! No hit: the distance exceeds `thickness` at all times. A hit: at [`Hit::time`] the distance is at
-//! most `thickness + 3 tolerance`, and it exceeds `thickness` at all earlier times. Coplanar,
+//! No hit: the distance exceeds `thickness` at all times. A hit: at [`Hit::time`] the distance is
+//! at most `thickness + 3 tolerance`, and it exceeds `thickness` at all earlier times. Coplanar,
 //! parallel and collapsed cases are cases like any other. Source: notes 11.1; Wang, Ferguson,
 //! Schneider, Jiang, Attene and Panozzo 2021 (conservative inclusion) for the idea of the hull.
 
@@ -107,8 +108,8 @@ impl Query {
         }
     }
 
-    /// Directions along which the two may be apart at a time: across both, and from one edge of each
-    /// straight to the other thing. Of any length.
+    /// Directions along which the two may be apart at a time: across both, and from one edge of
+    /// each straight to the other thing. Of any length.
     fn directions(&self, t: f64) -> [Vector3<f64>; 4] {
         let [a, b, c, d] = self.corners.map(|corner| corner.at(t));
         let off = |r: Vector3<f64>, e: Vector3<f64>| r * e.norm_squared() - e * r.dot(&e);

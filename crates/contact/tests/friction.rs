@@ -34,8 +34,8 @@ fn friction_takes_mu_times_the_normal_impulse_from_what_slides_and_all_from_what
     assert!(v.iter().all(|v| v.abs() < 1e-9) && off < 1e-9, "{v:?} {off}");
 }
 
-/// The impulses (-mu, 1) lambda of one side of the cone stop approach across it: the rows of the cone's
-/// sides, projected on at once, throw what slides upward at mu (s - mu w)/(1 + mu^2).
+/// The impulses (-mu, 1) lambda of one side of the cone stop approach across it: the rows of the
+/// cone's sides, projected on at once, throw what slides upward at mu (s - mu w)/(1 + mu^2).
 #[test]
 fn a_single_projection_onto_the_cone_lifts_what_slides_and_staggered_projections_do_not() {
     let (mu, s, w) = (0.5, 3.0, 0.1);

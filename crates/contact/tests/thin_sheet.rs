@@ -40,8 +40,8 @@ fn scene(pin: impl Fn(usize, usize) -> bool) -> Scene {
     Scene { q, triangles, masses, pinned, first }
 }
 
-/// The signed volumes that a passage would turn: of the tetrahedron's corners over the sheet's cells
-/// below them, for a sheet that stays a graph.
+/// The signed volumes that a passage would turn: of the tetrahedron's corners over the sheet's
+/// cells below them, for a sheet that stays a graph.
 fn lowest_above_sheet(scene: &Scene, q: &[f64]) -> f64 {
     let place = |vertex: usize| Vector3::from_column_slice(&q[3 * vertex..][..3]);
     let sheet = scene.triangles.iter().filter(|t| t.iter().all(|&v| v < scene.first));

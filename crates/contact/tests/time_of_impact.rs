@@ -141,8 +141,8 @@ fn no_meeting_of_a_particle_and_a_triangle_is_missed() {
         let score = score(family, false);
         println!("{}: {score:?}", family.0);
         assert_eq!(score.missed, 0, "{}", family.0);
-        // Integers of this size that miss, miss by more than the tolerance. The bound on the boxes is
-        // hit where parallel edges and collapsed triangles meet, and only there.
+        // Integers of this size that miss, miss by more than the tolerance. The bound on the boxes
+        // is hit where parallel edges and collapsed triangles meet, and only there.
         assert_eq!(score.invented, 0, "{}", family.0);
         assert!(score.unsettled * 100 <= score.queries, "{}: {score:?}", family.0);
         assert!(score.meetings * 100 > score.queries, "{}: {score:?}", family.0);

@@ -46,7 +46,8 @@ fn the_rebound_height_is_c_squared_to_1e_minus_9_at_the_instant_and_to_order_h_o
             continue;
         }
         for when in [When::AfterOverlap, When::VelocityFilter] {
-            // The largest error over steps of about a size: how a step happens to fall does not count.
+            // The largest error over steps of about a size: how a step happens to fall does not
+            // count.
             let worst = |h: f64| {
                 let steps = (0..8).map(|k| h * (1.0 - 0.0371 * f64::from(k)));
                 steps.map(|h| (rebound(when, c, h) - c * c).abs()).fold(0.0, f64::max)

@@ -1,10 +1,10 @@
 //! Whether moving corners with integer coordinates meet, decided in exact arithmetic.
 //!
 //! ```text
-//! n.(p - a) = 0 at some 0 <= t <= 1 where p is inside: a cubic's roots, isolated by Sturm sequences
+//! n.(p - a) = 0 at some 0 <= t <= 1 where p is inside: a cubic's roots, isolated by Sturm
 //! ```
-//! The set of times of contact is closed, so that it is empty unless it holds an end of the motion or
-//! a root of one of the polynomials that bound it. Each such root is an algebraic number: a
+//! The set of times of contact is closed, so that it is empty unless it holds an end of the motion
+//! or a root of one of the polynomials that bound it. Each such root is an algebraic number: a
 //! square-free polynomial and an interval that holds no other root of it.
 
 pub mod polynomial;

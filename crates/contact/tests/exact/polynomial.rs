@@ -1,7 +1,7 @@
 //! Polynomials with integer coefficients, their roots in [0, 1], and signs at such roots.
 //!
 //! ```text
-//! p, p', -rem(p, p'), ...       Sturm's sequence: sign changes at a less those at b = roots in (a, b]
+//! p, p', -rem(p, p'), ...    Sturm's sequence: sign changes at a less those at b = roots in (a, b]
 //! ```
 //! Remainders are multiplied by positive integers only, and divided by their content.
 
@@ -32,8 +32,8 @@ impl Dyadic {
 pub struct Root {
     low: Dyadic,
     high: Dyadic,
-    /// Square-free, with this root alone between the ends and none on them; nothing where the root is
-    /// the lower end.
+    /// Square-free, with this root alone between the ends and none on them; nothing where the root
+    /// is the lower end.
     of: Option<Polynomial>,
 }
 

@@ -61,7 +61,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
         let mut points = Vec::new();
         for h in spaced(3e-5, 2e-2, count) {
             let mut worst = 0.0_f64;
-            // How a step happens to fall does not count: the largest error over steps of about a size.
+            // How a step happens to fall does not count: the largest error over steps of about a
+            // size.
             for k in 0..8 {
                 let h = h * (1.0 - 0.037_1 * f64::from(k));
                 worst = worst.max(error(when, h).map_err(StudyError::at(when.name()))?);
@@ -88,9 +89,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: BOUNCING_BALL.chapter,
         kind: BOUNCING_BALL.kind,
         title: BOUNCING_BALL.title.into(),
-        conclusion: "A ball falls from a metre and rebounds to 0.64 of it. An impulse at the instant \
-                     of the impact gives that height at any step; one after the overlap, or one before \
-                     it, is off by as much as the ball falls in a step."
+        conclusion: "A ball falls from a metre and rebounds to 0.64 of it. An impulse at the \
+                     instant of the impact gives that height at any step; one after the overlap, \
+                     or one before it, is off by as much as the ball falls in a step."
             .into(),
         table,
         charts: vec![chart.into()],

@@ -89,9 +89,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         kind: DETECTION_COST.kind,
         title: DETECTION_COST.title.into(),
         conclusion: format!(
-            "Balls at one to a cubic metre, everything moving, the hierarchy refitted in each step. \
-             Pairs left to look at grow with the number of balls, not with its square; so does the \
-             time, here like its power {measured:.2} (shown, not asserted)."
+            "Balls at one to a cubic metre, everything moving, the hierarchy refitted in each \
+             step. Pairs left to look at grow with the number of balls, not with its square; so \
+             does the time, here like its power {measured:.2} (shown, not asserted)."
         ),
         table,
         charts: vec![chart.into()],

@@ -89,9 +89,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: FRICTION_THRESHOLD.chapter,
         kind: FRICTION_THRESHOLD.kind,
         title: FRICTION_THRESHOLD.title.into(),
-        conclusion: "A block is let go on an incline. Below the angle whose tangent is the friction it \
-                     stays, above it accelerates with g (sin - mu cos), and it never leaves the plane: \
-                     staggered projections do not lift what slides."
+        conclusion: "A block is let go on an incline. Below the angle whose tangent is the \
+                     friction it stays, above it accelerates with g (sin - mu cos), and it never \
+                     leaves the plane: staggered projections do not lift what slides."
             .into(),
         table,
         charts: vec![chart.into()],

@@ -149,12 +149,12 @@ fn study(_: Size) -> Result<Study, StudyError> {
         chapter: IMPACT_LAWS.chapter,
         kind: IMPACT_LAWS.kind,
         title: IMPACT_LAWS.title.into(),
-        conclusion: "Newton's cradles, the three balls of 11.5, a ball between two others, a rack of \
-                     nine, a corner, and a wall that is listed twice. Only generalized reflections \
-                     keep all of energy, momentum and symmetry, do not care in which order contacts \
-                     are listed, and send out as many balls as arrive. Gauss-Seidel depends on the \
-                     order, Jacobi gains energy, and what projects on all contacts at once moves \
-                     balls that only touch."
+        conclusion: "Newton's cradles, the three balls of 11.5, a ball between two others, a rack \
+                     of nine, a corner, and a wall that is listed twice. Only generalized \
+                     reflections keep all of energy, momentum and symmetry, do not care in which \
+                     order contacts are listed, and send out as many balls as arrive. Gauss-Seidel \
+                     depends on the order, Jacobi gains energy, and what projects on all contacts \
+                     at once moves balls that only touch."
             .into(),
         table,
         charts: vec![cradle.into()],

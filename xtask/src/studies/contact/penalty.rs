@@ -24,8 +24,8 @@ const THROWS: &str = "thrown out at more than twice the speed";
 /// A ball of 1 kg at 1 m/s.
 const RADIUS: f64 = 1.0;
 
-/// The speed after the impact and the deepest overlap, for a ball that is `part` of a step's way from
-/// the wall at the start.
+/// The speed after the impact and the deepest overlap, for a ball that is `part` of a step's way
+/// from the wall at the start.
 fn impact(k: f64, h: f64, part: f64) -> Result<(f64, f64), ContactError> {
     let wall = Wall { normal: [1.0], offset: 0.0 };
     let gaps = Inequality(Balls::new(vec![RADIUS], vec![wall])?);
@@ -119,10 +119,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: CONTACT_PENALTY.chapter,
         kind: CONTACT_PENALTY.kind,
         title: CONTACT_PENALTY.title.into(),
-        conclusion: "A ball of 1 kg flies at 1 m/s into a wall of springs, stepped by Stormer-Verlet, \
-                     from seven distances. Beyond h ω = 2 with ω the root of k/m, one kick throws it \
-                     out faster than it came. A hundred times the stiffness lets it sink in a tenth as \
-                     far, and asks for a tenth of the step."
+        conclusion: "A ball of 1 kg flies at 1 m/s into a wall of springs, stepped by \
+                     Stormer-Verlet, from seven distances. Beyond h ω = 2 with ω the root of k/m, \
+                     one kick throws it out faster than it came. A hundred times the stiffness \
+                     lets it sink in a tenth as far, and asks for a tenth of the step."
             .into(),
         table,
         charts: vec![map.into(), depth.into()],

@@ -103,10 +103,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
         kind: PILE_SOLVERS.kind,
         title: PILE_SOLVERS.title.into(),
         conclusion: "Balls of unequal masses in a row run into a wall without restitution. \
-                     Gauss-Seidel hands their momentum on one contact at a time and needs passes that \
-                     grow with the square of their number; the projection stops them all at once, to \
-                     rounding. Jacobi's impulses count shared balls twice; what is left of the \
-                     approach of three balls is in the table."
+                     Gauss-Seidel hands their momentum on one contact at a time and needs passes \
+                     that grow with the square of their number; the projection stops them all at \
+                     once, to rounding. Jacobi's impulses count shared balls twice; what is left \
+                     of the approach of three balls is in the table."
             .into(),
         table,
         charts: vec![chart.slope(2.0, (16.0, 1e3)).into()],

@@ -1,4 +1,5 @@
-//! A particle flies at a plate: what detection at the ends of steps sees, and what times of impact see.
+//! A particle flies at a plate: what detection at the ends of steps sees, and what times of impact
+//! see.
 
 use nalgebra::Vector3;
 use stationary_calculus::{Column, Table};
@@ -111,11 +112,12 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chapter: TUNNELLING.chapter,
         kind: TUNNELLING.kind,
         title: TUNNELLING.title.into(),
-        conclusion: "A particle flies straight at a plate from forty starts. Looked at only at the \
-                     ends of steps, it is missed as soon as it moves more than a thickness a step, and \
-                     as often as the thickness is smaller than the step. The time of impact misses \
-                     none, at speeds up to a hundred thousand thicknesses a step."
-            .into(),
+        conclusion:
+            "A particle flies straight at a plate from forty starts. Looked at only at the \
+                     ends of steps, it is missed as soon as it moves more than a thickness a step, \
+                     and as often as the thickness is smaller than the step. The time of impact \
+                     misses none, at speeds up to a hundred thousand thicknesses a step."
+                .into(),
         table,
         charts: vec![map.into()],
         claims,
