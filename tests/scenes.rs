@@ -27,3 +27,34 @@ fn the_spring_net_hangs_from_its_corners() {
     let (summary, _) = run("spring-net");
     insta::assert_snapshot!(summary);
 }
+
+#[test]
+fn the_chain_of_rods_cracks_like_a_whip() {
+    let (summary, _) = run("pendulum-chain");
+    insta::assert_snapshot!(summary);
+}
+
+#[test]
+fn the_bridge_breaks_under_its_load() {
+    let (summary, out) = run("breaking-bridge");
+    insta::assert_snapshot!(summary);
+    let events = std::fs::read_to_string(out.join("events.csv")).expect("the events");
+    assert!(
+        events.lines().nth(1).is_some_and(|first| first.starts_with("0.114,t3,t4")),
+        "{events}"
+    );
+}
+
+#[test]
+fn the_thrown_racket_turns_over_and_keeps_its_momenta() {
+    let (summary, out) = run("thrown-racket");
+    insta::assert_snapshot!(summary);
+    let picture = std::fs::read_to_string(out.join("picture.svg")).expect("a picture");
+    assert!(picture.contains(">bodies<"));
+}
+
+#[test]
+fn the_heavy_top_nods_on_its_tip() {
+    let (summary, _) = run("heavy-top");
+    insta::assert_snapshot!(summary);
+}

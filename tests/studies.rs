@@ -63,6 +63,18 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "heat-work-precision",
         "maximum-principle",
         "geodesic-distance",
+        "rotation-accuracy",
+        "rods-or-rigid-body",
+        "tennis-racket",
+        "nodding-top",
+        "kovalevskaya-top",
+        "box-on-its-corner",
+        "impact-laws",
+        "bouncing-ball",
+        "contact-penalty",
+        "tunnelling",
+        "pile-solvers",
+        "friction-threshold",
     ] {
         text(id);
     }

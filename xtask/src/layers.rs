@@ -46,9 +46,26 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     ("elasticity", &[Always("nalgebra"), Always("num-dual"), Always("thiserror")]),
     ("modal", &[Always("nalgebra"), Always("thiserror"), Always("faer")]),
     ("laplacian", &[Always("nalgebra"), Always("thiserror"), Always("faer")]),
-    ("scene", &[Always("serde"), Always("toml"), Always("thiserror"), Always("strsim")]),
+    (
+        "scene",
+        &[
+            Always("nalgebra"),
+            Always("serde"),
+            Always("toml"),
+            Always("thiserror"),
+            Always("strsim"),
+        ],
+    ),
     // The peers that timings are compared with: whoever does not compare does not build them.
-    ("benches", &[Optional("diffsol"), Optional("ode_solvers")]),
+    (
+        "benches",
+        &[
+            Optional("diffsol"),
+            Optional("ode_solvers"),
+            Optional("rapier3d-f64"),
+            Optional("sophus_lie"),
+        ],
+    ),
 ];
 
 /// An outside package and when it may be used.

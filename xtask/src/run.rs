@@ -54,10 +54,11 @@ pub fn run_scene(file: &Path, out: &Path, progress: Progress) -> Result<Summary,
             run.write(out)?;
             Ok(run.summary())
         }
-        Err(RunError::Interrupted(interruption)) => {
-            interruption.run.write(out)?;
-            Err(RunError::Interrupted(interruption).into())
+        Err(error) => {
+            if let Some(partial) = error.partial() {
+                partial.write(out)?;
+            }
+            Err(error.into())
         }
-        Err(error) => Err(error.into()),
     }
 }

@@ -202,6 +202,16 @@ pub enum StudyError {
         /// Its value.
         value: f64,
     },
+    /// A scene with something that not every method can step.
+    #[error(
+        "{scene}: methods are compared on particles, springs and gravity; the scene has {what}"
+    )]
+    NotCompared {
+        /// The scene.
+        scene: String,
+        /// What it has.
+        what: &'static str,
+    },
     /// The list of studies and the study disagree on what it is.
     #[error("the list says {label} `{listed}`, the study says `{own}`")]
     Mislabelled {

@@ -40,13 +40,14 @@ fn a_scene_is_told_which_method_and_step_to_write_into_its_file() {
         let (_, rest) = text.split_once(&format!("{key} = ")).unwrap();
         rest.split([' ', ';', '.']).next().unwrap().trim_matches('"').to_owned()
     };
-    let method = word(advice, "integrator").parse().unwrap();
+    let method: Method = word(advice, "integrator").parse().unwrap();
     // What it advises can be done, and does what it says.
     let (_, step) = advice.split_once("step = ").unwrap();
     let step: f64 = step.split([';', ' ']).next().unwrap().trim_end_matches('.').parse().unwrap();
-    let advised = scene.with_method(method).with_step(step).unwrap().run().unwrap();
+    let advised = scene.with_method(method).unwrap().with_step(step).unwrap().run().unwrap();
     let far_finer = Scene::parse("two.toml", TWO_MASSES).unwrap();
-    let far_finer = far_finer.with_method(method).with_step(step / 16.0).unwrap().run().unwrap();
+    let far_finer =
+        far_finer.with_method(method).unwrap().with_step(step / 16.0).unwrap().run().unwrap();
     let last = |run: &stationary_scene::Run| run.positions(run.times().len() - 1)[..2].to_vec();
     let off: f64 = last(&advised).iter().zip(last(&far_finer)).map(|(a, b)| (a - b).abs()).sum();
     assert!(off < 2e-6, "{off}");

@@ -38,6 +38,25 @@ impl<F: Force> Force for &F {
     }
 }
 
+/// Nothing where there is none, as a part of a system that may be missing.
+impl<F: Force> Force for Option<F> {
+    fn dim(&self) -> usize {
+        self.as_ref().map_or(0, F::dim)
+    }
+
+    fn add_force(&self, t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        if let Some(force) = self {
+            force.add_force(t, q, v, f);
+        }
+    }
+
+    fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
+        if let Some(force) = self {
+            force.add_damping(t, q, v, damping);
+        }
+    }
+}
+
 macro_rules! sum_of_forces {
     ($($name:ident . $index:tt),*) => {
         /// The sum of its members; its dimension is the largest of theirs. The empty sum is no force.

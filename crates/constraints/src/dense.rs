@@ -24,7 +24,7 @@ use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
 const SWEEPS: usize = 60;
 /// What is named where it is not finite.
 const DIFFERENTIAL: &str = "constraint's differential";
-/// A row this much shorter than another is zero, far below what counts as dependent.
+/// A row this much shorter than the longest is zero, far below what counts as dependent.
 const ROUNDING: f64 = 1e-13;
 
 /// Multipliers of at most M equations, with rows stored as C.
@@ -183,11 +183,12 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
 
     /// Turns pairs of rows until all are orthogonal; false where numbers are not finite.
     fn orthogonalize(&mut self) -> bool {
+        let longest = (0..self.count).map(|row| self.length(row)).fold(0.0, f64::max);
         for _ in 0..SWEEPS {
             let mut turned = false;
             for i in 0..self.count {
                 for j in i + 1..self.count {
-                    turned |= self.turn(i, j);
+                    turned |= self.turn(i, j, longest);
                 }
             }
             if !turned {
@@ -198,11 +199,12 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
     }
 
     /// Turns two rows to be orthogonal; false where they are.
-    fn turn(&mut self, i: usize, j: usize) -> bool {
+    fn turn(&mut self, i: usize, j: usize, longest: f64) -> bool {
         let product = self.turned[i].apply(&self.raised[j]);
         let (p, q) = (self.length(i), self.length(j));
-        // Rounding is all that is left of a row so short: it has no direction to turn.
-        let rounding = p.min(q) <= ROUNDING * p.max(q);
+        // Rounding is all that is left of a row so short: it has no direction to turn, not even
+        // against another such row.
+        let rounding = p.min(q) <= ROUNDING * longest;
         if rounding || product.abs() <= 4.0 * f64::EPSILON * p * q {
             return false;
         }

@@ -25,6 +25,7 @@ use stationary_integrators::{
 use crate::keeper::{Keeper, check_step};
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, Multipliers, Solver,
+    Straight,
 };
 
 /// What is known of the method.
@@ -46,7 +47,7 @@ const FACTS: Facts = Facts {
 /// The integrator of the notes' section 6.5 with multipliers solved for by X.
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamilton<'s, M, P, S, K, C, X: Multipliers> {
-    keeper: Keeper<'s, M, P, S, K, C, X>,
+    keeper: Keeper<'s, M, P, S, K, C, X, Straight>,
     lambda: X::Numbers,
 }
 
@@ -69,7 +70,7 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice)?;
+        let keeper = Keeper::new(system, constraint, state, &choice, Straight)?;
         let lambda = X::Numbers::clone(&keeper.impulse);
         Ok(ConstrainedHamilton { keeper, lambda })
     }

@@ -1,14 +1,15 @@
 //! What the methods with multipliers share: holding a configuration, then a velocity.
 //!
 //! ```text
-//! p <- p - J(q0)^T Lambda,    q1 = q0 exp(h M^-1 p),    g(t1, q1) = 0       Lambda an impulse (m)
-//! p <- p - J(q1)^T Lambda,    J(q1) M^-1 p + dg/dt = 0
+//! p <- p - J(q0)^T Lambda,    (q1, p1) = Phi_h(q0, p),    g(t1, q1) = 0     Lambda an impulse (m)
+//! p1 <- p1 - J(q1)^T Lambda,  J(q1) M^-1 p1 + dg/dt = 0
 //! ```
-//! The first is solved by iterations `S0 delta = g(q1) / h` with `S0 = J0 M^-1 J0^T`: Newton's
-//! method with J(q1) replaced by J(q0), so that the factor which the last step's velocity needed
-//! serves again. It starts from the unconstrained step and so finds the multipliers of smaller size
-//! where there are several; the error shrinks by about h times the turning rate in an iteration,
-//! until rounding. The second is linear, one solve.
+//! `Phi` the free motion. The first is solved by iterations `S0 delta = g(q1) / h` with `S0 = J0
+//! M^-1 J0^T`: Newton's method with J(q1) replaced by J(q0) and the motion by a straight one, so
+//! that the factor which the last step's velocity needed serves again. It starts from the
+//! unconstrained step and so finds the multipliers of smaller size where there are several; the
+//! error shrinks by about h times the turning rate in an iteration, until rounding. The second is
+//! linear, one solve.
 //!
 //! Source: notes 6.5; errata 6.5; Andersen (1983); Leimkuhler and Reich (2004), chapter 7.
 
@@ -16,7 +17,7 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage
 use stationary_integrators::{State, StepError};
 
 use crate::feasible::{Scales, rounding};
-use crate::{Constraint, ConstraintError, Multipliers, Solver};
+use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
 
 /// More iterations than this are too long a step, or equations that contradict each other.
 const ITERATIONS: u32 = 60;
@@ -33,14 +34,17 @@ struct Place<C, X> {
 
 /// A system, its constraint, and the memory to keep it.
 #[derive(Clone, Debug)]
-pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers> {
+pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers, F> {
     system: &'s System<M, P, S>,
     pub(crate) constraint: K,
+    motion: F,
     scales: Scales,
     here: Place<C, X>,
     there: Place<C, X>,
     g: X::Numbers,
     displacement: Vector<C>,
+    /// The momentum at the start of a drift, with the impulses so far.
+    before: Covector<C>,
     pub(crate) next: State<C>,
     /// The impulse of the last [`Keeper::hold_configuration`] or [`Keeper::hold_velocity`].
     pub(crate) impulse: X::Numbers,
@@ -81,7 +85,7 @@ pub(crate) fn check_entries(
     }
 }
 
-impl<'s, M, P, S, K, C, X> Keeper<'s, M, P, S, K, C, X>
+impl<'s, M, P, S, K, C, X, F> Keeper<'s, M, P, S, K, C, X, F>
 where
     M: Metric,
     P: Potential,
@@ -89,12 +93,14 @@ where
     K: Constraint,
     C: Storage,
     X: Multipliers,
+    F: FreeMotion<M, S>,
 {
     pub(crate) fn new(
         system: &'s System<M, P, S>,
         constraint: K,
         state: &State<C>,
         choice: &impl Solver<C, Multipliers = X>,
+        motion: F,
     ) -> Result<Self, ConstraintError> {
         check_sizes(system, state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
@@ -107,11 +113,13 @@ where
         let mut keeper = Keeper {
             system,
             constraint,
+            motion,
             scales,
             there: place.clone(),
             here: place,
             g: numbers.clone(),
             displacement: Vector(zeros(n)?),
+            before: Covector(zeros(n)?),
             next: State::new(zeros(stored)?, zeros(n)?),
             impulse: numbers,
             differentials: 0,
@@ -127,8 +135,11 @@ where
         constraint: K,
         state: &State<C>,
         choice: &impl Solver<C, Multipliers = X>,
-    ) -> Result<(), ConstraintError> {
-        *self = Keeper::new(self.system, constraint, state, choice)?;
+    ) -> Result<(), ConstraintError>
+    where
+        F: Clone,
+    {
+        *self = Keeper::new(self.system, constraint, state, choice, self.motion.clone())?;
         Ok(())
     }
 
@@ -171,15 +182,18 @@ where
         let t = self.here.t + h;
         let q0 = &self.here.q;
         let State { q, p, .. } = &mut self.next;
-        let (g, impulse) = (self.g.as_mut(), self.impulse.as_mut());
+        let (metric, space) = (self.system.metric(), self.system.space());
+        let (g, impulse, before) = (self.g.as_mut(), self.impulse.as_mut(), &mut self.before);
+        before.copy_from(p.view());
         impulse.fill(0.0);
         let mut iterations = 0;
         let mut last = f64::INFINITY;
         let eps = rounding(q0.as_ref());
         loop {
             q.clone_from(q0);
-            self.system.metric().drift(h, p.view(), self.displacement.view_mut());
-            self.system.space().advance(q.as_mut(), 1.0, self.displacement.view());
+            p.copy_from(before.view());
+            let room = self.displacement.view_mut();
+            self.motion.advance(metric, space, h, q.as_mut(), p.view_mut(), room)?;
             self.constraint.value(t, q.as_ref(), g);
             let distance = self.scales.distance(g);
             if distance.is_nan() {
@@ -201,7 +215,7 @@ where
             let per_time = h.recip();
             g.iter_mut().for_each(|g| *g *= per_time);
             self.here.solver.solve(g)?;
-            self.here.solver.add_pulled_back(-1.0, g, p.view_mut());
+            self.here.solver.add_pulled_back(-1.0, g, before.view_mut());
             impulse.iter_mut().zip(&*g).for_each(|(sum, delta)| *sum += delta);
             iterations += 1;
         }

@@ -43,9 +43,10 @@
 //! | [`ConstrainedHamilton`] | configurations | 1 | bounded | full rank on the way |
 //! | [`Rattle`] | to rounding | 2 | bounded | full rank on the way |
 //!
-//! Configurations move through the system's `Space` only, so that the same code serves rotations. A
-//! state that is not feasible is an error that says by how much, and [`Projection`] mends it on
-//! request. A step allocates nothing, and a failed one leaves the state as it was.
+//! Configurations move through the system's `Space` only, so that the same code serves rotations;
+//! where momenta turn on the way, [`Rattle`] takes a [`FreeMotion`] that knows how. A state that is
+//! not feasible is an error that says by how much, and [`Projection`] mends it on request. A step
+//! allocates nothing, and a failed one leaves the state as it was.
 //!
 //! What the examination of rank cannot see: with [`Few`] it is exact, at each accepted
 //! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees
@@ -78,6 +79,7 @@ mod projection;
 mod integrator;
 mod step_and_project;
 mod critical_point;
+mod free_motion;
 mod keeper;
 mod hamilton;
 mod rattle;
@@ -91,6 +93,7 @@ pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{DenseMultipliers, Few, Room};
 pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};
 pub use error::ConstraintError;
+pub use free_motion::{FreeMotion, Straight};
 pub use function::{Function, FunctionConstraint};
 pub use hamilton::ConstrainedHamilton;
 pub use integrator::{ConstrainedIntegrator, ConstrainedReport};

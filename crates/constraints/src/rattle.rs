@@ -2,19 +2,19 @@
 //!
 //! ```text
 //! p~ = p  - h/2 dV(q)  - J(q)^T A,        A such that g(t + h, q') = 0
-//! q' = q exp(h M^-1 p~)
-//! p' = p~ - h/2 dV(q') - J(q')^T B,       B such that J(q') M^-1 p' + dg/dt = 0
+//! (q', p^) = Phi_h(q, p~)                 q' = q exp(h M^-1 p~), p^ = p~ where motion is straight
+//! p' = p^ - h/2 dV(q') - J(q')^T B,       B such that J(q') M^-1 p' + dg/dt = 0
 //! lambda = (A + B)/h
 //! ```
-//! `q` configuration, `p` momentum covector (n), `J` the constraint's differential (m x n), `A B`
-//! impulses (m), `lambda` the multipliers of the mean force over the step (m): the tension of a rod
-//! is `2 L lambda` newtons, of order 2 at the middle of the step.
+//! `q` configuration, `p` momentum covector (n), `J` the constraint's differential (m x n), `Phi`
+//! the free motion, `A B` impulses (m), `lambda` the multipliers of the mean force over the step
+//! (m): the tension of a rod is `2 L lambda` newtons, of order 2 at the middle of the step.
 //!
 //! Order 2, symmetric, symplectic on the feasible set; keeps linear and angular momentum to
 //! rounding where potential and constraint do. One differential, one factorization and a few solves
-//! a step. Fails with an error where a step turns a rod by about half a radian or more. On a space
-//! of rotations the drift is the exponential of a constant velocity: that is the free motion where
-//! the metric is the same for all axes. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
+//! a step. Fails with an error where a step turns a rod by about half a radian or more. The free
+//! motion is [`Straight`] unless another [`FreeMotion`] is given: on a space of rotations it must
+//! be, or the gyroscopic torque is lost. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
 //! notes 6.5.
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};
@@ -25,7 +25,8 @@ use stationary_integrators::{
 
 use crate::keeper::{Keeper, check_step};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, Multipliers, Solver,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, FreeMotion, Multipliers,
+    Solver, Straight,
 };
 
 /// What is known of the method.
@@ -46,8 +47,8 @@ const FACTS: Facts = Facts {
 
 /// The RATTLE method with multipliers solved for by X.
 #[derive(Clone, Debug)]
-pub struct Rattle<'s, M, P, S, K, C, X: Multipliers> {
-    keeper: Keeper<'s, M, P, S, K, C, X>,
+pub struct Rattle<'s, M, P, S, K, C, X: Multipliers, F = Straight> {
+    keeper: Keeper<'s, M, P, S, K, C, X, F>,
     /// The impulse at the start of the step.
     start: X::Numbers,
     lambda: X::Numbers,
@@ -72,7 +73,32 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice)?;
+        Rattle::along(Straight, system, constraint, state, choice)
+    }
+}
+
+impl<'s, M, P, S, K, C, X, F> Rattle<'s, M, P, S, K, C, X, F>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    K: Constraint,
+    C: Storage,
+    X: Multipliers,
+    F: FreeMotion<M, S> + Clone,
+{
+    /// The method that drifts along another free motion.
+    ///
+    /// # Errors
+    /// Those of [`Rattle::new`].
+    pub fn along(
+        motion: F,
+        system: &'s System<M, P, S>,
+        constraint: K,
+        state: &State<C>,
+        choice: impl Solver<C, Multipliers = X>,
+    ) -> Result<Self, ConstraintError> {
+        let keeper = Keeper::new(system, constraint, state, &choice, motion)?;
         let lambda = X::Numbers::clone(&keeper.impulse);
         Ok(Rattle { start: lambda.clone(), keeper, lambda })
     }
@@ -100,7 +126,7 @@ where
     }
 }
 
-impl<M, P, S, K, C, X> ConstrainedIntegrator<C> for Rattle<'_, M, P, S, K, C, X>
+impl<M, P, S, K, C, X, F> ConstrainedIntegrator<C> for Rattle<'_, M, P, S, K, C, X, F>
 where
     M: Metric,
     P: Potential,
@@ -108,6 +134,7 @@ where
     K: Constraint,
     C: Storage,
     X: Multipliers,
+    F: FreeMotion<M, S>,
 {
     fn facts(&self) -> Facts {
         FACTS

@@ -1,4 +1,9 @@
-//! What can be wrong with a spring or a net.
+//! What can be wrong with a spring, a net, a material or a body.
+
+use stationary_calculus::{MetricError, NewtonError, SizeError, SparseError, UnknownVertex};
+use stationary_mesh::{MeshError, Places};
+
+use crate::Weave;
 
 /// A spring or a net that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -20,4 +25,148 @@ pub enum SpringError {
         /// Vertices across.
         columns: usize,
     },
+}
+
+/// A material, a body or a static problem that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ElasticityError {
+    /// A spring that cannot be.
+    #[error(transparent)]
+    Spring(#[from] SpringError),
+    /// A pair that gives energy away for some strain.
+    #[error(
+        "lambda = {lambda} Pa and mu = {mu} Pa in {dimensions} dimensions: mu and the bulk modulus \
+         must be positive and finite"
+    )]
+    Lame {
+        /// The first parameter, Pa.
+        lambda: f64,
+        /// The second parameter, Pa.
+        mu: f64,
+        /// The dimension that they are meant for.
+        dimensions: usize,
+    },
+    /// Poisson's ratio out of its bounds.
+    #[error("Poisson's ratio is {poisson}; it must be between -1 and {bound}, both excluded")]
+    Poisson {
+        /// The ratio.
+        poisson: f64,
+        /// What it must be below.
+        bound: f64,
+    },
+    /// Young's modulus must be positive and finite.
+    #[error("Young's modulus is {0} Pa; it must be positive and finite")]
+    Young(f64),
+    /// The neo-Hookean energy has no lower bound for so negative a Poisson's ratio in the plane.
+    #[error("a neo-Hookean sheet needs Poisson's ratio above -1/2; it is {poisson}")]
+    NeoHookean {
+        /// The ratio.
+        poisson: f64,
+    },
+    /// The corotated energy has no lower bound for a negative Poisson's ratio.
+    #[error("a corotated body needs a Poisson's ratio of at least 0; it is {poisson}")]
+    Corotated {
+        /// The ratio.
+        poisson: f64,
+    },
+    /// Moduli of a woven sheet that give energy away for some strain, or are not finite.
+    #[error("no woven sheet has these moduli: {0:?}")]
+    Weave(Weave),
+    /// A damping that would give energy, or is not finite.
+    #[error("the damping is {0}; it must be finite and not negative")]
+    Damping(f64),
+    /// A density must be positive and finite.
+    #[error("the density is {0}; it must be positive and finite")]
+    Density(f64),
+    /// A thickness or cross-section must be positive and finite.
+    #[error("the section is {0}; it must be positive and finite")]
+    Section(f64),
+    /// A bending stiffness must be positive and finite.
+    #[error("the bending stiffness is {0}; it must be positive and finite")]
+    Bending(f64),
+    /// Indices have 32 bits.
+    #[error("{vertices} vertices are more than 32-bit indices can tell apart")]
+    TooMany {
+        /// How many.
+        vertices: usize,
+    },
+    /// A coordinate that does not exist, is held twice, or nowhere.
+    #[error("component {component} of vertex {vertex} cannot be held at {place}")]
+    Held {
+        /// The vertex.
+        vertex: usize,
+        /// Its component.
+        component: usize,
+        /// Where it should be, m.
+        place: f64,
+    },
+    /// As many places as there are held coordinates.
+    #[error("{expected} coordinates are held, but {got} places given")]
+    HeldPlaces {
+        /// The held coordinates.
+        expected: usize,
+        /// The places.
+        got: usize,
+    },
+    /// A configuration of another size.
+    #[error("the configuration has {got} freedoms; there are {expected}")]
+    Freedoms {
+        /// The freedoms there are.
+        expected: usize,
+        /// Those that were given.
+        got: usize,
+    },
+    /// A mesh of another size.
+    #[error("{got} vertices were given; there are {expected}")]
+    Vertices {
+        /// The vertices there are.
+        expected: usize,
+        /// Those that were given.
+        got: usize,
+    },
+    /// Vertices that no element gives a mass to.
+    #[error("vertices that no element names: {0}")]
+    Massless(Places<usize>),
+    /// A load that is not finite.
+    #[error("the load at vertex {vertex} is not finite")]
+    Load {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A body that may still move as a whole.
+    #[error("{count} rigid motions are free: {names}")]
+    RigidMotions {
+        /// How many independent ones.
+        count: usize,
+        /// Translations and rotations by name.
+        names: String,
+    },
+    /// A load step that found no equilibrium.
+    #[error("load step {step} of {steps}: {source}")]
+    Statics {
+        /// The step, from 1.
+        step: usize,
+        /// How many there are.
+        steps: usize,
+        /// Why.
+        source: NewtonError,
+    },
+    /// No load steps at all.
+    #[error("a load needs at least one step")]
+    NoSteps,
+    /// A mesh that cannot be: among others its elements that are flat or inside out.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A stencil names a vertex that does not exist.
+    #[error(transparent)]
+    UnknownVertex(#[from] UnknownVertex),
+    /// Sizes that do not agree.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// A mass that is no metric.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+    /// A sparse matrix that cannot be assembled or factored.
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
 }

@@ -32,6 +32,9 @@ pub enum StepError {
         /// Steps a second.
         density: f64,
     },
+    /// Saved numbers that no run of this method on this system leaves behind.
+    #[error("the saved state does not fit: {0}")]
+    Saved(&'static str),
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),

@@ -86,6 +86,7 @@ mod quadrature;
 mod variational;
 mod action;
 mod boundary_value;
+mod damped_pattern;
 mod drag;
 mod load;
 mod impulse;
@@ -95,6 +96,7 @@ pub use boundary_value::{Stationary, StationaryPath};
 pub use collocation::Nodes;
 pub use composition::Composition;
 pub use convergence::{Convergence, ConvergenceRow, Delivered, deliver};
+pub use damped_pattern::DampedPattern;
 pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
 pub use drag::Drag;
 pub use error::{

@@ -113,6 +113,16 @@ impl Method {
         }
     }
 
+    /// The weights of a method that is Newmark's: with [`Newmark`] it takes forces beside the
+    /// potential.
+    pub fn newmark_weights(self) -> Option<NewmarkWeights> {
+        match self {
+            Method::Newmark => Some(AVERAGE),
+            Method::GeneralizedAlpha => Some(HALF_RADIUS),
+            _ => None,
+        }
+    }
+
     /// The method on a system; an implicit one factors dense matrices.
     pub fn integrator<'s, M: Metric, P: Potential, C: Storage + 's>(
         self,

@@ -21,9 +21,10 @@
 //! The acceleration is remembered from step to step: `a` belongs to a moment `af - am` steps before
 //! the end of its step. A step from another state than the last one left, or of another length,
 //! takes the state's own acceleration instead, at the price of one evaluation and of a power of h in
-//! that one step. A resumed run therefore agrees to rounding where am = af, and to the order of the
-//! method elsewhere. Forces are solved with a dense matrix only. What dF/dq and an unsymmetric dF/dv
-//! leave out costs iterations, which are bounded.
+//! that one step. A run that is resumed from the state alone therefore agrees to rounding where
+//! am = af, and to the order of the method elsewhere; with what [`Newmark::save`] gives beside the
+//! state it goes on to the same bits. What dF/dq and an unsymmetric dF/dv leave out costs iterations,
+//! which are bounded.
 //! Source: Newmark 1959; Chung and Hulbert 1993.
 
 use stationary_calculus::{
@@ -34,7 +35,7 @@ use stationary_calculus::{
 use crate::alpha_equation::AlphaEquation;
 use crate::integrator::{check_step, zeros};
 use crate::newmark_weights::NewmarkWeights;
-use crate::{Facts, Integrator, State, StepError, StepReport};
+use crate::{Facts, Integrator, Saved, State, StepError, StepReport};
 
 /// A method of Newmark's family.
 #[derive(Clone, Debug)]
@@ -65,8 +66,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force> Newmark<'s, M, P, C, F> 
         weights: NewmarkWeights,
         force: F,
     ) -> Result<Self, SizeError> {
-        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
-        Newmark::assembled(system, weights, Some(force), dense(system.dim())?)
+        Newmark::with_force_and_solver(system, weights, force, dense(system.dim())?)
     }
 }
 
@@ -89,6 +89,18 @@ fn dense<C: Storage>(n: usize) -> Result<DenseSolver<C>, SizeError> {
 impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
     Newmark<'s, M, P, C, F, L>
 {
+    /// The method on a system with a force beside its potential, with the caller's solver: a sparse
+    /// one is analysed with a [`DampedPattern`](crate::DampedPattern).
+    pub fn with_force_and_solver(
+        system: &'s System<M, P>,
+        weights: NewmarkWeights,
+        force: F,
+        solver: L,
+    ) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        Newmark::assembled(system, weights, Some(force), solver)
+    }
+
     fn assembled(
         system: &'s System<M, P>,
         weights: NewmarkWeights,
@@ -120,6 +132,39 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         let missing = SizeError { what: "the storage's numbers", expected: n, got };
         let memory = NewtonMemory::new(n, newton.iterations).ok_or(missing)?;
         Ok(Newmark { newton, memory, ..self })
+    }
+
+    /// What the next step depends on beside the state: the acceleration that the last one left, with
+    /// the state and the step that it belongs to.
+    pub fn save(&self) -> Saved {
+        let mut numbers = vec![self.left_step, self.left.t];
+        numbers.extend(self.left.q.as_ref());
+        numbers.extend(self.left.p.components());
+        numbers.extend(self.rate.components());
+        Saved { method: self.weights.facts().name.to_owned(), numbers }
+    }
+
+    /// Takes over what the same method on the same system had saved, and goes on from its state to
+    /// the same bits.
+    ///
+    /// # Errors
+    /// Another method's numbers, or another system's; the method is then as it was.
+    pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        if saved.method != self.weights.facts().name {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let n = self.equation.system.dim();
+        let [step, time, rest @ ..] = saved.numbers.as_slice() else {
+            return Err(StepError::Saved("it has no step"));
+        };
+        if rest.len() != 3 * n || saved.numbers.iter().any(|number| !number.is_finite()) {
+            return Err(StepError::Saved("it has other numbers than the system's"));
+        }
+        (self.left_step, self.left.t) = (*step, *time);
+        self.left.q.as_mut().copy_from_slice(&rest[..n]);
+        self.left.p.components_mut().copy_from_slice(&rest[n..2 * n]);
+        self.rate.components_mut().copy_from_slice(&rest[2 * n..]);
+        Ok(())
     }
 
     /// Whether the remembered acceleration is that of this state.

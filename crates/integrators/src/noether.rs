@@ -11,7 +11,8 @@
 //! per unit of the symmetry's parameter: a metre, a radian; `J` in units of momentum times xi's.
 //!
 //! What a [`Symmetry`] gives is all that anyone needs who conserves a momentum: its generator, and
-//! how that changes along a velocity. [`Asymmetry`] measures both sides of the theorem at one place:
+//! what it does to a velocity. On flat spaces that is `dxi v`, how the generator changes along v; where
+//! velocities are told in axes that turn with q, it is the rate of their components. [`Asymmetry`] measures both sides of the theorem at one place:
 //! the rate of J, and that rate relative to its terms, which is 1 where they do not cancel and
 //! rounding where the symmetry holds. It is measured where it is asked for, not everywhere: ask at
 //! more than one place.
@@ -27,7 +28,8 @@ pub trait Symmetry {
     /// Writes xi(q).
     fn generator(&self, q: &[f64], xi: Vector<&mut [f64]>);
 
-    /// Writes `dxi(q) v`: how the generator changes as q moves along v.
+    /// Writes `dxi(q) v`, the rate at which the symmetry changes a velocity's components: on flat
+    /// spaces, how the generator changes as q moves along v.
     fn generator_along(&self, q: &[f64], v: Vector<&[f64]>, dxi: Vector<&mut [f64]>);
 
     /// The momentum map `<p, xi(q)>`. Takes memory, unless the symmetry knows better.

@@ -65,7 +65,8 @@ impl Horizon {
         self.step
     }
 
-    fn time(&self, step: u64) -> f64 {
+    /// The time after this many of the steps, seconds: a product.
+    pub fn time(&self, step: u64) -> f64 {
         self.start + step as f64 * self.step
     }
 
@@ -96,7 +97,8 @@ pub struct Cost {
 }
 
 impl Cost {
-    fn add(&mut self, report: &StepReport) {
+    /// Adds a step.
+    pub fn add(&mut self, report: &StepReport) {
         self.steps += 1;
         self.differentials += u64::from(report.differentials);
         self.hessians += u64::from(report.hessians);

@@ -3,7 +3,8 @@
 use stationary_calculus::{Covector, Force, Newton, Sink, Vector};
 use stationary_integrators::problems::{kepler, oscillator, pendulum};
 use stationary_integrators::{
-    ImplicitMidpoint, Integrator, Newmark, NewmarkWeights, Stability, State, Trapezoid,
+    ImplicitMidpoint, Integrator, Newmark, NewmarkWeights, Saved, Stability, State, StepError,
+    Trapezoid,
 };
 
 /// Drag `-c v` and the load `f cos(w t)` on one freedom.
@@ -167,4 +168,40 @@ fn a_failed_step_leaves_the_state_and_what_is_remembered_as_they_were() {
     let mut method = method.with_newton(Newton::default()).unwrap();
     method.step(&mut state, 0.1).unwrap();
     assert_eq!(state, expected);
+}
+
+#[test]
+fn what_was_saved_goes_on_to_the_same_bits() {
+    let planet = kepler(0.6).unwrap();
+    let made = |weights| Newmark::new(&planet.system, weights).unwrap();
+    for weights in [alpha(0.5), alpha(1.0), NewmarkWeights::AVERAGE_ACCELERATION] {
+        let (mut whole, mut method) = (planet.initial.clone(), made(weights));
+        for _ in 0..40 {
+            method.step(&mut whole, 0.02).unwrap();
+        }
+        let (saved, mut resumed, mut fresh) = (method.save(), whole.clone(), made(weights));
+        fresh.load(&saved).unwrap();
+        for _ in 0..40 {
+            method.step(&mut whole, 0.02).unwrap();
+            fresh.step(&mut resumed, 0.02).unwrap();
+        }
+        assert_eq!(resumed, whole);
+    }
+}
+
+#[test]
+fn what_another_system_or_method_saved_is_refused() {
+    let (planet, spring) = (kepler(0.6).unwrap(), oscillator(1.0).unwrap());
+    let mut method = Newmark::<_, _, [f64; 2]>::new(&planet.system, alpha(0.5)).unwrap();
+    let before = method.save();
+    let other = Newmark::<_, _, [f64; 1]>::new(&spring.system, alpha(0.5)).unwrap().save();
+    let foreign =
+        Newmark::<_, _, [f64; 2]>::new(&planet.system, NewmarkWeights::AVERAGE_ACCELERATION);
+    let mut broken = before.clone();
+    broken.numbers[3] = f64::NAN;
+    let empty = Saved { numbers: Vec::new(), ..before.clone() };
+    for saved in [other, foreign.unwrap().save(), broken, empty] {
+        assert!(matches!(method.load(&saved), Err(StepError::Saved(_))), "{saved:?}");
+        assert_eq!(method.save(), before);
+    }
 }

@@ -12,17 +12,22 @@
 //! other way, and a fixed joint has other solutions, such as half a turn off: a motion that starts
 //! closed stays where it started.
 //!
-//! [`stationary_constraints::Rattle`] moves jointed bodies. Its drift keeps the angular velocity in
-//! body axes: of order 2 where a body turns about a principal axis or has equal moments. Elsewhere it
-//! leaves out the gyroscopic torque, and the motion is wrong: no integrator for such bodies is here.
+//! Multipliers are forces: those of the first three rows the force of end 2 on end 1, with its sign
+//! turned, in newtons and world axes; the others torques. [`Rattle`] along [`FreeBodies`] moves
+//! jointed bodies. Along [`Straight`](stationary_constraints::Straight) motions it loses the
+//! gyroscopic torque, which is nothing for equal moments and turns about a principal axis only.
 //! Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{FIXED, Sink};
 use stationary_constraints::{Constraint, Rows, Scale};
 
+#[cfg(doc)]
+use crate::FreeBodies;
 use crate::error::check_finite;
 use crate::{Attachment, BodySpace, LieGroup, RigidError};
+#[cfg(doc)]
+use stationary_constraints::Rattle;
 
 /// A joint between two bodies, or a body and the world.
 #[derive(Clone, Debug, PartialEq)]

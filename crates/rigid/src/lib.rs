@@ -7,12 +7,15 @@
 //! d/dt exp(theta) = exp(theta) [T(theta) theta.]                 angular velocity              (9.3)
 //! I w. + w x I w = -dV,   R. = R [w]                             Euler's equations             (9.4)
 //! T(-h w')^-T I w' = T(h w)^-T I w - h dV,   R' = R exp(h w)     made discrete                 (9.5)
+//! p <- p - J^T A,  free motion,  p <- p - J^T B,   g = 0, J v = 0   joints                (6.5, 9.2)
+//! J = <P, v> + <a, t x P + R m>                                  momentum maps                 (8.3)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
 //! ```
 //! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
 //! `theta` axis times angle, `R` an orientation, `w` the angular velocity and `I` the inertia in
-//! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the
-//! step. The numbers name sections of the notes.
+//! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the step;
+//! `A B` impulses of joints `g`, with differential `J`; `P m` linear and angular momenta, `F` a
+//! force. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};
@@ -32,9 +35,11 @@
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
 //! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
-//! potentials, forces and joints on them; the free top in closed form, and heavy tops; then free
-//! rotation by three maps, kicked in [`LieVerlet`], Munthe-Kaas and what games do for contrast;
-//! [`BodyMethod`], which names them all, and [`problems`].
+//! potentials, forces and joints on them, in space and in the plane, and the symmetries that they
+//! may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked
+//! in [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and
+//! what games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names
+//! them all, and [`problems`].
 //!
 //! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
 //! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.
@@ -58,6 +63,10 @@ mod weight;
 mod body_spring;
 mod point_force;
 mod joint;
+mod planar_weight;
+mod planar_joint;
+mod four_bar;
+mod symmetry;
 mod elliptic;
 mod free_top;
 mod symmetric_top;
@@ -67,6 +76,8 @@ mod free_rotation;
 mod variational;
 mod axis_rotations;
 mod exact_rotation;
+mod body_store;
+mod free_bodies;
 mod lie_verlet;
 mod munthe_kaas;
 mod renormalized_euler;
@@ -76,9 +87,12 @@ pub mod problems;
 pub use axis_rotations::AxisRotations;
 pub use body::{Body, PrincipalFrame};
 pub use body_spring::{Attachment, BodySpring};
+pub use body_store::BodyStore;
 pub use error::RigidError;
 pub use euler::EulerAngles;
 pub use exact_rotation::ExactRotation;
+pub use four_bar::FourBar;
+pub use free_bodies::FreeBodies;
 pub use free_rotation::{FreeRotation, Turned};
 pub use free_top::FreeTop;
 pub use group::LieGroup;
@@ -96,11 +110,14 @@ pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
 pub use motion::RigidMotion;
 pub use munthe_kaas::MuntheKaas4;
 pub use planar::{PlanarMotion, PlanarRotation};
+pub use planar_joint::{PlanarAttachment, PlanarJoint};
+pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
 pub use renormalized_euler::RenormalizedEuler;
 pub use rotation::Rotation;
 pub use space::{BodySpace, Orientations, Poses};
 pub use symmetric_top::{SymmetricTop, tilt};
+pub use symmetry::{Carried, PlanarCarried, Spun};
 pub use translation::Translation;
 pub use variational::ConstantVelocity;
 pub use weight::{Free, PointMass, Weight};

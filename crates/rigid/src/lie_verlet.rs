@@ -24,8 +24,8 @@ use std::marker::PhantomData;
 use stationary_calculus::{Covector, Potential, SizeError, System};
 use stationary_integrators::{Facts, Integrator, State, StepError, StepReport};
 
+use crate::free_bodies::move_freely;
 use crate::free_rotation::FreeRotation;
-use crate::metric::body_momentum;
 use crate::step::{accept, check_step};
 use crate::{BodyMetric, BodySpace};
 
@@ -64,28 +64,6 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation> LieVerlet<'s, P, S, R> {
         }
         self.next.p.add_scaled(-h, self.differential.view());
     }
-
-    #[inline]
-    fn move_freely(&mut self, h: f64) -> Result<StepReport, StepError> {
-        let mut report = StepReport::default();
-        for (i, body) in self.system.metric().bodies().iter().enumerate() {
-            let (q, p) = (&mut self.next.q, &mut self.next.p.0);
-            let turned = {
-                let (rotation, m) = (S::pose(q, i).rotation, body_momentum::<S>(p, i));
-                R::turn(body, rotation, m, h)?
-            };
-            let q = &mut q[S::STORED * i..][..S::STORED];
-            let p = &mut p[S::FREEDOMS * i..][..S::FREEDOMS];
-            for c in 0..S::TRANSLATION {
-                q[c] += h * body.inverse_mass() * p[c];
-            }
-            q[S::TRANSLATION..].copy_from_slice(&turned.rotation.quaternion());
-            p[S::TRANSLATION..].copy_from_slice(turned.momentum.as_slice());
-            report.hessians = report.hessians.max(turned.iterations);
-            report.residual = report.residual.max(turned.residual);
-        }
-        Ok(report)
-    }
 }
 
 impl<P: Potential, S: BodySpace, R: FreeRotation> Integrator<Vec<f64>> for LieVerlet<'_, P, S, R> {
@@ -98,7 +76,8 @@ impl<P: Potential, S: BodySpace, R: FreeRotation> Integrator<Vec<f64>> for LieVe
         self.next.clone_from(state);
         let mut differentials = 0;
         self.kick(0.5 * h, &mut differentials);
-        let report = self.move_freely(h)?;
+        let State { q, p, .. } = &mut self.next;
+        let report = move_freely::<S, R>(self.system.metric(), h, q, p.components_mut())?;
         self.kick(0.5 * h, &mut differentials);
         accept(state, &mut self.next, h)?;
         Ok(StepReport { differentials, ..report })

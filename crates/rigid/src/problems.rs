@@ -8,14 +8,17 @@
 //! | [`nodding_top`] | a heavy symmetric top let go | how far it nods |
 //! | [`precessing_top`] | the same top in steady precession | its rate |
 //! | [`kovalevskaya_top`] | Kovalevskaya's top | her fourth integral |
+//! | [`held_at_a_point`] | any body on a ball joint | its motion about the point; support's force |
+//! | [`top_on_its_tip`] | the top of above on a ball joint | the same as of above |
+//! | [`thrown_boxes`] | three boxes on a ball joint and a hinge, free | energy and momenta |
 
 use nalgebra::Vector3;
 use stationary_calculus::{Potential, System};
 use stationary_integrators::State;
 
 use crate::{
-    Body, BodyMetric, BodyMotion, BodySpace, Free, KovalevskayaTop, LieGroup, Orientations,
-    PointMass, RigidError, RigidMotion, Rotation, SymmetricTop, Weight,
+    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, KovalevskayaTop, LieGroup,
+    Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, SymmetricTop, Weight,
 };
 
 /// A system of bodies with initial data.
@@ -63,7 +66,7 @@ fn spinning(rotation: Rotation, angular_velocity: Vector3<f64>) -> BodyMotion {
 }
 
 /// A box of half sizes 0.1, 0.2 and 0.3 m and 1 kg that turns at (1, 2, 3) rad/s, free, for 5 s.
-pub fn tumbling_box() -> Result<BodyProblem<Free, crate::Poses>, RigidError> {
+pub fn tumbling_box() -> Result<BodyProblem<Free, Poses>, RigidError> {
     let body = Body::solid_box(1.0, [0.1, 0.2, 0.3])?;
     let motion = spinning(Rotation::identity(), Vector3::new(1.0, 2.0, 3.0));
     BodyProblem::new("tumbling-box", body, Free { freedoms: 6 }, motion, 5.0)
@@ -122,4 +125,105 @@ pub fn kovalevskaya_top() -> Result<BodyProblem<Weight<Orientations>, Orientatio
     let motion = spinning(rotation, Vector3::new(2.0, -1.0, 4.0));
     let potential = heavy(KOVALEVSKAYA.weight_moment, Vector3::x());
     BodyProblem::new("kovalevskaya-top", KOVALEVSKAYA.body()?, potential, motion, 20.0)
+}
+
+/// Bodies with joints and initial data that satisfy them.
+#[derive(Clone, Debug)]
+pub struct JointedProblem<P> {
+    /// Its name, with lower-case letters and hyphens.
+    pub name: &'static str,
+    /// Its metric and potential.
+    pub system: System<BodyMetric<Poses>, P, Poses>,
+    /// Its joints.
+    pub joints: Vec<Joint<Poses>>,
+    /// Where it starts.
+    pub initial: State<Vec<f64>>,
+    /// The time over which it is asked for, seconds.
+    pub horizon: f64,
+}
+
+impl<P: Potential> JointedProblem<P> {
+    /// The energy of a state, joules.
+    pub fn energy(&self, state: &State<Vec<f64>>) -> f64 {
+        self.system.energy(&state.q, state.p.view())
+    }
+}
+
+/// A body held at its point `point` (body axes) by a ball joint at the origin, at an orientation
+/// and an angular velocity (body axes), under a uniform gravity, for 5 s.
+pub fn held_at_a_point(
+    body: Body,
+    point: Vector3<f64>,
+    rotation: Rotation,
+    w: Vector3<f64>,
+    gravity: Vector3<f64>,
+) -> Result<JointedProblem<Weight<Poses>>, RigidError> {
+    let metric = BodyMetric::new(vec![body]);
+    let motion = BodyMotion {
+        pose: RigidMotion { translation: -rotation.rotate(&point), rotation },
+        velocity: -rotation.rotate(&w.cross(&point)),
+        angular_velocity: w,
+    };
+    let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, point)];
+    let joints = vec![Joint::ball(Poses, 1, ends)?];
+    let masses = vec![PointMass { mass: body.mass(), point: Vector3::zeros() }];
+    let initial = metric.state(&[motion])?;
+    let system = metric.under(Weight { gravity, masses, space: Poses })?;
+    Ok(JointedProblem { name: "held-at-a-point", system, joints, initial, horizon: 5.0 })
+}
+
+/// The top of [`nodding_top`] as a body of 1 kg with its tip on a ball joint, its axis let go with
+/// the rate `rate` of precession, rad/s.
+pub fn top_on_its_tip(rate: f64) -> Result<JointedProblem<Weight<Poses>>, RigidError> {
+    const GRAVITY: f64 = 9.81;
+    let (mass, tip) = (1.0, -Vector3::z() * (TOP.weight_moment / GRAVITY));
+    // About its centre, by the parallel-axis rule.
+    let across = TOP.across - mass * tip.norm_squared();
+    let body = Body::new(mass, [across, across, TOP.along])?;
+    let rotation = Rotation::exp(Vector3::x() * TILT);
+    let own = Vector3::z() * (SPIN - rate * TILT.cos());
+    let w = rotation.rotate_back(&(Vector3::z() * rate)) + own;
+    let problem = held_at_a_point(body, tip, rotation, w, Vector3::z() * -GRAVITY)?;
+    Ok(JointedProblem { name: "top-on-its-tip", ..problem })
+}
+
+/// Three boxes of unequal sides in a row, the first two on a ball joint and the last two on a hinge,
+/// thrown so that they tumble and fold, their common centre at rest; free, for 10 s.
+pub fn thrown_boxes() -> Result<JointedProblem<Free>, RigidError> {
+    let boxes = [[0.1, 0.2, 0.3], [0.2, 0.1, 0.15], [0.15, 0.25, 0.1]];
+    let bodies = boxes.iter().zip([1.0, 0.7, 1.3]).map(|(&half, mass)| Body::solid_box(mass, half));
+    let metric = BodyMetric::<Poses>::new(bodies.collect::<Result<_, _>>()?);
+    let end = |body: usize, side: f64| Vector3::x() * (side * boxes[body][0]);
+    let joint = |first: usize| {
+        [
+            Attachment::Body(first, end(first, 1.0)),
+            Attachment::Body(first + 1, end(first + 1, -1.0)),
+        ]
+    };
+    let ball = Joint::ball(Poses, 3, joint(0))?;
+    let hinge = Joint::hinge(Poses, 3, joint(1), [Vector3::y(); 2])?;
+    // Each box turns with the one before it, and against it as its joint allows.
+    let turns =
+        [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-2.0, 1.0, 0.5), Vector3::new(-2.0, 4.0, 0.5)];
+    let mut motions: Vec<BodyMotion> = Vec::new();
+    for (body, &w) in turns.iter().enumerate() {
+        let (centre, velocity) = match motions.last() {
+            None => (Vector3::zeros(), Vector3::zeros()),
+            Some(before) => {
+                let (out, back) = (end(body - 1, 1.0), end(body, -1.0));
+                let turned = before.angular_velocity.cross(&out) - w.cross(&back);
+                (before.pose.translation + out - back, before.velocity + turned)
+            }
+        };
+        let pose = RigidMotion { translation: centre, rotation: Rotation::identity() };
+        motions.push(BodyMotion { pose, velocity, angular_velocity: w });
+    }
+    let bodies = || metric.bodies().iter().zip(&motions);
+    let mass: f64 = metric.bodies().iter().map(Body::mass).sum();
+    let mean: Vector3<f64> = bodies().map(|(b, m)| m.velocity * (b.mass() / mass)).sum();
+    motions.iter_mut().for_each(|motion| motion.velocity -= mean);
+    let initial = metric.state(&motions)?;
+    let system = metric.under(Free { freedoms: 18 })?;
+    let joints = vec![ball, hinge];
+    Ok(JointedProblem { name: "thrown-boxes", system, joints, initial, horizon: 10.0 })
 }

@@ -174,7 +174,7 @@ fn two_cubes_fixed_to_each_other_keep_their_pose_and_their_angular_momentum() {
 }
 
 #[test]
-fn rattle_loses_the_gyroscopic_torque_of_unequal_moments() {
+fn along_straight_motions_rattle_loses_the_gyroscopic_torque_of_unequal_moments() {
     // A tumbling body held at its centre by a ball joint takes no force: it must turn as a free top.
     let error = |half| {
         let body = Body::solid_box(1.0, half).unwrap();

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let choices =
         [(Method::ExplicitEuler, 10.0), (Method::RungeKutta4, 40.0), (Method::StormerVerlet, 10.0)];
     for (method, step) in choices {
-        let run = scene.clone().with_method(method).with_step(step)?.run()?;
+        let run = scene.clone().with_method(method)?.with_step(step)?.run()?;
         let energies = run.energies();
         let (start, end) = (energies[0], energies[energies.len() - 1]);
         let last = run.positions(run.times().len() - 1);

@@ -2,15 +2,13 @@
 
 use std::collections::HashMap;
 
-use stationary_integrators::Method;
-
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
 use crate::number::Count;
 use crate::observable::{self, USUAL};
 use crate::particles::{self, Motion, Roster};
 use crate::scene::{Gravity, Scene, Timing};
-use crate::{Fault, check, nets, springs, units::Units};
+use crate::{Fault, bodies, check, joints, nets, rods, springs, stepping, units::Units};
 
 /// The scene that is declared. `name` stands for a title where there is none.
 pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
@@ -18,18 +16,15 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
-    let method = check::word(
-        "integrator",
-        declared.integrator.get_ref(),
-        declared.integrator.span(),
-        &Method::ALL.iter().map(|&method| (method.facts().name, method)).collect::<Vec<_>>(),
-    )?;
-
+    check_what_is_there(declared)?;
+    let stepping = stepping::declare(declared, dimension)?;
     let mut roster = Roster::default();
+    let (mut moving, edges) = bodies::declare(&mut roster, dimension, &declared.bodies)?;
+    let joints = joints::declare(dimension, &mut moving, &declared.joints)?;
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
     }
-    let written_out = roster.particles.len();
+    let written_out = if moving.is_empty() { roster.particles.len() } else { moving.len() };
     let mut links = Vec::new();
     for net in &declared.nets {
         nets::declare(&mut roster, &mut links, dimension, net)?;
@@ -37,13 +32,20 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
     for spring in &declared.springs {
         links.push(springs::declare(&roster, spring)?);
     }
+    let mut rods = Vec::new();
+    for rod in &declared.rods {
+        rods.push(rods::declare(&roster, &rods, rod)?);
+    }
     let gravity = gravity(declared, dimension, &roster)?;
+    let drag = declared.drag.as_ref();
+    let drag =
+        drag.map(|drag| check::positive("the coefficient", &drag.coefficient)).transpose()?;
     check_that_something_moves(declared, &roster)?;
 
     let observables = match &declared.observables {
         Some(declared) => declared
             .iter()
-            .map(|declared| observable::declare(&roster, declared))
+            .map(|declared| observable::declare(&roster, &rods, declared))
             .collect::<Checked<Vec<_>>>()?,
         None => USUAL.to_vec(),
     };
@@ -51,18 +53,48 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
         units: Units::declare(&declared.units)?,
-        method,
+        stepping,
         timing: timing(declared)?,
         gravity,
+        drag,
         particles: roster.particles,
         written_out,
         links,
+        rods,
+        bodies: moving.into_iter().map(|declared| declared.body).collect(),
+        joints,
+        edges,
         observables,
         view: view(declared, dimension)?,
     };
+    scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
     let place = declared.sample_every.as_ref().map_or(declared.step.span(), |every| every.span());
     scene.check_samples().map_err(|fault| at(place, fault))?;
     Ok(scene)
+}
+
+/// An error where what does not go together is there.
+fn check_what_is_there(declared: &Declaration) -> Checked<()> {
+    let Some(_) = declared.bodies.first() else {
+        return match declared.joints.first() {
+            Some(joint) => Err(at(joint.kind.span(), Fault::NoBodies)),
+            None => Ok(()),
+        };
+    };
+    let others = [
+        declared.particles.first().map(|particle| particle.name.span()),
+        declared.nets.first().map(|net| net.name.span()),
+        declared.springs.first().map(|spring| spring.between.span()),
+        declared.rods.first().map(|rod| rod.between.span()),
+        declared.drag.as_ref().map(|drag| drag.coefficient.span()),
+    ];
+    if let Some(place) = others.into_iter().flatten().next() {
+        return Err(at(place, Fault::Mixed));
+    }
+    match &declared.newtonian_gravity {
+        Some(gravity) => Err(at(gravity.constant.span(), Fault::BodyAttraction)),
+        None => Ok(()),
+    }
 }
 
 fn timing(declared: &Declaration) -> Checked<Timing> {
@@ -111,7 +143,7 @@ fn check_that_no_two_meet(roster: &Roster) -> Checked<()> {
 }
 
 fn check_that_something_moves(declared: &Declaration, roster: &Roster) -> Checked<()> {
-    let free = |motion: &Motion| matches!(motion, Motion::Free { .. });
+    let free = |motion: &Motion| *motion != Motion::Pinned;
     if roster.particles.iter().any(|particle| free(&particle.motion)) {
         return Ok(());
     }

@@ -3,6 +3,7 @@
 //! ```text
 //! trajectory.csv     time, particle, x, y, z      a row for each sample and particle
 //! observables.csv    time, then the columns of each observable, a row for each sample
+//! events.csv         time, the ends of a rod that broke, the tension that broke it
 //! ```
 
 use std::fs::File;
@@ -60,6 +61,19 @@ pub(crate) fn observables(run: &Run, out: &mut impl Write) -> io::Result<()> {
             write!(out, ",{x:?}")?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Every rod that broke.
+pub(crate) fn events(run: &Run, out: &mut impl Write) -> io::Result<()> {
+    let (scene, units) = (run.scene(), run.scene().units());
+    let headings = [format!("time [{}]", units.time), format!("tension [{}]", units.force())];
+    let [time, tension] = headings.map(|heading| quoted(&heading));
+    writeln!(out, "{time},broken from,broken to,{tension}")?;
+    for broken in run.broken() {
+        let [a, b] = scene.rods()[broken.rod].ends.map(|end| &scene.particles()[end].name);
+        writeln!(out, "{:?},{a},{b},{:?}", broken.time, broken.tension)?;
     }
     Ok(())
 }

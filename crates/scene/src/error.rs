@@ -1,8 +1,8 @@
 //! What can go wrong: with a file, with what it says, while it runs, and when the answer is written.
 //!
 //! ```text
-//! SceneError    no scene: the file cannot be read, or says something that cannot be ([`Diagnostic`])
-//! Fault         what it says that cannot be, without its place
+//! SceneError    no scene: the file cannot be read, or says something that cannot be ([`Diagnostic`],
+//!               whose [`Fault`](crate::Fault) stands in a file of its own)
 //! RunError      no complete run; what was computed before the failure is in it
 //! WriteError    the folder or a file in it cannot be written
 //! ```
@@ -13,8 +13,10 @@ use std::path::PathBuf;
 use stationary_calculus::{
     MetricError, NewtonError, NewtonFailure, SizeError, SparseError, UnknownVertex,
 };
+use stationary_constraints::ConstraintError;
 use stationary_elasticity::SpringError;
-use stationary_integrators::{HorizonError, StepError};
+use stationary_integrators::{AdaptiveError, ControlError, ForceError, StepError};
+use stationary_rigid::RigidError;
 
 use crate::{Diagnostic, Run, limits};
 
@@ -59,195 +61,6 @@ pub enum SceneError {
     Invalid(Box<Diagnostic>),
 }
 
-/// What is wrong with a scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Fault {
-    /// Not TOML, or a value of the wrong kind.
-    #[error("{message}")]
-    Syntax {
-        /// What was found and what was expected.
-        message: String,
-    },
-    /// A word outside the vocabulary, or a particle that is not there.
-    #[error("unknown {kind} `{word}`")]
-    UnknownWord {
-        /// What the word should have been.
-        kind: &'static str,
-        /// The word.
-        word: String,
-        /// The word that may have been meant.
-        nearest: Option<String>,
-        /// Every word that could stand here, where there are few.
-        allowed: Vec<String>,
-    },
-    /// A number that must be finite.
-    #[error("{what} is {value}; it must be finite")]
-    NotFinite {
-        /// What the number is.
-        what: &'static str,
-        /// The number.
-        value: f64,
-    },
-    /// A number that must be positive, finite, and so large that one over it is finite.
-    #[error("{what} is {value}; it must be positive and finite")]
-    NotPositive {
-        /// What the number is.
-        what: &'static str,
-        /// The number.
-        value: f64,
-    },
-    /// Space has one, two or three dimensions here.
-    #[error("the dimension is {0}; it must be 1, 2 or 3")]
-    Dimension(u64),
-    /// A vector of another length than the dimension.
-    #[error("{what} has {got} components in a scene of dimension {expected}")]
-    VectorLength {
-        /// What the vector is.
-        what: &'static str,
-        /// The dimension.
-        expected: usize,
-        /// Its length.
-        got: usize,
-    },
-    /// A name that could not stand in a table's heading.
-    #[error(
-        "a name is 1 to {} letters, digits, spaces, `-` and `_`, and starts with a letter or a digit",
-        limits::NAME
-    )]
-    Name,
-    /// A title or a unit that could not stand in a heading.
-    #[error("{what} is 1 to {} characters, none of them a control character", limits::TITLE)]
-    Title {
-        /// The title or the unit.
-        what: &'static str,
-    },
-    /// Two particles of one name.
-    #[error("there is already a particle called `{0}`")]
-    DuplicateName(String),
-    /// Two nets, or a net and a particle, of one name.
-    #[error("there is already a net called `{0}`")]
-    DuplicateNet(String),
-    /// A particle that can move has a mass.
-    #[error("`{0}` has no mass; only a pinned particle may go without")]
-    NoMass(String),
-    /// One of the two determines the other.
-    #[error("`{0}` has a velocity and a momentum; give one of them")]
-    VelocityAndMomentum(String),
-    /// A pinned particle stays where it is.
-    #[error("`{0}` is pinned and cannot move")]
-    PinnedMoves(String),
-    /// The attraction of a particle that is held in place would not keep momentum.
-    #[error("`{0}` is pinned; where particles attract each other, all of them must be free")]
-    PinnedAttraction(String),
-    /// Newtonian attraction has no value where particles meet.
-    #[error("`{second}` is in the same place as `{first}`, where their attraction is infinite")]
-    SamePlace {
-        /// The particle that was named first.
-        first: String,
-        /// The other one.
-        second: String,
-    },
-    /// The ends of a spring are one particle.
-    #[error("both ends of the spring are `{0}`")]
-    Loop(String),
-    /// A spring whose energy has a spike where it starts.
-    #[error("the spring starts with length zero, where its force has no direction")]
-    Spike,
-    /// A rest length outside its range.
-    #[error("the rest length is {0}; it must be positive, or zero with Cauchy strain")]
-    RestLength(f64),
-    /// A rest length that is not given and not determined by the start either.
-    #[error("the ends start in the same place, so that the spring needs a rest length")]
-    NoRestLength,
-    /// A spring joins two particles, a distance is between two.
-    #[error("{what} is between two particles, not {got}")]
-    NotAPair {
-        /// What needs two particles.
-        what: &'static str,
-        /// How many there are.
-        got: usize,
-    },
-    /// An observable such as `{ position = "a", velocity = "a" }`.
-    #[error("an observable has one word, such as `{{ position = \"a name\" }}`, not {0}")]
-    NotOneObservable(usize),
-    /// A net is at least two by two.
-    #[error("{what} is {got}; a net has at least two rows and two columns")]
-    NetSize {
-        /// Rows or columns.
-        what: &'static str,
-        /// How many.
-        got: u64,
-    },
-    /// A net has two directions.
-    #[error("a net needs a scene of dimension 2 or 3")]
-    NetDimension,
-    /// The cells of a net are squares.
-    #[error("the two sides of the net are not at a right angle")]
-    NotPerpendicular,
-    /// A direction has a length.
-    #[error("{what} is zero; a direction is not")]
-    NoDirection {
-        /// The direction.
-        what: &'static str,
-    },
-    /// Only a scene in space can be seen from several sides.
-    #[error("a view needs a scene of dimension 3")]
-    ViewDimension,
-    /// The horizon is a whole number of steps.
-    #[error("the horizon is {steps} steps of {step}; it must be a whole number of steps")]
-    NotWhole {
-        /// The step.
-        step: f64,
-        /// The horizon over the step.
-        steps: f64,
-    },
-    /// Too many of something.
-    #[error("{count} {what}; there may be at most {limit}")]
-    TooMany {
-        /// What there is too much of.
-        what: &'static str,
-        /// How many.
-        count: u64,
-        /// How many there may be.
-        limit: u64,
-    },
-    /// More samples than fit into memory.
-    #[error(
-        "the samples would be {numbers} numbers, of which at most {} are kept; sample every {enough} steps or more",
-        limits::SAMPLED_NUMBERS
-    )]
-    TooManySamples {
-        /// Numbers that would be kept.
-        numbers: u64,
-        /// A distance between samples that is large enough.
-        enough: u64,
-    },
-    /// Nothing there.
-    #[error("the scene has no particles: it needs [[particles]] or [[nets]]")]
-    Empty,
-    /// Nothing that can move.
-    #[error("every particle is pinned, so that nothing can move")]
-    AllPinned,
-}
-
-impl Fault {
-    pub(crate) fn too_many_steps(count: u64) -> Self {
-        Fault::TooMany { what: "steps", count, limit: limits::STEPS }
-    }
-}
-
-impl From<HorizonError> for Fault {
-    fn from(error: HorizonError) -> Self {
-        match error {
-            HorizonError::Step(value) => Fault::NotPositive { what: "the step", value },
-            HorizonError::Duration(value) => Fault::NotPositive { what: "the horizon", value },
-            HorizonError::NotWhole { step, steps, .. } => Fault::NotWhole { step, steps },
-            HorizonError::TooMany { steps, .. } => Fault::too_many_steps(steps as u64),
-        }
-    }
-}
-
 /// A scene that cannot be made into a system: its own checks leave little of this.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -272,9 +85,27 @@ pub enum AssemblyError {
     /// A spring to a vertex that is not there.
     #[error(transparent)]
     Vertex(#[from] UnknownVertex),
+    /// Rods or joints that cannot be, or a start that moves against them.
+    #[error(transparent)]
+    Constraint(#[from] ConstraintError),
+    /// A start that no method can leave.
+    #[error(transparent)]
+    Adaptive(#[from] AdaptiveError),
+    /// A tolerance or a force that is none.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A drag that is none.
+    #[error(transparent)]
+    Force(#[from] ForceError),
     /// The sparse matrix of an implicit step.
     #[error(transparent)]
     Sparse(#[from] SparseError),
+    /// A scene of bodies makes no problem of particles.
+    #[error("the scene is of bodies, which makes no problem of particles")]
+    Bodies,
+    /// A body or a joint that cannot be.
+    #[error(transparent)]
+    Rigid(#[from] RigidError),
 }
 
 /// A run that did not begin, or did not reach the horizon.
@@ -286,6 +117,60 @@ pub enum RunError {
     /// A step failed.
     #[error(transparent)]
     Interrupted(Box<Interruption>),
+    /// A step of bodies failed.
+    #[error(transparent)]
+    Stopped(Box<Stop>),
+}
+
+impl RunError {
+    /// What was computed before the failure.
+    pub fn partial(&self) -> Option<&Run> {
+        match self {
+            RunError::Assembly(_) => None,
+            RunError::Interrupted(interruption) => Some(&interruption.run),
+            RunError::Stopped(stop) => Some(&stop.run),
+        }
+    }
+}
+
+/// A step of bodies that failed, and what was computed before.
+#[derive(Debug, thiserror::Error)]
+#[error("step {step}, from t = {time} {unit}: {source}")]
+pub struct Stop {
+    /// The step, counted from 1.
+    pub step: u64,
+    /// The time at which it began, in the scene's unit.
+    pub time: f64,
+    /// The scene's unit of time.
+    pub unit: String,
+    /// Why it failed.
+    #[source]
+    pub source: ConstraintError,
+    /// The run up to there; its last sample is the state from which the step failed.
+    pub run: Box<Run>,
+}
+
+/// Why a step failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepFailure {
+    /// A method of equal steps.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// A method that chooses its steps.
+    #[error(transparent)]
+    Adaptive(#[from] AdaptiveError),
+    /// Rods that cannot be held.
+    #[error(transparent)]
+    Constraint(ConstraintError),
+}
+
+impl From<ConstraintError> for StepFailure {
+    fn from(error: ConstraintError) -> Self {
+        match error {
+            ConstraintError::Step(error) => StepFailure::Step(error),
+            other => StepFailure::Constraint(other),
+        }
+    }
 }
 
 /// A step that failed, where, and what was computed before.
@@ -303,9 +188,11 @@ pub struct Interruption {
     pub particle: String,
     /// The coordinate of that particle, from 0.
     pub coordinate: usize,
+    /// The rod that cannot be held, where it is one.
+    pub rod: Option<String>,
     /// Why it failed.
     #[source]
-    pub source: StepError,
+    pub source: StepFailure,
     /// The run up to there; its last sample is the state from which the step failed.
     pub run: Box<Run>,
 }
@@ -314,9 +201,9 @@ pub struct Interruption {
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 /// The error, with the first and the last residual where it has a list of them.
-fn brief(error: &StepError) -> String {
+fn brief(error: &StepFailure) -> String {
     let text = error.to_string();
-    let StepError::Newton(NewtonError { history, .. }) = error else {
+    let StepFailure::Step(StepError::Newton(NewtonError { history, .. })) = error else {
         return text;
     };
     let before = text.split("; residuals").next().unwrap_or_default();
@@ -328,12 +215,27 @@ fn brief(error: &StepError) -> String {
     }
 }
 
-/// The unknown at which Newton's method met a number that is not finite.
-pub(crate) fn unknown(error: &StepError) -> Option<usize> {
+/// The equation of a constraint that cannot be held, which is the rod's place among those left.
+pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
     match error {
-        StepError::Newton(NewtonError { failure: NewtonFailure::NonFinite(unknown), .. }) => {
-            Some(*unknown)
-        }
+        StepFailure::Constraint(
+            ConstraintError::Infeasible { row, .. }
+            | ConstraintError::InfeasibleVelocity { row, .. }
+            | ConstraintError::Singular { row, .. }
+            | ConstraintError::NotConverged { row, .. },
+        ) => Some(*row),
+        StepFailure::Constraint(ConstraintError::Dependent { row }) => *row,
+        _ => None,
+    }
+}
+
+/// The unknown at which Newton's method met a number that is not finite.
+pub(crate) fn unknown(error: &StepFailure) -> Option<usize> {
+    let StepFailure::Step(StepError::Newton(NewtonError { failure, .. })) = error else {
+        return None;
+    };
+    match failure {
+        NewtonFailure::NonFinite(unknown) => Some(*unknown),
         _ => None,
     }
 }
@@ -342,11 +244,15 @@ impl Interruption {
     fn reason(&self) -> String {
         let (particle, coordinate) = (&self.particle, COORDINATES[self.coordinate.min(2)]);
         match &self.source {
-            StepError::NonFiniteConfiguration { .. } => {
+            StepFailure::Step(StepError::NonFiniteConfiguration { .. }) => {
                 format!("the position of `{particle}` is not finite, first in {coordinate}")
             }
-            StepError::NonFiniteMomentum { .. } => {
+            StepFailure::Step(StepError::NonFiniteMomentum { .. }) => {
                 format!("the momentum of `{particle}` is not finite, first in {coordinate}")
+            }
+            other if self.rod.is_some() => {
+                let rod = self.rod.as_deref().unwrap_or_default();
+                format!("{}; that is the rod {rod}", brief(other))
             }
             other if unknown(other).is_some() => {
                 format!("{}; that is `{particle}` in {coordinate}", brief(other))

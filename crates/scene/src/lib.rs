@@ -31,17 +31,26 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`] | such as `"stormer-verlet"` |
-//! | `step`, `horizon` | times | the horizon is a whole number of steps |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"` or `"constrained-hamilton"`; of bodies in space one of [`stationary_rigid::BodyMethod`] | such as `"stormer-verlet"`, `"variational-rotation"`; the last two of particles are for rods |
+//! | `tolerance` | below 1 | for the three that choose their own steps, and only for them |
+//! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
-//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }` | energy and momenta where it is missing |
+//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration` | a vector |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
+//! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its velocity; for `newmark`, `generalized-alpha` and methods that choose their own steps |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned` | at rest where neither is given; `pinned = true` needs no mass |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
+//! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
+//! | `[[bodies]]` | `name`, `mass`, `box` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after a box's corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//!
+//! A scene has particles or bodies, not both. Bodies whose `velocity` is missing move as their joints
+//! have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"` in the
+//! plane, and in space a method that turns bodies symplectically.
 //!
 //! A file that says something else gets an answer like this one:
 //!
@@ -76,22 +85,30 @@
 //! The crate assembles and asks; it contains no mathematics of motion.
 
 mod diagnostic;
+mod fault;
 mod error;
 mod number;
 mod source;
 mod suggestion;
 
 mod assembly;
+mod bodies;
 mod check;
 mod declaration;
+mod joints;
 mod nets;
 mod observable;
 mod particles;
 mod scene;
+mod rods;
 mod springs;
+mod stepping;
 mod units;
 
+mod body_system;
+mod body_run;
 mod run;
+mod stepper;
 mod summary;
 mod system;
 
@@ -102,13 +119,18 @@ mod projection;
 pub mod limits;
 pub mod problems;
 
+pub use bodies::RigidBody;
 pub use diagnostic::{Diagnostic, Place};
-pub use error::{AssemblyError, Fault, Interruption, RunError, SceneError, WriteError};
+pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
+pub use fault::Fault;
+pub use joints::{JointKind, SceneJoint};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
-pub use run::{Progress, Run};
+pub use rods::Rod;
+pub use run::{BrokenRod, Progress, Run};
 pub use scene::{Gravity, Scene, Timing};
 pub use springs::Link;
+pub use stepping::{Adaptive, Constrained, Stepping};
 pub use summary::Summary;
 pub use system::{ScenePotential, SceneProblem};
 pub use units::Units;

@@ -7,6 +7,12 @@ pub const FILE_BYTES: u64 = 4 << 20;
 /// Particles, the vertices of nets included.
 pub const PARTICLES: u64 = 1_000_000;
 
+/// Freedoms of a scene that an implicit adaptive method steps: it factors full matrices.
+pub const FULL_MATRIX_FREEDOMS: usize = 1_000;
+
+/// The smallest tolerance; below it rounding decides.
+pub const TOLERANCE: f64 = 1e-14;
+
 /// Steps to the horizon.
 pub const STEPS: u64 = 10_000_000_000;
 

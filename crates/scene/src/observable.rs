@@ -11,8 +11,8 @@ use toml::Spanned;
 use crate::declaration::{ObservableDeclaration, ObservableTable};
 use crate::diagnostic::{Checked, at};
 use crate::error::COORDINATES;
-use crate::particles::Roster;
-use crate::{Fault, Scene, check};
+use crate::particles::{Motion, Roster};
+use crate::{Fault, Rod, Scene, check};
 
 /// A number, or a vector, of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,15 +33,19 @@ pub enum Observable {
     Velocity(usize),
     /// How far apart two particles are.
     Distance([usize; 2]),
+    /// The tension of a rod, negative for a thrust: that of the mean force over the last step.
+    Tension(usize),
+    /// How fast a body turns, in body axes; one column in the plane.
+    AngularVelocity(usize),
 }
 
 /// The observables of a scene that names none.
 pub(crate) const USUAL: [Observable; 3] =
     [Observable::Energy, Observable::LinearMomentum, Observable::AngularMomentum];
 
-/// The words that an observable may be. The last three stand here for the sake of errors: they are
+/// The words that an observable may be. The last five stand here for the sake of errors: they are
 /// never found, since no word has blanks and quotes in it.
-const WORDS: [(&str, Observable); 8] = [
+const WORDS: [(&str, Observable); 10] = [
     ("energy", Observable::Energy),
     ("kinetic-energy", Observable::KineticEnergy),
     ("potential-energy", Observable::PotentialEnergy),
@@ -50,11 +54,14 @@ const WORDS: [(&str, Observable); 8] = [
     ("{ position = \"a name\" }", Observable::Position(0)),
     ("{ velocity = \"a name\" }", Observable::Velocity(0)),
     ("{ distance = [\"a name\", \"a name\"] }", Observable::Distance([0, 0])),
+    ("{ tension = [\"a name\", \"a name\"] }", Observable::Tension(0)),
+    ("{ angular_velocity = \"a name\" }", Observable::AngularVelocity(0)),
 ];
 
 /// The observable that is declared.
 pub(crate) fn declare(
     roster: &Roster,
+    rods: &[Rod],
     declared: &Spanned<ObservableDeclaration>,
 ) -> Checked<Observable> {
     let table = match declared.get_ref() {
@@ -64,19 +71,26 @@ pub(crate) fn declare(
         }
         ObservableDeclaration::About(table) => table,
     };
-    match table {
-        ObservableTable { position: Some(name), velocity: None, distance: None } => {
-            Ok(Observable::Position(roster.find(name)?))
-        }
-        ObservableTable { position: None, velocity: Some(name), distance: None } => {
-            Ok(Observable::Velocity(roster.find(name)?))
-        }
-        ObservableTable { position: None, velocity: None, distance: Some(names) } => {
+    let ObservableTable { position, velocity, distance, tension, angular_velocity } = table;
+    match (position, velocity, distance, tension, angular_velocity) {
+        (Some(name), None, None, None, None) => Ok(Observable::Position(roster.find(name)?)),
+        (None, Some(name), None, None, None) => Ok(Observable::Velocity(roster.find(name)?)),
+        (None, None, Some(names), None, None) => {
             Ok(Observable::Distance(roster.pair("a distance", names)?))
         }
-        ObservableTable { position, velocity, distance } => {
+        (None, None, None, Some(names), None) => {
+            let [a, b] = roster.pair("a tension", names)?;
+            let rod = rods.iter().position(|rod| rod.ends == [a, b] || rod.ends == [b, a]);
+            rod.map(Observable::Tension).ok_or_else(|| at(names.span(), Fault::NoRod))
+        }
+        (None, None, None, None, Some(name)) => match roster.particles[roster.find(name)?].motion {
+            Motion::Carried { body, .. } => Ok(Observable::AngularVelocity(body)),
+            _ => Err(at(name.span(), Fault::NotABody(name.get_ref().clone()))),
+        },
+        _ => {
             let given = [position.is_some(), velocity.is_some(), distance.is_some()];
-            let words = given.into_iter().filter(|&given| given).count();
+            let given = given.into_iter().chain([tension.is_some(), angular_velocity.is_some()]);
+            let words = given.filter(|&given| given).count();
             Err(at(declared.span(), Fault::NotOneObservable(words)))
         }
     }
@@ -93,6 +107,10 @@ pub(crate) struct Moment<'a> {
     pub(crate) positions: &'a [[f64; 3]],
     /// Velocities of all particles, in the scene's order.
     pub(crate) velocities: &'a [[f64; 3]],
+    /// Tensions of all rods, in the scene's order; zero before the first step and once broken.
+    pub(crate) tensions: &'a [f64],
+    /// Angular velocities of all bodies, in body axes.
+    pub(crate) angular_velocities: &'a [[f64; 3]],
 }
 
 impl Observable {
@@ -125,6 +143,18 @@ impl Observable {
             Observable::Distance([a, b]) => {
                 vec![format!("distance {} to {} [{}]", name(a), name(b), units.length)]
             }
+            Observable::Tension(rod) => {
+                let [a, b] = scene.rods()[rod].ends;
+                vec![format!("tension {} to {} [{}]", name(a), name(b), units.force())]
+            }
+            Observable::AngularVelocity(body) => {
+                let what = format!("angular velocity of {}", scene.bodies()[body].name);
+                let unit = format!("rad/{}", units.time);
+                match scene.dimension() {
+                    3 => components(what, unit),
+                    _ => vec![format!("{what} [{unit}]")],
+                }
+            }
         }
     }
 
@@ -146,10 +176,15 @@ impl Observable {
             Observable::Velocity(particle) => {
                 row.extend(&moment.velocities[particle][..dimension]);
             }
+            Observable::Tension(rod) => row.push(moment.tensions[rod]),
             Observable::Distance([a, b]) => {
                 let (a, b) = (moment.positions[a], moment.positions[b]);
                 row.push((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>().sqrt());
             }
+            Observable::AngularVelocity(body) => row.extend(match dimension {
+                3 => &moment.angular_velocities[body][..],
+                _ => &moment.angular_velocities[body][2..],
+            }),
         }
     }
 }

@@ -14,7 +14,8 @@ use crate::{Fault, check};
 /// A point mass. Vectors have three components; those beyond the scene's dimension are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Particle {
-    /// Its name; the vertices of a net are called `net.row.column`, counted from 0.
+    /// Its name; the vertices of a net are called `net.row.column`, the points of a body
+    /// `body.number`, counted from 0.
     pub name: String,
     /// Where it starts.
     pub position: [f64; 3],
@@ -22,7 +23,7 @@ pub struct Particle {
     pub motion: Motion,
 }
 
-/// Whether a particle has freedoms.
+/// Whether a particle has freedoms of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// It moves.
@@ -34,6 +35,13 @@ pub enum Motion {
     },
     /// It stays where it is, whatever pulls.
     Pinned,
+    /// It is a point of a rigid body.
+    Carried {
+        /// The body, by its place in [`Scene::bodies`](crate::Scene::bodies).
+        body: usize,
+        /// The point, in body axes.
+        point: [f64; 3],
+    },
 }
 
 /// The particles of a scene in order, found by name, and the place of each in the text.

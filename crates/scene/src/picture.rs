@@ -1,4 +1,5 @@
-//! The picture of a run: paths, springs at the start and at the end, names, and a length to compare.
+//! The picture of a run: paths, springs or edges of bodies at the start and at the end, names, and
+//! a length to compare.
 //!
 //! One SVG file that needs nothing else, light on paper and dark where the reader prefers that.
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
@@ -124,15 +125,27 @@ impl<'a> Picture<'a> {
         self.on_paper(extent, self.projected(sample, particle))
     }
 
-    fn springs(&self, f: &mut fmt::Formatter<'_>, extent: &Extent) -> fmt::Result {
-        let links = self.run.scene().links();
-        if links.is_empty() {
-            return Ok(());
-        }
-        for (class, sample) in [("springs start", 0), ("springs end", self.samples() - 1)] {
+    /// Springs and rods at the start and at the end; a rod that broke is missing there.
+    fn links(&self, f: &mut fmt::Formatter<'_>, extent: &Extent) -> fmt::Result {
+        let (scene, last) = (self.run.scene(), self.samples() - 1);
+        let springs: Vec<[usize; 2]> = scene.lines().collect();
+        let broken = |rod: &usize| self.run.broken().iter().any(|broken| broken.rod == *rod);
+        let ends = |rod: usize| scene.rods()[rod].ends;
+        let all = 0..scene.rods().len();
+        let rods: Vec<[usize; 2]> = all.clone().map(ends).collect();
+        let left: Vec<[usize; 2]> = all.filter(|rod| !broken(rod)).map(ends).collect();
+        for (class, sample, bars) in [
+            ("springs start", 0, &springs),
+            ("springs end", last, &springs),
+            ("rods start", 0, &rods),
+            ("rods end", last, &left),
+        ] {
+            if bars.is_empty() {
+                continue;
+            }
             write!(f, "<path class=\"{class}\" d=\"")?;
-            for link in links.iter().step_by(links.len().div_ceil(SPRINGS)) {
-                let [a, b] = link.ends.map(|end| self.spot(extent, sample, end));
+            for ends in bars.iter().step_by(bars.len().div_ceil(SPRINGS)) {
+                let [a, b] = ends.map(|end| self.spot(extent, sample, end));
                 write!(f, "M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
             }
             writeln!(f, "\"/>")?;
@@ -240,7 +253,7 @@ impl<'a> Picture<'a> {
         )?;
         let line = format!(
             "{}, {} steps of {} {unit}, to t = {end} {unit}",
-            scene.method(),
+            scene.stepping(),
             self.run.cost().steps,
             scene.timing().step(),
         );
@@ -319,13 +332,21 @@ impl<'a> Picture<'a> {
             x += 40.0 + 7.0 * words.len() as f64;
             Ok(())
         };
+        // Half of the line faint, as at the start, and half strong, as at the end.
+        let bar = |kind: &str| {
+            let line = |class, from| format!("<path class=\"{kind} {class}\" d=\"M{from} 0h11\"/>");
+            line("start", 0) + &line("end", 11)
+        };
         if !self.free_followed().is_empty() {
             entry(f, "<circle class=\"first ink\" cx=\"12\" cy=\"0\" r=\"3\"/>", "start")?;
             entry(f, "<circle class=\"last\" cx=\"12\" cy=\"0\" r=\"4\"/>", "end")?;
         }
-        if !scene.links().is_empty() {
-            entry(f, "<path class=\"springs start\" d=\"M0 0H20\"/>", "springs, start")?;
-            entry(f, "<path class=\"springs end\" d=\"M0 0H20\"/>", "springs, end")?;
+        if scene.lines().next().is_some() {
+            let words = if scene.bodies().is_empty() { "springs" } else { "bodies" };
+            entry(f, &bar("springs"), words)?;
+        }
+        if !scene.rods().is_empty() {
+            entry(f, &bar("rods"), "rods")?;
         }
         if scene.particles().iter().any(|particle| particle.motion == Motion::Pinned) {
             let mark = "<rect class=\"pin\" x=\"9\" y=\"-3.5\" width=\"7\" height=\"7\"/>";
@@ -349,7 +370,7 @@ impl fmt::Display for Picture<'_> {
         self.header(f)?;
         match &self.extent {
             Some(extent) => {
-                self.springs(f, extent)?;
+                self.links(f, extent)?;
                 self.paths(f, extent)?;
                 self.spots(f, extent)?;
                 self.names(f, extent)?;
@@ -381,8 +402,11 @@ fn styles(f: &mut fmt::Formatter<'_>) -> fmt::Result {
     writeln!(f, ".title{{font-size:20px;font-weight:600}}.soft{{fill:var(--soft)}}")?;
     writeln!(f, ".mid{{text-anchor:middle}}.paper{{fill:var(--paper)}}")?;
     writeln!(f, ".name{{paint-order:stroke;stroke:var(--paper);stroke-width:3px}}")?;
-    writeln!(f, ".path,.springs,.bar{{fill:none;stroke-linejoin:round;stroke-linecap:round}}")?;
-    writeln!(f, ".path{{stroke-width:1.2}}.springs{{stroke-width:.9}}")?;
+    writeln!(
+        f,
+        ".path,.springs,.rods,.bar{{fill:none;stroke-linejoin:round;stroke-linecap:round}}"
+    )?;
+    writeln!(f, ".path{{stroke-width:1.2}}.springs{{stroke-width:.9}}.rods{{stroke-width:2}}")?;
     writeln!(f, ".start{{stroke:var(--start)}}.end{{stroke:var(--end)}}")?;
     writeln!(f, ".bar{{stroke:var(--soft);stroke-width:1.4}}.pin{{fill:var(--ink)}}")?;
     writeln!(f, ".first{{fill:var(--paper);stroke-width:1.4}}.ink{{stroke:var(--ink)}}")?;

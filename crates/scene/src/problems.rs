@@ -16,6 +16,12 @@ pub const OUTER_SOLAR_SYSTEM: &str = include_str!("../scenes/outer-solar-system.
 /// The text of the scene `spring-net.toml`.
 pub const SPRING_NET: &str = include_str!("../scenes/spring-net.toml");
 
+/// The text of the scene `thrown-racket.toml`, whose system is a body in space.
+pub const THROWN_RACKET: &str = include_str!("../scenes/thrown-racket.toml");
+
+/// The text of the scene `heavy-top.toml`, whose system is a body on a ball joint.
+pub const HEAVY_TOP: &str = include_str!("../scenes/heavy-top.toml");
+
 /// A scene that ships with the crate and does not make a problem.
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemError {

@@ -6,13 +6,14 @@ use std::path::Path;
 
 use stationary_calculus::{Covector, Metric, Potential, Vector, first_non_finite};
 use stationary_integrators::{
-    Cost, Observation, SimulationError, State, StepError, angular_momentum, angular_momentum_scale,
-    linear_momentum, linear_momentum_scale, simulate,
+    Cost, State, StepError, angular_momentum, angular_momentum_scale, linear_momentum,
+    linear_momentum_scale,
 };
 
-use crate::error::unknown;
+use crate::error::{StepFailure, equation, unknown};
 use crate::observable::Moment;
-use crate::system::{SceneProblem, Vertices, leading};
+use crate::stepper::Stepper;
+use crate::system::{SceneProblem, Vertices};
 use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 
 /// What a run has sampled, and what it cost.
@@ -20,7 +21,19 @@ use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
 pub struct Run {
     pub(crate) scene: Scene,
     pub(crate) samples: Samples,
-    cost: Cost,
+    pub(crate) broken: Vec<BrokenRod>,
+    pub(crate) cost: Cost,
+}
+
+/// A rod that broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrokenRod {
+    /// Its place in [`Scene::rods`].
+    pub rod: usize,
+    /// The end of the step in which it broke.
+    pub time: f64,
+    /// The tension that broke it, negative for a thrust.
+    pub tension: f64,
 }
 
 /// Samples in the order of time.
@@ -41,6 +54,24 @@ pub(crate) struct Samples {
     pub(crate) angular_scale: f64,
 }
 
+impl Samples {
+    /// Adds a moment, with what rounding in its momenta scales with.
+    pub(crate) fn push(&mut self, scene: &Scene, t: f64, moment: &Moment<'_>, scales: [f64; 2]) {
+        let d = scene.dimension;
+        self.times.push(t);
+        self.positions.extend(moment.positions.iter().flat_map(|x| &x[..d]));
+        self.kinetic.push(moment.kinetic);
+        self.potential.push(moment.potential);
+        self.linear.push(moment.linear);
+        self.angular.push(moment.angular);
+        for observable in &scene.observables {
+            observable.append(moment, d, &mut self.observed);
+        }
+        self.linear_scale = self.linear_scale.max(scales[0]);
+        self.angular_scale = self.angular_scale.max(scales[1]);
+    }
+}
+
 /// How far a run has come, shown after every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
@@ -50,7 +81,8 @@ pub struct Progress<'a> {
     pub steps: u64,
     /// The time.
     pub time: f64,
-    /// The configuration: D numbers for each particle that is free.
+    /// The configuration: D numbers for each particle that is free; of a body in the plane place and
+    /// angle, in space place and quaternion.
     pub q: &'a [f64],
 }
 
@@ -66,6 +98,7 @@ impl Scene {
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
         match self.dimension {
+            _ if !self.bodies.is_empty() => self.run_bodies(watch),
             1 => self.run_in::<1>(watch),
             2 => self.run_in::<2>(watch),
             _ => self.run_in::<3>(watch),
@@ -77,39 +110,45 @@ impl Scene {
         mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
         let problem = self.problem::<D>()?;
-        let mut integrator = self.integrator(&problem)?;
+        let mut stepper = Stepper::new(self, &problem)?;
         let (steps, every) = (self.timing.steps(), self.timing.sample_every());
         let mut state = problem.initial.clone();
         let mut recorder = Recorder::new(self, &problem);
         let mut cost = Cost::default();
         recorder.sample(&state);
-        let result = simulate(
-            &mut *integrator,
-            &mut state,
-            self.timing.stepping(),
-            |Observation { step, state, report }| {
-                cost.steps = step;
-                cost.differentials += u64::from(report.differentials);
-                cost.hessians += u64::from(report.hessians);
-                cost.energies += u64::from(report.energies);
-                cost.most_iterations = cost.most_iterations.max(report.hessians);
-                let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
-                if step % every == 0 || step == steps || flow.is_break() {
-                    recorder.sample(state);
+        let timing = self.timing.stepping();
+        for step in 1..=steps {
+            let (from, to) = (state.t, timing.time(step));
+            let stepped = match stepper.step(&mut state, timing.step(), to) {
+                Ok(stepped) => stepped,
+                Err(source) => {
+                    if recorder.samples.times.last().is_some_and(|&last| last < from) {
+                        recorder.sample(&state);
+                    }
+                    let failed = Failed { step, time: from, source };
+                    return Err(recorder.interrupt(failed, cost, &state));
                 }
-                flow
-            },
-        );
-        match result {
-            Ok(_) => Ok(recorder.finish(cost)),
-            Err(failure) => {
-                if recorder.samples.times.last().is_some_and(|&last| last < failure.time) {
-                    recorder.sample(&state);
-                }
-                Err(recorder.interrupt(failure, cost, &state))
+            };
+            state.t = to;
+            cost.add(&stepped.report);
+            recorder.feel(stepper.multipliers(), stepped.broken);
+            let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
+            if step % every == 0 || step == steps || flow.is_break() {
+                recorder.sample(&state);
+            }
+            if flow.is_break() {
+                break;
             }
         }
+        Ok(recorder.finish(cost))
     }
+}
+
+/// A step that failed.
+struct Failed {
+    step: u64,
+    time: f64,
+    source: StepFailure,
 }
 
 /// Takes samples of states.
@@ -120,6 +159,10 @@ struct Recorder<'a, const D: usize> {
     samples: Samples,
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
+    tensions: Vec<f64>,
+    /// The rods that are left, in the order of their multipliers.
+    left: Vec<usize>,
+    broken: Vec<BrokenRod>,
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
@@ -132,6 +175,21 @@ impl<'a, const D: usize> Recorder<'a, D> {
             samples: Samples { columns, ..Samples::default() },
             positions: scene.particles.iter().map(|particle| particle.position).collect(),
             velocities: vec![[0.0; 3]; scene.particles.len()],
+            tensions: vec![0.0; scene.rods.len()],
+            left: (0..scene.rods.len()).collect(),
+            broken: Vec::new(),
+        }
+    }
+
+    /// Takes the tensions of a step, and the rod that broke in it.
+    fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
+        if let Some(broken) = broken {
+            let rod = self.left.remove(broken.rod);
+            self.tensions[rod] = 0.0;
+            self.broken.push(BrokenRod { rod, ..broken });
+        }
+        for (&rod, lambda) in self.left.iter().zip(multipliers) {
+            self.tensions[rod] = 2.0 * self.scene.rods[rod].length * lambda;
         }
     }
 
@@ -155,39 +213,39 @@ impl<'a, const D: usize> Recorder<'a, D> {
             angular: angular_momentum::<D>(state),
             positions: &self.positions,
             velocities: &self.velocities,
+            tensions: &self.tensions,
+            angular_velocities: &[],
         };
-        let samples = &mut self.samples;
-        samples.times.push(state.t);
-        samples.positions.extend(self.positions.iter().flat_map(|&x| leading::<D>(x)));
-        samples.kinetic.push(moment.kinetic);
-        samples.potential.push(moment.potential);
-        samples.linear.push(moment.linear);
-        samples.angular.push(moment.angular);
-        for observable in &self.scene.observables {
-            observable.append(&moment, D, &mut samples.observed);
-        }
-        samples.linear_scale = samples.linear_scale.max(linear_momentum_scale::<D>(state));
-        samples.angular_scale = samples.angular_scale.max(angular_momentum_scale::<D>(state));
+        let scales = [linear_momentum_scale::<D>(state), angular_momentum_scale::<D>(state)];
+        self.samples.push(self.scene, state.t, &moment, scales);
     }
 
     fn finish(self, cost: Cost) -> Run {
-        Run { scene: self.scene.clone(), samples: self.samples, cost }
+        Run { scene: self.scene.clone(), samples: self.samples, broken: self.broken, cost }
     }
 
-    fn interrupt(self, failure: SimulationError, cost: Cost, state: &State<Vec<f64>>) -> RunError {
-        let freedom = match &failure.source {
-            StepError::NonFiniteConfiguration { freedom }
-            | StepError::NonFiniteMomentum { freedom } => *freedom,
+    fn interrupt(self, failed: Failed, cost: Cost, state: &State<Vec<f64>>) -> RunError {
+        let freedom = match &failed.source {
+            StepFailure::Step(
+                StepError::NonFiniteConfiguration { freedom }
+                | StepError::NonFiniteMomentum { freedom },
+            ) => *freedom,
             other => unknown(other).unwrap_or_else(|| self.most_accelerated(&state.q)),
         };
         let particle = self.vertices.particles[freedom / D];
+        let name = |particle: usize| &self.scene.particles[particle].name;
+        let rod = equation(&failed.source).and_then(|row| self.left.get(row)).map(|&rod| {
+            let [a, b] = self.scene.rods[rod].ends;
+            format!("from `{}` to `{}`", name(a), name(b))
+        });
         RunError::Interrupted(Box::new(Interruption {
-            step: failure.step,
-            time: failure.time,
+            step: failed.step,
+            time: failed.time,
             unit: self.scene.units.time.clone(),
-            particle: self.scene.particles[particle].name.clone(),
+            particle: name(particle).clone(),
             coordinate: freedom % D,
-            source: failure.source,
+            rod,
+            source: failed.source,
             run: Box::new(self.finish(cost)),
         }))
     }
@@ -265,6 +323,11 @@ impl Run {
         self.samples.observed.get(n * sample..n * (sample + 1)).unwrap_or_default()
     }
 
+    /// The rods that broke, in the order of time.
+    pub fn broken(&self) -> &[BrokenRod] {
+        &self.broken
+    }
+
     /// What the steps cost.
     pub fn cost(&self) -> Cost {
         self.cost
@@ -276,13 +339,16 @@ impl Run {
     }
 
     /// Writes `trajectory.csv`, `observables.csv` and `picture.svg` into a folder, which is made
-    /// where it is missing.
+    /// where it is missing, and `events.csv` where rods can break.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder)
             .map_err(|source| WriteError { path: folder.to_owned(), source })?;
         csv::write(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
         csv::write(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
+            csv::write(&folder.join("events.csv"), |out| csv::events(self, out))?;
+        }
         csv::write(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))
     }
 

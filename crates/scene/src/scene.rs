@@ -2,26 +2,35 @@
 
 use std::path::Path;
 
-use stationary_integrators::{Horizon, Method};
+use stationary_integrators::Horizon;
 
 use crate::assembly::assemble;
 use crate::declaration::Declaration;
 use crate::diagnostic::Checked;
 use crate::source::{self, diagnose};
-use crate::{Fault, Link, Motion, Observable, Particle, SceneError, Units, limits};
+use crate::{
+    Fault, Link, Motion, Observable, Particle, RigidBody, Rod, SceneError, SceneJoint, Stepping,
+    Units, limits,
+};
 
-/// Particles and what acts on them, a method, and what is asked for.
+/// Particles or bodies and what acts on them, a method, and what is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub(crate) title: String,
     pub(crate) dimension: usize,
     pub(crate) units: Units,
-    pub(crate) method: Method,
+    pub(crate) stepping: Stepping,
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
+    pub(crate) drag: Option<f64>,
     pub(crate) particles: Vec<Particle>,
     pub(crate) written_out: usize,
     pub(crate) links: Vec<Link>,
+    pub(crate) rods: Vec<Rod>,
+    pub(crate) bodies: Vec<RigidBody>,
+    pub(crate) joints: Vec<SceneJoint>,
+    /// Pairs of points of bodies that a picture joins.
+    pub(crate) edges: Vec<[usize; 2]>,
     pub(crate) observables: Vec<Observable>,
     pub(crate) view: [f64; 3],
 }
@@ -115,9 +124,11 @@ impl Scene {
         source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
     }
 
-    /// The same scene with another method.
-    pub fn with_method(self, method: Method) -> Scene {
-        Scene { method, ..self }
+    /// The same scene with another method, which must be one that moves such a scene.
+    pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
+        let scene = Scene { stepping: method.into(), ..self };
+        scene.check_stepping()?;
+        Ok(scene)
     }
 
     /// The same scene with another step, sampled at about the same times.
@@ -152,9 +163,9 @@ impl Scene {
         &self.units
     }
 
-    /// Its method.
-    pub fn method(&self) -> Method {
-        self.method
+    /// How it is stepped.
+    pub fn stepping(&self) -> Stepping {
+        self.stepping
     }
 
     /// Its step, horizon and samples.
@@ -167,7 +178,13 @@ impl Scene {
         self.gravity
     }
 
-    /// Its particles: those that are written out, in the file's order, then the vertices of nets.
+    /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
+    pub fn drag(&self) -> Option<f64> {
+        self.drag
+    }
+
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets; or
+    /// the centres of its bodies, then their points.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
     }
@@ -177,15 +194,38 @@ impl Scene {
         &self.links
     }
 
+    /// Its rods.
+    pub fn rods(&self) -> &[Rod] {
+        &self.rods
+    }
+
+    /// Its rigid bodies, in the file's order.
+    pub fn bodies(&self) -> &[RigidBody] {
+        &self.bodies
+    }
+
+    /// Its joints, in the file's order.
+    pub fn joints(&self) -> &[SceneJoint] {
+        &self.joints
+    }
+
     /// What a run writes down besides the positions.
     pub fn observables(&self) -> &[Observable] {
         &self.observables
     }
 
-    /// The number of its freedoms.
+    /// The number of its freedoms, of which joints take some.
     pub fn freedoms(&self) -> usize {
+        if !self.bodies.is_empty() {
+            return (if self.dimension == 3 { 6 } else { 3 }) * self.bodies.len();
+        }
         let free = |particle: &&Particle| matches!(particle.motion, Motion::Free { .. });
         self.dimension * self.particles.iter().filter(free).count()
+    }
+
+    /// The lines that a picture draws between particles: springs, or edges of bodies.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.links.iter().map(|link| link.ends).chain(self.edges.iter().copied())
     }
 
     /// The particles whose paths a picture shows: those written out and those observed.

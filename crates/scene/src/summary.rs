@@ -32,7 +32,7 @@ impl Summary {
             title: format!(
                 "{}\n{}, {} of {} steps of {} {unit}, to {end} {unit}",
                 scene.title(),
-                scene.method(),
+                scene.stepping(),
                 run.cost().steps,
                 timing.steps(),
                 timing.step(),
@@ -49,13 +49,29 @@ impl Summary {
 fn cost(run: &Run) -> Table {
     let scene = run.scene();
     let pinned = scene.particles().iter().filter(|p| p.motion == Motion::Pinned).count();
-    let implicit = scene.method().facts().evaluation == Evaluation::Implicit;
+    let implicit = scene.stepping().evaluation() == Evaluation::Implicit;
     let counted = |name| if implicit { Column::rounded(name, 1, 0.0) } else { Column::exact(name) };
     let count = |n: u64| if implicit { Cell::Number(n as f64) } else { Cell::Count(n) };
+    if !scene.bodies().is_empty() {
+        let mut table = Table::new([
+            Column::exact("bodies"),
+            Column::exact("joints"),
+            Column::exact("freedoms"),
+            counted("differentials"),
+        ]);
+        table.push([
+            (scene.bodies().len() as u64).into(),
+            (scene.joints().len() as u64).into(),
+            (scene.freedoms() as u64).into(),
+            count(run.cost().differentials),
+        ]);
+        return table;
+    }
     let mut table = Table::new([
         Column::exact("particles"),
         Column::exact("pinned"),
         Column::exact("springs"),
+        Column::exact("rods"),
         Column::exact("freedoms"),
         counted("differentials"),
         counted("hessians"),
@@ -64,6 +80,7 @@ fn cost(run: &Run) -> Table {
         (scene.particles().len() as u64).into(),
         (pinned as u64).into(),
         (scene.links().len() as u64).into(),
+        (scene.rods().len() as u64).into(),
         (scene.freedoms() as u64).into(),
         count(run.cost().differentials),
         count(run.cost().hessians),
@@ -96,11 +113,14 @@ fn invariants(run: &Run) -> Table {
 
     let gravity = run.scene().gravity().acceleration.is_some_and(|g| g != [0.0; 3]);
     let pinned = run.scene().particles().iter().any(|p| p.motion == Motion::Pinned);
-    let external = match (gravity, pinned) {
-        (false, false) => None,
-        (true, false) => Some("changed by gravity"),
-        (false, true) => Some("changed by the pins"),
-        (true, true) => Some("changed by gravity and the pins"),
+    let held = run.scene().joints().iter().any(|joint| joint.between.contains(&None));
+    let external = match (gravity, pinned, held) {
+        (false, false, false) => None,
+        (true, false, false) => Some("changed by gravity"),
+        (false, true, _) => Some("changed by the pins"),
+        (true, true, _) => Some("changed by gravity and the pins"),
+        (false, false, true) => Some("changed by the joints"),
+        (true, false, true) => Some("changed by gravity and the joints"),
     };
     let samples = &run.samples;
     let momenta = [

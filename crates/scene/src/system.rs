@@ -9,9 +9,12 @@
 use stationary_calculus::{
     Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
 };
+use stationary_constraints::Rods;
 use stationary_elasticity::Spring;
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{Evaluation, Integrator, NewtonianGravity, State, UniformGravity};
+use stationary_integrators::{
+    Evaluation, Integrator, Method, NewtonianGravity, State, UniformGravity,
+};
 
 use crate::{AssemblyError, Motion, Scene};
 
@@ -75,15 +78,24 @@ impl Vertices {
     }
 }
 
+/// Whether full matrices are factored, not sparse ones.
+pub(crate) fn few(freedoms: usize) -> bool {
+    freedoms <= 32
+}
+
 /// The first D components, D <= 3.
 pub(crate) fn leading<const D: usize>(x: [f64; 3]) -> [f64; D] {
     std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
 }
 
 impl Scene {
-    /// The scene as a problem of its dimension D, called `scene`. It knows no true solution, and
+    /// The scene as a problem of its dimension D, called `scene`: without drag and rods, which are no
+    /// part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
+        if !self.bodies.is_empty() {
+            return Err(AssemblyError::Bodies);
+        }
         if D != self.dimension {
             return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
         }
@@ -127,20 +139,30 @@ impl Scene {
         })
     }
 
-    /// The scene's method on its problem, with a sparse solver where that pays.
+    /// The scene's rods as a constraint on its problem.
+    pub fn constraint<const D: usize>(&self) -> Result<Rods<D>, AssemblyError> {
+        let vertices = Vertices::new(self);
+        let pinned = &vertices.particles[vertices.free..];
+        let fixed = pinned.iter().map(|&pin| leading::<D>(self.particles[pin].position)).collect();
+        let rods = self.rods.iter().map(|rod| {
+            let ends = rod.ends.map(|end| vertices.of_particle[end]);
+            stationary_constraints::Rod::new(ends, rod.length).with_strength(rod.strength)
+        });
+        Ok(Rods::new(vertices.free, fixed, rods.collect())?)
+    }
+
+    /// A method on the scene's problem, with a sparse solver where that pays.
     pub fn integrator<'s, const D: usize>(
         &self,
         problem: &'s SceneProblem<D>,
+        method: Method,
     ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
-        /// Freedoms up to which a full matrix is factored.
-        const FEW: usize = 32;
         let system = &problem.system;
-        let explicit = self.method.facts().evaluation == Evaluation::Explicit;
-        if explicit || system.dim() <= FEW {
-            return Ok(self.method.integrator(system)?);
+        if method.facts().evaluation == Evaluation::Explicit || few(system.dim()) {
+            return Ok(method.integrator(system)?);
         }
         let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
-        Ok(self.method.integrator_with(system, solver)?)
+        Ok(method.integrator_with(system, solver)?)
     }
 
     /// The largest distance of a particle from the middle of all; one where that is zero.

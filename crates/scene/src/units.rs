@@ -36,6 +36,11 @@ impl Units {
         format!("{} {}/{}", self.mass, self.length, self.time)
     }
 
+    /// Mass times length over time squared.
+    pub fn force(&self) -> String {
+        format!("{} {}/{}^2", self.mass, self.length, self.time)
+    }
+
     /// Mass times length squared over time.
     pub fn angular_momentum(&self) -> String {
         format!("{} {}^2/{}", self.mass, self.length, self.time)

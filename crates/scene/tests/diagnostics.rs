@@ -375,7 +375,7 @@ fn a_net_has_rows_columns_and_a_right_angle() {
 #[test]
 fn something_is_there_and_can_move() {
     let empty = HEAD.replace("= 2", "= <<2>>");
-    refused(&empty, "the scene has no particles: it needs [[particles]] or [[nets]]");
+    refused(&empty, "the scene has no particles: it needs [[particles]], [[nets]] or [[bodies]]");
     let hook = HOOK.replace("true", "<<true>>");
     refused(&format!("{HEAD}{hook}"), "every particle is pinned, so that nothing can move");
 }

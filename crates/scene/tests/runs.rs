@@ -231,7 +231,7 @@ fn implicit_methods_solve_large_scenes_with_sparse_matrices() {
     for size in [3, 6] {
         let scene = spring_net_scene(size, size).unwrap().with_horizon(0.08).unwrap();
         let explicit = scene.clone().with_step(1e-4).unwrap().run().unwrap();
-        let implicit = scene.with_method(Method::ImplicitMidpoint).run().unwrap();
+        let implicit = scene.with_method(Method::ImplicitMidpoint).unwrap().run().unwrap();
         let end = |run: &Run| run.positions(run.times().len() - 1).to_vec();
         for (a, b) in end(&explicit).iter().zip(&end(&implicit)) {
             assert!((a - b).abs() < 1e-4, "{a} and {b}");
@@ -374,8 +374,8 @@ fn a_test_of_a_scene_is_one_line() {
     A bob on a spring
     stormer-verlet, 300 of 300 steps of 0.01 s, to 3 s
 
-    particles  pinned  springs  freedoms  differentials  hessians
-    2          1       1        2         301            0
+    particles  pinned  springs  rods  freedoms  differentials  hessians
+    2          1       1        0     2         301            0
 
     invariant                    at the start  at the end  largest drift  relative to
     energy [kg m^2/s^2]          1.9620e0      1.9616e0    3.2e-4         the largest kinetic energy

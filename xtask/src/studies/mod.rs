@@ -1,15 +1,18 @@
 //! The studies of the report, in the order of the page.
 
 mod constraints;
+mod contact;
 mod convergence;
+mod damping;
 mod derivative;
-mod gimbal_lock;
+mod elasticity;
 mod hamilton;
 mod high_order;
 mod laplacian;
 mod long_run;
 mod modal;
 mod multiscale;
+mod net_in_honey;
 mod newmark_damping;
 mod newton;
 mod orbits;
@@ -51,13 +54,10 @@ pub const STUDIES: &[Entry<'static>] = &[
     stability::SPRING_PENDULUM,
     modal::MODES_NEEDED,
     modal::LARGE_MOTION,
-    laplacian::spectrum::STUDY,
-    laplacian::border::STUDY,
-    laplacian::cost::STUDY,
-    laplacian::maximum::STUDY,
-    laplacian::distance::STUDY,
     stability_regions::REGIONS,
+    damping::STUDY,
     stiff::WORK_PRECISION,
+    net_in_honey::STUDY,
     step_control::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
@@ -70,9 +70,34 @@ pub const STUDIES: &[Entry<'static>] = &[
     constraints::FOUR_BAR,
     constraints::CHAIN_COST,
     constraints::WHERE_THEY_FAIL,
+    rigid::ACCURACY,
+    rigid::GIMBAL_LOCK,
+    rigid::RODS_OR_BODY,
     rigid::LONG_RUN,
     rigid::WORK_PRECISION,
-    gimbal_lock::STUDY,
+    rigid::RACKET,
+    rigid::NUTATION,
+    rigid::KOVALEVSKAYA,
+    rigid::JOINTED,
+    contact::IMPACT_LAWS,
+    contact::BOUNCING_BALL,
+    contact::CONTACT_PENALTY,
+    contact::TUNNELLING,
+    contact::DETECTION_COST,
+    contact::PILE_SOLVERS,
+    contact::FRICTION_THRESHOLD,
+    elasticity::ORDERS,
+    elasticity::MEMBRANE,
+    elasticity::CANTILEVER,
+    elasticity::LOCKING,
+    elasticity::COMPRESSION,
+    elasticity::DISPERSION,
+    elasticity::SLINKY,
+    laplacian::spectrum::STUDY,
+    laplacian::border::STUDY,
+    laplacian::cost::STUDY,
+    laplacian::maximum::STUDY,
+    laplacian::distance::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

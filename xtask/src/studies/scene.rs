@@ -70,7 +70,15 @@ pub fn long_run(scene: &Scene, _: Size) -> Result<Study, StudyError> {
 }
 
 fn problem<const D: usize>(scene: &Scene) -> Result<SceneProblem<D>, StudyError> {
-    scene.problem::<D>().map_err(StudyError::at(scene.title()))
+    let beyond = match (scene.drag(), scene.rods()) {
+        (Some(_), _) => Some("drag"),
+        (None, [_, ..]) => Some("rods"),
+        (None, []) => None,
+    };
+    match beyond {
+        Some(what) => Err(StudyError::NotCompared { scene: scene.title().to_owned(), what }),
+        None => scene.problem::<D>().map_err(StudyError::at(scene.title())),
+    }
 }
 
 fn work_precision_in<const D: usize>(scene: &Scene, size: Size) -> Result<Study, StudyError> {
@@ -89,9 +97,8 @@ fn work_precision_in<const D: usize>(scene: &Scene, size: Size) -> Result<Study,
         || (0..).map(|k| count * (coarsest << k)).take_while(|&n| n <= count * per_sample * 8);
     let mut runs = Vec::new();
     for &method in Method::ALL {
-        let scene = scene.clone().with_method(method);
         let name = method.facts().name;
-        let integrator = scene.integrator(&problem).map_err(StudyError::at(name))?;
+        let integrator = scene.integrator(&problem, method).map_err(StudyError::at(name))?;
         runs.extend(run(&problem, method, integrator, steps(), longest)?);
     }
     let (table, counted, timed) = show(&runs, Method::ALL);
@@ -223,8 +230,7 @@ fn follow<const D: usize>(
     method: Method,
 ) -> Result<(Course, Drift, End), StudyError> {
     let name = method.facts().name;
-    let scene = scene.clone().with_method(method);
-    let mut integrator = scene.integrator(problem).map_err(StudyError::at(name))?;
+    let mut integrator = scene.integrator(problem, method).map_err(StudyError::at(name))?;
     let steps = scene.timing().steps();
     let horizon = Horizon::divided(problem.horizon, steps).map_err(StudyError::at(name))?;
     let mut state = problem.initial.clone();

@@ -42,7 +42,7 @@ const NO_SOLUTION: &str = "no solution found";
 const STEPS: usize = 400;
 
 /// Numbers equally spaced on a logarithmic axis.
-fn spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
+pub(super) fn spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
     let ratio = (to / from).ln() / (count - 1) as f64;
     (0..count).map(move |i| from * (ratio * i as f64).exp())
 }

@@ -94,7 +94,7 @@ impl Drawn {
     /// The factor by which a step multiplies the motion in the long run.
     fn growth(self, z: Complex<f64>) -> f64 {
         match self {
-            Drawn::DormandPrince => one_step(z),
+            Drawn::DormandPrince => dormand_prince_growth(z),
             Drawn::Radau => {
                 let numerator = z * (z / 20.0 + 0.4) + 1.0;
                 let denominator = z * (z * (-z / 60.0 + 0.15) - 0.6) + 1.0;
@@ -106,7 +106,7 @@ impl Drawn {
 }
 
 /// The growth in one step of the explicit method, beyond what its order fixes.
-fn one_step(z: Complex<f64>) -> f64 {
+pub(super) fn dormand_prince_growth(z: Complex<f64>) -> f64 {
     let field = Spiral(z);
     let Ok(mut method) = Drawn::DormandPrince.on(&field) else { return f64::NAN };
     match method.step(1.0) {

@@ -12,7 +12,7 @@ use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The error of the attitude against how close the turn passes by gimbal lock.
-pub const STUDY: Entry<'static> = Entry {
+pub const GIMBAL_LOCK: Entry<'static> = Entry {
     id: "gimbal-lock",
     krate: "rigid",
     chapter: "9.1",
@@ -108,11 +108,11 @@ fn study(_: Size) -> Result<Study, StudyError> {
         .with(Series::new("Euler angles", euler))
         .with(Series::new("group", group));
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
+        id: GIMBAL_LOCK.id,
+        krate: GIMBAL_LOCK.krate,
+        chapter: GIMBAL_LOCK.chapter,
+        kind: GIMBAL_LOCK.kind,
+        title: GIMBAL_LOCK.title.into(),
         conclusion: format!(
             "A body turns steadily by half a turn, in {STEPS} steps of a Runge-Kutta method of \
              order 4, and on its way its first axis passes the vertical at some distance. The rates \

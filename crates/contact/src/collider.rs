@@ -1,0 +1,78 @@
+//! A collider: a shape, who carries it, and what its surface is like.
+//!
+//! ```text
+//! world = pose of the body, then the place of the shape on it
+//! c = min(c1, c2),   mu = sqrt(mu1 mu2)          of a pair of surfaces
+//! ```
+//! `c` restitution, 0 to 1; `mu` friction. Both are properties of a pair of materials; where only
+//! single surfaces are known these rules combine them. Notes 11.4.2.
+
+use stationary_rigid::{LieGroup, RigidMotion};
+
+use crate::{ContactError, Shape};
+
+/// Who carries a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carrier {
+    /// The body of this number; the shape is placed in its axes.
+    Body(usize),
+    /// Nobody: the shape is placed in the world, and stays.
+    World,
+}
+
+/// A shape in the world.
+#[derive(Clone, Debug)]
+pub struct Collider {
+    /// Its shape.
+    pub shape: Shape,
+    /// Who carries it.
+    pub carrier: Carrier,
+    /// Where it is on its carrier.
+    pub place: RigidMotion,
+    /// Its restitution, 0 to 1.
+    pub restitution: f64,
+    /// Its friction, at least 0.
+    pub friction: f64,
+}
+
+impl Collider {
+    /// A shape in the axes of a body, inelastic and without friction.
+    pub fn on_body(body: usize, shape: Shape) -> Self {
+        let place = RigidMotion::identity();
+        Collider { shape, carrier: Carrier::Body(body), place, restitution: 0.0, friction: 0.0 }
+    }
+
+    /// A shape that stays where it is, perfectly elastic and perfectly rough, so that what touches it
+    /// decides.
+    pub fn fixed(place: RigidMotion, shape: Shape) -> Self {
+        Collider { shape, carrier: Carrier::World, place, restitution: 1.0, friction: 1.0 }
+    }
+
+    /// The same with this restitution.
+    pub fn with_restitution(self, restitution: f64) -> Self {
+        Collider { restitution, ..self }
+    }
+
+    /// The same with this friction.
+    pub fn with_friction(self, friction: f64) -> Self {
+        Collider { friction, ..self }
+    }
+
+    /// The body that carries it.
+    pub fn body(&self) -> Option<usize> {
+        match self.carrier {
+            Carrier::Body(body) => Some(body),
+            Carrier::World => None,
+        }
+    }
+
+    pub(crate) fn check(&self, contact: usize) -> Result<(), ContactError> {
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(ContactError::Restitution { contact, value: self.restitution });
+        }
+        if !(self.friction >= 0.0 && self.friction.is_finite()) {
+            return Err(ContactError::Friction { contact, value: self.friction });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! What can go wrong in this crate.
+
+use stationary_calculus::SizeError;
+use stationary_integrators::StepError;
+use stationary_rigid::RigidError;
+
+/// Input that is no contact problem, or a problem that could not be solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ContactError {
+    /// A coefficient of restitution lies between 0 and 1.
+    #[error("the restitution of contact {contact} is {value}; it lies between 0 and 1")]
+    Restitution {
+        /// The contact, counted from 0.
+        contact: usize,
+        /// Its coefficient.
+        value: f64,
+    },
+    /// A coefficient of friction is not negative.
+    #[error("the friction of contact {contact} is {value}; it is a finite number of at least 0")]
+    Friction {
+        /// The contact, counted from 0.
+        contact: usize,
+        /// Its coefficient.
+        value: f64,
+    },
+    /// No impulse moves what is immovable on both sides.
+    #[error("contact {contact} is between two things that no impulse moves")]
+    Immovable {
+        /// The contact, counted from 0.
+        contact: usize,
+    },
+    /// A differential has an entry for a freedom that the system does not have.
+    #[error("the differential of contact {contact} names freedom {freedom} of {freedoms}")]
+    NoSuchFreedom {
+        /// The contact, counted from 0.
+        contact: usize,
+        /// The freedom that it names.
+        freedom: usize,
+        /// The freedoms that there are.
+        freedoms: usize,
+    },
+    /// A number that is not finite.
+    #[error("{what}: number {index} is {value}")]
+    NonFinite {
+        /// What holds it.
+        what: &'static str,
+        /// Its place.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A mass matrix that is not positive definite.
+    #[error("the mass of freedom {freedom} and those coupled to it is not positive definite")]
+    Mass {
+        /// The first freedom of the block.
+        freedom: usize,
+    },
+    /// Contacts still approach when the bound on the iterations is reached.
+    #[error("{what}: after {iterations} iterations contacts are off by {residual} m/s")]
+    NotConverged {
+        /// Which iteration.
+        what: &'static str,
+        /// How many there were.
+        iterations: usize,
+        /// How far the conditions are from being met, m/s.
+        residual: f64,
+        /// The velocity that it had reached.
+        velocity: Vec<f64>,
+    },
+    /// A size of a shape that must be positive and finite.
+    #[error("the {what} of a {shape} is {value} m; it must be positive and finite")]
+    Length {
+        /// The shape.
+        shape: &'static str,
+        /// Which of its sizes.
+        what: &'static str,
+        /// The size.
+        value: f64,
+    },
+    /// A shape of no thickness, or with a hole.
+    #[error("the points of a {shape} enclose nothing")]
+    Flat {
+        /// The shape.
+        shape: &'static str,
+    },
+    /// A triangle names a vertex that the mesh does not have.
+    #[error("triangle {triangle} names vertex {vertex} of {vertices}")]
+    NoSuchVertex {
+        /// The triangle.
+        triangle: usize,
+        /// What it names.
+        vertex: usize,
+        /// The vertices that there are.
+        vertices: usize,
+    },
+    /// Bodies overlap where they must not.
+    #[error("{count} pairs overlap, bodies {first} and {second} by {depth} m")]
+    Overlap {
+        /// How many pairs.
+        count: usize,
+        /// One body of the deepest pair.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// How deep, m.
+        depth: f64,
+    },
+    /// Two shapes between which there is no query.
+    #[error("there is no contact between {first} and {second}")]
+    NoQuery {
+        /// One shape.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// A stiffness that must be positive and finite.
+    #[error("the stiffness is {0} N/m; it must be positive and finite")]
+    Stiffness(f64),
+    /// A tolerance that must be positive and finite.
+    #[error("the tolerance is {0}; it must be positive and finite")]
+    Tolerance(f64),
+    /// More impacts in a step than the bound allows.
+    #[error("more than {bound} impacts in the step that starts at {time} s")]
+    TooManyImpacts {
+        /// The bound.
+        bound: usize,
+        /// When the step starts.
+        time: f64,
+    },
+    /// A step of an integrator failed.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// Two sizes that must agree.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// A body or a pose that is none.
+    #[error(transparent)]
+    Rigid(#[from] RigidError),
+}
+
+/// An error unless every number is finite.
+pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), ContactError> {
+    match stationary_calculus::first_non_finite(numbers) {
+        Some(index) => Err(ContactError::NonFinite { what, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}

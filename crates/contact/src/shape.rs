@@ -1,0 +1,155 @@
+//! Shapes of space: balls, boxes, convex solids, half-spaces and triangle meshes.
+//!
+//! ```text
+//! ball        |x| <= r
+//! box         |x_k| <= a_k,  k = 1, 2, 3
+//! convex      the hull of points
+//! half-space  n.x <= 0
+//! mesh        a surface of triangles, seen from both sides
+//! ```
+//! Lengths in metres, in the axes of the body that carries the shape. What has no thickness, no
+//! direction or a number that is not finite is refused here, so that queries need not look again.
+
+use nalgebra::Vector3;
+use parry3d_f64::shape::{HalfSpace, SharedShape};
+
+use crate::ContactError;
+use crate::convert::vector;
+use crate::error::check_finite;
+
+/// A shape that queries accept.
+#[derive(Clone)]
+pub struct Shape {
+    geometry: SharedShape,
+    name: &'static str,
+}
+
+impl std::fmt::Debug for Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shape").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Shape {
+    /// A ball of this radius.
+    pub fn ball(radius: f64) -> Result<Self, ContactError> {
+        check_length("ball", "radius", radius)?;
+        Ok(Shape { geometry: SharedShape::ball(radius), name: "ball" })
+    }
+
+    /// A box of these half sizes.
+    pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
+        half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
+        Ok(Shape { geometry: SharedShape::cuboid(half[0], half[1], half[2]), name: "box" })
+    }
+
+    /// The convex hull of these points.
+    pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ContactError> {
+        let shape = "convex solid";
+        points.iter().try_for_each(|p| check_finite("a point of a convex solid", p.as_slice()))?;
+        if !spans_space(points) {
+            return Err(ContactError::Flat { shape });
+        }
+        let points: Vec<_> = points.iter().map(vector).collect();
+        let geometry = SharedShape::convex_hull(&points).ok_or(ContactError::Flat { shape })?;
+        Ok(Shape { geometry, name: shape })
+    }
+
+    /// The half-space on the side of the origin away from this normal, whose length does not matter.
+    pub fn half_space(normal: Vector3<f64>) -> Result<Self, ContactError> {
+        check_finite("the normal of a half-space", normal.as_slice())?;
+        check_length("half-space", "normal", normal.norm())?;
+        let normal = vector(&normal.normalize());
+        Ok(Shape { geometry: SharedShape::new(HalfSpace::new(normal)), name: "half-space" })
+    }
+
+    /// A surface of triangles.
+    pub fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Self, ContactError> {
+        let shape = "mesh";
+        vertices.iter().try_for_each(|v| check_finite("a vertex of a mesh", v.as_slice()))?;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            let mut places = [Vector3::zeros(); 3];
+            for (place, &vertex) in places.iter_mut().zip(corners) {
+                let vertex = vertex as usize;
+                let vertices_there = vertices.len();
+                *place = *vertices.get(vertex).ok_or(ContactError::NoSuchVertex {
+                    triangle,
+                    vertex,
+                    vertices: vertices_there,
+                })?;
+            }
+            let [a, b, c] = places;
+            if (b - a).cross(&(c - a)).norm() <= FLAT * (b - a).norm() * (c - a).norm() {
+                return Err(ContactError::Flat { shape });
+            }
+        }
+        let points = vertices.iter().map(vector).collect();
+        let geometry = SharedShape::trimesh(points, triangles.to_vec())
+            .map_err(|_| ContactError::Flat { shape })?;
+        Ok(Shape { geometry, name: shape })
+    }
+
+    /// What it is, in a word.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    pub(crate) fn geometry(&self) -> &SharedShape {
+        &self.geometry
+    }
+
+    pub(crate) fn plane(&self) -> Option<Vector3<f64>> {
+        self.geometry.as_halfspace().map(|half| crate::convert::from_vector(half.normal))
+    }
+}
+
+/// A thickness relative to the size below which points lie in a plane: rounding.
+const FLAT: f64 = 1e-12;
+
+fn check_length(shape: &'static str, what: &'static str, value: f64) -> Result<(), ContactError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ContactError::Length { shape, what, value })
+}
+
+/// Whether points are not all in one plane.
+fn spans_space(points: &[Vector3<f64>]) -> bool {
+    let Some((first, rest)) = points.split_first() else { return false };
+    let farthest = |size: &dyn Fn(&Vector3<f64>) -> f64| {
+        rest.iter().map(|p| p - first).max_by(|a, b| size(a).total_cmp(&size(b)))
+    };
+    let Some(a) = farthest(&|d| d.norm()) else { return false };
+    let Some(b) = farthest(&|d| a.cross(d).norm()) else { return false };
+    let normal = a.cross(&b);
+    let Some(c) = farthest(&|d| normal.dot(d).abs()) else { return false };
+    let flat = normal.norm() <= FLAT * a.norm_squared();
+    !flat && normal.dot(&c).abs() > FLAT * normal.norm() * a.norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_without_thickness_and_shapes_that_are_not_numbers_are_refused_by_name() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(Shape::ball(bad), Err(ContactError::Length { shape: "ball", .. })));
+            let flat = Shape::cuboid([1.0, bad, 1.0]);
+            assert!(matches!(flat, Err(ContactError::Length { shape: "box", .. })));
+        }
+        let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let mut points: Vec<_> = square.iter().map(|p| Vector3::new(p[0], p[1], 0.3)).collect();
+        let flat = ContactError::Flat { shape: "convex solid" };
+        assert_eq!(Shape::convex(&points).unwrap_err(), flat);
+        assert_eq!(Shape::convex(&points[..1]).unwrap_err(), flat);
+        points.push(Vector3::new(0.2, 0.2, 1.0));
+        assert!(Shape::convex(&points).is_ok());
+        assert!(Shape::half_space(Vector3::zeros()).is_err());
+        let corner = Shape::mesh(&points, &[[0, 1, 9]]).unwrap_err();
+        assert!(matches!(corner, ContactError::NoSuchVertex { vertex: 9, .. }), "{corner}");
+        assert!(matches!(Shape::mesh(&points, &[[0, 0, 1]]), Err(ContactError::Flat { .. })));
+        points[0].x = f64::NAN;
+        assert!(matches!(Shape::convex(&points), Err(ContactError::NonFinite { .. })));
+    }
+}

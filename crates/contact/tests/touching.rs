@@ -1,0 +1,198 @@
+//! Rigid bodies that rest, slide, roll and bounce on each other.
+
+#![cfg(feature = "3d")]
+
+use nalgebra::Vector3;
+use stationary_contact::{
+    Bodies, Collider, ContactError, Detector, Shape, TouchingBodies, TouchingReport,
+};
+use stationary_integrators::State;
+use stationary_rigid::{
+    Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
+};
+
+const G: f64 = 10.0;
+
+fn at(x: f64, y: f64, z: f64) -> RigidMotion {
+    RigidMotion { translation: Vector3::new(x, y, z), rotation: Rotation::identity() }
+}
+
+fn still(pose: RigidMotion) -> BodyMotion {
+    BodyMotion { pose, velocity: Vector3::zeros(), angular_velocity: Vector3::zeros() }
+}
+
+fn weighty(bodies: Vec<Body>, motions: &[BodyMotion]) -> (Bodies<Weight<Poses>>, State<Vec<f64>>) {
+    let masses =
+        bodies.iter().map(|b| PointMass { mass: b.mass(), point: Vector3::zeros() }).collect();
+    let gravity = Weight { gravity: -Vector3::z() * G, masses, space: Poses };
+    let metric = BodyMetric::new(bodies);
+    let state = metric.state(motions).unwrap();
+    (metric.under(gravity).unwrap(), state)
+}
+
+fn floor(normal: Vector3<f64>) -> Collider {
+    Collider::fixed(at(0.0, 0.0, 0.0), Shape::half_space(normal).unwrap())
+}
+
+fn cube() -> Body {
+    Body::solid_box(1.0, [0.5; 3]).unwrap()
+}
+
+fn ball(radius: f64) -> Body {
+    Body::new(1.0, [0.4 * radius * radius; 3]).unwrap()
+}
+
+/// A stack of cubes on the floor, with friction.
+fn stack(count: usize) -> (Bodies<Weight<Poses>>, State<Vec<f64>>, Detector) {
+    let motions: Vec<_> = (0..count).map(|k| still(at(0.0, 0.0, 0.5 + k as f64))).collect();
+    let (system, state) = weighty(vec![cube(); count], &motions);
+    let shape = Shape::cuboid([0.5; 3]).unwrap();
+    let mut colliders: Vec<_> =
+        (0..count).map(|body| Collider::on_body(body, shape.clone()).with_friction(0.5)).collect();
+    colliders.push(floor(Vector3::z()));
+    (system, state, Detector::new(colliders, count).unwrap())
+}
+
+#[test]
+fn twenty_boxes_stand_for_ten_thousand_steps_and_drift_by_less_than_a_millionth_of_a_box() {
+    let (system, mut state, detector) = stack(20);
+    let start = state.clone();
+    let mut bodies = TouchingBodies::new(&system, detector).unwrap();
+    let mut worst = TouchingReport::default();
+    for _ in 0..10_000 {
+        let report = bodies.step(&mut state, 1e-3).unwrap();
+        worst.residual = worst.residual.max(report.residual);
+        worst.coulomb = worst.coulomb.max(report.coulomb);
+        worst.overlap = worst.overlap.max(report.overlap);
+    }
+    let drift = state.q.iter().zip(&start.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let speed = state.p.0.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    println!("drift {drift:e}, speed {speed:e}, {worst:?}");
+    assert!(drift < 1e-6 && speed < 1e-9, "{drift} {speed}");
+    assert!(worst.residual < 1e-10 && worst.coulomb < 1e-10 && worst.overlap < 1e-9, "{worst:?}");
+}
+
+/// A block on an incline whose friction is mu: its speed after a second, and its largest gap.
+fn slide(angle: f64, mu: f64) -> (f64, f64) {
+    let tilt = Rotation::exp(Vector3::y() * angle);
+    let normal = tilt.rotate(&Vector3::z());
+    let pose = RigidMotion { translation: normal * 0.25, rotation: tilt };
+    let body = Body::solid_box(2.0, [0.5, 0.5, 0.25]).unwrap();
+    let (system, mut state) = weighty(vec![body], &[still(pose)]);
+    let block = Collider::on_body(0, Shape::cuboid([0.5, 0.5, 0.25]).unwrap());
+    // The pair's friction is the geometric mean.
+    let colliders = vec![block.with_friction(mu), floor(normal).with_friction(mu)];
+    let mut bodies = TouchingBodies::new(&system, Detector::new(colliders, 1).unwrap()).unwrap();
+    let mut gap = 0.0_f64;
+    for _ in 0..1000 {
+        let report = bodies.step(&mut state, 1e-3).unwrap();
+        assert!(report.coulomb < 1e-10 && report.residual < 1e-10, "{report:?}");
+        let contacts = bodies.detector().detect(&state.q, 1e-3).unwrap();
+        assert_eq!(contacts.len(), 4);
+        gap = contacts.iter().map(|c| c.gap.abs()).fold(gap, f64::max);
+    }
+    let v = Vector3::new(state.p.0[0], state.p.0[1], state.p.0[2]) / 2.0;
+    (v.norm(), gap)
+}
+
+#[test]
+fn a_block_sticks_below_the_friction_angle_and_slides_above_it_as_coulomb_says() {
+    let mu = 0.5_f64;
+    for angle in [0.1, 0.3, mu.atan() - 1e-3] {
+        let (speed, _) = slide(angle, mu);
+        assert!(speed < 1e-9, "{angle}: {speed}");
+    }
+    for angle in [mu.atan() + 1e-3, 0.6, 0.9] {
+        let (speed, gap) = slide(angle, mu);
+        let expected = G * (angle.sin() - mu * angle.cos());
+        assert!((speed - expected).abs() < 1e-6, "{angle}: {speed} against {expected}");
+        assert!(gap < 1e-9, "{angle}: {gap}");
+    }
+}
+
+#[test]
+fn a_ball_that_slides_comes_to_roll_at_five_sevenths_of_its_speed() {
+    let (radius, mu, speed) = (0.3, 0.2, 2.0);
+    let motion = BodyMotion { velocity: Vector3::x() * speed, ..still(at(0.0, 0.0, radius)) };
+    let (system, mut state) = weighty(vec![ball(radius)], &[motion]);
+    let round = Collider::on_body(0, Shape::ball(radius).unwrap()).with_friction(mu);
+    let colliders = vec![round, floor(Vector3::z()).with_friction(mu)];
+    let mut bodies = TouchingBodies::new(&system, Detector::new(colliders, 1).unwrap()).unwrap();
+    let rolls = 2.0 * speed / (7.0 * mu * G);
+    let mut began = None;
+    for _ in 0..1000 {
+        bodies.step(&mut state, 1e-3).unwrap();
+        let spin = state.p.0[4] / ball(radius).moments().y;
+        if began.is_none() && (state.p.0[0] - radius * spin).abs() < 1e-9 {
+            began = Some(state.t);
+        }
+    }
+    assert!((state.p.0[0] - 5.0 / 7.0 * speed).abs() < 1e-9, "{}", state.p.0[0]);
+    assert!((began.unwrap() - rolls).abs() <= 2e-3, "{began:?} {rolls}");
+}
+
+#[test]
+fn zero_restitution_does_not_rebound_body_on_ground_and_body_on_body() {
+    let motions = [still(at(0.0, 0.0, 0.5)), still(at(0.0, 0.0, 2.0))];
+    let (system, mut state) = weighty(vec![ball(0.5), ball(0.5)], &motions);
+    let round = |body| Collider::on_body(body, Shape::ball(0.5).unwrap());
+    let colliders = vec![round(0), round(1), floor(Vector3::z())];
+    let mut bodies = TouchingBodies::new(&system, Detector::new(colliders, 2).unwrap()).unwrap();
+    let mut landed = false;
+    for _ in 0..1000 {
+        bodies.step(&mut state, 1e-3).unwrap();
+        if landed {
+            assert!(state.q[9] < 1.5 + 1e-9 && state.p.0[8] < 1e-9, "{}", state.q[9]);
+        }
+        landed |= state.q[9] < 1.5 + 1e-9;
+    }
+    assert!(landed && state.p.0[8].abs() < 1e-9 && (state.q[9] - 1.5).abs() < 1e-9);
+}
+
+#[test]
+fn a_bouncing_ball_rebounds_to_c_squared_of_its_height() {
+    let (system, mut state) = weighty(vec![ball(0.25)], &[still(at(0.0, 0.0, 1.25))]);
+    let round = Collider::on_body(0, Shape::ball(0.25).unwrap()).with_restitution(0.8);
+    let colliders = vec![round, floor(Vector3::z())];
+    let mut bodies = TouchingBodies::new(&system, Detector::new(colliders, 1).unwrap()).unwrap();
+    let (mut bounced, mut top) = (false, 0.0_f64);
+    for _ in 0..800 {
+        bounced |= bodies.step(&mut state, 1e-3).unwrap().impacts > 0;
+        top = if bounced { top.max(state.q[2] - 0.25) } else { 0.0 };
+    }
+    assert!((top - 0.64).abs() < 0.01, "{top}");
+}
+
+#[test]
+fn an_obstacle_pushes_and_reports_its_work() {
+    let pusher = BodyMotion { velocity: Vector3::x() * 0.5, ..still(at(0.0, 0.0, 0.0)) };
+    let (_, state) = weighty(vec![cube(), cube()], &[pusher, still(at(1.2, 0.0, 0.0))]);
+    let metric = BodyMetric::<Poses>::new(vec![cube(), cube()]);
+    let system = metric.under(stationary_rigid::Free { freedoms: 12 }).unwrap();
+    let mut state = state;
+    let shape = Shape::cuboid([0.5; 3]).unwrap();
+    let colliders = (0..2).map(|body| Collider::on_body(body, shape.clone())).collect();
+    let mut bodies = TouchingBodies::new(&system, Detector::new(colliders, 2).unwrap())
+        .unwrap()
+        .with_obstacles(vec![0])
+        .unwrap();
+    let mut work = 0.0;
+    for _ in 0..1000 {
+        work += bodies.step(&mut state, 1e-3).unwrap().work;
+    }
+    assert_eq!(state.p.0[0], 0.5, "nothing slows it down");
+    assert!((state.p.0[6] - 0.5).abs() < 1e-12);
+    // The force moves with the obstacle's speed: m v^2, half of it lost in the inelastic impact.
+    assert!((work - 0.25).abs() < 1e-12, "{work}");
+}
+
+#[test]
+fn bad_steps_leave_the_state() {
+    let (system, mut state, detector) = stack(2);
+    let start = state.clone();
+    let mut bodies = TouchingBodies::new(&system, detector).unwrap();
+    assert!(matches!(bodies.step(&mut state, -1.0), Err(ContactError::Step(_))));
+    state.p.0[3] = f64::NAN;
+    assert!(matches!(bodies.step(&mut state, 1e-3), Err(ContactError::NonFinite { .. })));
+    assert_eq!(state.q, start.q);
+}

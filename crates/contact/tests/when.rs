@@ -1,0 +1,148 @@
+//! A ball that falls and bounces, for each choice of when the impulse is given (notes 11.4).
+
+use stationary_calculus::{DiagonalMetric, System, loglog_slope};
+use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
+use stationary_integrators::{State, UniformGravity};
+
+type Fall = System<DiagonalMetric<Vec<f64>>, UniformGravity<1>>;
+const G: f64 = 10.0;
+
+fn fall(balls: usize) -> Fall {
+    let potential = UniformGravity { acceleration: [-G], masses: vec![1.0; balls] };
+    System::new(DiagonalMetric::new(vec![1.0; balls]).unwrap(), potential).unwrap()
+}
+
+fn floor(balls: usize) -> Inequality<Balls<1>> {
+    let wall = Wall { normal: [1.0], offset: 0.0 };
+    Inequality(Balls::new(vec![0.25; balls], vec![wall]).unwrap())
+}
+
+/// The largest height of the ball between its first and its second bounce.
+fn rebound(when: When, c: f64, h: f64) -> f64 {
+    let (system, gaps) = (fall(1), floor(1));
+    let law = ImpactLaw::GeneralizedReflections;
+    let mut impacting = Impacting::new(&system, &gaps, c, law, when).unwrap();
+    let mut state = State::new(vec![1.25], vec![0.0]);
+    let (mut hits, mut energy) = (0, 0.0_f64);
+    while hits < 2 && state.t < 3.0 {
+        hits += impacting.step(&mut state, h).unwrap().impacts;
+        if hits == 1 {
+            energy = energy.max(state.p.0[0].powi(2) / (2.0 * G) + state.q[0] - 0.25);
+        }
+    }
+    energy
+}
+
+#[test]
+fn the_rebound_height_is_c_squared_to_1e_minus_9_at_the_instant_and_to_order_h_otherwise() {
+    for c in [0.5, 0.9, 1.0] {
+        for h in [0.0371, 0.0123, 1e-3] {
+            let height = rebound(When::AtTheInstant, c, h);
+            assert!((height - c * c).abs() < 1e-9, "{c} {h}: {height}");
+        }
+        if c == 1.0 {
+            // An elastic impact after overlap keeps energy, and so the height, whenever it comes.
+            assert!((rebound(When::AfterOverlap, c, 0.0123) - 1.0).abs() < 1e-12);
+            continue;
+        }
+        for when in [When::AfterOverlap, When::VelocityFilter] {
+            // The largest error over steps of about a size: how a step happens to fall does not count.
+            let worst = |h: f64| {
+                let steps = (0..8).map(|k| h * (1.0 - 0.0371 * f64::from(k)));
+                steps.map(|h| (rebound(when, c, h) - c * c).abs()).fold(0.0, f64::max)
+            };
+            let points: Vec<_> =
+                (0..5).map(|k| 1e-2 / f64::from(1 << k)).map(|h| (h, worst(h))).collect();
+            let slope = loglog_slope(&points).unwrap();
+            assert!((slope - 1.0).abs() < 0.2, "{when:?} {c}: {slope} {points:?}");
+        }
+    }
+}
+
+#[test]
+fn zenos_ball_comes_to_rest_at_the_closed_forms_time_after_finitely_many_impacts() {
+    let (c, h): (f64, f64) = (0.5, 0.01);
+    let (system, gaps) = (fall(1), floor(1));
+    let law = ImpactLaw::GeneralizedReflections;
+    let mut impacting = Impacting::new(&system, &gaps, c, law, When::AtTheInstant).unwrap();
+    let mut state = State::new(vec![1.25], vec![0.0]);
+    let first = (2.0 / G).sqrt();
+    let total = first * (1.0 + c) / (1.0 - c);
+    let (mut impacts, mut last, mut rested) = (0, 0.0, false);
+    for _ in 0..200 {
+        let report = impacting.step(&mut state, h).unwrap();
+        impacts += report.impacts;
+        if report.impacts > 0 && !rested {
+            last = report.last_impact;
+        }
+        rested |= report.rested;
+    }
+    assert!((last - total).abs() < 5e-6, "{last} against {total}");
+    // Speeds halve from 4.5 m/s to those of bounces of 1e-12 m: 20 halvings.
+    assert!(rested && impacts < 25, "{impacts}");
+    assert!((state.q[0] - 0.25).abs() < 1e-12 && state.p.0[0].abs() < 1e-12, "{state:?}");
+}
+
+#[test]
+fn what_rests_stays_for_ten_thousand_steps_and_does_not_rattle() {
+    for &when in &[When::AtTheInstant, When::VelocityFilter] {
+        for c in [0.0, 0.5, 1.0] {
+            let (system, gaps) = (fall(2), floor(2));
+            let law = ImpactLaw::GeneralizedReflections;
+            let mut impacting = Impacting::new(&system, &gaps, c, law, when).unwrap();
+            let mut state = State::new(vec![0.25, 0.75], vec![0.0; 2]);
+            for _ in 0..10_000 {
+                impacting.step(&mut state, 1e-3).unwrap();
+                assert!(state.p.0.iter().all(|p| p.abs() < 1e-12), "{when:?} {c} {state:?}");
+            }
+            assert!((state.q[0] - 0.25).abs() < 1e-10 && (state.q[1] - 0.75).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn the_filter_never_overlaps_at_any_speed() {
+    for speed in [1.0, 1e2, 1e4, 1e6] {
+        for c in [0.0, 0.7, 1.0] {
+            let (system, gaps) = (fall(3), floor(3));
+            let law = ImpactLaw::GeneralizedReflections;
+            let filter = When::VelocityFilter;
+            let mut impacting = Impacting::new(&system, &gaps, c, law, filter).unwrap();
+            let mut state = State::new(vec![0.3, 1.1, 1.9], vec![0.0, -speed, -0.5 * speed]);
+            for _ in 0..500 {
+                impacting.step(&mut state, 1e-3).unwrap();
+                let smallest = gaps.gaps(0.0, &state.q).into_iter().fold(f64::MAX, f64::min);
+                assert!(smallest > -1e-11 * state.q[2].max(1.0), "{speed} {c}: {smallest}");
+                assert!(state.q[0] < state.q[1] && state.q[1] < state.q[2]);
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_down_to_a_microsecond_gain_no_energy() {
+    for &when in When::ALL {
+        for h in [1e-3, 1e-4, 1e-5, 1e-6] {
+            let (system, gaps) = (fall(3), floor(3));
+            let law = ImpactLaw::GeneralizedReflections;
+            let mut impacting = Impacting::new(&system, &gaps, 1.0, law, when).unwrap();
+            let mut state = State::new(vec![0.26, 0.80, 1.40], vec![-1.0, -2.0, -3.0]);
+            let energy = |state: &State<Vec<f64>>| system.energy(&state.q, state.p.view());
+            let start = energy(&state);
+            for _ in 0..3_000 {
+                impacting.step(&mut state, h).unwrap();
+            }
+            // Symplectic Euler's own energy error is about h g v/2 for each ball.
+            let bound = if when == When::VelocityFilter { 100.0 * h } else { 1e-9 };
+            assert!(energy(&state) - start < bound, "{when:?} {h}: {}", energy(&state) - start);
+        }
+    }
+}
+
+#[test]
+fn a_restitution_outside_zero_to_one_is_refused() {
+    let (system, gaps) = (fall(1), floor(1));
+    let law = ImpactLaw::GaussSeidel;
+    let error = Impacting::new(&system, &gaps, 1.5, law, When::AfterOverlap).unwrap_err();
+    assert_eq!(error, ContactError::Restitution { contact: 0, value: 1.5 });
+}

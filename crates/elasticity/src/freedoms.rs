@@ -1,0 +1,284 @@
+//! Which coordinates move, and where the others are held: Dirichlet data.
+//!
+//! ```text
+//! vertex a, component c   ->   freedom i of n            free
+//!                         ->   its place (m)             held
+//! ```
+//! Free coordinates are numbered vertex by vertex, so that a vertex that is wholly free has D freedoms
+//! in a row. A held coordinate costs no freedom; it may be moved between steps. Solids, masses, loads
+//! and statics share one numbering, cloned from one another: its tables are shared, its places are not.
+
+use std::sync::Arc;
+
+use stationary_calculus::FIXED;
+
+use crate::ElasticityError;
+
+/// A coordinate that does not move freely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// The vertex.
+    pub vertex: usize,
+    /// Which of its coordinates.
+    pub component: usize,
+    /// Where that coordinate is, m.
+    pub place: f64,
+}
+
+/// The free and the held coordinates of some vertices in `D` dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freedoms<const D: usize> {
+    free: usize,
+    numbering: Arc<Numbering<D>>,
+    /// The places of the held coordinates, in their order.
+    places: Vec<f64>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Numbering<const D: usize> {
+    /// The first freedom of each vertex that is wholly free; `free` and its place in `mixed` after.
+    starts: Vec<u32>,
+    /// The coordinates of the other vertices.
+    mixed: Vec<[Coordinate; D]>,
+    /// The vertex and component of each held coordinate.
+    held: Vec<(usize, usize)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Coordinate {
+    Free(u32),
+    Held(u32),
+}
+
+impl<const D: usize> Freedoms<D> {
+    /// Vertices of which some coordinates are held.
+    pub fn new(vertices: usize, held: &[Held]) -> Result<Self, ElasticityError> {
+        if vertices >= u32::MAX as usize / (2 * D) {
+            return Err(ElasticityError::TooMany { vertices });
+        }
+        let mut holding = vec![[None; D]; vertices];
+        let mut places = Vec::with_capacity(held.len());
+        for &Held { vertex, component, place } in held {
+            let known = vertex < vertices && component < D && place.is_finite();
+            if !known || holding[vertex][component].is_some() {
+                return Err(ElasticityError::Held { vertex, component, place });
+            }
+            holding[vertex][component] = Some(places.len() as u32);
+            places.push(place);
+        }
+        let held = held.iter().map(|held| (held.vertex, held.component)).collect();
+        let (free, starts, mixed) = number(&holding);
+        Ok(Freedoms { free, numbering: Arc::new(Numbering { starts, mixed, held }), places })
+    }
+
+    /// Vertices that are all free.
+    pub fn free(vertices: usize) -> Result<Self, ElasticityError> {
+        Freedoms::new(vertices, &[])
+    }
+
+    /// The number of freedoms n.
+    pub fn dim(&self) -> usize {
+        self.free
+    }
+
+    /// The number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.numbering.starts.len()
+    }
+
+    /// Vertex and component of each held coordinate, in the order in which they were given.
+    pub fn held(&self) -> &[(usize, usize)] {
+        &self.numbering.held
+    }
+
+    /// The places of the held coordinates, m.
+    pub fn places(&self) -> &[f64] {
+        &self.places
+    }
+
+    /// Moves the held coordinates, all of them, in their order.
+    pub fn hold_at(&mut self, places: &[f64]) -> Result<(), ElasticityError> {
+        let (expected, got) = (self.places.len(), places.len());
+        if expected != got {
+            return Err(ElasticityError::HeldPlaces { expected, got });
+        }
+        if let Some(k) = places.iter().position(|place| !place.is_finite()) {
+            let (vertex, component) = self.numbering.held[k];
+            return Err(ElasticityError::Held { vertex, component, place: places[k] });
+        }
+        self.places.copy_from_slice(places);
+        Ok(())
+    }
+
+    /// The freedoms of a vertex; [`FIXED`] where it is held.
+    pub fn of(&self, vertex: usize) -> [usize; D] {
+        self.freedoms(self.numbering.starts[vertex])
+    }
+
+    /// The free coordinates out of all of them.
+    pub fn gathered(&self, positions: &[[f64; D]]) -> Result<Vec<f64>, ElasticityError> {
+        self.check_vertices(positions.len())?;
+        let mut q = vec![0.0; self.free];
+        for (vertex, position) in positions.iter().enumerate() {
+            for (freedom, x) in self.of(vertex).into_iter().zip(position) {
+                if freedom != FIXED {
+                    q[freedom] = *x;
+                }
+            }
+        }
+        Ok(q)
+    }
+
+    /// All coordinates of all vertices, from the free ones.
+    pub fn positions(&self, q: &[f64]) -> Result<Vec<[f64; D]>, ElasticityError> {
+        self.check(q.len())?;
+        Ok(self.numbering.starts.iter().map(|&start| self.position(start, q)).collect())
+    }
+
+    pub(crate) fn check(&self, got: usize) -> Result<(), ElasticityError> {
+        let expected = self.free;
+        if expected == got { Ok(()) } else { Err(ElasticityError::Freedoms { expected, got }) }
+    }
+
+    pub(crate) fn check_vertices(&self, got: usize) -> Result<(), ElasticityError> {
+        let expected = self.vertices();
+        if expected == got { Ok(()) } else { Err(ElasticityError::Vertices { expected, got }) }
+    }
+
+    /// What stands for a vertex in the tables of elements.
+    #[inline]
+    pub(crate) fn start(&self, vertex: usize) -> u32 {
+        self.numbering.starts[vertex]
+    }
+
+    /// The position of a vertex, by what stands for it.
+    #[inline(always)]
+    pub(crate) fn position(&self, start: u32, q: &[f64]) -> [f64; D] {
+        let start = start as usize;
+        match q.get(start..start + D) {
+            Some(position) => std::array::from_fn(|c| position[c]),
+            None => self.mixed_position(start, q),
+        }
+    }
+
+    #[cold]
+    fn mixed_position(&self, start: usize, q: &[f64]) -> [f64; D] {
+        self.numbering.mixed[start - self.free].map(|coordinate| match coordinate {
+            Coordinate::Free(freedom) => q[freedom as usize],
+            Coordinate::Held(place) => self.places[place as usize],
+        })
+    }
+
+    /// Adds to the free components of a covector.
+    #[inline(always)]
+    pub(crate) fn add(&self, start: u32, part: &[f64; D], dv: &mut [f64]) {
+        let start = start as usize;
+        match dv.get_mut(start..start + D) {
+            Some(sum) => {
+                for c in 0..D {
+                    sum[c] += part[c];
+                }
+            }
+            None => self.add_mixed(start, part, dv),
+        }
+    }
+
+    #[cold]
+    fn add_mixed(&self, start: usize, part: &[f64; D], dv: &mut [f64]) {
+        for (coordinate, part) in self.numbering.mixed[start - self.free].iter().zip(part) {
+            if let Coordinate::Free(freedom) = coordinate {
+                dv[*freedom as usize] += part;
+            }
+        }
+    }
+
+    /// Adds to the held components, in their order.
+    #[inline]
+    pub(crate) fn add_held(&self, start: u32, part: &[f64; D], held: &mut [f64]) {
+        let Some(mixed) = (start as usize).checked_sub(self.free) else { return };
+        for (coordinate, part) in self.numbering.mixed[mixed].iter().zip(part) {
+            if let Coordinate::Held(place) = coordinate {
+                held[*place as usize] += part;
+            }
+        }
+    }
+
+    /// The freedoms of a vertex, by what stands for it.
+    #[inline(always)]
+    pub(crate) fn freedoms(&self, start: u32) -> [usize; D] {
+        let start = start as usize;
+        if start < self.free {
+            std::array::from_fn(|c| start + c)
+        } else {
+            self.numbering.mixed[start - self.free].map(|coordinate| match coordinate {
+                Coordinate::Free(freedom) => freedom as usize,
+                Coordinate::Held(_) => FIXED,
+            })
+        }
+    }
+}
+
+/// The number of freedoms, and what stands for each vertex.
+#[expect(clippy::type_complexity, reason = "three tables made in one pass")]
+fn number<const D: usize>(holding: &[[Option<u32>; D]]) -> (usize, Vec<u32>, Vec<[Coordinate; D]>) {
+    let free = holding.as_flattened().iter().filter(|held| held.is_none()).count();
+    let (mut next, mut mixed) = (0, Vec::new());
+    let starts = holding.iter().map(|held| {
+        let first = next;
+        let coordinates = held.map(|held| match held {
+            Some(place) => Coordinate::Held(place),
+            None => {
+                next += 1;
+                Coordinate::Free(next - 1)
+            }
+        });
+        if held.iter().all(Option::is_none) {
+            return first;
+        }
+        mixed.push(coordinates);
+        (free + mixed.len() - 1) as u32
+    });
+    let starts = starts.collect();
+    (free, starts, mixed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held(vertex: usize, component: usize, place: f64) -> Held {
+        Held { vertex, component, place }
+    }
+
+    #[test]
+    fn free_coordinates_are_numbered_and_held_ones_stay() {
+        let mut freedoms = Freedoms::<2>::new(3, &[held(1, 0, 7.0), held(2, 1, -1.0)]).unwrap();
+        assert_eq!(freedoms.dim(), 4);
+        assert_eq!([0, 1, 2].map(|v| freedoms.of(v)), [[0, 1], [FIXED, 2], [3, FIXED]]);
+        let q = [1.0, 2.0, 3.0, 4.0];
+        let positions = freedoms.positions(&q).unwrap();
+        assert_eq!(positions, [[1.0, 2.0], [7.0, 3.0], [4.0, -1.0]]);
+        assert_eq!(freedoms.gathered(&positions).unwrap(), q);
+        freedoms.hold_at(&[8.0, 9.0]).unwrap();
+        assert_eq!(freedoms.positions(&q).unwrap()[2], [4.0, 9.0]);
+        let mut dv = [0.0; 4];
+        for vertex in 0..3 {
+            freedoms.add(freedoms.start(vertex), &[10.0, 20.0], &mut dv);
+        }
+        assert_eq!(dv, [10.0, 20.0, 20.0, 10.0]);
+    }
+
+    #[test]
+    fn coordinates_that_cannot_be_held_are_refused() {
+        for bad in [held(3, 0, 0.0), held(0, 2, 0.0), held(0, 0, f64::NAN)] {
+            let error = Freedoms::<2>::new(3, &[bad]).unwrap_err();
+            assert!(matches!(error, ElasticityError::Held { .. }), "{error}");
+        }
+        let twice = Freedoms::<2>::new(3, &[held(1, 1, 0.0), held(1, 1, 0.0)]).unwrap_err();
+        assert_eq!(twice, ElasticityError::Held { vertex: 1, component: 1, place: 0.0 });
+        let mut freedoms = Freedoms::<2>::new(3, &[held(1, 1, 5.0)]).unwrap();
+        assert!(freedoms.hold_at(&[]).is_err() && freedoms.hold_at(&[f64::NAN]).is_err());
+        assert_eq!(freedoms.places(), [5.0]);
+        assert!(freedoms.positions(&[0.0]).is_err() && freedoms.gathered(&[[0.0; 2]]).is_err());
+    }
+}

@@ -1,0 +1,262 @@
+//! Isotropic materials by their principal stretches: the eigenvalues of the second derivative.
+//!
+//! ```text
+//! F = U diag(s) V^T,  W = w(s_1 ... s_R)           s signed: negative where F turns inside out
+//! scaling   u_i v_i^T                              w_ij, an R x R matrix
+//! twist     (u_i v_j^T - u_j v_i^T)/sqrt 2         (w_i + w_j)/(s_i + s_j)
+//! flip      (u_i v_j^T + u_j v_i^T)/sqrt 2         (w_i - w_j)/(s_i - s_j)
+//! normal    n v_i^T                                w_i/s_i, n at right angles to a sheet or bar
+//! K(a, b) = U K^ U^T + (I - U U^T) sum_k normal_k a_k b_k          a, b in the frame of V
+//! ```
+//! `u v` the columns of U (D x R) and V (R x R), `w_i w_ij` derivatives by the stretches, Pa. These
+//! directions are orthonormal, so that A and its nearest positive semidefinite neighbour are both sums
+//! over them: what is left to iteration are the stretches and the eigenvalues of an R x R matrix. Each
+//! material gives the quotients with the division carried out, so that equal stretches cost no digits.
+//! Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion Energies (2019).
+
+use crate::singular::{singular, spectral, symmetric_eigen};
+use crate::{Real, Tangent};
+
+/// A material whose energy depends on the stretches only, not on their directions.
+pub(crate) trait Isotropic<const R: usize> {
+    /// The second derivative at these principal stretches.
+    fn curvature(&self, s: &[f64; R]) -> PrincipalCurvature<R>;
+}
+
+/// The second derivative in the frame of the principal stretches, Pa. Twist and flip are symmetric
+/// in their indices; their diagonals are not read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PrincipalCurvature<const R: usize> {
+    pub(crate) scaling: [[f64; R]; R],
+    pub(crate) twist: [[f64; R]; R],
+    pub(crate) flip: [[f64; R]; R],
+    pub(crate) normal: [f64; R],
+}
+
+/// A symmetric table of what a function says of each pair.
+pub(crate) fn pairs<const R: usize>(of: impl Fn(usize, usize) -> f64) -> [[f64; R]; R] {
+    std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
+}
+
+impl<const R: usize> PrincipalCurvature<R> {
+    /// The nearest positive semidefinite one.
+    fn projected(&self) -> Self {
+        let floor = |x: f64| if x < 0.0 { 0.0 } else { x };
+        let (values, vectors) = symmetric_eigen(&self.scaling);
+        let definite = values.iter().all(|&l| l >= 0.0);
+        PrincipalCurvature {
+            scaling: if definite { self.scaling } else { spectral(&vectors, &values.map(floor)) },
+            twist: self.twist.map(|row| row.map(floor)),
+            flip: self.flip.map(|row| row.map(floor)),
+            normal: self.normal.map(floor),
+        }
+    }
+}
+
+/// A second derivative by its principal directions, times a weight.
+#[derive(Clone, Copy, Debug)]
+pub struct PrincipalTangent<T, const D: usize, const R: usize> {
+    left: [[T; D]; R],
+    right: [[T; R]; R],
+    scaling: [[T; R]; R],
+    /// Half the sum and half the difference of flip and twist.
+    along: [[T; R]; R],
+    across: [[T; R]; R],
+    normal: [T; R],
+}
+
+impl<T: Real, const D: usize, const R: usize> PrincipalTangent<T, D, R> {
+    /// The second derivative itself.
+    pub(crate) fn exact(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
+        PrincipalTangent::new(f, weight, |s| material.curvature(s))
+    }
+
+    /// Its nearest positive semidefinite neighbour.
+    pub(crate) fn semidefinite(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
+        PrincipalTangent::new(f, weight, |s| material.curvature(s).projected())
+    }
+
+    fn new(
+        f: &[[T; D]; R],
+        weight: T,
+        curvature: impl Fn(&[f64; R]) -> PrincipalCurvature<R>,
+    ) -> Self {
+        let (zero, zeros) = (T::splat(0.0), [[T::splat(0.0); R]; R]);
+        let mut tangent = PrincipalTangent {
+            left: [[zero; D]; R],
+            right: zeros,
+            scaling: zeros,
+            along: zeros,
+            across: zeros,
+            normal: [zero; R],
+        };
+        for lane in 0..T::WIDTH {
+            let frame = singular(&f.map(|column| column.map(|entry| entry.lane(lane))));
+            let c = curvature(&frame.values);
+            for i in 0..R {
+                for j in 0..R {
+                    let (flip, twist) = (c.flip[i][j], c.twist[i][j]);
+                    tangent.right[i][j].set_lane(lane, frame.right[i][j]);
+                    tangent.scaling[i][j].set_lane(lane, c.scaling[i][j]);
+                    tangent.along[i][j].set_lane(lane, 0.5 * (flip + twist));
+                    tangent.across[i][j].set_lane(lane, 0.5 * (flip - twist));
+                }
+                for d in 0..D {
+                    tangent.left[i][d].set_lane(lane, frame.left[i][d]);
+                }
+                tangent.normal[i].set_lane(lane, c.normal[i]);
+            }
+        }
+        tangent.weighted(weight)
+    }
+
+    fn weighted(mut self, weight: T) -> Self {
+        for table in [&mut self.scaling, &mut self.along, &mut self.across] {
+            *table = table.map(|row| row.map(|entry| entry * weight));
+        }
+        self.normal = self.normal.map(|entry| entry * weight);
+        self
+    }
+
+    /// The block in the frame of the stretches, by columns.
+    #[inline(always)]
+    fn in_frame(&self, a: &[T; R], b: &[T; R]) -> [[T; R]; R] {
+        let mut block = [[T::splat(0.0); R]; R];
+        for j in 0..R {
+            for i in 0..R {
+                if i == j {
+                    block[j][i] = self.scaling[i][i] * (a[i] * b[i]);
+                    for k in (0..R).filter(|&k| k != i) {
+                        block[j][i] += self.along[i][k] * (a[k] * b[k]);
+                    }
+                } else {
+                    let flipped = self.across[i][j] * (a[j] * b[i]);
+                    block[j][i] = self.scaling[i][j].multiply_add(a[i] * b[j], flipped);
+                }
+            }
+        }
+        block
+    }
+}
+
+impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R> for PrincipalTangent<T, D, R> {
+    /// The gradient in the frame of V.
+    type Node = [T; R];
+
+    #[inline(always)]
+    fn node(&self, gradient: &[T; R]) -> [T; R] {
+        std::array::from_fn(|k| crate::tensor::dot(&self.right[k], gradient))
+    }
+
+    #[inline(always)]
+    fn block(&self, a: &[T; R], b: &[T; R]) -> [[T; D]; D] {
+        let mut inner = self.in_frame(a, b);
+        let mut block = [[T::splat(0.0); D]; D];
+        if D > R {
+            // (I - U U^T) n = n I + U (-n I) U^T
+            let mut normal = T::splat(0.0);
+            for k in 0..R {
+                normal = (self.normal[k] * a[k]).multiply_add(b[k], normal);
+            }
+            for (d, column) in block.iter_mut().enumerate() {
+                column[d] = normal;
+            }
+            for (k, column) in inner.iter_mut().enumerate() {
+                column[k] = column[k] - normal;
+            }
+        }
+        for (m, column) in inner.iter().enumerate() {
+            let turned = crate::tensor::apply(&self.left, column);
+            for (j, out) in block.iter_mut().enumerate() {
+                for (out, turned) in out.iter_mut().zip(turned) {
+                    *out = turned.multiply_add(self.left[m][j], *out);
+                }
+            }
+        }
+        block
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        FixedCorotated, FullTangent, Lame, Lanes, Material, NeoHookean, SaintVenantKirchhoff,
+    };
+    use proptest::prelude::*;
+
+    fn lanes<const D: usize, const R: usize>(f: &[[f64; D]; R]) -> [[Lanes; D]; R] {
+        // A lane at rest, one turned inside out, and two on the way.
+        f.map(|column| column.map(|x| Lanes([x, 0.3 * x, -x, 1.7 * x])))
+    }
+
+    fn largest_gap<const D: usize, const R: usize>(
+        a: &FullTangent<Lanes, D, R>,
+        b: &FullTangent<Lanes, D, R>,
+    ) -> f64 {
+        let flat = |t: &FullTangent<Lanes, D, R>| -> Vec<f64> {
+            let entries = t.0.as_flattened().as_flattened().as_flattened();
+            entries.iter().flat_map(|entry| entry.0).collect()
+        };
+        flat(a).iter().zip(flat(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// The principal form is the closed one, and its projection the one found by iteration.
+    fn agree<M, const D: usize, const R: usize>(material: &M, f: &[[f64; D]; R])
+    where
+        M: Isotropic<R> + Material<D, R>,
+    {
+        let (f, weight) = (lanes(f), Lanes([0.5, 1.0, 2.0, 3.0]));
+        let closed = FullTangent::of(&material.tangent(&f, weight));
+        let principal = FullTangent::of(&PrincipalTangent::exact(material, &f, weight));
+        assert!(largest_gap(&closed, &principal) < 1e-11, "{f:?}");
+        let projected = FullTangent::of(&material.semidefinite(&f, weight));
+        assert!(largest_gap(&closed.projected(), &projected) < 1e-11, "{f:?}");
+        if material.is_semidefinite(&f) {
+            assert!(largest_gap(&closed, &projected) < 1e-11, "{f:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn principal_directions_give_the_closed_form_and_its_projection(
+            f in prop::array::uniform3(prop::array::uniform3(-1.5..1.5_f64)),
+            poisson in -0.4..0.45,
+        ) {
+            let space = Lame::<3>::from_young_poisson(1.0, poisson).unwrap();
+            let plane = space.plane_strain();
+            let membrane = SaintVenantKirchhoff::new(space.plane_stress());
+            let square = [[f[0][0], f[0][1]], [f[1][0], f[1][1]]];
+            agree(&SaintVenantKirchhoff::new(space), &f);
+            agree(&SaintVenantKirchhoff::new(plane), &square);
+            agree::<_, 3, 2>(&membrane, &[f[0], f[1]]);
+            agree::<_, 3, 1>(&SaintVenantKirchhoff::new(space.uniaxial_stress()), &[f[2]]);
+            agree(&NeoHookean::new(space).unwrap(), &f);
+            agree(&NeoHookean::new(plane).unwrap(), &square);
+        }
+
+        #[test]
+        fn stretched_bodies_need_no_projection(
+            s in prop::array::uniform3(1.0..2.0_f64), angle in -3.0..3.0_f64,
+        ) {
+            let space = Lame::<3>::from_young_poisson(1.0, 0.3).unwrap();
+            let (c, d) = (angle.cos(), angle.sin());
+            let f = [[c * s[0], d * s[0], 0.0], [-d * s[1], c * s[1], 0.0], [0.0, 0.0, s[2]]];
+            prop_assert!(SaintVenantKirchhoff::new(space).is_semidefinite(&f));
+            let pressed = f.map(|column| column.map(|x| 0.4 * x));
+            prop_assert!(!SaintVenantKirchhoff::new(space).is_semidefinite(&pressed));
+        }
+    }
+
+    #[test]
+    fn a_corotated_body_at_rest_is_a_linear_one() {
+        let space = Lame::<3>::from_young_poisson(1.0, 0.3).unwrap();
+        let rest = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let tangent = FullTangent::of(&FixedCorotated::new(space).unwrap().tangent(&rest, 1.0));
+        let linear = FullTangent::of(&crate::Linear::new(space).tangent(&rest, 1.0));
+        let entries = |t: &FullTangent<f64, 3, 3>| t.0.as_flattened().as_flattened().concat();
+        for (a, b) in entries(&tangent).iter().zip(entries(&linear)) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The simplest isotropic material: quadratic in Green's strain.
+//!
+//! ```text
+//! S = 1/2 (F^T F - I)                      Green's strain, R x R                    (13.1)
+//! W = mu tr S^2 + lambda/2 (tr S)^2        J/m^3                                    (13.2)
+//! T = 2 mu S + lambda tr S I,  P = F T     T the second Piola-Kirchhoff stress, R x R
+//! K(a, b) = lambda (F a)(F b)^T + mu (F b)(F a)^T + mu (a.b) F F^T + (a.T b) I
+//! ```
+//! `(lambda, mu)` the pair of the body's own dimension: for a sheet [`Lame::plane_stress`], for a bar
+//! [`Lame::uniaxial_stress`]. Defined for every body of R dimensions in D, R <= D: bars, sheets and
+//! membranes, solids.
+//!
+//! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt 3
+//! and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1). Where T
+//! is positive semidefinite so is the second derivative, a test that costs next to nothing.
+
+use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
+use crate::material::hookean_block;
+use crate::tensor::{apply, dot, green, inner, outer_gram, product, scaled, shifted, trace};
+use crate::{Lame, Material, Real, Tangent};
+
+/// The Saint Venant-Kirchhoff material of bodies of `R` dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SaintVenantKirchhoff<const R: usize> {
+    lame: Lame<R>,
+}
+
+impl<const R: usize> SaintVenantKirchhoff<R> {
+    /// The material of a pair.
+    pub fn new(lame: Lame<R>) -> Self {
+        SaintVenantKirchhoff { lame }
+    }
+
+    /// Its pair.
+    pub fn lame(&self) -> Lame<R> {
+        self.lame
+    }
+
+    /// The second Piola-Kirchhoff stress.
+    #[inline(always)]
+    fn second_stress<T: Real, const D: usize>(&self, f: &[[T; D]; R]) -> [[T; R]; R] {
+        let strain = green(f);
+        let pressure = trace(&strain) * self.lame.lambda();
+        shifted(scaled(&strain, T::splat(2.0 * self.lame.mu())), pressure)
+    }
+}
+
+/// The second derivative of the Saint Venant-Kirchhoff energy, times a weight.
+#[derive(Clone, Copy, Debug)]
+pub struct SaintVenantKirchhoffTangent<T, const D: usize, const R: usize> {
+    f: [[T; D]; R],
+    stress: [[T; R]; R],
+    spread: [[T; D]; D],
+    pair: [T; 2],
+}
+
+impl<const D: usize, const R: usize> Material<D, R> for SaintVenantKirchhoff<R> {
+    type Tangent<T: Real> = SaintVenantKirchhoffTangent<T, D, R>;
+    type Semidefinite<T: Real> = PrincipalTangent<T, D, R>;
+
+    #[inline(always)]
+    fn energy<T: Real>(&self, f: &[[T; D]; R]) -> T {
+        let strain = green(f);
+        let spread = trace(&strain);
+        (spread * spread).multiply_add(
+            T::splat(0.5 * self.lame.lambda()),
+            inner(&strain, &strain) * self.lame.mu(),
+        )
+    }
+
+    #[inline(always)]
+    fn stress<T: Real>(&self, f: &[[T; D]; R]) -> [[T; D]; R] {
+        product(f, &self.second_stress(f))
+    }
+
+    #[inline(always)]
+    fn tangent<T: Real>(&self, f: &[[T; D]; R], weight: T) -> Self::Tangent<T> {
+        SaintVenantKirchhoffTangent {
+            f: *f,
+            stress: scaled(&self.second_stress(f), weight),
+            spread: outer_gram(f),
+            pair: [weight * self.lame.lambda(), weight * self.lame.mu()],
+        }
+    }
+
+    #[inline(always)]
+    fn is_semidefinite<T: Real>(&self, f: &[[T; D]; R]) -> bool {
+        // Rounding of the rest state, where T is zero, must not look like compression.
+        let slack = T::splat(1e-13 * self.lame.mu());
+        all_minors_nonnegative(&shifted(self.second_stress(f), slack)) && self.lame.lambda() >= 0.0
+    }
+
+    fn semidefinite<T: Real>(&self, f: &[[T; D]; R], weight: T) -> PrincipalTangent<T, D, R> {
+        PrincipalTangent::semidefinite(self, f, weight)
+    }
+}
+
+/// Whether the pivots of Cholesky's method are all positive, in every lane.
+#[inline(always)]
+fn all_minors_nonnegative<T: Real, const R: usize>(s: &[[T; R]; R]) -> bool {
+    let positive = |x: f64| x > 0.0;
+    let corner = s[0][0].all(positive);
+    if R == 1 {
+        return corner;
+    }
+    let minor = |i: usize, j: usize| s[0][i] * s[j][0];
+    let (a, second) = (s[0][0], s[0][0] * s[1][1] - minor(1, 1));
+    if R == 2 || !corner || !second.all(positive) {
+        return corner && second.all(positive);
+    }
+    let (third, mixed) = (a * s[2][2] - minor(2, 2), a * s[1][2] - minor(2, 1));
+    (second * third - mixed * mixed).all(positive)
+}
+
+impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R>
+    for SaintVenantKirchhoffTangent<T, D, R>
+{
+    /// The gradient, its image, and the stress on it.
+    type Node = ([T; R], [T; D], [T; R]);
+
+    #[inline(always)]
+    fn node(&self, gradient: &[T; R]) -> Self::Node {
+        (*gradient, apply(&self.f, gradient), apply(&self.stress, gradient))
+    }
+
+    #[inline(always)]
+    fn block(&self, a: &Self::Node, b: &Self::Node) -> [[T; D]; D] {
+        let spread = (self.pair[1] * dot(&a.0, &b.0), &self.spread);
+        hookean_block(self.pair, &a.1, &b.1, spread, dot(&a.0, &b.2))
+    }
+}
+
+impl<const R: usize> Isotropic<R> for SaintVenantKirchhoff<R> {
+    /// `W = mu sum e_i^2 + lambda/2 (sum e_i)^2` with `e_i = (s_i^2 - 1)/2`.
+    fn curvature(&self, s: &[f64; R]) -> PrincipalCurvature<R> {
+        let (lambda, mu) = (self.lame.lambda(), self.lame.mu());
+        let pressure = lambda * s.iter().map(|s| 0.5 * (s * s - 1.0)).sum::<f64>();
+        let scaling = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let own = pressure + mu * (3.0 * s[i] * s[i] - 1.0);
+                lambda * s[i] * s[j] + if i == j { own } else { 0.0 }
+            })
+        });
+        let pair = |i: usize, j: usize, sign: f64| {
+            pressure + mu * (s[i] * s[i] + sign * s[i] * s[j] + s[j] * s[j] - 1.0)
+        };
+        PrincipalCurvature {
+            scaling,
+            twist: pairs(|i, j| pair(i, j, -1.0)),
+            flip: pairs(|i, j| pair(i, j, 1.0)),
+            normal: s.map(|s| pressure + mu * (s * s - 1.0)),
+        }
+    }
+}

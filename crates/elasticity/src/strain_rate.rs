@@ -1,0 +1,213 @@
+//! Damping: what a body resists because it is being deformed, and not because it is.
+//!
+//! ```text
+//! S' = 1/2 (F^T F' + F'^T F)                       rate of Green's strain, 1/s        (10.1.1)
+//! D = int eta tr S'^2 + zeta/2 (tr S')^2 >= 0      watts; the force -dD/dv takes 2 D of power
+//! Rayleigh   F = -(alpha M + beta d2V(q)) v        alpha 1/s, beta s
+//! ```
+//! `eta zeta` viscosities (Pa s) in the places of mu and lambda, with the same bounds; `F F'` the
+//! deformation and its rate. Strain-rate damping does not feel rigid motion, however fast: it slows
+//! vibration and leaves flight and spin alone. Rayleigh's does: alpha is a drag on all motion, and beta
+//! is blind to rotation only near rest. Its Hessian ought to be positive semidefinite, or it would
+//! drive what it should damp; give it a body [`with_curvature`](Solid::with_curvature) projected.
+//! The damping's own matrix is exact; its change with q is left to the next Newton step.
+//! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
+
+use stationary_calculus::{
+    Covector, Force, Metric, Potential, ProductSink, Sink, StencilHessian, Vector,
+};
+
+use crate::material::hookean_block;
+use crate::solid::{accumulate, complete};
+use crate::tensor::{apply, dot, outer_gram, product, scaled, shifted, trace};
+use crate::{
+    ElasticityError, Freedoms, Lame, Lanes, Material, Real, SaintVenantKirchhoff, Solid, Tangent,
+};
+
+/// Viscosity of the elements of a body.
+#[derive(Clone, Debug)]
+pub struct StrainRate<const N: usize, const D: usize, const R: usize, const Q: usize> {
+    body: Solid<SaintVenantKirchhoff<R>, N, D, R, Q>,
+    /// The same numbering with every held velocity zero.
+    resting: Freedoms<D>,
+}
+
+impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<N, D, R, Q> {
+    /// The viscosity of a body of the same elements: `zeta` and `eta` of [`Lame`]'s pair, Pa s.
+    pub fn new<M: Material<D, R>>(
+        body: &Solid<M, N, D, R, Q>,
+        viscosity: Lame<R>,
+    ) -> Result<Self, ElasticityError> {
+        let mut resting = body.freedoms().clone();
+        resting.hold_at(&vec![0.0; resting.places().len()])?;
+        Ok(StrainRate { body: body.of_material(SaintVenantKirchhoff::new(viscosity)), resting })
+    }
+
+    /// Moves the held coordinates, all of them, in their order.
+    pub fn hold_at(&mut self, places: &[f64]) -> Result<(), ElasticityError> {
+        self.body.hold_at(places)
+    }
+
+    fn pair(&self) -> Lame<R> {
+        self.body.material().lame()
+    }
+}
+
+impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
+    for StrainRate<N, D, R, Q>
+{
+    fn dim(&self) -> usize {
+        self.body.freedoms().dim()
+    }
+
+    fn add_force(&self, _t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        let n = self.dim();
+        let (q, v, f) = (&q[..n], &v.0[..n], &mut f.0[..n]);
+        for group in &self.body.groups {
+            let x = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(
+                self.body.freedoms(),
+                group,
+                q,
+            );
+            let u = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(&self.resting, group, v);
+            let mut forces = [[Lanes::default(); D]; N];
+            for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
+                let stress = self.stress(&x, &u, gradients, weight);
+                for a in 1..N {
+                    let force = apply(&stress, &gradients[a]);
+                    for c in 0..D {
+                        forces[a][c] = forces[a][c] - force[c];
+                        forces[0][c] += force[c];
+                    }
+                }
+            }
+            for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
+                for (&node, force) in nodes.iter().zip(&forces) {
+                    self.resting.add(node, &force.map(|component| component.0[lane]), f);
+                }
+            }
+        }
+    }
+
+    fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
+        let q = &q[..self.dim()];
+        let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
+        for group in &self.body.groups {
+            let x = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::corners(
+                self.body.freedoms(),
+                group,
+                q,
+            );
+            let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
+            for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
+                let f = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(&x, gradients);
+                let pair = [weight * self.pair().lambda(), weight * self.pair().mu()];
+                let viscosity = Viscosity { spread: outer_gram(&f), f, pair };
+                accumulate(&mut lanes, &viscosity, gradients);
+            }
+            complete(&mut lanes);
+            self.body.scatter(group, &lanes, &mut block, damping);
+        }
+    }
+}
+
+impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<N, D, R, Q> {
+    /// `F (2 eta S' + zeta tr S' I)`, times a weight.
+    #[inline(always)]
+    fn stress(
+        &self,
+        x: &[[Lanes; D]; N],
+        u: &[[Lanes; D]; N],
+        gradients: &[[Lanes; R]; N],
+        weight: Lanes,
+    ) -> [[Lanes; D]; R] {
+        let f = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(x, gradients);
+        let rate = Solid::<SaintVenantKirchhoff<R>, N, D, R, Q>::deformation(u, gradients);
+        let strain: [[Lanes; R]; R] = std::array::from_fn(|k| {
+            std::array::from_fn(|l| (dot(&f[k], &rate[l]) + dot(&f[l], &rate[k])) * 0.5)
+        });
+        let pressure = trace(&strain) * weight * self.pair().lambda();
+        let stress = scaled(&strain, weight * (2.0 * self.pair().mu()));
+        product(&f, &shifted(stress, pressure))
+    }
+}
+
+/// The second derivative of half the dissipated power by the velocities.
+struct Viscosity<const D: usize, const R: usize> {
+    f: [[Lanes; D]; R],
+    spread: [[Lanes; D]; D],
+    pair: [Lanes; 2],
+}
+
+impl<const D: usize, const R: usize> Tangent<Lanes, D, R> for Viscosity<D, R> {
+    type Node = ([Lanes; R], [Lanes; D]);
+
+    #[inline(always)]
+    fn node(&self, gradient: &[Lanes; R]) -> Self::Node {
+        (*gradient, apply(&self.f, gradient))
+    }
+
+    #[inline(always)]
+    fn block(&self, a: &Self::Node, b: &Self::Node) -> [[Lanes; D]; D] {
+        let shear = (self.pair[1] * dot(&a.0, &b.0), &self.spread);
+        hookean_block(self.pair, &a.1, &b.1, shear, Lanes::splat(0.0))
+    }
+}
+
+/// Damping in proportion to mass and to stiffness.
+#[derive(Clone, Debug)]
+pub struct Rayleigh<M, P> {
+    alpha: f64,
+    beta: f64,
+    metric: M,
+    stiffness: P,
+}
+
+impl<M: Metric, P: Potential> Rayleigh<M, P> {
+    /// `alpha` in 1/s times the mass, `beta` in s times the Hessian of a potential.
+    pub fn new([alpha, beta]: [f64; 2], metric: M, stiffness: P) -> Result<Self, ElasticityError> {
+        for damping in [alpha, beta] {
+            if !(damping >= 0.0 && damping.is_finite()) {
+                return Err(ElasticityError::Damping(damping));
+            }
+        }
+        let (expected, got) = (metric.dim(), stiffness.dim());
+        if expected != got {
+            return Err(ElasticityError::Freedoms { expected, got });
+        }
+        Ok(Rayleigh { alpha, beta, metric, stiffness })
+    }
+}
+
+impl<M: Metric, P: Potential> Force for Rayleigh<M, P> {
+    fn dim(&self) -> usize {
+        self.metric.dim()
+    }
+
+    fn add_force(&self, _t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        if let Some(mut sink) = ProductSink::new(-self.alpha, v.0, &mut *f.0) {
+            self.metric.add_matrix(&mut sink);
+        }
+        if let Some(mut sink) = ProductSink::new(-self.beta, v.0, f.0) {
+            self.stiffness.add_hessian(q, &mut sink);
+        }
+    }
+
+    fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
+        self.metric.add_matrix(&mut Times { factor: self.alpha, sink: damping });
+        self.stiffness.add_hessian(q, &mut Times { factor: self.beta, sink: damping });
+    }
+}
+
+/// Hands blocks on, times a factor.
+struct Times<'a, S> {
+    factor: f64,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Sink for Times<'_, S> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        let block: Vec<f64> = block.iter().map(|entry| self.factor * entry).collect();
+        self.sink.add_symmetric(freedoms, &block);
+    }
+}

@@ -1,0 +1,194 @@
+//! Small matrices by columns, over any [`Real`]: what kernels are made of.
+//!
+//! ```text
+//! F[k][i] = F_ik       D x R, column k the image of the k-th reference direction
+//! ```
+
+use crate::Real;
+
+/// The inner product.
+#[inline(always)]
+pub(crate) fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = a[0] * b[0];
+    for i in 1..D {
+        sum = a[i].multiply_add(b[i], sum);
+    }
+    sum
+}
+
+/// `F g`.
+#[inline(always)]
+pub(crate) fn apply<T: Real, const D: usize, const R: usize>(
+    f: &[[T; D]; R],
+    g: &[T; R],
+) -> [T; D] {
+    let mut image = f[0];
+    for entry in &mut image {
+        *entry = *entry * g[0];
+    }
+    for k in 1..R {
+        for i in 0..D {
+            image[i] = f[k][i].multiply_add(g[k], image[i]);
+        }
+    }
+    image
+}
+
+/// `F^T F`, symmetric.
+#[inline(always)]
+pub(crate) fn gram<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; R]; R] {
+    let mut product = [[T::splat(0.0); R]; R];
+    for k in 0..R {
+        for l in 0..=k {
+            product[k][l] = dot(&f[k], &f[l]);
+            product[l][k] = product[k][l];
+        }
+    }
+    product
+}
+
+/// `F F^T`, symmetric.
+#[inline(always)]
+pub(crate) fn outer_gram<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; D]; D] {
+    let mut product = [[T::splat(0.0); D]; D];
+    for i in 0..D {
+        for j in 0..=i {
+            let mut sum = f[0][i] * f[0][j];
+            for column in &f[1..] {
+                sum = column[i].multiply_add(column[j], sum);
+            }
+            product[i][j] = sum;
+            product[j][i] = sum;
+        }
+    }
+    product
+}
+
+/// `F S`, column by column.
+#[inline(always)]
+pub(crate) fn product<T: Real, const D: usize, const R: usize>(
+    f: &[[T; D]; R],
+    s: &[[T; R]; R],
+) -> [[T; D]; R] {
+    let mut columns = [[T::splat(0.0); D]; R];
+    for (column, s) in columns.iter_mut().zip(s) {
+        *column = apply(f, s);
+    }
+    columns
+}
+
+/// The sum of the diagonal.
+#[inline(always)]
+pub(crate) fn trace<T: Real, const R: usize>(s: &[[T; R]; R]) -> T {
+    let mut sum = s[0][0];
+    for k in 1..R {
+        sum += s[k][k];
+    }
+    sum
+}
+
+/// `tr A^T B`.
+#[inline(always)]
+pub(crate) fn inner<T: Real, const D: usize, const R: usize>(
+    a: &[[T; D]; R],
+    b: &[[T; D]; R],
+) -> T {
+    let mut sum = dot(&a[0], &b[0]);
+    for k in 1..R {
+        sum += dot(&a[k], &b[k]);
+    }
+    sum
+}
+
+/// The cross product, in space.
+#[inline(always)]
+pub(crate) fn cross<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+    let mut product = *a;
+    for (i, entry) in product.iter_mut().enumerate() {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        *entry = a[j].multiply_add(b[k], -(a[k] * b[j]));
+    }
+    product
+}
+
+/// The matrix of cofactors, dJ/dF, of a square matrix of one, two or three columns.
+#[inline(always)]
+pub(crate) fn cofactor<T: Real, const D: usize>(f: &[[T; D]; D]) -> [[T; D]; D] {
+    const { assert!(1 <= D && D <= 3, "space has one, two or three dimensions") };
+    match D {
+        1 => [[T::splat(1.0); D]; D],
+        2 => std::array::from_fn(|k| {
+            let other = &f[1 - k];
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            std::array::from_fn(|i| if i == 0 { other[1] * sign } else { other[0] * -sign })
+        }),
+        _ => {
+            let mut columns = *f;
+            for (k, column) in columns.iter_mut().enumerate() {
+                *column = cross(&f[(k + 1) % 3], &f[(k + 2) % 3]);
+            }
+            columns
+        }
+    }
+}
+
+/// The determinant, from the first column and its cofactors.
+#[inline(always)]
+pub(crate) fn determinant<T: Real, const D: usize>(f: &[[T; D]; D]) -> T {
+    dot(&f[0], &cofactor(f)[0])
+}
+
+/// `S + shift I`.
+#[inline(always)]
+pub(crate) fn shifted<T: Real, const R: usize>(mut s: [[T; R]; R], shift: T) -> [[T; R]; R] {
+    for (k, column) in s.iter_mut().enumerate() {
+        column[k] += shift;
+    }
+    s
+}
+
+/// `scale S`.
+#[inline(always)]
+pub(crate) fn scaled<T: Real, const D: usize, const R: usize>(
+    s: &[[T; D]; R],
+    scale: T,
+) -> [[T; D]; R] {
+    let mut product = *s;
+    for column in &mut product {
+        for entry in column {
+            *entry = *entry * scale;
+        }
+    }
+    product
+}
+
+/// Green's strain `1/2 (F^T F - I)`.
+#[inline(always)]
+pub(crate) fn green<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; R]; R] {
+    let mut strain = scaled(&gram(f), T::splat(0.5));
+    for (k, column) in strain.iter_mut().enumerate() {
+        column[k] += T::splat(-0.5);
+    }
+    strain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cofactors_are_the_inverse_transposed_times_the_determinant() {
+        let f: [[f64; 3]; 3] = [[1.0, 0.5, -0.2], [0.3, 2.0, 0.7], [-0.4, 0.1, 1.5]];
+        let (c, j) = (cofactor(&f), determinant(&f));
+        let inverse = nalgebra::Matrix3::from(f).try_inverse().unwrap();
+        for k in 0..3 {
+            for i in 0..3 {
+                assert!((c[k][i] - j * inverse[(k, i)]).abs() < 1e-14);
+            }
+        }
+        let f: [[f64; 2]; 2] = [[1.0, 0.5], [0.3, 2.0]];
+        assert_eq!(cofactor(&f), [[2.0, -0.3], [-0.5, 1.0]]);
+        assert_eq!(determinant(&f), 2.0 - 0.15);
+        assert_eq!(determinant(&[[-3.0]]), -3.0);
+    }
+}

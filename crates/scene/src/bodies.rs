@@ -1,0 +1,217 @@
+//! Rigid bodies: boxes and bodies of given moments, with the points of them that are followed.
+//!
+//! ```text
+//! x = position + R c,    R = exp(rotation)          a point c of the body (body axes)
+//! I = m/12 (b^2 + c^2, c^2 + a^2, a^2 + b^2)        a solid box of sides a, b, c
+//! I = m/12 (a^2 + b^2)                              a plate in the plane
+//! ```
+//! Body axes are principal axes. In the plane a body turns about the third axis: its rotation and
+//! angular velocity are numbers there. Angular velocities are in body axes. A body's centre and its
+//! points are particles of the scene that follow it: `name`, `name.0`, `name.1`, ...
+
+use stationary_rigid::{Body, LieGroup, Rotation};
+
+use crate::declaration::{BodyDeclaration, Turn};
+use crate::diagnostic::{Checked, at};
+use crate::particles::{Motion, Particle, Roster};
+use crate::{Fault, check, limits};
+
+/// A rigid body. Vectors have three components; those that the plane does not have are zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidBody {
+    /// Its name; its points are called `name.0`, `name.1` and so on.
+    pub name: String,
+    /// Its mass.
+    pub mass: f64,
+    /// Its principal moments; in the plane the third, and the others are zero.
+    pub moments: [f64; 3],
+    /// Where its centre starts.
+    pub position: [f64; 3],
+    /// How it is turned at the start: axis times angle.
+    pub rotation: [f64; 3],
+    /// The velocity of its centre at the start.
+    pub velocity: [f64; 3],
+    /// Its angular velocity at the start, in body axes.
+    pub angular_velocity: [f64; 3],
+    /// The points that are followed, in body axes.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// A body with what only its declaration knows.
+#[derive(Clone, Debug)]
+pub(crate) struct Declared {
+    pub(crate) body: RigidBody,
+    /// Whether its velocity was given; if not, joints determine it.
+    pub(crate) has_velocity: bool,
+}
+
+/// Which of a body's points are joined in the picture.
+pub(crate) type Edges = Vec<[usize; 2]>;
+
+/// Adds bodies to the roster, centres first; and the edges between their points.
+pub(crate) fn declare(
+    roster: &mut Roster,
+    dimension: usize,
+    all: &[BodyDeclaration],
+) -> Checked<(Vec<Declared>, Edges)> {
+    let mut bodies = Vec::new();
+    for declared in all {
+        if dimension < 2 {
+            return Err(at(declared.name.span(), Fault::BodyDimension));
+        }
+        let body = body(dimension, declared)?;
+        let name = body.body.name.clone();
+        if name == WORLD {
+            return Err(at(declared.name.span(), Fault::WorldName));
+        }
+        let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
+        let particle = Particle { name: name.clone(), position: body.body.position, motion };
+        if roster.add(particle, declared.position.span()).is_none() {
+            return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
+        }
+        bodies.push(body);
+    }
+    let mut edges = Vec::new();
+    for (index, (declared, body)) in all.iter().zip(&bodies).enumerate() {
+        let first = roster.particles.len();
+        let count = (first + body.body.points.len()) as u64;
+        if count > limits::PARTICLES {
+            let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
+            return Err(at(declared.name.span(), fault));
+        }
+        for (number, &point) in body.body.points.iter().enumerate() {
+            let name = format!("{}.{number}", body.body.name);
+            let motion = Motion::Carried { body: index, point };
+            let particle = Particle { name, position: body.body.place(point), motion };
+            if let Some(&value) = particle.position.iter().find(|x| !x.is_finite()) {
+                let fault = Fault::NotFinite { what: "a point of the body", value };
+                return Err(at(declared.position.span(), fault));
+            }
+            // A name with a dot is given to points of bodies alone, and bodies differ.
+            roster.add(particle, declared.position.span());
+        }
+        let joined = edges_of(declared, dimension, body.body.points.len());
+        edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
+    }
+    Ok((bodies, edges))
+}
+
+/// What a joint calls the frame in which nothing moves.
+pub(crate) const WORLD: &str = "world";
+
+impl RigidBody {
+    /// The rotation at the start.
+    pub(crate) fn turned(&self) -> Rotation {
+        Rotation::exp(self.rotation.into())
+    }
+
+    /// Where a point of the body is at the start.
+    pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
+        let arm = self.turned().rotate(&point.into());
+        std::array::from_fn(|c| self.position[c] + arm[c])
+    }
+}
+
+fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<Declared> {
+    let name = check::name(&declared.name)?;
+    let mass = check::positive("the mass", &declared.mass)?;
+    let position = check::vector("the position", dimension, &declared.position)?;
+    let moments = moments(dimension, declared, mass)?;
+    let turn = |what, given: &Option<_>| match given {
+        Some(given) => turning(what, dimension, given),
+        None => Ok([0.0; 3]),
+    };
+    let rotation = turn("the rotation", &declared.rotation)?;
+    let angular_velocity = turn("the angular velocity", &declared.angular_velocity)?;
+    let velocity = match &declared.velocity {
+        Some(velocity) => check::vector("the velocity", dimension, velocity)?,
+        None => [0.0; 3],
+    };
+    let points = points(dimension, declared)?;
+    let has_velocity = declared.velocity.is_some();
+    let body =
+        RigidBody { name, mass, moments, position, rotation, velocity, angular_velocity, points };
+    Ok(Declared { body, has_velocity })
+}
+
+/// The moments, of a box or as they are given.
+fn moments(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<[f64; 3]> {
+    let (moments, place) = match (&declared.sides, &declared.moments) {
+        (Some(sides), None) => {
+            let x = check::vector("the box", dimension, sides)?;
+            for side in sides.get_ref() {
+                check::positive("the side of a box", side)?;
+            }
+            let square = x.map(|x| x * x);
+            let sum = |a: usize, b: usize| mass / 12.0 * (square[a] + square[b]);
+            ([sum(1, 2), sum(2, 0), sum(0, 1)], sides.span())
+        }
+        (None, Some(Turn::Number(moment))) if dimension == 2 => {
+            ([0.0, 0.0, check::positive("the moment", moment)?], moment.span())
+        }
+        (None, Some(Turn::Vector(moments))) if dimension == 3 => {
+            (check::vector("`moments`", 3, moments)?, moments.span())
+        }
+        (None, Some(other)) => return Err(wrong_kind("`moments`", dimension, other)),
+        _ => {
+            return Err(at(
+                declared.name.span(),
+                Fault::BoxOrMoments(declared.name.get_ref().clone()),
+            ));
+        }
+    };
+    if dimension == 2 {
+        let value = moments[2];
+        let fault = Fault::NotFinite { what: "the moment", value };
+        return if value.is_finite() { Ok([0.0, 0.0, value]) } else { Err(at(place, fault)) };
+    }
+    match Body::new(mass, moments) {
+        Ok(_) => Ok(moments),
+        Err(error) => Err(at(place, Fault::Body(error.to_string()))),
+    }
+}
+
+/// A rotation or a rate of turn: a number in the plane, a vector in space.
+fn turning(what: &'static str, dimension: usize, given: &Turn) -> Checked<[f64; 3]> {
+    match (dimension, given) {
+        (2, Turn::Number(number)) => Ok([0.0, 0.0, check::finite(what, number)?]),
+        (3, Turn::Vector(components)) => check::vector(what, 3, components),
+        _ => Err(wrong_kind(what, dimension, given)),
+    }
+}
+
+fn wrong_kind(
+    what: &'static str,
+    dimension: usize,
+    given: &Turn,
+) -> Box<crate::diagnostic::Located> {
+    let place = match given {
+        Turn::Number(number) => number.span(),
+        Turn::Vector(components) => components.span(),
+    };
+    at(place, Fault::Turn { what, dimension })
+}
+
+/// The corners of a box, or the points that are given.
+fn points(dimension: usize, declared: &BodyDeclaration) -> Checked<Vec<[f64; 3]>> {
+    let mut points = Vec::new();
+    if let Some(sides) = &declared.sides {
+        let half = check::vector("the box", dimension, sides)?.map(|side| 0.5 * side);
+        // A corner's number tells by its bits on which side it lies.
+        points.extend((0..1_usize << dimension).map(|corner| {
+            std::array::from_fn(|c| if corner >> c & 1 == 1 { half[c] } else { -half[c] })
+        }));
+    }
+    for point in declared.points.iter().flatten() {
+        points.push(check::vector("a point", dimension, point)?);
+    }
+    Ok(points)
+}
+
+/// Edges of a box join corners that differ in one bit; other points are joined in their order.
+fn edges_of(declared: &BodyDeclaration, dimension: usize, count: usize) -> Edges {
+    let corners = if declared.sides.is_some() { 1_usize << dimension } else { 0 };
+    let along = (0..corners).flat_map(|a| (0..dimension).map(move |c| [a, a | 1 << c]));
+    let edges = along.filter(|[a, b]| a != b);
+    edges.chain((corners..count).skip(1).map(|point| [point - 1, point])).collect()
+}

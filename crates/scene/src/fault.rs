@@ -1,0 +1,308 @@
+//! What a scene's text may say that cannot be, without the place where it says so.
+
+use stationary_integrators::HorizonError;
+
+use crate::limits;
+
+/// What is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Not TOML, or a value of the wrong kind.
+    #[error("{message}")]
+    Syntax {
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// A word outside the vocabulary, or a particle that is not there.
+    #[error("unknown {kind} `{word}`")]
+    UnknownWord {
+        /// What the word should have been.
+        kind: &'static str,
+        /// The word.
+        word: String,
+        /// The word that may have been meant.
+        nearest: Option<String>,
+        /// Every word that could stand here, where there are few.
+        allowed: Vec<String>,
+    },
+    /// A number that must be finite.
+    #[error("{what} is {value}; it must be finite")]
+    NotFinite {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A number that must be positive, finite, and so large that one over it is finite.
+    #[error("{what} is {value}; it must be positive and finite")]
+    NotPositive {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A tolerance outside its range.
+    #[error("the tolerance is {value}; it must be at least {} and below 1", limits::TOLERANCE)]
+    Tolerance {
+        /// The tolerance.
+        value: f64,
+    },
+    /// A method that chooses its steps needs to know how well.
+    #[error("this integrator chooses its own steps and needs a `tolerance`")]
+    NoTolerance,
+    /// A tolerance for a method that could not keep it.
+    #[error("only an integrator that chooses its own steps has a tolerance")]
+    EqualSteps,
+    /// A method that cannot step what the scene has.
+    #[error("`{method}` cannot step {what}: {instead}")]
+    MethodCannot {
+        /// The method.
+        method: &'static str,
+        /// What it cannot step.
+        what: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+    /// The ends of a rod are one particle.
+    #[error("both ends of the rod are `{0}`")]
+    RodLoop(String),
+    /// A rod between two places that stay anyway.
+    #[error("both ends of the rod are pinned")]
+    RodBetweenPins,
+    /// Two rods between the same particles.
+    #[error("there is already a rod between `{first}` and `{second}`")]
+    RepeatedRod {
+        /// One end.
+        first: String,
+        /// The other end.
+        second: String,
+    },
+    /// A rod has a length at the start.
+    #[error("the rod starts with length {0}; it must be positive and finite")]
+    RodLength(f64),
+    /// A tension between particles that no rod joins.
+    #[error("no rod joins these particles")]
+    NoRod,
+    /// Space has one, two or three dimensions here.
+    #[error("the dimension is {0}; it must be 1, 2 or 3")]
+    Dimension(u64),
+    /// A vector of another length than the dimension.
+    #[error("{what} has {got} components in a scene of dimension {expected}")]
+    VectorLength {
+        /// What the vector is.
+        what: &'static str,
+        /// The dimension.
+        expected: usize,
+        /// Its length.
+        got: usize,
+    },
+    /// A name that could not stand in a table's heading.
+    #[error(
+        "a name is 1 to {} letters, digits, spaces, `-` and `_`, and starts with a letter or a digit",
+        limits::NAME
+    )]
+    Name,
+    /// A title or a unit that could not stand in a heading.
+    #[error("{what} is 1 to {} characters, none of them a control character", limits::TITLE)]
+    Title {
+        /// The title or the unit.
+        what: &'static str,
+    },
+    /// Two particles of one name.
+    #[error("there is already a particle called `{0}`")]
+    DuplicateName(String),
+    /// Two nets, or a net and a particle, of one name.
+    #[error("there is already a net called `{0}`")]
+    DuplicateNet(String),
+    /// A particle that can move has a mass.
+    #[error("`{0}` has no mass; only a pinned particle may go without")]
+    NoMass(String),
+    /// One of the two determines the other.
+    #[error("`{0}` has a velocity and a momentum; give one of them")]
+    VelocityAndMomentum(String),
+    /// A pinned particle stays where it is.
+    #[error("`{0}` is pinned and cannot move")]
+    PinnedMoves(String),
+    /// The attraction of a particle that is held in place would not keep momentum.
+    #[error("`{0}` is pinned; where particles attract each other, all of them must be free")]
+    PinnedAttraction(String),
+    /// Newtonian attraction has no value where particles meet.
+    #[error("`{second}` is in the same place as `{first}`, where their attraction is infinite")]
+    SamePlace {
+        /// The particle that was named first.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// The ends of a spring are one particle.
+    #[error("both ends of the spring are `{0}`")]
+    Loop(String),
+    /// A spring whose energy has a spike where it starts.
+    #[error("the spring starts with length zero, where its force has no direction")]
+    Spike,
+    /// A rest length outside its range.
+    #[error("the rest length is {0}; it must be positive, or zero with Cauchy strain")]
+    RestLength(f64),
+    /// A rest length that is not given and not determined by the start either.
+    #[error("the ends start in the same place, so that the spring needs a rest length")]
+    NoRestLength,
+    /// A spring joins two particles, a distance is between two.
+    #[error("{what} is between two particles, not {got}")]
+    NotAPair {
+        /// What needs two particles.
+        what: &'static str,
+        /// How many there are.
+        got: usize,
+    },
+    /// An observable such as `{ position = "a", velocity = "a" }`.
+    #[error("an observable has one word, such as `{{ position = \"a name\" }}`, not {0}")]
+    NotOneObservable(usize),
+    /// A net is at least two by two.
+    #[error("{what} is {got}; a net has at least two rows and two columns")]
+    NetSize {
+        /// Rows or columns.
+        what: &'static str,
+        /// How many.
+        got: u64,
+    },
+    /// A net has two directions.
+    #[error("a net needs a scene of dimension 2 or 3")]
+    NetDimension,
+    /// The cells of a net are squares.
+    #[error("the two sides of the net are not at a right angle")]
+    NotPerpendicular,
+    /// A direction has a length.
+    #[error("{what} is zero; a direction is not")]
+    NoDirection {
+        /// The direction.
+        what: &'static str,
+    },
+    /// Only a scene in space can be seen from several sides.
+    #[error("a view needs a scene of dimension 3")]
+    ViewDimension,
+    /// The horizon is a whole number of steps.
+    #[error("the horizon is {steps} steps of {step}; it must be a whole number of steps")]
+    NotWhole {
+        /// The step.
+        step: f64,
+        /// The horizon over the step.
+        steps: f64,
+    },
+    /// Too many of something.
+    #[error("{count} {what}; there may be at most {limit}")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// How many there may be.
+        limit: u64,
+    },
+    /// More samples than fit into memory.
+    #[error(
+        "the samples would be {numbers} numbers, of which at most {} are kept; sample every {enough} steps or more",
+        limits::SAMPLED_NUMBERS
+    )]
+    TooManySamples {
+        /// Numbers that would be kept.
+        numbers: u64,
+        /// A distance between samples that is large enough.
+        enough: u64,
+    },
+    /// A body turns, which takes two dimensions.
+    #[error("a body needs a scene of dimension 2 or 3")]
+    BodyDimension,
+    /// The name of the frame in which nothing moves.
+    #[error("`world` is what joints call the frame that does not move; no body has this name")]
+    WorldName,
+    /// Two bodies of one name.
+    #[error("there is already a body called `{0}`")]
+    DuplicateBody(String),
+    /// A body is a box, or has moments of its own.
+    #[error("`{0}` needs either a `box` with its sides or its `moments` of inertia")]
+    BoxOrMoments(String),
+    /// Mass and moments that no body has.
+    #[error("{0}")]
+    Body(String),
+    /// A number where a vector belongs, or a vector where a number does.
+    #[error("{what} is {} in a scene of dimension {dimension}", turn(*dimension))]
+    Turn {
+        /// What belongs to turning.
+        what: &'static str,
+        /// The scene's dimension.
+        dimension: usize,
+    },
+    /// Bodies and particles do not act on each other here.
+    #[error("a scene has particles or bodies, not both; there are bodies already")]
+    Mixed,
+    /// The attraction of bodies is not built.
+    #[error("bodies do not attract each other here; only particles do")]
+    BodyAttraction,
+    /// Joints without bodies.
+    #[error("joints need [[bodies]] to join")]
+    NoBodies,
+    /// A joint has two sides.
+    #[error("a joint is between two bodies, or a body and `world`, not {0}")]
+    JointEnds(usize),
+    /// Both sides of a joint are one body.
+    #[error("both sides of the joint are `{0}`")]
+    JoinedToItself(String),
+    /// A hinge turns about something.
+    #[error("a hinge needs an `axis`")]
+    HingeAxis,
+    /// Only a hinge has an axis.
+    #[error("only a hinge has an axis")]
+    NoHinge,
+    /// Two bodies that move apart where they are joined.
+    #[error("the two sides of the joint move apart at {apart} a unit of time")]
+    JointTorn {
+        /// The size of the difference of their velocities there.
+        apart: f64,
+    },
+    /// Two bodies that turn against each other as their joint forbids.
+    #[error(
+        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids"
+    )]
+    JointTurns {
+        /// The size of what is forbidden of the difference of their angular velocities.
+        turn: f64,
+    },
+    /// A method that does not hold joints.
+    #[error("{0} does not hold joints")]
+    MethodOfJoints(String),
+    /// A method of another kind of scene.
+    #[error("{0} does not move what is in this scene")]
+    MethodOfAnother(String),
+    /// An angular velocity of something that does not turn.
+    #[error("`{0}` is no body, and has no angular velocity")]
+    NotABody(String),
+    /// Nothing there.
+    #[error("the scene has no particles: it needs [[particles]], [[nets]] or [[bodies]]")]
+    Empty,
+    /// Nothing that can move.
+    #[error("every particle is pinned, so that nothing can move")]
+    AllPinned,
+}
+
+/// What turning is told by.
+fn turn(dimension: usize) -> &'static str {
+    if dimension == 2 { "a number" } else { "a vector" }
+}
+
+impl Fault {
+    pub(crate) fn too_many_steps(count: u64) -> Self {
+        Fault::TooMany { what: "steps", count, limit: limits::STEPS }
+    }
+}
+
+impl From<HorizonError> for Fault {
+    fn from(error: HorizonError) -> Self {
+        match error {
+            HorizonError::Step(value) => Fault::NotPositive { what: "the step", value },
+            HorizonError::Duration(value) => Fault::NotPositive { what: "the horizon", value },
+            HorizonError::NotWhole { step, steps, .. } => Fault::NotWhole { step, steps },
+            HorizonError::TooMany { steps, .. } => Fault::too_many_steps(steps as u64),
+        }
+    }
+}

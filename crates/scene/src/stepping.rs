@@ -1,0 +1,201 @@
+//! How a scene is stepped: the word `integrator`, and what goes with it.
+//!
+//! ```text
+//! equal       (q, p) -> Phi_h(q, p); with rods, then back to the nearest feasible configuration
+//! adaptive    steps chosen to a tolerance, read off at every moment i h
+//! rattle, constrained-hamilton       equal steps that hold rods by their forces
+//! ```
+//! `h` the scene's step.
+
+use std::fmt;
+
+use stationary_integrators::{Evaluation, Method};
+use stationary_rigid::BodyMethod;
+
+use crate::declaration::Declaration;
+use crate::diagnostic::{Checked, at};
+use crate::{Fault, Scene, check, limits};
+
+/// How a scene is stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in the
+    /// plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
+    Equal(Method),
+    /// Steps that the method chooses, for an error of at most `tolerance` a step, relative to the
+    /// scene's size and speed.
+    Adaptive {
+        /// The method.
+        method: Adaptive,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// Rods held by their forces.
+    Constrained(Constrained),
+    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method is
+    /// named after.
+    Bodies(BodyMethod),
+}
+
+/// A method that chooses its own steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adaptive {
+    /// [`DormandPrince853`](stationary_integrators::DormandPrince853).
+    DormandPrince853,
+    /// [`RadauIia5`](stationary_integrators::RadauIia5).
+    RadauIia5,
+    /// [`BackwardDifferences`](stationary_integrators::BackwardDifferences) up to order 5.
+    BackwardDifferences,
+}
+
+/// A method that holds rods by their forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constrained {
+    /// [`Rattle`](stationary_constraints::Rattle).
+    Rattle,
+    /// [`ConstrainedHamilton`](stationary_constraints::ConstrainedHamilton).
+    Hamilton,
+}
+
+/// What the word `integrator` may say.
+#[derive(Clone, Copy)]
+enum Word {
+    Equal(Method),
+    Adaptive(Adaptive),
+    Constrained(Constrained),
+    Bodies(BodyMethod),
+}
+
+const ADAPTIVE: [(&str, Adaptive); 3] = [
+    ("dormand-prince-853", Adaptive::DormandPrince853),
+    ("radau-iia-5", Adaptive::RadauIia5),
+    ("bdf-5", Adaptive::BackwardDifferences),
+];
+
+const CONSTRAINED: [(&str, Constrained); 2] =
+    [("rattle", Constrained::Rattle), ("constrained-hamilton", Constrained::Hamilton)];
+
+impl Stepping {
+    /// Its name in a scene's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stepping::Equal(method) => method.facts().name,
+            Stepping::Adaptive { method, .. } => named(&ADAPTIVE, method),
+            Stepping::Constrained(method) => named(&CONSTRAINED, method),
+            Stepping::Bodies(method) => method.facts().name,
+        }
+    }
+
+    /// Whether its steps solve equations, and so count iterations that depend on rounding.
+    pub fn evaluation(self) -> Evaluation {
+        match self {
+            Stepping::Equal(method) => method.facts().evaluation,
+            Stepping::Bodies(method) => method.facts().evaluation,
+            Stepping::Adaptive { .. } | Stepping::Constrained(_) => Evaluation::Implicit,
+        }
+    }
+}
+
+impl From<Method> for Stepping {
+    fn from(method: Method) -> Self {
+        Stepping::Equal(method)
+    }
+}
+
+impl From<BodyMethod> for Stepping {
+    fn from(method: BodyMethod) -> Self {
+        Stepping::Bodies(method)
+    }
+}
+
+fn named<T: PartialEq>(words: &[(&'static str, T)], meant: T) -> &'static str {
+    words.iter().find(|(_, meaning)| *meaning == meant).map_or("", |(name, _)| name)
+}
+
+impl fmt::Display for Stepping {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The stepping that is declared; whether it can step the scene is asked later.
+pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepping> {
+    let bodies = BodyMethod::ALL.iter().map(|&method| (method.facts().name, Word::Bodies(method)));
+    let particles = Method::ALL
+        .iter()
+        .map(|&method| (method.facts().name, Word::Equal(method)))
+        .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
+        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))));
+    let in_space = !declared.bodies.is_empty() && dimension == 3;
+    let all: Vec<_> = if in_space { bodies.collect() } else { particles.collect() };
+    let integrator = &declared.integrator;
+    let word = check::word("integrator", integrator.get_ref(), integrator.span(), &all)?;
+    Ok(match (word, &declared.tolerance) {
+        (Word::Adaptive(method), Some(tolerance)) => {
+            Stepping::Adaptive { method, tolerance: check::tolerance(tolerance)? }
+        }
+        (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
+        (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
+        (Word::Equal(method), None) => Stepping::Equal(method),
+        (Word::Constrained(method), None) => Stepping::Constrained(method),
+        (Word::Bodies(method), None) => Stepping::Bodies(method),
+    })
+}
+
+impl Scene {
+    /// An error where the scene's method cannot step what the scene has.
+    pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
+        let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
+        let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
+        if !self.bodies.is_empty() {
+            return self.check_bodies();
+        }
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        match self.stepping {
+            _ if drag && rods => refused("rods and drag at once", "leave one of them out"),
+            Stepping::Constrained(_) if !rods => {
+                refused("a scene without rods", "name any other method")
+            }
+            Stepping::Adaptive { .. } if rods => {
+                refused("rods", "name a method of equal steps, such as `rattle`")
+            }
+            Stepping::Equal(equal) if drag && equal.newmark_weights().is_none() => {
+                refused("drag", "name `newmark`, `generalized-alpha` or an adaptive method")
+            }
+            Stepping::Adaptive { method: adaptive, .. }
+                if adaptive != Adaptive::DormandPrince853
+                    && self.freedoms() > limits::FULL_MATRIX_FREEDOMS =>
+            {
+                refused("so many freedoms with full matrices", "name a method of equal steps")
+            }
+            Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
+            Stepping::Constrained(Constrained::Rattle) => Ok(()),
+            _ if breaking => refused("rods that break", "name `rattle`"),
+            _ => Ok(()),
+        }
+    }
+
+    /// An error where the scene's method cannot step its bodies.
+    fn check_bodies(&self) -> Result<(), Fault> {
+        let (moves, holds) = match self.stepping {
+            Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
+            Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
+            Stepping::Adaptive { .. } | Stepping::Constrained(_) => (false, false),
+        };
+        let name = || self.stepping.name().to_owned();
+        match (moves, holds || self.joints.is_empty()) {
+            (false, _) => Err(Fault::MethodOfAnother(name())),
+            (true, false) => Err(Fault::MethodOfJoints(name())),
+            (true, true) => Ok(()),
+        }
+    }
+}
+
+/// Whether RATTLE can run along the method's free motion.
+fn follows_free_motion(method: BodyMethod) -> bool {
+    matches!(
+        method,
+        BodyMethod::VariationalRotation | BodyMethod::AxisRotations | BodyMethod::ExactRotation
+    )
+}
