@@ -1,7 +1,7 @@
 //! Problems with known answers, shared by tests, studies and timings.
 //!
 //! ```text
-//! manufactured   u chosen, b = -div sigma(u), u held on the boundary: the error is known     (13.2)
+//! manufactured   u chosen, b = -div sigma(u), u held on the boundary: the error is known    (13.2)
 //! LE1            elliptic membrane under pressure: sigma_yy = 92.7 MPa at (2, 0)          NAFEMS
 //! cantilever     a beam, clamped and pushed: P L^3/(3 E I) + 6 P L/(5 G A)            Timoshenko
 //! ```
