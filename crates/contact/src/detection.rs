@@ -8,6 +8,9 @@
 //! points are computed afresh from the poses each time: nothing is carried over from the step
 //! before, so that a gap is what the poses say and not what a cache remembers. They come sorted by
 //! their identifiers. Source: notes 11.1.
+//!
+//! Matching faces of boxes keep their corners; those of other convex solids, off by no more than
+//! rounding, may lose one for a step.
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;

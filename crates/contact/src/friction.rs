@@ -40,7 +40,7 @@ pub struct Staggered {
 /// Turns after which friction is taken as it is.
 const TURNS: usize = 60;
 /// Sweeps over the contacts in one friction projection.
-const SWEEPS: usize = 400;
+const SWEEPS: usize = 100;
 /// Changes of impulses, as velocities, relative to the largest relative velocity, that end both.
 pub(crate) const SETTLED: f64 = 1e-11;
 
@@ -71,6 +71,7 @@ impl Frictional<'_> {
         let settled = SETTLED * self.speed(start.view());
         let (mut turns, mut residual);
         turns = 0;
+        let mut rubbed = f64::INFINITY;
         loop {
             let before = lambda;
             v.copy_from(start.view());
@@ -82,10 +83,10 @@ impl Frictional<'_> {
                 |(i, (a, b)): (usize, (&f64, &f64))| (a - b).abs() * self.normal.compliance(i);
             let moved = lambda.iter().zip(&before).enumerate().map(moved).fold(0.0, f64::max);
             let rubs = self.friction.iter().zip(&lambda).any(|(mu, l)| mu * l > 0.0);
-            if turns == TURNS || !rubs || (turns > 1 && moved <= settled) {
+            if turns == TURNS || !rubs || moved.max(rubbed) <= settled {
                 break;
             }
-            self.rub(&lambda, settled, &mut beta, v.view_mut());
+            rubbed = self.rub(&lambda, settled, &mut beta, v.view_mut());
         }
         let coulomb = (0..self.normal.len())
             .map(|i| self.towards(i, &lambda, &beta, Vector(v.0)).1)
@@ -122,10 +123,18 @@ impl Frictional<'_> {
         fastest(self.normal).max(fastest(self.tangent))
     }
 
-    /// The friction projection: contact after contact to the nearest point of its disc.
-    fn rub(&self, lambda: &[f64], settled: f64, beta: &mut [f64], mut v: Vector<&mut [f64]>) {
+    /// The friction projection: contact after contact to the nearest point of its disc. Says how
+    /// far the last sweep still moved, m/s.
+    fn rub(
+        &self,
+        lambda: &[f64],
+        settled: f64,
+        beta: &mut [f64],
+        mut v: Vector<&mut [f64]>,
+    ) -> f64 {
+        let mut moved = f64::INFINITY;
         for _ in 0..SWEEPS {
-            let mut moved = 0.0_f64;
+            moved = 0.0_f64;
             for i in 0..self.normal.len() {
                 let ([x, y], change) = self.towards(i, lambda, beta, Vector(v.0));
                 for (row, to) in [(2 * i, x), (2 * i + 1, y)] {
@@ -135,9 +144,10 @@ impl Frictional<'_> {
                 moved = moved.max(change);
             }
             if moved <= settled {
-                return;
+                break;
             }
         }
+        moved
     }
 
     /// Where a contact's friction wants to be, and how far off it is as a velocity.
