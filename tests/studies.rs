@@ -54,6 +54,7 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "pendulum-high-orders",
         "henon-heiles-convergence",
         "stability-regions",
+        "damping-stability",
         "action-boundary-value",
         "impulse-limit",
         "modes-needed",
