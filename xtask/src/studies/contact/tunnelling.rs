@@ -86,7 +86,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
             largest = largest.max(speed * STEP / thickness);
             missed += on_the_way;
             let outcome = match part {
-                part if part == 0.0 => SEEN,
+                0.0 => SEEN,
                 part if part < 0.9 => SOMETIMES,
                 _ => NEVER,
             };
