@@ -29,7 +29,8 @@ const RATE: f64 = 100.0;
 fn steps(n: usize, mut each: impl FnMut(&mut dyn FnMut() -> u32)) {
     let RodProblem { system, rods, initial } = writhing_chain(n, RATE).expect("a chain");
     let mut state = initial.clone();
-    let mut rattle = Rattle::new(&system, rods, &initial, Many).expect("a feasible state");
+    let mut rattle =
+        Rattle::new(&system, rods, &initial, Many::default()).expect("a feasible state");
     let h = 0.01 / RATE;
     for _ in 0..3 {
         rattle.step(&mut state, h).expect("a step");

@@ -10,7 +10,15 @@
 //!
 //! A row of J that vanishes, and a pivot that rounding cannot tell from zero, are errors: that is a
 //! ratio of singular values of about 1e-7, the square root of rounding. What is independent by less
-//! than that [`Few`](crate::Few) can tell. Redundant equations are refused.
+//! than that [`Few`](crate::Few) can tell. Where redundant equations are to share their force
+//! ([`Redundancy::LeastNorm`]) S is factored with a shift instead, and solved by iteration:
+//!
+//! ```text
+//! T = S + e D^2,   lambda <- lambda + T^-1 S T^-1 (b - S lambda),   e = 1e-8 of a normal row
+//! ```
+//! `D` the slopes of the equations. S in the middle takes out what no force feels, so that the least
+//! norm in reference scales is reached; what is independent by less than a root of e comes slowly,
+//! and not at all within the bound is an error.
 
 use stationary_calculus::{
     Covector, Metric, Sink, SparseCholesky, SparseError, SymmetricMatrix, Vector,
@@ -18,11 +26,11 @@ use stationary_calculus::{
 
 use crate::entries::Entries;
 use crate::multipliers::{DEPENDENT, Diagonal, Normal};
-use crate::{Constraint, ConstraintError, Multipliers, Solver};
+use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Solver};
 
 /// The choice of [`SchurMultipliers`]: many equations, a diagonal metric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Many;
+pub struct Many(pub Redundancy);
 
 /// Freedoms that the same equations touch.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +62,17 @@ pub struct SchurMultipliers {
     smallest: Vec<f64>,
     matrix: SymmetricMatrix,
     cholesky: SparseCholesky,
+    sharing: Option<Sharing>,
+}
+
+/// What the iteration for shared forces needs.
+#[derive(Clone, Debug)]
+struct Sharing {
+    /// e D^2.
+    shift: Vec<f64>,
+    residual: Vec<f64>,
+    change: Vec<f64>,
+    image: Vec<f64>,
 }
 
 impl<C> Solver<C> for Many {
@@ -73,18 +92,92 @@ impl<C> Solver<C> for Many {
         }
         let entries = Entries::find(constraint, t, q);
         let mut columns = Columns::of(&entries, &masses.mass);
-        let matrix = SymmetricMatrix::analyse(count, |sink| columns.visit(&entries, sink))?;
-        let normal = DEPENDENT * Normal::size(metric, constraint, t, q);
-        let smallest = (0..count).map(|row| (normal * constraint.scale(row).slope).powi(2));
+        let normal = Normal::size(metric, constraint, t, q);
+        let squares = |part: f64| -> Vec<f64> {
+            (0..count).map(|row| (part * normal * constraint.scale(row).slope).powi(2)).collect()
+        };
+        let sharing = (self.0 == Redundancy::LeastNorm).then(|| Sharing {
+            shift: squares(SHIFT),
+            residual: vec![0.0; count],
+            change: vec![0.0; count],
+            image: vec![0.0; count],
+        });
+        let matrix = SymmetricMatrix::analyse(count, |sink| {
+            columns.visit(&entries, sink);
+            shift(sharing.as_ref(), sink);
+        })?;
         Ok(SchurMultipliers {
             count,
-            smallest: smallest.collect(),
+            smallest: squares(DEPENDENT),
+            sharing,
             cholesky: SparseCholesky::analyse(&matrix)?,
             matrix,
             entries,
             columns,
         })
     }
+}
+
+/// The root of e, the part of a normal row that is added where forces are shared.
+const SHIFT: f64 = 1e-4;
+/// More iterations than this are equations that are independent by too little to tell.
+const ITERATIONS: u32 = 40;
+/// The change is rounding below the first part of the whole, and too large to end with above the
+/// second.
+const SETTLED: f64 = 1e-15;
+const UNSETTLED: f64 = 1e-9;
+
+/// Adds the shift to the diagonal.
+fn shift(sharing: Option<&Sharing>, sink: &mut impl Sink) {
+    for (row, shift) in sharing.iter().flat_map(|sharing| &sharing.shift).enumerate() {
+        sink.add_symmetric(&[row], &[*shift]);
+    }
+}
+
+impl Sharing {
+    /// Replaces `lambda`, the right-hand side, by the solution of least norm. The factor is that of
+    /// the shifted matrix.
+    fn solve(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        cholesky: &mut SparseCholesky,
+        lambda: &mut [f64],
+    ) -> Result<(), ConstraintError> {
+        let Sharing { shift, residual, change, image } = self;
+        residual.copy_from_slice(lambda);
+        lambda.fill(0.0);
+        let (mut first, mut before) = (None, f64::INFINITY);
+        for _ in 0..ITERATIONS {
+            image.copy_from_slice(residual);
+            cholesky.solve(image);
+            unshifted(matrix, shift, image, change)?;
+            cholesky.solve(change);
+            lambda.iter_mut().zip(&*change).for_each(|(x, z)| *x += z);
+            unshifted(matrix, shift, change, image)?;
+            residual.iter_mut().zip(&*image).for_each(|(r, y)| *r -= y);
+            // What no force feels has no part in this size.
+            let now = change.iter().zip(&*image).map(|(z, y)| z * y).sum::<f64>().max(0.0).sqrt();
+            let all = *first.get_or_insert(now);
+            if now <= SETTLED * all || (now > 0.5 * before && now <= UNSETTLED * all) {
+                return Ok(());
+            }
+            before = now;
+        }
+        Err(ConstraintError::Dependent { row: None })
+    }
+}
+
+/// Writes `S x`, given the shifted matrix.
+fn unshifted(
+    matrix: &SymmetricMatrix,
+    shift: &[f64],
+    x: &[f64],
+    product: &mut [f64],
+) -> Result<(), ConstraintError> {
+    for ((y, x), shift) in product.iter_mut().zip(x).zip(shift) {
+        *y = -shift * x;
+    }
+    Ok(matrix.add_product(1.0, x, product)?)
 }
 
 impl Columns {
@@ -149,7 +242,8 @@ impl SchurMultipliers {
     fn check_rows(&self) -> Result<(), ConstraintError> {
         let starts = &self.matrix.column_starts()[..self.count];
         for (row, (&start, smallest)) in starts.iter().zip(&self.smallest).enumerate() {
-            let diagonal = self.matrix.values()[start as usize];
+            let shift = self.sharing.as_ref().map_or(0.0, |sharing| sharing.shift[row]);
+            let diagonal = self.matrix.values()[start as usize] - shift;
             if diagonal < *smallest {
                 let ratio = DEPENDENT * (diagonal / smallest).sqrt();
                 return Err(ConstraintError::Singular { ratio, row });
@@ -174,8 +268,11 @@ impl Multipliers for SchurMultipliers {
         q: &[f64],
     ) -> Result<(), ConstraintError> {
         self.entries.write(constraint, t, q)?;
-        let SchurMultipliers { entries, columns, matrix, .. } = self;
-        matrix.refill(|sink| columns.visit(entries, sink))?;
+        let SchurMultipliers { entries, columns, matrix, sharing, .. } = self;
+        matrix.refill(|sink| {
+            columns.visit(entries, sink);
+            shift(sharing.as_ref(), sink);
+        })?;
         self.check_rows()?;
         self.cholesky.factor(&self.matrix).map_err(|error| match error {
             SparseError::NotPositiveDefinite { freedom } => {
@@ -186,8 +283,13 @@ impl Multipliers for SchurMultipliers {
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
-        self.cholesky.solve(b);
-        Ok(())
+        match &mut self.sharing {
+            Some(sharing) => sharing.solve(&self.matrix, &mut self.cholesky, b),
+            None => {
+                self.cholesky.solve(b);
+                Ok(())
+            }
+        }
     }
 
     fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>) {

@@ -20,7 +20,7 @@ fn the_sparse_solvers_do_what_the_dense_one_does() {
     let mass = SparseMetric::new(SymmetricMatrix::mass(system.metric()).unwrap()).unwrap();
     let sparse = System::new(mass, system.potential().clone()).unwrap();
     let mut few = Rattle::new(&system, rods.clone(), &initial, Few::<6>(REFUSE)).unwrap();
-    let mut many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut many = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap();
     let mut coupled = Rattle::new(&sparse, rods, &initial, Coupled).unwrap();
     let mut states = [initial.clone(), initial.clone(), initial];
     for _ in 0..100 {
@@ -46,7 +46,7 @@ fn a_metric_that_couples_needs_the_saddle_system() {
     let links = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
     let rods = Rods::new(2, vec![[0.0; 2]], links).unwrap();
     let initial = State::new(vec![1.0, 0.0, 1.0, -1.0], vec![0.0; 4]);
-    let error = Rattle::new(&system, rods.clone(), &initial, Many).unwrap_err();
+    let error = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap_err();
     assert!(matches!(error, ConstraintError::Coupled { .. }), "{error}");
     let mut coupled = Rattle::new(&system, rods.clone(), &initial, Coupled).unwrap();
     let mut few = Rattle::new(&system, rods, &initial, Few::<2>(REFUSE)).unwrap();
@@ -65,10 +65,11 @@ fn the_work_of_a_chain_grows_with_its_links() {
     for n in [10, 100, 1_000, 10_000, 100_000] {
         let RodProblem { system, rods, initial } = writhing_chain(n, 1.0).unwrap();
         let h = 0.01 / (n as f64 / 10.0).sqrt().max(1.0);
-        let solver = Solver::<Vec<f64>>::analyse(&Many, system.metric(), &rods, 0.0, &initial.q);
+        let solver =
+            Solver::<Vec<f64>>::analyse(&Many::default(), system.metric(), &rods, 0.0, &initial.q);
         let factor_per_link = solver.unwrap().factor_len() as f64 / n as f64;
         let mut state = initial.clone();
-        let mut rattle = Rattle::new(&system, rods, &initial, Many).unwrap();
+        let mut rattle = Rattle::new(&system, rods, &initial, Many::default()).unwrap();
         let mut most = 0;
         for _ in 0..5 {
             let report = rattle.step(&mut state, h).unwrap();
@@ -86,7 +87,7 @@ fn the_work_of_a_chain_grows_with_its_links() {
 fn the_tension_of_a_chain_at_rest_is_the_weight_below() {
     let n = 1000;
     let RodProblem { system, rods, initial } = chain(n, 0.0).unwrap();
-    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap();
     let mut state = initial.clone();
     rattle.step(&mut state, 1e-3).unwrap();
     for (i, (rod, lambda)) in rods.rods().iter().zip(rattle.multipliers()).enumerate() {
@@ -101,7 +102,7 @@ fn the_tension_of_a_chain_at_rest_is_the_weight_below() {
 fn redundant_rods_are_refused_by_all_solvers() {
     let RodProblem { system, rods, initial } = square(2, 1.0, [0.0; 2]).unwrap();
     let dense = Rattle::new(&system, rods.clone(), &initial, Few::<6>(REFUSE)).unwrap_err();
-    let many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap_err();
+    let many = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap_err();
     let coupled = Rattle::new(&system, rods, &initial, Coupled).unwrap_err();
     assert!(matches!(dense, ConstraintError::Singular { .. }), "{dense}");
     assert!(matches!(many, ConstraintError::Dependent { row: Some(_) }), "{many}");
@@ -111,7 +112,7 @@ fn redundant_rods_are_refused_by_all_solvers() {
 #[test]
 fn linkages_of_arrays_are_stepped_by_the_sparse_solver_too() {
     let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
-    let mut many = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut many = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap();
     let mut few = Rattle::new(&system, rods, &initial, Few::<3>(REFUSE)).unwrap();
     let (mut a, mut b) = (initial.clone(), initial);
     for _ in 0..100 {
@@ -119,4 +120,40 @@ fn linkages_of_arrays_are_stepped_by_the_sparse_solver_too() {
         few.step(&mut b, 0.01).unwrap();
     }
     assert!(a.q.iter().zip(&b.q).all(|(a, b)| (a - b).abs() < 1e-12));
+}
+
+#[test]
+fn redundant_rods_share_their_force_in_the_sparse_solver_as_in_the_dense_one() {
+    let RodProblem { system, rods, initial } = square(2, 1.0, [0.3, -0.2]).unwrap();
+    let shared = Redundancy::LeastNorm;
+    let mut many = Rattle::new(&system, rods.clone(), &initial, Many(shared)).unwrap();
+    let mut few = Rattle::new(&system, rods, &initial, Few::<6>(shared)).unwrap();
+    let (mut a, mut b) = (initial.clone(), initial);
+    for _ in 0..500 {
+        many.step(&mut a, 0.01).unwrap();
+        few.step(&mut b, 0.01).unwrap();
+        assert!(a.q.iter().zip(&b.q).all(|(a, b)| (a - b).abs() < 1e-11), "{} s", a.t);
+        let pairs = many.multipliers().iter().zip(few.multipliers());
+        assert!(
+            pairs.clone().all(|(a, b)| (a - b).abs() < 1e-7),
+            "{:?}",
+            pairs.collect::<Vec<_>>()
+        );
+    }
+}
+
+#[test]
+fn sharing_changes_nothing_where_nothing_is_redundant() {
+    let RodProblem { system, rods, initial } = folded_chain(200).unwrap();
+    let shared = Many(Redundancy::LeastNorm);
+    let mut sharing = Rattle::new(&system, rods.clone(), &initial, shared).unwrap();
+    let mut plain = Rattle::new(&system, rods, &initial, Many::default()).unwrap();
+    let (mut a, mut b) = (initial.clone(), initial);
+    for _ in 0..50 {
+        sharing.step(&mut a, 0.001).unwrap();
+        plain.step(&mut b, 0.001).unwrap();
+    }
+    assert!(a.q.iter().zip(&b.q).all(|(a, b)| (a - b).abs() < 1e-12));
+    let pairs = sharing.multipliers().iter().zip(plain.multipliers());
+    assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-8 * (1.0 + b.abs())));
 }

@@ -50,12 +50,16 @@ fn no_method_allocates_in_a_step() {
 fn no_sparse_step_allocates() {
     use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
     use stationary_constraints::problems::chain;
-    use stationary_constraints::{Coupled, Many};
+    use stationary_constraints::{Coupled, Many, Redundancy};
     let RodProblem { system, rods, initial } = chain(200, 0.1).unwrap();
-    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many).unwrap();
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap();
+    assert_eq!(allocations(&mut rattle, &initial, 0.005), 0);
+    let shared = Many(Redundancy::LeastNorm);
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, shared).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.005), 0);
     let verlet = StormerVerlet::new(&system).unwrap();
-    let mut project = StepAndProject::new(verlet, &system, rods.clone(), &initial, Many).unwrap();
+    let mut project =
+        StepAndProject::new(verlet, &system, rods.clone(), &initial, Many::default()).unwrap();
     assert_eq!(allocations(&mut project, &initial, 0.005), 0);
     let mass = SparseMetric::new(SymmetricMatrix::mass(system.metric()).unwrap()).unwrap();
     let sparse = System::new(mass, system.potential().clone()).unwrap();

@@ -71,7 +71,13 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
         })
     }
     if joints.count() > FEW {
-        return Ok(boxed(Rattle::along(motion, system, joints, initial, Many)?));
+        return Ok(boxed(Rattle::along(
+            motion,
+            system,
+            joints,
+            initial,
+            Many(Redundancy::LeastNorm),
+        )?));
     }
     let few = Few::<FEW>(Redundancy::LeastNorm);
     Ok(boxed(Rattle::along(motion, system, joints, initial, few)?))

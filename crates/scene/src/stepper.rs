@@ -53,7 +53,8 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 (None, _) => {
                     let integrator = Owned(scene.integrator(problem, method)?);
                     let rods = scene.constraint::<D>()?;
-                    let kept = StepAndProject::new(integrator, system, rods, initial, Many)?;
+                    let kept =
+                        StepAndProject::new(integrator, system, rods, initial, Many::default())?;
                     Ok(Stepper::Constrained(Box::new(kept)))
                 }
             },
@@ -64,13 +65,14 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 Ok(Stepper::Adaptive(Box::new(Reading { method, end, y })))
             }
             Stepping::Constrained(Constrained::Rattle) => {
-                let rattle = Rattle::new(system, scene.constraint::<D>()?, initial, Many)?;
+                let rattle =
+                    Rattle::new(system, scene.constraint::<D>()?, initial, Many::default())?;
                 Ok(Stepper::Rattle(Box::new(rattle)))
             }
             Stepping::Bodies(_) => Err(AssemblyError::Bodies),
             Stepping::Constrained(Constrained::Hamilton) => {
                 let rods = scene.constraint::<D>()?;
-                let kept = ConstrainedHamilton::new(system, rods, initial, Many)?;
+                let kept = ConstrainedHamilton::new(system, rods, initial, Many::default())?;
                 Ok(Stepper::Constrained(Box::new(kept)))
             }
         }
@@ -92,7 +94,7 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 Ok(done(counted(report.differentials, report.iterations)))
             }
             Stepper::Rattle(rattle) => {
-                let (report, broken) = rattle.step_and_break(state, h, Many)?;
+                let (report, broken) = rattle.step_and_break(state, h, Many::default())?;
                 let broken = broken.map(|broken| BrokenRod {
                     rod: broken.index,
                     time: to,

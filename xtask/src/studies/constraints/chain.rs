@@ -38,10 +38,11 @@ fn study(size: Size) -> Result<Study, StudyError> {
     for &n in lengths {
         let RodProblem { system, rods, initial } =
             writhing_chain(n, RATE).map_err(StudyError::at("a chain"))?;
-        let solver = Solver::<Vec<f64>>::analyse(&Many, system.metric(), &rods, 0.0, &initial.q)
+        let solver =
+            Solver::<Vec<f64>>::analyse(&Many::default(), system.metric(), &rods, 0.0, &initial.q)
+                .map_err(StudyError::at("a chain"))?;
+        let mut rattle = Rattle::new(&system, rods, &initial, Many::default())
             .map_err(StudyError::at("a chain"))?;
-        let mut rattle =
-            Rattle::new(&system, rods, &initial, Many).map_err(StudyError::at("a chain"))?;
         let mut state = initial.clone();
         let mut last = rattle.step(&mut state, STEP).map_err(StudyError::at("a step"))?;
         let mut failure = None;
