@@ -1,8 +1,8 @@
 //! The methods' facts as a table in Markdown: what the documentation prints.
 
 use crate::{
-    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Method, Stability,
-    Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, FirstOrderFacts, Method,
+    Stability, Symplecticity,
 };
 
 /// The facts of every method, one row each, as a table in Markdown.
@@ -15,6 +15,30 @@ pub fn facts_table() -> String {
     table.push_str("|\n");
     for method in Method::ALL {
         table.push_str(&row(&method.facts()));
+    }
+    table
+}
+
+/// The facts of the methods for first-order systems, one row each, as a table in Markdown.
+pub fn first_order_facts_table() -> String {
+    let mut table = String::from(
+        "| method for first-order systems | order | between steps | step | evaluations or stages \
+         | more for dense output | fast decay | bounded within |\n",
+    );
+    table.push_str(&"| --- ".repeat(8));
+    table.push_str("|\n");
+    for facts in FirstOrderFacts::all() {
+        let cells = [
+            format!("`{}`", facts.name),
+            facts.order.to_string(),
+            facts.dense_order.to_string(),
+            evaluation(facts.evaluation).into(),
+            facts.stages.to_string(),
+            facts.dense_stages.to_string(),
+            damping(facts.damping).into(),
+            format!("{}° of decay", facts.sector),
+        ];
+        table.push_str(&format!("| {} |\n", cells.join(" | ")));
     }
     table
 }
@@ -96,18 +120,21 @@ fn conservation(conservation: Conservation) -> &'static str {
 mod tests {
     use super::*;
 
-    /// `UPDATE_DOCS=1 cargo test` writes the table anew, and then fails no more.
+    /// `UPDATE_DOCS=1 cargo test` writes the tables anew, and then fails no more.
     #[test]
-    fn the_documentation_prints_this_table() {
+    fn the_documentation_prints_these_tables() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/integrators.md");
-        let text = std::fs::read_to_string(page).unwrap();
-        let start = text.find("| method | order |").expect("a table of facts");
-        let end = start + text[start..].find("\n\n").expect("an end of the table") + 1;
-        let table = facts_table();
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            std::fs::write(page, [&text[..start], &table, &text[end..]].concat()).unwrap();
-        } else {
-            assert_eq!(&text[start..end], table, "run the tests with UPDATE_DOCS=1");
+        let mut text = std::fs::read_to_string(page).unwrap();
+        for table in [facts_table(), first_order_facts_table()] {
+            let heading = table.split_once(" | order").expect("a heading").0;
+            let start = text.find(&format!("{heading} | order")).expect("a table of facts");
+            let end = start + text[start..].find("\n\n").expect("an end of the table") + 1;
+            if std::env::var_os("UPDATE_DOCS").is_some() {
+                text = [&text[..start], &table, &text[end..]].concat();
+                std::fs::write(page, &text).unwrap();
+            } else {
+                assert_eq!(&text[start..end], table, "run the tests with UPDATE_DOCS=1");
+            }
         }
     }
 }

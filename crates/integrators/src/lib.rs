@@ -107,7 +107,7 @@ pub use explicit_euler::ExplicitEuler;
 pub use facts::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, Symplecticity,
 };
-pub use facts_table::facts_table;
+pub use facts_table::{facts_table, first_order_facts_table};
 pub use first_order::{
     AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
     DormandPrince853, Event, FirstOrderFacts, FunctionField, Jacobian, MechanicalField, Moment,

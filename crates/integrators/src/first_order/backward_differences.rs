@@ -46,6 +46,21 @@ const SHRINKAGE: f64 = 0.2;
 /// Most Newton iterations for a step.
 const MOST_ITERATIONS: u32 = 4;
 
+/// What is known of the formulas up to an order.
+pub(super) fn facts(highest: usize) -> FirstOrderFacts {
+    let sector = SECTORS[highest - 1];
+    FirstOrderFacts {
+        name: NAMES[highest - 1],
+        order: highest as u32,
+        dense_order: highest as u32,
+        stages: 1,
+        dense_stages: 0,
+        evaluation: Evaluation::Implicit,
+        damping: if sector == 90.0 { Damping::LStable } else { Damping::Conditional },
+        sector,
+    }
+}
+
 /// Backward differentiation formulas, bound to a field.
 #[derive(Clone, Debug)]
 pub struct BackwardDifferences<F, C> {
@@ -240,17 +255,7 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
 
 impl<F: VectorField, C: Storage> AdaptiveMethod<C> for BackwardDifferences<F, C> {
     fn facts(&self) -> FirstOrderFacts {
-        let sector = SECTORS[self.highest - 1];
-        FirstOrderFacts {
-            name: NAMES[self.highest - 1],
-            order: self.highest as u32,
-            dense_order: self.highest as u32,
-            stages: 1,
-            dense_stages: 0,
-            evaluation: Evaluation::Implicit,
-            damping: if sector == 90.0 { Damping::LStable } else { Damping::Conditional },
-            sector,
-        }
+        facts(self.highest)
     }
 
     fn moment(&self) -> &Moment<C> {

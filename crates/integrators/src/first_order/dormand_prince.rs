@@ -32,7 +32,7 @@ use crate::{Damping, Evaluation};
 use coefficients::*;
 
 /// What is known of the method.
-const FACTS: FirstOrderFacts = FirstOrderFacts {
+pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
     name: "dormand-prince-853",
     order: 8,
     dense_order: 7,

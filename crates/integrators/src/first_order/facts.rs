@@ -1,5 +1,6 @@
 //! What is known of a method for first-order systems before it runs.
 
+use super::{backward_differences, dormand_prince, radau};
 use crate::{Damping, Evaluation};
 
 /// The facts of a method; tests assert each of them.
@@ -22,4 +23,13 @@ pub struct FirstOrderFacts {
     /// Half the opening angle, in degrees, of the largest sector about the negative real axis in
     /// which y' = lambda y decays at every step: 90 for A-stability, 0 for none.
     pub sector: f64,
+}
+
+impl FirstOrderFacts {
+    /// The facts of every method for first-order systems, of the formulas of variable order at
+    /// their highest and at order 2.
+    pub fn all() -> [FirstOrderFacts; 4] {
+        let formulas = backward_differences::facts;
+        [dormand_prince::FACTS, radau::FACTS, formulas(5), formulas(2)]
+    }
 }

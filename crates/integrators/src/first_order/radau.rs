@@ -34,7 +34,7 @@ use coefficients::*;
 use collocation::{Collocation, Iterated, MOST_ITERATIONS, Reuse};
 
 /// What is known of the method.
-const FACTS: FirstOrderFacts = FirstOrderFacts {
+pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
     name: "radau-iia-5",
     order: 5,
     dense_order: 3,
