@@ -11,10 +11,16 @@
 //! | [`held_at_a_point`] | any body on a ball joint | its motion about the point; support's force |
 //! | [`top_on_its_tip`] | the top of above on a ball joint | the same as of above |
 //! | [`thrown_boxes`] | three boxes on a ball joint and a hinge, free | energy and momenta |
+//!
+//! [`REFERENCES`] and [`LOGARITHMS`] hold exp, log and the Jacobians of rotations to the last digit.
+
+mod references;
 
 use nalgebra::Vector3;
 use stationary_calculus::{Potential, System};
 use stationary_integrators::State;
+
+pub use references::{LOGARITHMS, Logarithm, REFERENCES, Reference};
 
 use crate::{
     Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, KovalevskayaTop, LieGroup,

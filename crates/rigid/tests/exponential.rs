@@ -1,11 +1,9 @@
 //! exp, log and the Jacobians of rotations against references of 120 digits, at every angle.
 
-mod references;
-
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
-use references::{LOGARITHMS, REFERENCES, Reference};
+use stationary_rigid::problems::{LOGARITHMS, REFERENCES, Reference};
 use stationary_rigid::{
     LieGroup, Rotation, left_jacobian, left_jacobian_inverse, right_jacobian,
     right_jacobian_derivative, right_jacobian_inverse,

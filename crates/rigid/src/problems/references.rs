@@ -9,18 +9,27 @@
 //! Computed with 120 digits by Python's mpmath 1.3 from exactly these inputs, rounded once.
 //! Matrices by rows; `v = (0.3, -1.1, 0.7)`, `delta = (-0.6, 0.2, 0.9)`; axes along (0.36, -0.48, 0.8).
 
-/// What is true at `theta`.
+/// What is true of the rotation by `theta`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
+    /// Axis times angle.
     pub theta: [f64; 3],
+    /// The quaternion exp(theta), scalar first.
     pub exp: [f64; 4],
+    /// The right Jacobian T(theta), by rows.
     pub jacobian: [f64; 9],
+    /// Its inverse, by rows.
     pub inverse: [f64; 9],
+    /// The derivative of T(theta) v along delta.
     pub derivative: [f64; 3],
 }
 
 /// A quaternion, of length 1 to rounding, and its logarithm.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logarithm {
+    /// The quaternion, scalar first.
     pub quaternion: [f64; 4],
+    /// Axis times angle.
     pub log: [f64; 3],
 }
 
