@@ -4,6 +4,7 @@
 //! g_i(q) >= 0                          feasible; dg_i is not zero where g_i is              (11.2)
 //! floor       g = n.x - offset - r
 //! two balls   g = |x2 - x1| - (r1 + r2)                            (errata 11.2: the sum of radii)
+//! fixed ball  g = |x - centre| - (r + radius)
 //! ```
 //! The shape is that of an equality, the type is not: [`Inequality`] reads a constraint's functions
 //! as gaps. `x` centres in D dimensions, `r` radii, `n` unit normals, lengths in metres.
@@ -89,20 +90,36 @@ pub struct Wall<const D: usize> {
     pub offset: f64,
 }
 
-/// Balls that overlap neither walls nor each other.
+/// A ball that nothing moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedBall<const D: usize> {
+    /// Where it is, m.
+    pub centre: [f64; D],
+    /// Its radius, m.
+    pub radius: f64,
+}
+
+/// Balls that overlap neither walls, fixed balls nor each other. A ball of radius zero is a point;
+/// points do not meet each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Balls<const D: usize> {
     radii: Vec<f64>,
     walls: Vec<Wall<D>>,
+    fixed: Vec<FixedBall<D>>,
     pairs: Vec<[usize; 2]>,
+}
+
+fn check_radius(value: f64) -> Result<(), ContactError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ContactError::Length { shape: "ball", what: "radius", value })
 }
 
 impl<const D: usize> Balls<D> {
     /// Balls of these radii among these walls; all pairs of them are gaps.
     pub fn new(radii: Vec<f64>, walls: Vec<Wall<D>>) -> Result<Self, ContactError> {
-        if let Some(&value) = radii.iter().find(|r| !(**r > 0.0 && r.is_finite())) {
-            return Err(ContactError::Length { shape: "ball", what: "radius", value });
-        }
+        radii.iter().try_for_each(|&radius| check_radius(radius))?;
         for wall in &walls {
             check_finite("a wall", &wall.normal)?;
             check_finite("a wall", &[wall.offset])?;
@@ -112,19 +129,58 @@ impl<const D: usize> Balls<D> {
                 return Err(ContactError::Length { shape, what, value: length });
             }
         }
-        let balls = radii.len();
-        let pairs = (0..balls).flat_map(|a| (a + 1..balls).map(move |b| [a, b])).collect();
-        Ok(Balls { radii, walls, pairs })
+        let round: Vec<usize> = (0..radii.len()).filter(|&ball| radii[ball] > 0.0).collect();
+        let after = |i: usize| round[i + 1..].iter().copied();
+        let pairs = (0..round.len()).flat_map(|i| after(i).map(move |b| (i, b)));
+        let pairs = pairs.map(|(i, b)| [round[i], b]).collect();
+        Ok(Balls { radii, walls, fixed: Vec::new(), pairs })
+    }
+
+    /// The same balls among fixed balls as well.
+    pub fn with_fixed(self, fixed: Vec<FixedBall<D>>) -> Result<Self, ContactError> {
+        for ball in &fixed {
+            check_radius(ball.radius)?;
+            check_finite("the centre of a fixed ball", &ball.centre)?;
+        }
+        Ok(Balls { fixed, ..self })
     }
 
     fn against_walls(&self) -> impl Iterator<Item = (usize, &Wall<D>)> {
         (0..self.radii.len()).flat_map(|ball| self.walls.iter().map(move |wall| (ball, wall)))
     }
 
+    fn against_fixed(&self) -> impl Iterator<Item = (usize, &FixedBall<D>)> {
+        (0..self.radii.len()).flat_map(|ball| self.fixed.iter().map(move |fixed| (ball, fixed)))
+    }
+
+    /// From the centre of a fixed ball, and how far.
+    fn from_fixed(&self, q: &[f64], ball: usize, fixed: &FixedBall<D>) -> ([f64; D], f64) {
+        let d: [f64; D] = std::array::from_fn(|k| q[D * ball + k] - fixed.centre[k]);
+        (d, norm(&d))
+    }
+
     fn apart(&self, q: &[f64], [a, b]: [usize; 2]) -> ([f64; D], f64) {
         let d: [f64; D] = std::array::from_fn(|k| q[D * b + k] - q[D * a + k]);
-        (d, d.iter().map(|x| x * x).sum::<f64>().sqrt())
+        (d, norm(&d))
     }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The length of `d` where it is shortest on its way to `d + s`, unless that is at an end.
+fn shortest_between<const D: usize>(d: &[f64; D], s: &[f64; D]) -> Option<f64> {
+    let along: f64 = d.iter().zip(s).map(|(d, s)| -d * s).sum();
+    let part = along / s.iter().map(|s| s * s).sum::<f64>();
+    let there: [f64; D] = std::array::from_fn(|k| d[k] + part * s[k]);
+    (part > 0.0 && part < 1.0).then(|| norm(&there))
+}
+
+/// The second differential of a length, times lambda.
+fn bent<const D: usize>(d: &[f64; D], distance: f64, lambda: f64, k: usize, l: usize) -> f64 {
+    let identity = if k == l { 1.0 } else { 0.0 };
+    lambda * (identity - d[k] * d[l] / (distance * distance)) / distance
 }
 
 impl<const D: usize> Swept for Balls<D> {
@@ -135,13 +191,19 @@ impl<const D: usize> Swept for Balls<D> {
         self.value(0.0, &end, &mut then);
         lowest.iter_mut().zip(&then).for_each(|(low, then)| *low = low.min(*then));
         let walls = self.radii.len() * self.walls.len();
-        for (&[a, b], lowest) in self.pairs.iter().zip(&mut lowest[walls..]) {
+        let (_, past_walls) = lowest.split_at_mut(walls);
+        let (singles, pairs) = past_walls.split_at_mut(self.radii.len() * self.fixed.len());
+        for ((ball, fixed), lowest) in self.against_fixed().zip(singles) {
+            let (d, _) = self.from_fixed(q, ball, fixed);
+            let s = std::array::from_fn(|k| displacement.0[D * ball + k]);
+            if let Some(nearest) = shortest_between(&d, &s) {
+                *lowest = lowest.min(nearest - (self.radii[ball] + fixed.radius));
+            }
+        }
+        for (&[a, b], lowest) in self.pairs.iter().zip(pairs) {
             let (d, _) = self.apart(q, [a, b]);
-            let (s, length) = self.apart(displacement.0, [a, b]);
-            let along: f64 = d.iter().zip(&s).map(|(d, s)| -d * s).sum();
-            let part = along / (length * length);
-            if part > 0.0 && part < 1.0 {
-                let nearest = (0..D).map(|k| (d[k] + part * s[k]).powi(2)).sum::<f64>().sqrt();
+            let (s, _) = self.apart(displacement.0, [a, b]);
+            if let Some(nearest) = shortest_between(&d, &s) {
                 *lowest = lowest.min(nearest - (self.radii[a] + self.radii[b]));
             }
         }
@@ -154,7 +216,7 @@ impl<const D: usize> Constraint for Balls<D> {
     }
 
     fn count(&self) -> usize {
-        self.radii.len() * self.walls.len() + self.pairs.len()
+        self.radii.len() * (self.walls.len() + self.fixed.len()) + self.pairs.len()
     }
 
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
@@ -166,13 +228,22 @@ impl<const D: usize> Constraint for Balls<D> {
             let (_, distance) = self.apart(q, [a, b]);
             distance - (self.radii[a] + self.radii[b])
         });
-        g.iter_mut().zip(walls.chain(pairs)).for_each(|(g, value)| *g = value);
+        let fixed = self.against_fixed().map(|(ball, fixed)| {
+            let (_, distance) = self.from_fixed(q, ball, fixed);
+            distance - (self.radii[ball] + fixed.radius)
+        });
+        g.iter_mut().zip(walls.chain(fixed).chain(pairs)).for_each(|(g, value)| *g = value);
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
         let mut row = 0;
         for (ball, wall) in self.against_walls() {
             (0..D).for_each(|k| rows.add(row, D * ball + k, wall.normal[k]));
+            row += 1;
+        }
+        for (ball, fixed) in self.against_fixed() {
+            let (d, distance) = self.from_fixed(q, ball, fixed);
+            (0..D).for_each(|k| rows.add(row, D * ball + k, d[k] / distance));
             row += 1;
         }
         for &[a, b] in &self.pairs {
@@ -184,16 +255,22 @@ impl<const D: usize> Constraint for Balls<D> {
     }
 
     fn add_hessian(&self, _t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
-        let walls = self.radii.len() * self.walls.len();
-        for (&[a, b], lambda) in self.pairs.iter().zip(&lambda[walls..]) {
+        let lambda = &lambda[self.radii.len() * self.walls.len()..];
+        let (singles, pairs) = lambda.split_at(self.radii.len() * self.fixed.len());
+        for ((ball, fixed), &lambda) in self.against_fixed().zip(singles) {
+            let (d, distance) = self.from_fixed(q, ball, fixed);
+            let freedoms: [usize; D] = std::array::from_fn(|k| D * ball + k);
+            let block: Vec<f64> =
+                (0..D * D).map(|at| bent(&d, distance, lambda, at % D, at / D)).collect();
+            hessian.add_symmetric(&freedoms, &block);
+        }
+        for (&[a, b], &lambda) in self.pairs.iter().zip(pairs) {
             let (d, distance) = self.apart(q, [a, b]);
             let freedoms: Vec<usize> =
                 (0..D).map(|k| D * a + k).chain((0..D).map(|k| D * b + k)).collect();
             let entry = |i: usize, j: usize| {
-                let (k, l) = (i % D, j % D);
                 let side = if (i < D) == (j < D) { 1.0 } else { -1.0 };
-                let identity = if k == l { 1.0 } else { 0.0 };
-                side * lambda * (identity - d[k] * d[l] / (distance * distance)) / distance
+                side * bent(&d, distance, lambda, i % D, j % D)
             };
             let block: Vec<f64> =
                 (0..4 * D * D).map(|at| entry(at % (2 * D), at / (2 * D))).collect();
@@ -208,22 +285,24 @@ mod tests {
 
     fn three_balls() -> Balls<2> {
         let wall = Wall { normal: [0.0, 1.0], offset: -1.0 };
-        Balls::new(vec![0.5, 0.25, 1.0], vec![wall]).unwrap()
+        let fixed = FixedBall { centre: [3.0, 0.0], radius: 0.5 };
+        Balls::new(vec![0.5, 0.25, 1.0], vec![wall]).unwrap().with_fixed(vec![fixed]).unwrap()
     }
 
     #[test]
     fn balls_touch_where_their_distance_is_the_sum_of_their_radii() {
         let gaps = Inequality(three_balls()).gaps(0.0, &[0.0, 0.0, 0.75, 0.0, 0.0, 2.0]);
         assert_eq!(gaps[..3], [0.5, 0.75, 2.0], "the wall");
-        assert_eq!(gaps[3], 0.0, "they touch, and |d| - r1 would say that they do not");
-        assert_eq!(gaps[4], 0.5);
+        assert_eq!(gaps[3..5], [2.0, 1.5], "the fixed ball");
+        assert_eq!(gaps[6], 0.0, "they touch, and |d| - r1 would say that they do not");
+        assert_eq!(gaps[7], 0.5);
     }
 
     #[test]
     fn rows_are_the_differentials_of_the_gaps() {
         let balls = Inequality(three_balls());
         let q = [0.1, 0.2, 0.9, -0.3, 0.4, 2.0];
-        let rows = balls.rows(0.0, &q, &[0, 1, 2, 3, 4, 5]);
+        let rows = balls.rows(0.0, &q, &[0, 1, 2, 3, 4, 5, 6, 7, 8]);
         for freedom in 0..6 {
             let moved = |h: f64| {
                 let mut q = q;
@@ -231,7 +310,7 @@ mod tests {
                 balls.gaps(0.0, &q)
             };
             let (ahead, behind) = (moved(1e-6), moved(-1e-6));
-            for contact in 0..6 {
+            for contact in 0..9 {
                 let slope = (ahead[contact] - behind[contact]) / 2e-6;
                 let entry: f64 = rows.row(contact).filter(|e| e.0 == freedom).map(|e| e.1).sum();
                 assert!((slope - entry).abs() < 1e-9);
@@ -241,9 +320,16 @@ mod tests {
     }
 
     #[test]
-    fn balls_without_size_and_walls_without_direction_are_refused_by_name() {
+    fn points_meet_what_is_round_and_not_each_other() {
+        let points = Balls::<2>::new(vec![0.0, 0.0, 1.0], vec![]).unwrap();
+        let gaps = Inequality(points).gaps(0.0, &[0.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
+        assert_eq!(gaps, [2.0, 2.0]);
+    }
+
+    #[test]
+    fn balls_of_negative_size_and_walls_without_direction_are_refused_by_name() {
         let wall = Wall { normal: [0.0, 0.5], offset: 0.0 };
-        assert!(matches!(Balls::<2>::new(vec![0.0], vec![]), Err(ContactError::Length { .. })));
+        assert!(matches!(Balls::<2>::new(vec![-1.0], vec![]), Err(ContactError::Length { .. })));
         let error = Balls::new(vec![1.0], vec![wall]).unwrap_err();
         assert!(matches!(error, ContactError::Length { shape: "wall", .. }), "{error}");
     }

@@ -10,7 +10,7 @@
 //! the exact parabola, so the rebound of a ball is exact too.
 //!
 //! Zeno: bounces lower than [`REST`] of the size of things are rest, and what is left of the step
-//! is a filtered step without restitution.
+//! is a filtered step, in which what rests has no restitution.
 //!
 //! The filter is a step of symplectic Euler. Its impact acts on the velocity before the step's own
 //! kick, so that no bounce gains energy, and approach of the order of a kick has no restitution, so
@@ -157,7 +157,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             };
             if self.bounces_low(state, free)? {
                 report.rested = true;
-                self.filtered(state, left, 0.0, &mut report)?;
+                self.filtered(state, left, self.restitution, &mut report)?;
                 return Ok(report);
             }
             self.verlet.step(state, free)?;

@@ -83,7 +83,7 @@ pub use contact_point::{ContactId, ContactPoint};
 pub use detection::{Detector, Overlap, gap_rows};
 pub use error::ContactError;
 pub use friction::{Frictional, Staggered};
-pub use gaps::{Balls, Inequality, Swept, Wall};
+pub use gaps::{Balls, FixedBall, Inequality, Swept, Wall};
 pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
 pub use inverse_mass::InverseMass;

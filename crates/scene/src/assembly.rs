@@ -1,17 +1,27 @@
 //! From declarations to a scene: every value checked, every name resolved, nothing left to doubt.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
 use crate::number::Count;
-use crate::observable::{self, USUAL};
+use crate::observable;
 use crate::particles::{self, Motion, Roster};
 use crate::scene::{Gravity, Scene, Timing};
-use crate::{Fault, bodies, check, joints, nets, rods, springs, stepping, units::Units};
+use crate::solids::Solids;
+use crate::{
+    Fault, bodies, check, contacts, heat, joints, nets, rods, solids, springs, stepping,
+    units::Units,
+};
 
-/// The scene that is declared. `name` stands for a title where there is none.
-pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
+/// The scene that is declared. `name` stands for a title where there is none, `folder` is that of the
+/// scene's file.
+pub(crate) fn assemble(
+    name: &str,
+    folder: Option<&Path>,
+    declared: &Declaration,
+) -> Checked<Scene> {
     let dimension = match *declared.dimension.get_ref() {
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
@@ -24,10 +34,23 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
     }
-    let written_out = if moving.is_empty() { roster.particles.len() } else { moving.len() };
+    let heated = declared.heat.as_ref();
+    let heated =
+        heated.map(|heat| heat::declare(&mut roster, dimension, folder, heat)).transpose()?;
+    let written_out = if heated.is_some() {
+        0
+    } else if moving.is_empty() {
+        roster.particles.len()
+    } else {
+        moving.len()
+    };
     let mut links = Vec::new();
     for net in &declared.nets {
         nets::declare(&mut roster, &mut links, dimension, net)?;
+    }
+    let mut elastic = Solids { edges, ..Solids::default() };
+    for solid in &declared.solids {
+        solids::declare(&mut roster, &mut elastic, dimension, folder, solid)?;
     }
     for spring in &declared.springs {
         links.push(springs::declare(&roster, spring)?);
@@ -36,19 +59,18 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
     for rod in &declared.rods {
         rods.push(rods::declare(&roster, &rods, rod)?);
     }
+    let heat = heated.map(|(body, edges, faces)| {
+        (elastic.edges, elastic.faces) = (edges, faces);
+        body
+    });
+    let contact = contacts::declare(declared, dimension)?;
     let gravity = gravity(declared, dimension, &roster)?;
     let drag = declared.drag.as_ref();
     let drag =
         drag.map(|drag| check::positive("the coefficient", &drag.coefficient)).transpose()?;
     check_that_something_moves(declared, &roster)?;
 
-    let observables = match &declared.observables {
-        Some(declared) => declared
-            .iter()
-            .map(|declared| observable::declare(&roster, &rods, declared))
-            .collect::<Checked<Vec<_>>>()?,
-        None => USUAL.to_vec(),
-    };
+    let observables = observable::declare_all(declared, &roster, &rods)?;
     let scene = Scene {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
@@ -57,17 +79,27 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
         timing: timing(declared)?,
         gravity,
         drag,
+        contact,
         particles: roster.particles,
         written_out,
         links,
         rods,
         bodies: moving.into_iter().map(|declared| declared.body).collect(),
         joints,
-        edges,
+        solids: elastic.bodies,
+        heat,
+        hung: elastic.hung,
+        edges: elastic.edges,
+        faces: elastic.faces,
         observables,
         view: view(declared, dimension)?,
     };
     scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
+    if scene.bodies.is_empty() {
+        let place = declared.contact.as_ref().and_then(|contact| contact.place());
+        let place = place.unwrap_or(declared.step.span());
+        scene.check_apart().map_err(|fault| at(place, fault))?;
+    }
     let place = declared.sample_every.as_ref().map_or(declared.step.span(), |every| every.span());
     scene.check_samples().map_err(|fault| at(place, fault))?;
     Ok(scene)
@@ -75,25 +107,28 @@ pub(crate) fn assemble(name: &str, declared: &Declaration) -> Checked<Scene> {
 
 /// An error where what does not go together is there.
 fn check_what_is_there(declared: &Declaration) -> Checked<()> {
-    let Some(_) = declared.bodies.first() else {
-        return match declared.joints.first() {
-            Some(joint) => Err(at(joint.kind.span(), Fault::NoBodies)),
-            None => Ok(()),
-        };
-    };
-    let others = [
+    let particles = [
         declared.particles.first().map(|particle| particle.name.span()),
         declared.nets.first().map(|net| net.name.span()),
+        declared.solids.first().map(|solid| solid.name.span()),
         declared.springs.first().map(|spring| spring.between.span()),
         declared.rods.first().map(|rod| rod.between.span()),
         declared.drag.as_ref().map(|drag| drag.coefficient.span()),
     ];
-    if let Some(place) = others.into_iter().flatten().next() {
-        return Err(at(place, Fault::Mixed));
+    let particles = particles.into_iter().flatten().next();
+    let attraction = declared.newtonian_gravity.as_ref().map(|gravity| gravity.constant.span());
+    let bodies = declared.bodies.first().map(|body| body.name.span());
+    let joints = declared.joints.first().map(|joint| joint.kind.span());
+    let weight = declared.uniform_gravity.as_ref().map(|gravity| gravity.acceleration.span());
+    if declared.heat.is_some() {
+        let others = [particles, attraction, bodies, joints, weight].into_iter().flatten().next();
+        return others.map_or(Ok(()), |place| Err(at(place, Fault::MixedWithHeat)));
     }
-    match &declared.newtonian_gravity {
-        Some(gravity) => Err(at(gravity.constant.span(), Fault::BodyAttraction)),
-        None => Ok(()),
+    match (bodies, joints, particles, attraction) {
+        (None, Some(joint), ..) => Err(at(joint, Fault::NoBodies)),
+        (Some(_), _, Some(particle), _) => Err(at(particle, Fault::Mixed)),
+        (Some(_), _, None, Some(attraction)) => Err(at(attraction, Fault::BodyAttraction)),
+        _ => Ok(()),
     }
 }
 
@@ -144,7 +179,7 @@ fn check_that_no_two_meet(roster: &Roster) -> Checked<()> {
 
 fn check_that_something_moves(declared: &Declaration, roster: &Roster) -> Checked<()> {
     let free = |motion: &Motion| *motion != Motion::Pinned;
-    if roster.particles.iter().any(|particle| free(&particle.motion)) {
+    if declared.heat.is_some() || roster.particles.iter().any(|particle| free(&particle.motion)) {
         return Ok(());
     }
     match &roster.first_pin {

@@ -1,9 +1,7 @@
-//! Rigid bodies: boxes and bodies of given moments, with the points of them that are followed.
+//! Rigid bodies, with the points of them that are followed.
 //!
 //! ```text
 //! x = position + R c,    R = exp(rotation)          a point c of the body (body axes)
-//! I = m/12 (b^2 + c^2, c^2 + a^2, a^2 + b^2)        a solid box of sides a, b, c
-//! I = m/12 (a^2 + b^2)                              a plate in the plane
 //! ```
 //! Body axes are principal axes. In the plane a body turns about the third axis: its rotation and
 //! angular velocity are numbers there. Angular velocities are in body axes. A body's centre and its
@@ -14,7 +12,7 @@ use stationary_rigid::{Body, LieGroup, Rotation};
 use crate::declaration::{BodyDeclaration, Turn};
 use crate::diagnostic::{Checked, at};
 use crate::particles::{Motion, Particle, Roster};
-use crate::{Fault, check, limits};
+use crate::{BodyShape, Fault, body_shape, check, limits};
 
 /// A rigid body. Vectors have three components; those that the plane does not have are zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +21,8 @@ pub struct RigidBody {
     pub name: String,
     /// Its mass.
     pub mass: f64,
+    /// Its shape.
+    pub shape: BodyShape,
     /// Its principal moments; in the plane the third, and the others are zero.
     pub moments: [f64; 3],
     /// Where its centre starts.
@@ -65,7 +65,8 @@ pub(crate) fn declare(
             return Err(at(declared.name.span(), Fault::WorldName));
         }
         let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
-        let particle = Particle { name: name.clone(), position: body.body.position, motion };
+        let (position, radius) = (body.body.position, body.body.shape.radius());
+        let particle = Particle { name: name.clone(), position, motion, radius };
         if roster.add(particle, declared.position.span()).is_none() {
             return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
         }
@@ -82,7 +83,7 @@ pub(crate) fn declare(
         for (number, &point) in body.body.points.iter().enumerate() {
             let name = format!("{}.{number}", body.body.name);
             let motion = Motion::Carried { body: index, point };
-            let particle = Particle { name, position: body.body.place(point), motion };
+            let particle = Particle { name, position: body.body.place(point), motion, radius: 0.0 };
             if let Some(&value) = particle.position.iter().find(|x| !x.is_finite()) {
                 let fault = Fault::NotFinite { what: "a point of the body", value };
                 return Err(at(declared.position.span(), fault));
@@ -90,7 +91,7 @@ pub(crate) fn declare(
             // A name with a dot is given to points of bodies alone, and bodies differ.
             roster.add(particle, declared.position.span());
         }
-        let joined = edges_of(declared, dimension, body.body.points.len());
+        let joined = edges_of(&body.body, dimension);
         edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
     }
     Ok((bodies, edges))
@@ -116,7 +117,7 @@ fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<Declared> {
     let name = check::name(&declared.name)?;
     let mass = check::positive("the mass", &declared.mass)?;
     let position = check::vector("the position", dimension, &declared.position)?;
-    let moments = moments(dimension, declared, mass)?;
+    let (shape, moments) = shape(dimension, declared, mass)?;
     let turn = |what, given: &Option<_>| match given {
         Some(given) => turning(what, dimension, given),
         None => Ok([0.0; 3]),
@@ -127,46 +128,37 @@ fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<Declared> {
         Some(velocity) => check::vector("the velocity", dimension, velocity)?,
         None => [0.0; 3],
     };
-    let points = points(dimension, declared)?;
+    let points = points(dimension, &shape, declared)?;
     let has_velocity = declared.velocity.is_some();
-    let body =
-        RigidBody { name, mass, moments, position, rotation, velocity, angular_velocity, points };
+    let body = RigidBody {
+        name,
+        mass,
+        shape,
+        moments,
+        position,
+        rotation,
+        velocity,
+        angular_velocity,
+        points,
+    };
     Ok(Declared { body, has_velocity })
 }
 
-/// The moments, of a box or as they are given.
-fn moments(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<[f64; 3]> {
-    let (moments, place) = match (&declared.sides, &declared.moments) {
-        (Some(sides), None) => {
-            let x = check::vector("the box", dimension, sides)?;
-            for side in sides.get_ref() {
-                check::positive("the side of a box", side)?;
-            }
-            let square = x.map(|x| x * x);
-            let sum = |a: usize, b: usize| mass / 12.0 * (square[a] + square[b]);
-            ([sum(1, 2), sum(2, 0), sum(0, 1)], sides.span())
-        }
-        (None, Some(Turn::Number(moment))) if dimension == 2 => {
-            ([0.0, 0.0, check::positive("the moment", moment)?], moment.span())
-        }
-        (None, Some(Turn::Vector(moments))) if dimension == 3 => {
-            (check::vector("`moments`", 3, moments)?, moments.span())
-        }
-        (None, Some(other)) => return Err(wrong_kind("`moments`", dimension, other)),
-        _ => {
-            return Err(at(
-                declared.name.span(),
-                Fault::BoxOrMoments(declared.name.get_ref().clone()),
-            ));
-        }
-    };
+/// The shape and the moments that a body can have.
+fn shape(
+    dimension: usize,
+    declared: &BodyDeclaration,
+    mass: f64,
+) -> Checked<(BodyShape, [f64; 3])> {
+    let (shape, moments, place) = body_shape::declare(dimension, declared, mass)?;
     if dimension == 2 {
         let value = moments[2];
         let fault = Fault::NotFinite { what: "the moment", value };
-        return if value.is_finite() { Ok([0.0, 0.0, value]) } else { Err(at(place, fault)) };
+        let sound = value > 0.0 && value.is_finite();
+        return if sound { Ok((shape, [0.0, 0.0, value])) } else { Err(at(place, fault)) };
     }
     match Body::new(mass, moments) {
-        Ok(_) => Ok(moments),
+        Ok(_) => Ok((shape, moments)),
         Err(error) => Err(at(place, Fault::Body(error.to_string()))),
     }
 }
@@ -176,42 +168,26 @@ fn turning(what: &'static str, dimension: usize, given: &Turn) -> Checked<[f64; 
     match (dimension, given) {
         (2, Turn::Number(number)) => Ok([0.0, 0.0, check::finite(what, number)?]),
         (3, Turn::Vector(components)) => check::vector(what, 3, components),
-        _ => Err(wrong_kind(what, dimension, given)),
+        _ => Err(given.wrong_kind(what, dimension)),
     }
 }
 
-fn wrong_kind(
-    what: &'static str,
+/// The corners of the shape, and then the points that are given.
+fn points(
     dimension: usize,
-    given: &Turn,
-) -> Box<crate::diagnostic::Located> {
-    let place = match given {
-        Turn::Number(number) => number.span(),
-        Turn::Vector(components) => components.span(),
-    };
-    at(place, Fault::Turn { what, dimension })
-}
-
-/// The corners of a box, or the points that are given.
-fn points(dimension: usize, declared: &BodyDeclaration) -> Checked<Vec<[f64; 3]>> {
-    let mut points = Vec::new();
-    if let Some(sides) = &declared.sides {
-        let half = check::vector("the box", dimension, sides)?.map(|side| 0.5 * side);
-        // A corner's number tells by its bits on which side it lies.
-        points.extend((0..1_usize << dimension).map(|corner| {
-            std::array::from_fn(|c| if corner >> c & 1 == 1 { half[c] } else { -half[c] })
-        }));
-    }
+    shape: &BodyShape,
+    declared: &BodyDeclaration,
+) -> Checked<Vec<[f64; 3]>> {
+    let mut points = shape.corners(dimension);
     for point in declared.points.iter().flatten() {
         points.push(check::vector("a point", dimension, point)?);
     }
     Ok(points)
 }
 
-/// Edges of a box join corners that differ in one bit; other points are joined in their order.
-fn edges_of(declared: &BodyDeclaration, dimension: usize, count: usize) -> Edges {
-    let corners = if declared.sides.is_some() { 1_usize << dimension } else { 0 };
-    let along = (0..corners).flat_map(|a| (0..dimension).map(move |c| [a, a | 1 << c]));
-    let edges = along.filter(|[a, b]| a != b);
-    edges.chain((corners..count).skip(1).map(|point| [point - 1, point])).collect()
+/// The edges of the shape; other points are joined in their order.
+fn edges_of(body: &RigidBody, dimension: usize) -> Edges {
+    let corners = body.shape.corners(dimension).len();
+    let others = (corners..body.points.len()).skip(1).map(|point| [point - 1, point]);
+    body.shape.edges(dimension).into_iter().chain(others).collect()
 }

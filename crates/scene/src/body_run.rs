@@ -9,7 +9,7 @@ use stationary_rigid::BodyMotion;
 use crate::body_system::BodySystem;
 use crate::observable::Moment;
 use crate::run::{Progress, Run, Samples};
-use crate::{Motion, RunError, Scene, Stop};
+use crate::{Motion, RunError, Scene};
 
 impl Scene {
     /// Runs a scene of bodies to its horizon, or until the watcher breaks off.
@@ -32,32 +32,26 @@ impl Scene {
         let (timing, mut cost) = (self.timing, Cost::default());
         let (steps, h) = (timing.steps(), timing.stepping().step());
         let mut state = system.initial().clone();
-        let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        let mut samples = Samples { columns, ..Samples::default() };
+        let (mut samples, mut impacts) = (self.no_samples(), Vec::new());
         self.sample(system, &state, 0.0, &mut samples);
         for step in 1..=steps {
             let time = (step - 1) as f64 * h;
-            let report = match step_by(&mut state, h) {
-                Ok(report) => report,
+            let stepped = match step_by(&mut state, h) {
+                Ok(stepped) => stepped,
                 Err(source) => {
                     if samples.times.last().is_some_and(|&last| last < time) {
                         self.sample(system, &state, time, &mut samples);
                     }
-                    let run =
-                        Box::new(Run { scene: self.clone(), samples, broken: Vec::new(), cost });
-                    let unit = self.units.time.clone();
-                    return Err(RunError::Stopped(Box::new(Stop {
-                        step,
-                        time,
-                        unit,
-                        source,
-                        run,
-                    })));
+                    let run = Run { impacts, ..Run::quiet(self, samples, cost) };
+                    return Err(run.stopped(step, time, source));
                 }
             };
             // The state's own time, a sum of steps, is what joints remember it by.
             let time = step as f64 * h;
-            cost.add(&report);
+            cost.add(&stepped.report);
+            if stepped.impacts > 0 {
+                impacts.push((stepped.last_impact, stepped.impacts));
+            }
             let flow = watch(Progress { step, steps, time, q: &state.q });
             if step % timing.sample_every() == 0 || step == steps || flow.is_break() {
                 self.sample(system, &state, time, &mut samples);
@@ -66,7 +60,7 @@ impl Scene {
                 break;
             }
         }
-        Ok(Run { scene: self.clone(), samples, broken: Vec::new(), cost })
+        Ok(Run { impacts, ..Run::quiet(self, samples, cost) })
     }
 
     fn sample(
@@ -108,8 +102,8 @@ impl Scene {
             angular: angular.into(),
             positions: &positions,
             velocities: &velocities,
-            tensions: &[],
             angular_velocities: &turning,
+            ..Moment::default()
         };
         samples.push(self, time, &moment, scales);
     }

@@ -3,7 +3,7 @@
 //! ```text
 //! in space       M = diag(m, m, m, I1, I2, I3) a body, in its axes     7 numbers store 6 freedoms
 //! in the plane   M = diag(m, m, I) a body, flat                        (x, y, theta)
-//! V = uniform gravity,     g = joints, held by RATTLE
+//! V = uniform gravity,     g = joints, held by RATTLE,  or gaps, closed by impacts and friction
 //! ```
 
 use nalgebra::{Vector2, Vector3};
@@ -12,6 +12,7 @@ use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FreeMotion, Many, Rattle, Redundancy,
     Straight,
 };
+use stationary_contact::{Bodies, Collider, Detector, ImpactLaw, Shape, TouchingBodies};
 use stationary_integrators::{State, StepReport};
 use stationary_rigid::{
     Attachment, AxisRotations, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace,
@@ -19,11 +20,13 @@ use stationary_rigid::{
     PlanarJoint, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
-use crate::{AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping};
+use crate::error::StepFailure;
+use crate::stepper::Stepped;
+use crate::{AssemblyError, BodyShape, JointKind, RigidBody, Scene, SceneJoint, Stepping};
 
 /// A step of bodies, with or without joints.
 pub(crate) type Step<'a> =
-    Box<dyn FnMut(&mut State<Vec<f64>>, f64) -> Result<StepReport, ConstraintError> + 'a>;
+    Box<dyn FnMut(&mut State<Vec<f64>>, f64) -> Result<Stepped, StepFailure> + 'a>;
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
@@ -42,10 +45,13 @@ pub(crate) trait BodySystem {
 
 /// Bodies in space.
 pub(crate) struct InSpace {
-    system: System<BodyMetric<Poses>, (Option<Weight<Poses>>, Free), Poses>,
+    system: Bodies<Load>,
     joints: Vec<Joint<Poses>>,
+    contact: Option<(Vec<Collider>, ImpactLaw)>,
     initial: State<Vec<f64>>,
 }
+
+type Load = (Option<Weight<Poses>>, Free);
 
 /// Bodies in the plane.
 pub(crate) struct InThePlane {
@@ -67,7 +73,8 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     fn boxed<'a>(mut rattle: impl ConstrainedIntegrator<Vec<f64>> + 'a) -> Step<'a> {
         Box::new(move |state, h| {
             let report = rattle.step(state, h)?;
-            Ok(StepReport { differentials: report.differentials, ..StepReport::default() })
+            let differentials = report.differentials;
+            Ok(Stepped::done(StepReport { differentials, ..StepReport::default() }))
         })
     }
     if joints.count() > FEW {
@@ -83,6 +90,29 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     Ok(boxed(Rattle::along(motion, system, joints, initial, few)?))
 }
 
+/// Steps of bodies that touch.
+fn touching<'a>(
+    system: &'a Bodies<Load>,
+    colliders: Vec<Collider>,
+    law: ImpactLaw,
+    initial: &State<Vec<f64>>,
+) -> Result<Step<'a>, AssemblyError> {
+    /// Overlap at the start that is rounding, relative to the size of the bodies.
+    const ROUNDING: f64 = 1e-9;
+    let bodies = system.metric().bodies().len();
+    let mut detector = Detector::new(colliders, bodies)?;
+    let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
+    detector.check_free(&initial.q, ROUNDING * largest)?;
+    let mut touching = TouchingBodies::new(system, detector)?.with_law(law);
+    let mut time = initial.t;
+    Ok(Box::new(move |state, h| {
+        let met = touching.step(state, h)?;
+        time += h;
+        let report = StepReport { differentials: 1, ..StepReport::default() };
+        Ok(Stepped { impacts: met.impacts, last_impact: time, ..Stepped::done(report) })
+    }))
+}
+
 impl BodySystem for InSpace {
     fn initial(&self) -> &State<Vec<f64>> {
         &self.initial
@@ -92,10 +122,13 @@ impl BodySystem for InSpace {
         let Stepping::Bodies(method) = method else {
             return Err(AssemblyError::Bodies);
         };
-        let InSpace { system, joints, initial } = self;
+        let InSpace { system, joints, contact, initial } = self;
+        if let Some((colliders, law)) = contact {
+            return touching(system, colliders.clone(), *law, initial);
+        }
         if joints.is_empty() {
             let mut integrator = method.integrator(system)?;
-            return Ok(Box::new(move |state, h| Ok(integrator.step(state, h)?)));
+            return Ok(Box::new(move |state, h| Ok(Stepped::done(integrator.step(state, h)?))));
         }
         Ok(match method {
             BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, initial),
@@ -130,7 +163,7 @@ impl BodySystem for InThePlane {
         };
         if self.joints.is_empty() {
             let mut integrator = method.integrator(&self.system)?;
-            return Ok(Box::new(move |state, h| Ok(integrator.step(state, h)?)));
+            return Ok(Box::new(move |state, h| Ok(Stepped::done(integrator.step(state, h)?))));
         }
         Ok(held(Straight, &self.system, &self.joints, &self.initial)?)
     }
@@ -222,8 +255,42 @@ impl Scene {
         Ok(InSpace {
             system: metric.under((weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
+            contact: self.colliders()?,
             initial,
         })
+    }
+
+    /// What touches what among bodies in space, and by which law.
+    fn colliders(&self) -> Result<Option<(Vec<Collider>, ImpactLaw)>, AssemblyError> {
+        let Some(contact) = &self.contact else {
+            return Ok(None);
+        };
+        let mut colliders = Vec::new();
+        for (index, body) in self.bodies.iter().enumerate() {
+            let shape = match &body.shape {
+                BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side))?,
+                BodyShape::Ball(radius) => Shape::ball(*radius)?,
+                BodyShape::Polygon(_) | BodyShape::Moments => continue,
+            };
+            let collider = Collider::on_body(index, shape);
+            let collider = collider.with_restitution(contact.restitution);
+            colliders.push(collider.with_friction(contact.friction));
+        }
+        let at = |place: Vector3<f64>| RigidMotion {
+            translation: place,
+            rotation: Rotation::identity(),
+        };
+        // What is fixed has the surface of what touches it.
+        let like =
+            |shape| move |place| Collider::fixed(at(place), shape).with_friction(contact.friction);
+        for wall in &contact.walls {
+            let normal = Vector3::from(wall.normal);
+            colliders.push(like(Shape::half_space(normal)?)(normal * wall.offset));
+        }
+        for ball in &contact.balls {
+            colliders.push(like(Shape::ball(ball.radius)?)(ball.centre.into()));
+        }
+        Ok(Some((colliders, contact.law)))
     }
 
     /// The scene's bodies in the plane.

@@ -72,6 +72,29 @@ pub(crate) fn direction(
     Ok(x.map(|x| x / length))
 }
 
+/// Two unit vectors at a right angle, each as it is given or else as it usually is.
+pub(crate) fn right_angle(
+    dimension: usize,
+    place: Range<usize>,
+    both: [(&'static str, &Option<Components>, [f64; 3]); 2],
+) -> Checked<[[f64; 3]; 2]> {
+    /// The cosine of an angle that is a right one but for rounding.
+    const RIGHT: f64 = 1e-9;
+    let (mut place, mut directions) = (place, both.map(|(_, _, usual)| usual));
+    for (unit, (what, given, _)) in directions.iter_mut().zip(&both) {
+        if let Some(given) = given {
+            *unit = direction(what, dimension, given)?;
+            place = given.span();
+        }
+    }
+    let [a, b] = directions;
+    let cosine: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+    if cosine.abs() > RIGHT {
+        return Err(at(place, Fault::NotPerpendicular));
+    }
+    Ok(directions)
+}
+
 /// The one of `all` that the word names.
 pub(crate) fn word<T: Copy>(
     kind: &'static str,

@@ -2,17 +2,24 @@
 //!
 //! Every value keeps its place in the text, so that whoever finds it impossible can point at it.
 
+use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
+use crate::Fault;
+use crate::diagnostic::{Located, at};
 use crate::number::{Count, Number};
 
 /// A vector, component by component.
 pub(crate) type Components = Spanned<Vec<Spanned<Number>>>;
+
+/// Names for places on a shape.
+pub(crate) type Marks = BTreeMap<Spanned<String>, Components>;
 
 /// A scene's file.
 #[derive(Clone, Debug, Deserialize)]
@@ -22,6 +29,7 @@ pub(crate) struct Declaration {
     pub(crate) dimension: Spanned<Count>,
     pub(crate) integrator: Spanned<String>,
     pub(crate) tolerance: Option<Spanned<Number>>,
+    pub(crate) modes: Option<Spanned<Count>>,
     pub(crate) step: Spanned<Number>,
     pub(crate) horizon: Spanned<Number>,
     pub(crate) sample_every: Option<Spanned<Count>>,
@@ -32,6 +40,7 @@ pub(crate) struct Declaration {
     pub(crate) uniform_gravity: Option<UniformGravityDeclaration>,
     pub(crate) newtonian_gravity: Option<NewtonianGravityDeclaration>,
     pub(crate) drag: Option<DragDeclaration>,
+    pub(crate) contact: Option<ContactDeclaration>,
     #[serde(default)]
     pub(crate) particles: Vec<ParticleDeclaration>,
     #[serde(default)]
@@ -40,6 +49,9 @@ pub(crate) struct Declaration {
     pub(crate) rods: Vec<RodDeclaration>,
     #[serde(default)]
     pub(crate) nets: Vec<NetDeclaration>,
+    #[serde(default)]
+    pub(crate) solids: Vec<SolidDeclaration>,
+    pub(crate) heat: Option<HeatDeclaration>,
     #[serde(default)]
     pub(crate) bodies: Vec<BodyDeclaration>,
     #[serde(default)]
@@ -76,6 +88,34 @@ pub(crate) struct DragDeclaration {
     pub(crate) coefficient: Spanned<Number>,
 }
 
+/// `[contact]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of how things touch")]
+pub(crate) struct ContactDeclaration {
+    pub(crate) restitution: Option<Spanned<Number>>,
+    pub(crate) friction: Option<Spanned<Number>>,
+    pub(crate) law: Option<Spanned<String>>,
+    pub(crate) when: Option<Spanned<String>>,
+    pub(crate) walls: Option<Vec<WallDeclaration>>,
+    pub(crate) balls: Option<Vec<FixedBallDeclaration>>,
+}
+
+/// One of `walls`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a wall with `normal` and `at`")]
+pub(crate) struct WallDeclaration {
+    pub(crate) normal: Components,
+    pub(crate) at: Components,
+}
+
+/// One of `balls`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a fixed ball with `at` and `radius`")]
+pub(crate) struct FixedBallDeclaration {
+    pub(crate) at: Components,
+    pub(crate) radius: Spanned<Number>,
+}
+
 /// One of `[[particles]]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a particle")]
@@ -86,6 +126,7 @@ pub(crate) struct ParticleDeclaration {
     pub(crate) velocity: Option<Components>,
     pub(crate) momentum: Option<Components>,
     pub(crate) pinned: Option<Spanned<bool>>,
+    pub(crate) radius: Option<Spanned<Number>>,
 }
 
 /// One of `[[springs]]`.
@@ -123,6 +164,77 @@ pub(crate) struct NetDeclaration {
     pub(crate) pinned: Option<Spanned<Vec<Spanned<String>>>>,
 }
 
+/// One of `[[solids]]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an elastic body")]
+pub(crate) struct SolidDeclaration {
+    pub(crate) name: Spanned<String>,
+    pub(crate) shape: Spanned<ShapeDeclaration>,
+    pub(crate) density: Spanned<Number>,
+    pub(crate) section: Option<Spanned<Number>>,
+    pub(crate) thickness: Option<Spanned<Number>>,
+    pub(crate) material: Option<Spanned<String>>,
+    pub(crate) young: Spanned<Number>,
+    pub(crate) poisson: Option<Spanned<Number>>,
+    pub(crate) bending: Option<Spanned<Number>>,
+    pub(crate) velocity: Option<Components>,
+    pub(crate) struck: Option<StrikeDeclaration>,
+    pub(crate) pinned: Option<Vec<Spanned<String>>>,
+    pub(crate) hung: Option<Vec<Spanned<String>>>,
+    pub(crate) marks: Option<Marks>,
+}
+
+/// What `struck` says.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with `at`, `radius` and `velocity`")]
+pub(crate) struct StrikeDeclaration {
+    pub(crate) at: Components,
+    pub(crate) radius: Spanned<Number>,
+    pub(crate) velocity: Components,
+}
+
+/// `[heat]`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table of heat on a shape")]
+pub(crate) struct HeatDeclaration {
+    pub(crate) name: Spanned<String>,
+    pub(crate) shape: Spanned<ShapeDeclaration>,
+    pub(crate) diffusivity: Spanned<Number>,
+    pub(crate) warm: Option<Vec<WarmDeclaration>>,
+    pub(crate) held: Option<Vec<HeldDeclaration>>,
+    pub(crate) marks: Option<Marks>,
+}
+
+/// One of `warm`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with `at`, `radius` and `temperature`")]
+pub(crate) struct WarmDeclaration {
+    pub(crate) at: Components,
+    pub(crate) radius: Spanned<Number>,
+    pub(crate) temperature: Spanned<Number>,
+}
+
+/// One of `held`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with `part` and `temperature`")]
+pub(crate) struct HeldDeclaration {
+    pub(crate) part: Spanned<String>,
+    pub(crate) temperature: Spanned<Number>,
+}
+
+/// A `shape`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a shape")]
+pub(crate) struct ShapeDeclaration {
+    pub(crate) kind: Option<Spanned<String>>,
+    pub(crate) size: Option<Components>,
+    pub(crate) cells: Option<Spanned<Vec<Spanned<Count>>>>,
+    pub(crate) file: Option<Spanned<String>>,
+    pub(crate) origin: Option<Components>,
+    pub(crate) across: Option<Components>,
+    pub(crate) up: Option<Components>,
+}
+
 /// One of `[[bodies]]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a body")]
@@ -131,6 +243,8 @@ pub(crate) struct BodyDeclaration {
     pub(crate) mass: Spanned<Number>,
     #[serde(rename = "box")]
     pub(crate) sides: Option<Components>,
+    pub(crate) ball: Option<Spanned<Number>>,
+    pub(crate) polygon: Option<Spanned<Vec<Components>>>,
     pub(crate) moments: Option<Turn>,
     pub(crate) points: Option<Vec<Components>>,
     pub(crate) position: Components,
@@ -154,6 +268,17 @@ pub(crate) struct JointDeclaration {
 pub(crate) enum Turn {
     Number(Spanned<Number>),
     Vector(Components),
+}
+
+impl Turn {
+    /// The fault of a number where a vector belongs, or the other way round.
+    pub(crate) fn wrong_kind(&self, what: &'static str, dimension: usize) -> Box<Located> {
+        let place = match self {
+            Turn::Number(number) => number.span(),
+            Turn::Vector(components) => components.span(),
+        };
+        at(place, Fault::Turn { what, dimension })
+    }
 }
 
 impl<'de> Deserialize<'de> for Turn {
@@ -207,7 +332,7 @@ pub(crate) enum ObservableDeclaration {
 }
 
 /// `{ position = "a" }`, `{ velocity = "a" }`, `{ distance = ["a", "b"] }` or
-/// `{ tension = ["a", "b"] }` or `{ angular_velocity = "a" }`.
+/// `{ tension = ["a", "b"] }`, `{ angular_velocity = "a" }` or `{ temperature = "a" }`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an observable")]
 pub(crate) struct ObservableTable {
@@ -216,6 +341,7 @@ pub(crate) struct ObservableTable {
     pub(crate) distance: Option<Spanned<Vec<Spanned<String>>>>,
     pub(crate) tension: Option<Spanned<Vec<Spanned<String>>>>,
     pub(crate) angular_velocity: Option<Spanned<String>>,
+    pub(crate) temperature: Option<Spanned<String>>,
 }
 
 impl<'de> Deserialize<'de> for ObservableDeclaration {
@@ -241,5 +367,16 @@ impl<'de> Deserialize<'de> for ObservableDeclaration {
             }
         }
         deserializer.deserialize_any(WordOrTable)
+    }
+}
+
+impl ContactDeclaration {
+    /// Where the text speaks of contact, for faults of all of it.
+    pub(crate) fn place(&self) -> Option<Range<usize>> {
+        let wall = self.walls.iter().flatten().next().map(|wall| wall.normal.span());
+        let ball = self.balls.iter().flatten().next().map(|ball| ball.at.span());
+        let word = self.law.as_ref().or(self.when.as_ref()).map(|word| word.span());
+        let number = self.restitution.as_ref().or(self.friction.as_ref()).map(|n| n.span());
+        number.or(word).or(wall).or(ball)
     }
 }

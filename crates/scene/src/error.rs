@@ -14,8 +14,11 @@ use stationary_calculus::{
     MetricError, NewtonError, NewtonFailure, SizeError, SparseError, UnknownVertex,
 };
 use stationary_constraints::ConstraintError;
-use stationary_elasticity::SpringError;
+use stationary_contact::ContactError;
+use stationary_elasticity::{ElasticityError, SpringError};
 use stationary_integrators::{AdaptiveError, ControlError, ForceError, StepError};
+use stationary_laplacian::LaplacianError;
+use stationary_modal::ModalError;
 use stationary_rigid::RigidError;
 
 use crate::{Diagnostic, Run, limits};
@@ -82,6 +85,15 @@ pub enum AssemblyError {
     /// A spring that cannot be.
     #[error(transparent)]
     Spring(#[from] SpringError),
+    /// An elastic body that cannot be.
+    #[error(transparent)]
+    Elasticity(#[from] ElasticityError),
+    /// Nothing at rest was found from which what is hung could be let go.
+    #[error("no rest was found while everything hangs: {0}")]
+    Equilibrium(#[from] NewtonError),
+    /// Modes that cannot be had.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
     /// A spring to a vertex that is not there.
     #[error(transparent)]
     Vertex(#[from] UnknownVertex),
@@ -103,6 +115,15 @@ pub enum AssemblyError {
     /// A scene of bodies makes no problem of particles.
     #[error("the scene is of bodies, which makes no problem of particles")]
     Bodies,
+    /// Contact that cannot be.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// A scene of heat makes no problem of particles.
+    #[error("the scene is of heat, which makes no problem of particles")]
+    Heat,
+    /// Heat that cannot flow.
+    #[error(transparent)]
+    Laplacian(#[from] LaplacianError),
     /// A body or a joint that cannot be.
     #[error(transparent)]
     Rigid(#[from] RigidError),
@@ -117,7 +138,7 @@ pub enum RunError {
     /// A step failed.
     #[error(transparent)]
     Interrupted(Box<Interruption>),
-    /// A step of bodies failed.
+    /// A step of bodies or of heat failed.
     #[error(transparent)]
     Stopped(Box<Stop>),
 }
@@ -133,7 +154,7 @@ impl RunError {
     }
 }
 
-/// A step of bodies that failed, and what was computed before.
+/// A step of bodies or of heat that failed, and what was computed before.
 #[derive(Debug, thiserror::Error)]
 #[error("step {step}, from t = {time} {unit}: {source}")]
 pub struct Stop {
@@ -145,7 +166,7 @@ pub struct Stop {
     pub unit: String,
     /// Why it failed.
     #[source]
-    pub source: ConstraintError,
+    pub source: StepFailure,
     /// The run up to there; its last sample is the state from which the step failed.
     pub run: Box<Run>,
 }
@@ -162,6 +183,15 @@ pub enum StepFailure {
     /// Rods that cannot be held.
     #[error(transparent)]
     Constraint(ConstraintError),
+    /// Modes of another system.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
+    /// Impacts that have no end, or no solution.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// Temperatures that grow without bound.
+    #[error(transparent)]
+    Laplacian(#[from] LaplacianError),
 }
 
 impl From<ConstraintError> for StepFailure {

@@ -64,6 +64,18 @@ pub enum Fault {
         /// What to do instead.
         instead: &'static str,
     },
+    /// Motion by modes needs to know how many.
+    #[error("`linear-modes` needs the number of `modes`")]
+    NoModes,
+    /// No modes, or too many.
+    #[error("{modes} modes; there must be at least 1 and at most {}", limits::MODES)]
+    NumberOfModes {
+        /// How many were asked for.
+        modes: u64,
+    },
+    /// Modes for a method that has none.
+    #[error("only the integrator `linear-modes` has a number of modes")]
+    Modes,
     /// The ends of a rod are one particle.
     #[error("both ends of the rod are `{0}`")]
     RodLoop(String),
@@ -169,9 +181,105 @@ pub enum Fault {
     /// A net has two directions.
     #[error("a net needs a scene of dimension 2 or 3")]
     NetDimension,
-    /// The cells of a net are squares.
-    #[error("the two sides of the net are not at a right angle")]
+    /// The cells of a net are squares, and shapes are not sheared.
+    #[error("the two sides are not at a right angle")]
     NotPerpendicular,
+    /// A shape is made or read.
+    #[error("a shape has a `kind` with `size` and `cells`, or a `file`")]
+    ShapeOrFile,
+    /// A shape that does not fit into the scene.
+    #[error("the shape `{kind}` does not fit into a scene of dimension {dimension}")]
+    ShapeDimension {
+        /// The shape.
+        kind: String,
+        /// The scene's dimension.
+        dimension: usize,
+    },
+    /// Sizes or cells of another number.
+    #[error("`{key}` has {got} numbers here; this shape needs {expected}, for {what}")]
+    ShapeNumbers {
+        /// The key.
+        key: &'static str,
+        /// How many numbers the shape needs.
+        expected: usize,
+        /// How many there are.
+        got: usize,
+        /// What the sizes are.
+        what: &'static str,
+    },
+    /// A shape that cannot be cut into cells.
+    #[error("{0}")]
+    Shape(String),
+    /// A file that is not in the scene's folder.
+    #[error("`{0}` is not in the folder of the scene's file, where meshes are looked for")]
+    OutsideFolder(String),
+    /// A file that is no mesh.
+    #[error("`{file}`: {why}")]
+    MeshFile {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A material that cannot be.
+    #[error("{0}")]
+    Solid(String),
+    /// Bars and sheets in space have one material.
+    #[error(
+        "`{0}` is of bodies that fill their space; a bar, and a sheet in space, is of `saint-venant-kirchhoff`"
+    )]
+    MaterialOfBlocks(String),
+    /// A block is as thick as it is.
+    #[error("a solid that fills space has neither a section nor a thickness")]
+    SectionOfBlock,
+    /// A bar has a cross-section, a sheet a thickness.
+    #[error("this solid needs a `{0}`: a bar has a section, a sheet a thickness")]
+    Section(&'static str),
+    /// Only a sheet in space is bent.
+    #[error("only a sheet in space has a bending stiffness")]
+    Bending,
+    /// A side of an axis that the shape does not have.
+    #[error("this shape has no side `{0}`")]
+    NoSuchSide(String),
+    /// Heat alone.
+    #[error("a scene of heat has nothing else in it")]
+    MixedWithHeat,
+    /// A warm place beside the shape.
+    #[error("no vertex of the shape is within this radius")]
+    Nowhere,
+    /// Nothing through which heat could flow.
+    #[error("the temperature of every vertex is held, so that nothing can change")]
+    AllHeld,
+    /// An observable of another kind of scene.
+    #[error(
+        "this observable is not of such a scene: heat has temperatures, and what moves has places"
+    )]
+    ObservableOfAnother,
+    /// A coefficient of restitution out of its range.
+    #[error("the restitution is {0}; it must be between 0 and 1")]
+    Restitution(f64),
+    /// Particles do not turn, and have no friction here.
+    #[error("particles have no friction; only bodies do")]
+    FrictionOfParticles,
+    /// Bodies are given their impulses before a step.
+    #[error(
+        "the moment of impact can be chosen for particles only; bodies turn back before they overlap"
+    )]
+    WhenOfBodies,
+    /// Things that overlap before anything has moved.
+    #[error("`{name}` starts inside of something, {depth:e} deep")]
+    Overlap {
+        /// The particle.
+        name: String,
+        /// How deep.
+        depth: f64,
+    },
+    /// A strike beside the solid.
+    #[error("no vertex of the solid is so near to where it is struck")]
+    StruckNothing,
+    /// Two solids of one name.
+    #[error("there is already a solid called `{0}`")]
+    DuplicateSolid(String),
     /// A direction has a length.
     #[error("{what} is zero; a direction is not")]
     NoDirection {
@@ -219,9 +327,20 @@ pub enum Fault {
     /// Two bodies of one name.
     #[error("there is already a body called `{0}`")]
     DuplicateBody(String),
-    /// A body is a box, or has moments of its own.
-    #[error("`{0}` needs either a `box` with its sides or its `moments` of inertia")]
-    BoxOrMoments(String),
+    /// A body is a box, a ball, a polygon, or has moments of its own.
+    #[error("`{0}` needs one of `box`, `ball`, `polygon` and its `moments` of inertia")]
+    BodyShape(String),
+    /// A polygon is flat.
+    #[error("a polygon needs a scene of dimension 2")]
+    PolygonDimension,
+    /// Corners that bound no area, or edges that cross.
+    #[error(
+        "these corners are no polygon: it needs three that bound an area, and edges that do not cross"
+    )]
+    NoPolygon,
+    /// A body that cannot touch.
+    #[error("`{0}` has no shape that could touch: give it a `box` or a `ball`")]
+    Untouchable(String),
     /// Mass and moments that no body has.
     #[error("{0}")]
     Body(String),
@@ -278,7 +397,9 @@ pub enum Fault {
     #[error("`{0}` is no body, and has no angular velocity")]
     NotABody(String),
     /// Nothing there.
-    #[error("the scene has no particles: it needs [[particles]], [[nets]] or [[bodies]]")]
+    #[error(
+        "the scene has no particles: it needs [[particles]], [[nets]], [[solids]] or [[bodies]]"
+    )]
     Empty,
     /// Nothing that can move.
     #[error("every particle is pinned, so that nothing can move")]

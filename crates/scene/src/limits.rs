@@ -7,8 +7,14 @@ pub const FILE_BYTES: u64 = 4 << 20;
 /// Particles, the vertices of nets included.
 pub const PARTICLES: u64 = 1_000_000;
 
+/// Bytes of a mesh file.
+pub const MESH_BYTES: u64 = 64 << 20;
+
 /// Freedoms of a scene that an implicit adaptive method steps: it factors full matrices.
 pub const FULL_MATRIX_FREEDOMS: usize = 1_000;
+
+/// Modes of a scene that is moved by them.
+pub const MODES: u64 = 1_000;
 
 /// The smallest tolerance; below it rounding decides.
 pub const TOLERANCE: f64 = 1e-14;

@@ -100,7 +100,8 @@ pub(crate) fn declare(
                 Some(_) => Motion::Pinned,
                 None => Motion::Free { mass, momentum: [0.0; 3] },
             };
-            let vertex = Particle { name: format!("{name}.{row}.{column}"), position, motion };
+            let vertex =
+                Particle { name: format!("{name}.{row}.{column}"), position, motion, radius: 0.0 };
             let Some(index) = roster.add(vertex, declared.origin.span()) else {
                 return Err(at(declared.name.span(), Fault::DuplicateNet(name)));
             };
@@ -142,24 +143,13 @@ fn size(roster: &Roster, declared: &NetDeclaration) -> Checked<[usize; 2]> {
 
 /// The unit vectors along a row and down a column.
 fn directions(dimension: usize, declared: &NetDeclaration) -> Checked<[[f64; 3]; 2]> {
-    /// The cosine of an angle that is a right one but for rounding.
-    const RIGHT: f64 = 1e-9;
-    let (mut across, mut down) = ([1.0, 0.0, 0.0], [0.0; 3]);
+    let mut down = [0.0; 3];
     down[dimension - 1] = -1.0;
-    let mut place = declared.origin.span();
-    if let Some(given) = &declared.across {
-        across = check::direction("`across`", dimension, given)?;
-        place = given.span();
-    }
-    if let Some(given) = &declared.down {
-        down = check::direction("`down`", dimension, given)?;
-        place = given.span();
-    }
-    let cosine: f64 = across.iter().zip(&down).map(|(a, b)| a * b).sum();
-    if cosine.abs() > RIGHT {
-        return Err(at(place, Fault::NotPerpendicular));
-    }
-    Ok([across, down])
+    check::right_angle(
+        dimension,
+        declared.origin.span(),
+        [("`across`", &declared.across, [1.0, 0.0, 0.0]), ("`down`", &declared.down, down)],
+    )
 }
 
 /// The pins, each with its place.

@@ -4,11 +4,14 @@
 //! T = sum_i |p_i|^2 / 2 m_i      kinetic energy        V(q)     potential energy     E = T + V
 //! P = sum_i p_i                  linear momentum       L = sum_i q_i x p_i    about the origin
 //! ```
-//! Sums over the particles that are free: a pinned one has no momentum.
+//! Sums over the particles that are free: a pinned one has no momentum. Of a scene of heat
+//! ```text
+//! H = int f      heat            V = 1/2 int |grad f|^2      Dirichlet energy
+//! ```
 
 use toml::Spanned;
 
-use crate::declaration::{ObservableDeclaration, ObservableTable};
+use crate::declaration::{Declaration, ObservableDeclaration, ObservableTable};
 use crate::diagnostic::{Checked, at};
 use crate::error::COORDINATES;
 use crate::particles::{Motion, Roster};
@@ -37,15 +40,24 @@ pub enum Observable {
     Tension(usize),
     /// How fast a body turns, in body axes; one column in the plane.
     AngularVelocity(usize),
+    /// H.
+    Heat,
+    /// V of a scene of heat.
+    DirichletEnergy,
+    /// How warm a vertex is.
+    Temperature(usize),
 }
 
 /// The observables of a scene that names none.
-pub(crate) const USUAL: [Observable; 3] =
+const USUAL: [Observable; 3] =
     [Observable::Energy, Observable::LinearMomentum, Observable::AngularMomentum];
 
-/// The words that an observable may be. The last five stand here for the sake of errors: they are
+/// The observables of a scene of heat that names none.
+const USUAL_OF_HEAT: [Observable; 2] = [Observable::Heat, Observable::DirichletEnergy];
+
+/// The words that an observable may be. Those in braces stand here for the sake of errors: they are
 /// never found, since no word has blanks and quotes in it.
-const WORDS: [(&str, Observable); 10] = [
+const WORDS: [(&str, Observable); 13] = [
     ("energy", Observable::Energy),
     ("kinetic-energy", Observable::KineticEnergy),
     ("potential-energy", Observable::PotentialEnergy),
@@ -56,10 +68,33 @@ const WORDS: [(&str, Observable); 10] = [
     ("{ distance = [\"a name\", \"a name\"] }", Observable::Distance([0, 0])),
     ("{ tension = [\"a name\", \"a name\"] }", Observable::Tension(0)),
     ("{ angular_velocity = \"a name\" }", Observable::AngularVelocity(0)),
+    ("heat", Observable::Heat),
+    ("dirichlet-energy", Observable::DirichletEnergy),
+    ("{ temperature = \"a name\" }", Observable::Temperature(0)),
 ];
 
+/// The observables that are declared, or the usual ones.
+pub(crate) fn declare_all(
+    declared: &Declaration,
+    roster: &Roster,
+    rods: &[Rod],
+) -> Checked<Vec<Observable>> {
+    let of_heat = declared.heat.is_some();
+    let Some(all) = &declared.observables else {
+        return Ok(if of_heat { USUAL_OF_HEAT.to_vec() } else { USUAL.to_vec() });
+    };
+    let one = |declared: &Spanned<ObservableDeclaration>| {
+        let observable = declare(roster, rods, declared)?;
+        if observable.of_heat() != of_heat {
+            return Err(at(declared.span(), Fault::ObservableOfAnother));
+        }
+        Ok(observable)
+    };
+    all.iter().map(one).collect()
+}
+
 /// The observable that is declared.
-pub(crate) fn declare(
+fn declare(
     roster: &Roster,
     rods: &[Rod],
     declared: &Spanned<ObservableDeclaration>,
@@ -71,33 +106,47 @@ pub(crate) fn declare(
         }
         ObservableDeclaration::About(table) => table,
     };
-    let ObservableTable { position, velocity, distance, tension, angular_velocity } = table;
-    match (position, velocity, distance, tension, angular_velocity) {
-        (Some(name), None, None, None, None) => Ok(Observable::Position(roster.find(name)?)),
-        (None, Some(name), None, None, None) => Ok(Observable::Velocity(roster.find(name)?)),
-        (None, None, Some(names), None, None) => {
-            Ok(Observable::Distance(roster.pair("a distance", names)?))
-        }
-        (None, None, None, Some(names), None) => {
-            let [a, b] = roster.pair("a tension", names)?;
-            let rod = rods.iter().position(|rod| rod.ends == [a, b] || rod.ends == [b, a]);
-            rod.map(Observable::Tension).ok_or_else(|| at(names.span(), Fault::NoRod))
-        }
-        (None, None, None, None, Some(name)) => match roster.particles[roster.find(name)?].motion {
+    let words =
+        table.names().into_iter().flatten().count() + table.pairs().into_iter().flatten().count();
+    if words != 1 {
+        return Err(at(declared.span(), Fault::NotOneObservable(words)));
+    }
+    if let Some(names) = &table.distance {
+        return Ok(Observable::Distance(roster.pair("a distance", names)?));
+    }
+    if let Some(names) = &table.tension {
+        let [a, b] = roster.pair("a tension", names)?;
+        let rod = rods.iter().position(|rod| rod.ends == [a, b] || rod.ends == [b, a]);
+        return rod.map(Observable::Tension).ok_or_else(|| at(names.span(), Fault::NoRod));
+    }
+    let find =
+        |name: &Option<Spanned<String>>| name.as_ref().map(|name| roster.find(name)).transpose();
+    let particles = [find(&table.position)?, find(&table.velocity)?, find(&table.temperature)?];
+    match (particles, &table.angular_velocity) {
+        ([Some(particle), ..], _) => Ok(Observable::Position(particle)),
+        ([_, Some(particle), _], _) => Ok(Observable::Velocity(particle)),
+        ([.., Some(particle)], _) => Ok(Observable::Temperature(particle)),
+        (_, Some(name)) => match roster.particles[roster.find(name)?].motion {
             Motion::Carried { body, .. } => Ok(Observable::AngularVelocity(body)),
             _ => Err(at(name.span(), Fault::NotABody(name.get_ref().clone()))),
         },
-        _ => {
-            let given = [position.is_some(), velocity.is_some(), distance.is_some()];
-            let given = given.into_iter().chain([tension.is_some(), angular_velocity.is_some()]);
-            let words = given.filter(|&given| given).count();
-            Err(at(declared.span(), Fault::NotOneObservable(words)))
-        }
+        (_, None) => Err(at(declared.span(), Fault::NotOneObservable(0))),
+    }
+}
+
+impl ObservableTable {
+    fn names(&self) -> [Option<&Spanned<String>>; 4] {
+        [&self.position, &self.velocity, &self.angular_velocity, &self.temperature]
+            .map(Option::as_ref)
+    }
+
+    fn pairs(&self) -> [Option<&Spanned<Vec<Spanned<String>>>>; 2] {
+        [&self.distance, &self.tension].map(Option::as_ref)
     }
 }
 
 /// A state, seen from every side that an observable may ask for.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Moment<'a> {
     pub(crate) kinetic: f64,
     pub(crate) potential: f64,
@@ -111,9 +160,18 @@ pub(crate) struct Moment<'a> {
     pub(crate) tensions: &'a [f64],
     /// Angular velocities of all bodies, in body axes.
     pub(crate) angular_velocities: &'a [[f64; 3]],
+    /// Temperatures of all particles of a scene of heat, whose potential energy is the Dirichlet
+    /// energy.
+    pub(crate) temperatures: &'a [f64],
+    pub(crate) heat: f64,
 }
 
 impl Observable {
+    /// Whether it is an observable of scenes of heat, which have no other.
+    fn of_heat(self) -> bool {
+        matches!(self, Observable::Heat | Observable::DirichletEnergy | Observable::Temperature(_))
+    }
+
     /// The headings of its columns, with units.
     pub fn headings(&self, scene: &Scene) -> Vec<String> {
         let units = scene.units();
@@ -147,6 +205,9 @@ impl Observable {
                 let [a, b] = scene.rods()[rod].ends;
                 vec![format!("tension {} to {} [{}]", name(a), name(b), units.force())]
             }
+            Observable::Heat => vec!["heat".to_owned()],
+            Observable::DirichletEnergy => vec!["Dirichlet energy".to_owned()],
+            Observable::Temperature(particle) => vec![format!("temperature of {}", name(particle))],
             Observable::AngularVelocity(body) => {
                 let what = format!("angular velocity of {}", scene.bodies()[body].name);
                 let unit = format!("rad/{}", units.time);
@@ -163,7 +224,9 @@ impl Observable {
         match *self {
             Observable::Energy => row.push(moment.kinetic + moment.potential),
             Observable::KineticEnergy => row.push(moment.kinetic),
-            Observable::PotentialEnergy => row.push(moment.potential),
+            Observable::PotentialEnergy | Observable::DirichletEnergy => row.push(moment.potential),
+            Observable::Heat => row.push(moment.heat),
+            Observable::Temperature(particle) => row.push(moment.temperatures[particle]),
             Observable::LinearMomentum => row.extend(&moment.linear[..dimension]),
             Observable::AngularMomentum => row.extend(match dimension {
                 1 => &[],

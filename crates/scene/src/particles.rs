@@ -21,6 +21,8 @@ pub struct Particle {
     pub position: [f64; 3],
     /// How it starts to move, or that it does not.
     pub motion: Motion,
+    /// Its radius where things touch; zero of a point.
+    pub radius: f64,
 }
 
 /// Whether a particle has freedoms of its own.
@@ -68,6 +70,16 @@ impl Roster {
         Some(index)
     }
 
+    /// Gives a particle another name unless one of that name is there; its old name still finds it.
+    pub(crate) fn rename(&mut self, index: usize, name: String) -> Option<()> {
+        if self.by_name.contains_key(&name) {
+            return None;
+        }
+        self.particles[index].name.clone_from(&name);
+        self.by_name.insert(name, index);
+        Some(())
+    }
+
     /// The particle of this name.
     pub(crate) fn find(&self, name: &Spanned<String>) -> Checked<usize> {
         /// Names listed in an error; more would not help.
@@ -110,7 +122,11 @@ pub(crate) fn declare(
     let place = declared.position.span();
     let position = check::vector("the position", dimension, &declared.position)?;
     let motion = motion(dimension, declared)?;
-    let Some(index) = roster.add(Particle { name: name.clone(), position, motion }, place) else {
+    let radius = declared.radius.as_ref();
+    let radius = radius.map(|radius| check::positive("the radius", radius)).transpose()?;
+    let radius = radius.unwrap_or_default();
+    let particle = Particle { name: name.clone(), position, motion, radius };
+    let Some(index) = roster.add(particle, place) else {
         return Err(at(declared.name.span(), Fault::DuplicateName(name)));
     };
     if let (Motion::Pinned, None, Some(pinned)) = (motion, &roster.first_pin, &declared.pinned) {

@@ -12,9 +12,9 @@ use stationary_integrators::{
 
 use crate::error::{StepFailure, equation, unknown};
 use crate::observable::Moment;
-use crate::stepper::Stepper;
+use crate::stepper::{Ground, Stepper};
 use crate::system::{SceneProblem, Vertices};
-use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
+use crate::{Interruption, RunError, Scene, Stop, Summary, WriteError, csv, picture};
 
 /// What a run has sampled, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Run {
     pub(crate) scene: Scene,
     pub(crate) samples: Samples,
     pub(crate) broken: Vec<BrokenRod>,
+    /// In each step in which things met the last moment at which they did, and how often.
+    pub(crate) impacts: Vec<(f64, usize)>,
     pub(crate) cost: Cost,
 }
 
@@ -46,6 +48,9 @@ pub(crate) struct Samples {
     pub(crate) potential: Vec<f64>,
     pub(crate) linear: Vec<[f64; 3]>,
     pub(crate) angular: Vec<[f64; 3]>,
+    /// A number a vertex of a scene of heat, sample after sample, and the heat of each sample.
+    pub(crate) temperatures: Vec<f64>,
+    pub(crate) heat: Vec<f64>,
     /// As many numbers a sample as the observables have columns.
     pub(crate) observed: Vec<f64>,
     pub(crate) columns: usize,
@@ -64,6 +69,8 @@ impl Samples {
         self.potential.push(moment.potential);
         self.linear.push(moment.linear);
         self.angular.push(moment.angular);
+        self.temperatures.extend(moment.temperatures);
+        self.heat.push(moment.heat);
         for observable in &scene.observables {
             observable.append(moment, d, &mut self.observed);
         }
@@ -97,12 +104,19 @@ impl Scene {
         &self,
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
-        match self.dimension {
+        match (&self.heat, self.dimension) {
+            (Some(body), _) => self.run_heat(body, watch),
             _ if !self.bodies.is_empty() => self.run_bodies(watch),
-            1 => self.run_in::<1>(watch),
-            2 => self.run_in::<2>(watch),
-            _ => self.run_in::<3>(watch),
+            (None, 1) => self.run_in::<1>(watch),
+            (None, 2) => self.run_in::<2>(watch),
+            (None, _) => self.run_in::<3>(watch),
         }
+    }
+
+    /// Samples, before the first one.
+    pub(crate) fn no_samples(&self) -> Samples {
+        let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
+        Samples { columns, ..Samples::default() }
     }
 
     fn run_in<const D: usize>(
@@ -110,11 +124,13 @@ impl Scene {
         mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
         let problem = self.problem::<D>()?;
-        let mut stepper = Stepper::new(self, &problem)?;
+        let ground = Ground::new(self, &problem)?;
+        let mut stepper = Stepper::new(self, &problem, &ground)?;
         let (steps, every) = (self.timing.steps(), self.timing.sample_every());
         let mut state = problem.initial.clone();
         let mut recorder = Recorder::new(self, &problem);
         let mut cost = Cost::default();
+        stepper.start(&mut state)?;
         recorder.sample(&state);
         let timing = self.timing.stepping();
         for step in 1..=steps {
@@ -131,6 +147,9 @@ impl Scene {
             };
             state.t = to;
             cost.add(&stepped.report);
+            if stepped.impacts > 0 {
+                recorder.impacts.push((stepped.last_impact, stepped.impacts));
+            }
             recorder.feel(stepper.multipliers(), stepped.broken);
             let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
             if step % every == 0 || step == steps || flow.is_break() {
@@ -163,21 +182,22 @@ struct Recorder<'a, const D: usize> {
     /// The rods that are left, in the order of their multipliers.
     left: Vec<usize>,
     broken: Vec<BrokenRod>,
+    impacts: Vec<(f64, usize)>,
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
     fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
-        let columns = scene.observables.iter().map(|o| o.headings(scene).len()).sum();
         Recorder {
             scene,
             problem,
             vertices: Vertices::new(scene),
-            samples: Samples { columns, ..Samples::default() },
+            samples: scene.no_samples(),
             positions: scene.particles.iter().map(|particle| particle.position).collect(),
             velocities: vec![[0.0; 3]; scene.particles.len()],
             tensions: vec![0.0; scene.rods.len()],
             left: (0..scene.rods.len()).collect(),
             broken: Vec::new(),
+            impacts: Vec::new(),
         }
     }
 
@@ -214,14 +234,15 @@ impl<'a, const D: usize> Recorder<'a, D> {
             positions: &self.positions,
             velocities: &self.velocities,
             tensions: &self.tensions,
-            angular_velocities: &[],
+            ..Moment::default()
         };
         let scales = [linear_momentum_scale::<D>(state), angular_momentum_scale::<D>(state)];
         self.samples.push(self.scene, state.t, &moment, scales);
     }
 
     fn finish(self, cost: Cost) -> Run {
-        Run { scene: self.scene.clone(), samples: self.samples, broken: self.broken, cost }
+        let (samples, broken, impacts) = (self.samples, self.broken, self.impacts);
+        Run { scene: self.scene.clone(), samples, broken, impacts, cost }
     }
 
     fn interrupt(self, failed: Failed, cost: Cost, state: &State<Vec<f64>>) -> RunError {
@@ -264,6 +285,17 @@ impl<'a, const D: usize> Recorder<'a, D> {
 }
 
 impl Run {
+    /// A run in which nothing broke and nothing met.
+    pub(crate) fn quiet(scene: &Scene, samples: Samples, cost: Cost) -> Self {
+        Run { scene: scene.clone(), samples, broken: Vec::new(), impacts: Vec::new(), cost }
+    }
+
+    /// The error of a step, from a time, that failed after all this.
+    pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
+        let unit = self.scene.units.time.clone();
+        RunError::Stopped(Box::new(Stop { step, time, unit, source, run: Box::new(self) }))
+    }
+
     /// The scene that was run.
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -312,6 +344,13 @@ impl Run {
         &self.samples.angular
     }
 
+    /// The temperatures of all vertices of a scene of heat at a sample, in the scene's order. Empty
+    /// where there is no such sample, or no heat.
+    pub fn temperatures(&self, sample: usize) -> &[f64] {
+        let n = self.scene.particles.len();
+        self.samples.temperatures.get(n * sample..n * (sample + 1)).unwrap_or_default()
+    }
+
     /// The headings of the observables' columns, with units.
     pub fn headings(&self) -> Vec<String> {
         self.scene.observables.iter().flat_map(|o| o.headings(&self.scene)).collect()
@@ -326,6 +365,11 @@ impl Run {
     /// The rods that broke, in the order of time.
     pub fn broken(&self) -> &[BrokenRod] {
         &self.broken
+    }
+
+    /// In each step in which things met the last moment at which they did, and how often they met.
+    pub fn impacts(&self) -> &[(f64, usize)] {
+        &self.impacts
     }
 
     /// What the steps cost.

@@ -9,8 +9,8 @@ use crate::declaration::Declaration;
 use crate::diagnostic::Checked;
 use crate::source::{self, diagnose};
 use crate::{
-    Fault, Link, Motion, Observable, Particle, RigidBody, Rod, SceneError, SceneJoint, Stepping,
-    Units, limits,
+    ElasticBody, Fault, HeatedBody, Link, Motion, Observable, Particle, RigidBody, Rod,
+    SceneContact, SceneError, SceneJoint, Stepping, Units, limits,
 };
 
 /// Particles or bodies and what acts on them, a method, and what is asked for.
@@ -23,14 +23,21 @@ pub struct Scene {
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) contact: Option<SceneContact>,
     pub(crate) particles: Vec<Particle>,
     pub(crate) written_out: usize,
     pub(crate) links: Vec<Link>,
     pub(crate) rods: Vec<Rod>,
     pub(crate) bodies: Vec<RigidBody>,
     pub(crate) joints: Vec<SceneJoint>,
-    /// Pairs of points of bodies that a picture joins.
+    pub(crate) solids: Vec<ElasticBody>,
+    pub(crate) heat: Option<HeatedBody>,
+    /// The particles that are held until the start.
+    pub(crate) hung: Vec<usize>,
+    /// Pairs of points of bodies and solids that a picture joins.
     pub(crate) edges: Vec<[usize; 2]>,
+    /// Triangles on the outside of solids.
+    pub(crate) faces: Vec<[usize; 3]>,
     pub(crate) observables: Vec<Observable>,
     pub(crate) view: [f64; 3],
 }
@@ -95,20 +102,24 @@ impl Timing {
 
 impl Scene {
     /// The scene that a text describes. `name` stands in errors where a file's name would, and for
-    /// a title where the text gives none.
+    /// a title where the text gives none. Such a scene has no folder to find meshes in.
     pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
+        Scene::parse_in(None, name, text)
+    }
+
+    fn parse_in(folder: Option<&Path>, name: &str, text: &str) -> Result<Scene, SceneError> {
         let bytes = text.len() as u64;
         if bytes > limits::FILE_BYTES {
             return Err(SceneError::TooLarge { name: name.to_owned(), bytes });
         }
-        let scene = source::parse(text).and_then(|declared| assemble(name, &declared));
+        let scene = source::parse(text).and_then(|declared| assemble(name, folder, &declared));
         scene.map_err(|located| diagnose(name, text, *located))
     }
 
     /// The scene that a file describes.
     pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         let path = path.as_ref();
-        Scene::parse(&path.display().to_string(), &source::read(path)?)
+        Scene::parse_in(path.parent(), &path.display().to_string(), &source::read(path)?)
     }
 
     /// The scene that a text describes, once `change` has been made to its declarations.
@@ -119,7 +130,7 @@ impl Scene {
     ) -> Result<Scene, SceneError> {
         let changed = |mut declared: Declaration| -> Checked<Scene> {
             change(&mut declared);
-            assemble(name, &declared)
+            assemble(name, None, &declared)
         };
         source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
     }
@@ -183,8 +194,13 @@ impl Scene {
         self.drag
     }
 
-    /// Its particles: those that are written out, in the file's order, then the vertices of nets; or
-    /// the centres of its bodies, then their points.
+    /// How its things touch, where they do.
+    pub fn contact(&self) -> Option<&SceneContact> {
+        self.contact.as_ref()
+    }
+
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets and of
+    /// solids; or the centres of its bodies, then their points.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
     }
@@ -209,6 +225,22 @@ impl Scene {
         &self.joints
     }
 
+    /// Its elastic bodies, in the file's order.
+    pub fn solids(&self) -> &[ElasticBody] {
+        &self.solids
+    }
+
+    /// The body through which heat flows, where there is one: then there is nothing else.
+    pub fn heat(&self) -> Option<&HeatedBody> {
+        self.heat.as_ref()
+    }
+
+    /// Triangles on the outside of its elastic bodies, counterclockwise from there, by their places
+    /// in [`Scene::particles`]; those of sheets are seen from one side.
+    pub fn faces(&self) -> &[[usize; 3]] {
+        &self.faces
+    }
+
     /// What a run writes down besides the positions.
     pub fn observables(&self) -> &[Observable] {
         &self.observables
@@ -216,6 +248,9 @@ impl Scene {
 
     /// The number of its freedoms, of which joints take some.
     pub fn freedoms(&self) -> usize {
+        if let Some(body) = &self.heat {
+            return body.held.iter().filter(|&&held| !held).count();
+        }
         if !self.bodies.is_empty() {
             return (if self.dimension == 3 { 6 } else { 3 }) * self.bodies.len();
         }
@@ -231,7 +266,9 @@ impl Scene {
     /// The particles whose paths a picture shows: those written out and those observed.
     pub(crate) fn followed(&self) -> Vec<usize> {
         let observed = self.observables.iter().filter_map(|observable| match *observable {
-            Observable::Position(particle) | Observable::Velocity(particle) => Some(particle),
+            Observable::Position(particle)
+            | Observable::Velocity(particle)
+            | Observable::Temperature(particle) => Some(particle),
             _ => None,
         });
         let mut followed: Vec<usize> =
@@ -244,8 +281,10 @@ impl Scene {
     /// An error where the samples would be more numbers than are kept.
     pub(crate) fn check_samples(&self) -> Result<(), Fault> {
         let columns: usize = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        // Positions, observables, and the time, energies and momenta that every sample has.
-        let per_sample = (self.dimension * self.particles.len() + columns + 9) as u64;
+        // Positions and temperatures, observables, and the time, heat, energies and momenta that
+        // every sample has.
+        let per_particle = self.dimension + usize::from(self.heat.is_some());
+        let per_sample = (per_particle * self.particles.len() + columns + 10) as u64;
         let numbers = self.timing.samples().saturating_mul(per_sample);
         if numbers <= limits::SAMPLED_NUMBERS {
             return Ok(());

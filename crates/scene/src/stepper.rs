@@ -5,6 +5,7 @@ use stationary_constraints::{
     ConstrainedHamilton, ConstrainedIntegrator, Many, Rattle, Rods, SchurMultipliers,
     StepAndProject,
 };
+use stationary_contact::{Balls, Impacting, Inequality};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DampedPattern, DormandPrince853, Drag,
     Facts, Integrator, MechanicalField, Method, Moment, Newmark, NewmarkWeights, RadauIia5, State,
@@ -12,10 +13,11 @@ use stationary_integrators::{
 };
 
 use crate::error::StepFailure;
+use crate::linear_modes::{LinearModes, Moving};
 use crate::run::BrokenRod;
 use crate::stepping::{Adaptive, Constrained, Stepping};
 use crate::system::{ScenePotential, SceneProblem};
-use crate::{AssemblyError, Scene};
+use crate::{AssemblyError, Scene, SceneContact};
 
 type Masses = DiagonalMetric<Vec<f64>>;
 type Breaking<'s, const D: usize> =
@@ -27,6 +29,20 @@ pub(crate) enum Stepper<'s, const D: usize> {
     Adaptive(Box<Reading<'s>>),
     Constrained(Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>),
     Rattle(Box<Breaking<'s, D>>),
+    LinearModes(Box<Moving<'s>>, &'s Masses),
+    Impacting(Box<Impacting<'s, Masses, ScenePotential<D>, Balls<D>>>),
+}
+
+/// What a method borrows besides the system.
+pub(crate) struct Ground<const D: usize> {
+    modes: Option<LinearModes>,
+    gaps: Option<Inequality<Balls<D>>>,
+}
+
+impl<const D: usize> Ground<D> {
+    pub(crate) fn new(scene: &Scene, problem: &SceneProblem<D>) -> Result<Self, AssemblyError> {
+        Ok(Ground { modes: scene.linear_modes(problem)?, gaps: scene.gaps()? })
+    }
 }
 
 /// A method that chooses its own steps, read off at moments of the scene's choice.
@@ -41,11 +57,32 @@ pub(crate) struct Stepped {
     pub(crate) report: StepReport,
     /// The rod that broke; its place is that among the rods that were left.
     pub(crate) broken: Option<BrokenRod>,
+    /// How often things met, and when they did for the last time.
+    pub(crate) impacts: usize,
+    pub(crate) last_impact: f64,
+}
+
+impl Stepped {
+    pub(crate) fn done(report: StepReport) -> Self {
+        Stepped { report, broken: None, impacts: 0, last_impact: 0.0 }
+    }
 }
 
 impl<'s, const D: usize> Stepper<'s, D> {
-    pub(crate) fn new(scene: &Scene, problem: &'s SceneProblem<D>) -> Result<Self, AssemblyError> {
+    pub(crate) fn new(
+        scene: &Scene,
+        problem: &'s SceneProblem<D>,
+        ground: &'s Ground<D>,
+    ) -> Result<Self, AssemblyError> {
         let (system, initial) = (&problem.system, &problem.initial);
+        if let Some(modes) = &ground.modes {
+            return Ok(Stepper::LinearModes(Box::new(modes.motion()?), system.metric()));
+        }
+        if let (Some(gaps), Some(contact)) = (&ground.gaps, &scene.contact) {
+            let SceneContact { restitution, law, when, .. } = *contact;
+            let impacting = Impacting::new(system, gaps, restitution, law, when)?;
+            return Ok(Stepper::Impacting(Box::new(impacting)));
+        }
         match scene.stepping {
             Stepping::Equal(method) => match (scene.drag(), scene.rods()) {
                 (Some(drag), _) => held_back(method, problem, drag).map(Stepper::Equal),
@@ -70,11 +107,20 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 Ok(Stepper::Rattle(Box::new(rattle)))
             }
             Stepping::Bodies(_) => Err(AssemblyError::Bodies),
+            Stepping::Heat(_) | Stepping::LinearModes { .. } => Err(AssemblyError::Heat),
             Stepping::Constrained(Constrained::Hamilton) => {
                 let rods = scene.constraint::<D>()?;
                 let kept = ConstrainedHamilton::new(system, rods, initial, Many::default())?;
                 Ok(Stepper::Constrained(Box::new(kept)))
             }
+        }
+    }
+
+    /// Makes the state one that the method can be in: of modes, what they know of it.
+    pub(crate) fn start(&mut self, state: &mut State<Vec<f64>>) -> Result<(), AssemblyError> {
+        match self {
+            Stepper::LinearModes(moving, metric) => Ok(moving.at(0.0, *metric, state)?),
+            _ => Ok(()),
         }
     }
 
@@ -85,13 +131,22 @@ impl<'s, const D: usize> Stepper<'s, D> {
         h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
-        let done = |report| Stepped { report, broken: None };
+        let done = Stepped::done;
         match self {
             Stepper::Equal(integrator) => Ok(done(integrator.step(state, h)?)),
             Stepper::Adaptive(reading) => Ok(done(reading.step(state, to)?)),
             Stepper::Constrained(integrator) => {
                 let report = integrator.step(state, h)?;
                 Ok(done(counted(report.differentials, report.iterations)))
+            }
+            Stepper::Impacting(impacting) => {
+                let met = impacting.step(state, h)?;
+                let report = StepReport { differentials: 1, ..StepReport::default() };
+                Ok(Stepped { impacts: met.impacts, last_impact: met.last_impact, ..done(report) })
+            }
+            Stepper::LinearModes(moving, metric) => {
+                moving.at(to, *metric, state)?;
+                Ok(done(StepReport::default()))
             }
             Stepper::Rattle(rattle) => {
                 let (report, broken) = rattle.step_and_break(state, h, Many::default())?;
@@ -101,7 +156,7 @@ impl<'s, const D: usize> Stepper<'s, D> {
                     tension: broken.tension,
                 });
                 let report = counted(report.differentials, report.iterations);
-                Ok(Stepped { report, broken })
+                Ok(Stepped { broken, ..done(report) })
             }
         }
     }
@@ -109,7 +164,10 @@ impl<'s, const D: usize> Stepper<'s, D> {
     /// The multipliers of the rods that are left, none where rods are not held by forces.
     pub(crate) fn multipliers(&self) -> &[f64] {
         match self {
-            Stepper::Equal(_) | Stepper::Adaptive(_) => &[],
+            Stepper::Equal(_)
+            | Stepper::Adaptive(_)
+            | Stepper::LinearModes(..)
+            | Stepper::Impacting(_) => &[],
             Stepper::Constrained(integrator) => integrator.multipliers(),
             Stepper::Rattle(rattle) => rattle.multipliers(),
         }

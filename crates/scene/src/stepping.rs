@@ -4,17 +4,19 @@
 //! equal       (q, p) -> Phi_h(q, p); with rods, then back to the nearest feasible configuration
 //! adaptive    steps chosen to a tolerance, read off at every moment i h
 //! rattle, constrained-hamilton       equal steps that hold rods by their forces
+//! linear-modes    no steps: a sum of modes in closed form, read off at every moment i h
 //! ```
 //! `h` the scene's step.
 
 use std::fmt;
 
 use stationary_integrators::{Evaluation, Method};
+use stationary_laplacian::HeatMethod;
 use stationary_rigid::BodyMethod;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
-use crate::{Fault, Scene, check, limits};
+use crate::{BodyShape, Fault, RigidBody, Scene, check, limits};
 
 /// How a scene is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +34,13 @@ pub enum Stepping {
     },
     /// Rods held by their forces.
     Constrained(Constrained),
+    /// The lowest modes about the place where the scene comes to rest, in closed form.
+    LinearModes {
+        /// How many, besides rigid motions.
+        count: usize,
+    },
+    /// Heat, in equal steps.
+    Heat(HeatMethod),
     /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method is
     /// named after.
     Bodies(BodyMethod),
@@ -63,8 +72,13 @@ enum Word {
     Equal(Method),
     Adaptive(Adaptive),
     Constrained(Constrained),
+    LinearModes,
+    Heat(HeatMethod),
     Bodies(BodyMethod),
 }
+
+/// The word for motion in closed form.
+const LINEAR_MODES: &str = "linear-modes";
 
 const ADAPTIVE: [(&str, Adaptive); 3] = [
     ("dormand-prince-853", Adaptive::DormandPrince853),
@@ -82,6 +96,8 @@ impl Stepping {
             Stepping::Equal(method) => method.facts().name,
             Stepping::Adaptive { method, .. } => named(&ADAPTIVE, method),
             Stepping::Constrained(method) => named(&CONSTRAINED, method),
+            Stepping::LinearModes { .. } => LINEAR_MODES,
+            Stepping::Heat(method) => method.name(),
             Stepping::Bodies(method) => method.facts().name,
         }
     }
@@ -91,7 +107,11 @@ impl Stepping {
         match self {
             Stepping::Equal(method) => method.facts().evaluation,
             Stepping::Bodies(method) => method.facts().evaluation,
-            Stepping::Adaptive { .. } | Stepping::Constrained(_) => Evaluation::Implicit,
+            // Heat solves its one matrix, without iterations.
+            Stepping::Heat(_) => Evaluation::Explicit,
+            Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
+                Evaluation::Implicit
+            }
         }
     }
 }
@@ -125,11 +145,20 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
         .iter()
         .map(|&method| (method.facts().name, Word::Equal(method)))
         .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
-        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))));
+        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))))
+        .chain([(LINEAR_MODES, Word::LinearModes)]);
+    let heat = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
     let in_space = !declared.bodies.is_empty() && dimension == 3;
-    let all: Vec<_> = if in_space { bodies.collect() } else { particles.collect() };
+    let all: Vec<_> = match &declared.heat {
+        Some(_) => heat.to_vec(),
+        None if in_space => bodies.collect(),
+        None => particles.collect(),
+    };
     let integrator = &declared.integrator;
     let word = check::word("integrator", integrator.get_ref(), integrator.span(), &all)?;
+    if let (Some(modes), false) = (&declared.modes, matches!(word, Word::LinearModes)) {
+        return Err(at(modes.span(), Fault::Modes));
+    }
     Ok(match (word, &declared.tolerance) {
         (Word::Adaptive(method), Some(tolerance)) => {
             Stepping::Adaptive { method, tolerance: check::tolerance(tolerance)? }
@@ -137,6 +166,16 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
         (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
         (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
         (Word::Equal(method), None) => Stepping::Equal(method),
+        (Word::Heat(method), None) => Stepping::Heat(method),
+        (Word::LinearModes, None) => match &declared.modes {
+            Some(modes) if (1..=limits::MODES).contains(&modes.get_ref().0) => {
+                Stepping::LinearModes { count: modes.get_ref().0 as usize }
+            }
+            Some(modes) => {
+                return Err(at(modes.span(), Fault::NumberOfModes { modes: modes.get_ref().0 }));
+            }
+            None => return Err(at(integrator.span(), Fault::NoModes)),
+        },
         (Word::Constrained(method), None) => Stepping::Constrained(method),
         (Word::Bodies(method), None) => Stepping::Bodies(method),
     })
@@ -150,8 +189,18 @@ impl Scene {
         if !self.bodies.is_empty() {
             return self.check_bodies();
         }
+        if self.heat.is_some() != matches!(self.stepping, Stepping::Heat(_)) {
+            return Err(Fault::MethodOfAnother(self.stepping.name().to_owned()));
+        }
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        if self.contact.is_some() {
+            return match self.stepping {
+                _ if drag || rods => refused("contact with rods or drag", "leave one of them out"),
+                Stepping::Equal(Method::StormerVerlet) => Ok(()),
+                _ => refused("what touches", "name `stormer-verlet`"),
+            };
+        }
         match self.stepping {
             _ if drag && rods => refused("rods and drag at once", "leave one of them out"),
             Stepping::Constrained(_) if !rods => {
@@ -159,6 +208,9 @@ impl Scene {
             }
             Stepping::Adaptive { .. } if rods => {
                 refused("rods", "name a method of equal steps, such as `rattle`")
+            }
+            Stepping::LinearModes { .. } if rods || drag => {
+                refused("rods or drag", "name a method of equal steps")
             }
             Stepping::Equal(equal) if drag && equal.newmark_weights().is_none() => {
                 refused("drag", "name `newmark`, `generalized-alpha` or an adaptive method")
@@ -178,16 +230,43 @@ impl Scene {
 
     /// An error where the scene's method cannot step its bodies.
     fn check_bodies(&self) -> Result<(), Fault> {
+        if self.contact.is_some() {
+            return self.check_touching();
+        }
         let (moves, holds) = match self.stepping {
             Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
             Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
-            Stepping::Adaptive { .. } | Stepping::Constrained(_) => (false, false),
+            Stepping::Adaptive { .. }
+            | Stepping::Constrained(_)
+            | Stepping::LinearModes { .. }
+            | Stepping::Heat(_) => (false, false),
         };
         let name = || self.stepping.name().to_owned();
         match (moves, holds || self.joints.is_empty()) {
             (false, _) => Err(Fault::MethodOfAnother(name())),
             (true, false) => Err(Fault::MethodOfJoints(name())),
             (true, true) => Ok(()),
+        }
+    }
+}
+
+impl Scene {
+    /// An error where the scene's bodies cannot touch.
+    fn check_touching(&self) -> Result<(), Fault> {
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        let touchable =
+            |body: &&RigidBody| !matches!(body.shape, BodyShape::Box(_) | BodyShape::Ball(_));
+        match (self.stepping, self.bodies.iter().find(touchable)) {
+            _ if self.dimension != 3 => {
+                refused("bodies that touch in the plane", "lay them in space")
+            }
+            _ if !self.joints.is_empty() => {
+                refused("joints and contact at once", "leave one of them out")
+            }
+            (_, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
+            (Stepping::Bodies(BodyMethod::VariationalRotation), None) => Ok(()),
+            _ => refused("what touches", "name `variational-rotation`"),
         }
     }
 }

@@ -52,6 +52,21 @@ fn cost(run: &Run) -> Table {
     let implicit = scene.stepping().evaluation() == Evaluation::Implicit;
     let counted = |name| if implicit { Column::rounded(name, 1, 0.0) } else { Column::exact(name) };
     let count = |n: u64| if implicit { Cell::Number(n as f64) } else { Cell::Count(n) };
+    if let Some(body) = scene.heat() {
+        let mut table = Table::new([
+            Column::exact("vertices"),
+            Column::exact("simplices"),
+            Column::exact("held"),
+            Column::exact("freedoms"),
+        ]);
+        table.push([
+            (body.start.len() as u64).into(),
+            (body.simplices.len() as u64).into(),
+            (body.held.iter().filter(|&&held| held).count() as u64).into(),
+            (scene.freedoms() as u64).into(),
+        ]);
+        return table;
+    }
     if !scene.bodies().is_empty() {
         let mut table = Table::new([
             Column::exact("bodies"),
@@ -72,6 +87,7 @@ fn cost(run: &Run) -> Table {
         Column::exact("pinned"),
         Column::exact("springs"),
         Column::exact("rods"),
+        Column::exact("elements"),
         Column::exact("freedoms"),
         counted("differentials"),
         counted("hessians"),
@@ -81,6 +97,7 @@ fn cost(run: &Run) -> Table {
         (pinned as u64).into(),
         (scene.links().len() as u64).into(),
         (scene.rods().len() as u64).into(),
+        (scene.solids().iter().map(|solid| solid.simplices.len() as u64).sum::<u64>()).into(),
         (scene.freedoms() as u64).into(),
         count(run.cost().differentials),
         count(run.cost().hessians),
@@ -88,7 +105,53 @@ fn cost(run: &Run) -> Table {
     table
 }
 
+/// Heat, the Dirichlet energy and the extreme temperatures: the first is kept where nothing is held,
+/// the second falls, and the last two draw together.
+fn heat_invariants(run: &Run, held: bool) -> Table {
+    let mut table = Table::new([
+        Column::exact("quantity"),
+        Column::rounded("at the start", 5, 0.0),
+        Column::rounded("at the end", 5, 0.0),
+        Column::rounded("largest drift", 2, ROUNDING),
+        Column::exact("relative to"),
+    ]);
+    let last = run.times().len().saturating_sub(1);
+    let (heat, energy) = (&run.samples.heat, &run.samples.potential);
+    let extreme = |sample: usize, of: fn(f64, f64) -> f64, from: f64| {
+        run.temperatures(sample).iter().copied().fold(from, of)
+    };
+    let least = [0, last].map(|sample| extreme(sample, f64::min, f64::INFINITY));
+    let largest = [0, last].map(|sample| extreme(sample, f64::max, f64::NEG_INFINITY));
+    let scale = heat.iter().fold(0.0_f64, |scale, heat| scale.max(heat.abs()));
+    let drift = heat.iter().map(|now| (now - heat[0]).abs()).fold(0.0, f64::max);
+    let (drift, why) = if held {
+        (Cell::from(""), "changed by what is held")
+    } else {
+        (relative(drift, scale), "the most heat")
+    };
+    table.push([
+        "heat".into(),
+        above_rounding(heat[0], scale),
+        above_rounding(heat[last], scale),
+        drift,
+        why.into(),
+    ]);
+    let rows = [
+        ("Dirichlet energy", [energy[0], energy[last]], energy[0].abs()),
+        ("least temperature", least, largest[0].abs().max(least[0].abs())),
+        ("largest temperature", largest, largest[0].abs().max(least[0].abs())),
+    ];
+    for (name, [start, end], scale) in rows {
+        let [start, end] = [start, end].map(|x| above_rounding(x, scale));
+        table.push([name.into(), start, end, "".into(), "".into()]);
+    }
+    table
+}
+
 fn invariants(run: &Run) -> Table {
+    if let Some(body) = run.scene().heat() {
+        return heat_invariants(run, body.held.contains(&true));
+    }
     let units = run.scene().units();
     let mut table = Table::new([
         Column::exact("invariant"),

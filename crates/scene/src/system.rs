@@ -1,10 +1,11 @@
 //! The mechanical system of a scene: only what the scene names is built.
 //!
 //! ```text
-//! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs
+//! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs + elastic bodies
 //! ```
 //! Particles that are free come first, in the scene's order, D freedoms each; pinned ones have no
-//! freedoms and are the fixed vertices of the springs.
+//! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while it is
+//! held.
 
 use stationary_calculus::{
     Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
@@ -16,16 +17,17 @@ use stationary_integrators::{
     Evaluation, Integrator, Method, NewtonianGravity, State, UniformGravity,
 };
 
-use crate::{AssemblyError, Motion, Scene};
+use crate::elastic::ElasticBodies;
+use crate::{AssemblyError, Motion, Scene, rest};
 
-/// The potential of a scene. Its springs may be none.
+/// The potential of a scene. Its springs and elastic bodies may be none.
 #[derive(Clone, Debug)]
 pub struct ScenePotential<const D: usize> {
     parts: Parts<D>,
 }
 
-type Parts<const D: usize> =
-    (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>, Stencils<Spring, 2, D>);
+type Parts<const D: usize> = (Weight<D>, Stencils<Spring, 2, D>, ElasticBodies);
+type Weight<const D: usize> = (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>);
 
 /// A scene as a problem: a system, where it starts, and for how long.
 pub type SceneProblem<const D: usize> =
@@ -96,6 +98,9 @@ impl Scene {
         if !self.bodies.is_empty() {
             return Err(AssemblyError::Bodies);
         }
+        if self.heat.is_some() {
+            return Err(AssemblyError::Heat);
+        }
         if D != self.dimension {
             return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
         }
@@ -125,8 +130,12 @@ impl Scene {
             .constant
             .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
         let springs = Stencils::new(free.len(), pinned.iter().map(position).collect(), springs)?;
-        let potential = ScenePotential { parts: (uniform, newtonian, springs) };
-        let q = free.iter().flat_map(position).collect();
+        let elastic = self.elastic_bodies::<D>(&vertices)?;
+        let potential = ScenePotential { parts: ((uniform, newtonian), springs, elastic) };
+        let q = match self.hung.as_slice() {
+            [] => free.iter().flat_map(position).collect(),
+            _ => self.hanging::<D>(&vertices)?,
+        };
         Ok(Problem {
             name: "scene",
             system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
@@ -137,6 +146,24 @@ impl Scene {
             solution: Box::new(|_| None),
             solution_error: f64::INFINITY,
         })
+    }
+
+    /// The configuration in which all is at rest while what is hung is held.
+    fn hanging<const D: usize>(&self, vertices: &Vertices) -> Result<Vec<f64>, AssemblyError> {
+        let mut held = Scene { hung: Vec::new(), ..self.clone() };
+        for &particle in &self.hung {
+            held.particles[particle].motion = Motion::Pinned;
+        }
+        let (x, _) = rest::rest(&held.problem::<D>()?)?;
+        let of_held = Vertices::new(&held);
+        let place = |&particle: &usize| {
+            let vertex = of_held.of_particle[particle];
+            match x.as_chunks::<D>().0.get(vertex) {
+                Some(&place) => place,
+                None => leading::<D>(held.particles[particle].position),
+            }
+        };
+        Ok(vertices.particles[..vertices.free].iter().flat_map(place).collect())
     }
 
     /// The scene's rods as a constraint on its problem.

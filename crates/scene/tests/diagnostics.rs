@@ -365,7 +365,7 @@ fn a_net_has_rows_columns_and_a_right_angle() {
         refused(&format!("{HEAD}{net}"), &message);
     }
     let skew = format!("{HEAD}{NET}across = <<[1, 1]>>\n");
-    refused(&skew, "the two sides of the net are not at a right angle");
+    refused(&skew, "the two sides are not at a right angle");
     refused(&format!("{HEAD}{NET}down = <<[0, 0]>>\n"), "`down` is zero; a direction is not");
     let line = HEAD.replace("dimension = 2", "dimension = 1");
     let net = NET.replace("\"net\"", "<<\"net\">>");
@@ -375,7 +375,10 @@ fn a_net_has_rows_columns_and_a_right_angle() {
 #[test]
 fn something_is_there_and_can_move() {
     let empty = HEAD.replace("= 2", "= <<2>>");
-    refused(&empty, "the scene has no particles: it needs [[particles]], [[nets]] or [[bodies]]");
+    refused(
+        &empty,
+        "the scene has no particles: it needs [[particles]], [[nets]], [[solids]] or [[bodies]]",
+    );
     let hook = HOOK.replace("true", "<<true>>");
     refused(&format!("{HEAD}{hook}"), "every particle is pinned, so that nothing can move");
 }

@@ -1,0 +1,136 @@
+//! What touches what: walls, fixed balls, particles and bodies with a size, and the law of impact.
+//!
+//! ```text
+//! wall        normal . (x - at) >= r              ball        |x - at| >= r + radius
+//! particles   |x_i - x_j| >= r_i + r_j            r the `radius` of a particle, none of a point
+//! ```
+//! `restitution` is separating over approaching speed; `friction` acts between bodies alone. A `law`
+//! says what happens where several contacts meet, and for particles `when` says at which moment.
+
+use stationary_contact::{Balls, ContactError, FixedBall, ImpactLaw, Inequality, Wall, When};
+
+use crate::declaration::{ContactDeclaration, Declaration};
+use crate::diagnostic::{Checked, at};
+use crate::system::{Vertices, leading};
+use crate::{Fault, Motion, Scene, check};
+
+/// How the things of a scene touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneContact {
+    /// Separating over approaching speed, 0 to 1.
+    pub restitution: f64,
+    /// Coulomb's coefficient, between bodies.
+    pub friction: f64,
+    /// What happens where several contacts meet.
+    pub law: ImpactLaw,
+    /// At which moment particles are given impulses.
+    pub when: When,
+    /// Half-spaces that nothing enters: what is on the side of the normal is free.
+    pub walls: Vec<Wall<3>>,
+    /// Balls that nothing enters and nothing moves.
+    pub balls: Vec<FixedBall<3>>,
+}
+
+/// The contact that is declared.
+pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Option<SceneContact>> {
+    let Some(contact) = &declared.contact else {
+        return Ok(None);
+    };
+    let ContactDeclaration { restitution, friction, law, when, walls, balls } = contact;
+    let restitution = match restitution {
+        Some(given) => {
+            let value = check::finite("the restitution", given)?;
+            if !(0.0..=1.0).contains(&value) {
+                return Err(at(given.span(), Fault::Restitution(value)));
+            }
+            value
+        }
+        None => 0.0,
+    };
+    let friction = match friction {
+        Some(given) if declared.bodies.is_empty() => {
+            return Err(at(given.span(), Fault::FrictionOfParticles));
+        }
+        Some(given) => check::positive("the friction", given)?,
+        None => 0.0,
+    };
+    let law = match law {
+        Some(word) => {
+            let laws: Vec<_> = ImpactLaw::ALL.iter().map(|&law| (law.facts().name, law)).collect();
+            check::word("law of impact", word.get_ref(), word.span(), &laws)?
+        }
+        None => ImpactLaw::GeneralizedReflections,
+    };
+    let when = match when {
+        Some(word) if !declared.bodies.is_empty() => {
+            return Err(at(word.span(), Fault::WhenOfBodies));
+        }
+        Some(word) => {
+            let moments: Vec<_> = When::ALL.iter().map(|&when| (when.name(), when)).collect();
+            check::word("moment of impact", word.get_ref(), word.span(), &moments)?
+        }
+        None => When::AtTheInstant,
+    };
+    let walls = walls.iter().flatten().map(|wall| {
+        let normal = check::direction("the normal", dimension, &wall.normal)?;
+        let place = check::vector("the wall's place", dimension, &wall.at)?;
+        let offset = normal.iter().zip(&place).map(|(n, x)| n * x).sum();
+        Ok(Wall { normal, offset })
+    });
+    let walls = walls.collect::<Checked<_>>()?;
+    let balls = balls.iter().flatten().map(|ball| {
+        let centre = check::vector("the ball's place", dimension, &ball.at)?;
+        Ok(FixedBall { centre, radius: check::positive("the radius", &ball.radius)? })
+    });
+    let balls = balls.collect::<Checked<_>>()?;
+    Ok(Some(SceneContact { restitution, friction, law, when, walls, balls }))
+}
+
+impl Scene {
+    /// The gaps between the particles of a scene with contact, and to what is fixed.
+    pub(crate) fn gaps<const D: usize>(
+        &self,
+    ) -> Result<Option<Inequality<Balls<D>>>, ContactError> {
+        let Some(contact) = &self.contact else {
+            return Ok(None);
+        };
+        let vertices = Vertices::new(self);
+        let free = &vertices.particles[..vertices.free];
+        let radii = free.iter().map(|&particle| self.particles[particle].radius).collect();
+        let flat = |wall: &Wall<3>| Wall { normal: leading(wall.normal), offset: wall.offset };
+        let walls = contact.walls.iter().map(flat).collect();
+        let ball = |centre: [f64; 3], radius| FixedBall { centre: leading(centre), radius };
+        let pinned = self.particles.iter().filter(|p| p.motion == Motion::Pinned && p.radius > 0.0);
+        let fixed = contact.balls.iter().map(|fixed| ball(fixed.centre, fixed.radius));
+        let fixed = fixed.chain(pinned.map(|p| ball(p.position, p.radius))).collect();
+        Ok(Some(Inequality(Balls::<D>::new(radii, walls)?.with_fixed(fixed)?)))
+    }
+
+    /// The first particle that overlaps something at the start.
+    pub(crate) fn check_apart(&self) -> Result<(), Fault> {
+        match self.dimension {
+            1 => self.check_apart_in::<1>(),
+            2 => self.check_apart_in::<2>(),
+            _ => self.check_apart_in::<3>(),
+        }
+    }
+
+    fn check_apart_in<const D: usize>(&self) -> Result<(), Fault> {
+        /// Overlap that is rounding, relative to where things are.
+        const ROUNDING: f64 = 1e-12;
+        let gaps = self.gaps::<D>().map_err(|error| Fault::Solid(error.to_string()))?;
+        let Some(gaps) = gaps else { return Ok(()) };
+        let vertices = Vertices::new(self);
+        let place = |&particle: &usize| leading::<D>(self.particles[particle].position);
+        let q: Vec<f64> = vertices.particles[..vertices.free].iter().flat_map(place).collect();
+        let size = q.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+        let all = gaps.gaps(0.0, &q);
+        let Some(first) = all.iter().position(|&gap| gap < -ROUNDING * size) else {
+            return Ok(());
+        };
+        let row = gaps.rows(0.0, &q, &[first]);
+        let freedom = row.row(0).next().map_or(0, |(freedom, _)| freedom);
+        let name = self.particles[vertices.particles[freedom / D]].name.clone();
+        Err(Fault::Overlap { name, depth: -all[first] })
+    }
+}

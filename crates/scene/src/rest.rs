@@ -1,0 +1,28 @@
+//! Where a scene comes to rest.
+//!
+//! ```text
+//! dV(q) = 0        to |M^-1 dV| <= eps lambda |q| sqrt(m)
+//! ```
+//! `lambda` the largest eigenvalue of `M^-1 H`, |q| the scene's size, m its mass: below that the
+//! differential is rounding. Source: notes 4.4.
+
+use stationary_calculus::{Equilibrium, Newton, SparseSolver};
+use stationary_modal::Linearized;
+
+use crate::AssemblyError;
+use crate::system::SceneProblem;
+
+/// Where a problem comes to rest from its start, and the size of the differential that is rounding.
+pub(crate) fn rest<const D: usize>(
+    problem: &SceneProblem<D>,
+) -> Result<(Vec<f64>, f64), AssemblyError> {
+    let (metric, potential) = (problem.system.metric(), problem.system.potential());
+    let mut q = problem.initial.q.clone();
+    let mass: f64 = metric.masses().iter().sum::<f64>() / D as f64;
+    let scale = Linearized::at(metric, potential, &q, f64::MAX)?.scale();
+    let tolerance = f64::EPSILON * scale * problem.scale * mass.sqrt();
+    let newton = Newton { tolerance, ..Newton::default() };
+    let solver = SparseSolver::new(metric, potential, &q)?;
+    Equilibrium::new(metric, potential, solver, newton)?.find(&mut q)?;
+    Ok((q, tolerance))
+}

@@ -1,0 +1,108 @@
+//! Rigid bodies of scenes that touch, and bodies of other shapes than boxes.
+
+use stationary_scene::{BodyShape, Run, Scene};
+
+fn shipped(name: &str) -> Scene {
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/");
+    Scene::read(format!("{scenes}{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn place(run: &Run, sample: usize, name: &str) -> Vec<f64> {
+    let d = run.scene().dimension();
+    let index = run.scene().particles().iter().position(|p| p.name == name).unwrap();
+    run.positions(sample)[d * index..d * (index + 1)].to_vec()
+}
+
+#[test]
+fn the_block_slides_down_the_slope_as_coulomb_says() {
+    let run = shipped("block-on-incline").run().unwrap();
+    let (sin, cos) = (0.5, 0.75_f64.sqrt());
+    let way = |sample: usize| {
+        let (x, start) = (place(&run, sample, "block"), place(&run, 0, "block"));
+        -((x[0] - start[0]) * cos + (x[2] - start[2]) * sin)
+    };
+    let acceleration = 9.81 * (sin - 0.4 * cos);
+    let h = run.scene().timing().step();
+    for (sample, t) in run.times().iter().enumerate() {
+        // Kick and drift: the sum of v over the steps.
+        let expected = 0.5 * acceleration * t * (t + h);
+        assert!((way(sample) - expected).abs() < 1e-6, "{t}: {} and {expected}", way(sample));
+    }
+}
+
+#[test]
+fn the_block_stays_where_friction_is_larger_than_the_slope() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/block-on-incline.toml");
+    let text = std::fs::read_to_string(path).unwrap().replace("friction = 0.4", "friction = 0.6");
+    let run = Scene::parse("slope.toml", &text).unwrap().run().unwrap();
+    let (start, end) = (place(&run, 0, "block"), place(&run, run.times().len() - 1, "block"));
+    assert!((0..3).all(|c| (start[c] - end[c]).abs() < 1e-9), "{start:?} {end:?}");
+}
+
+#[test]
+fn what_rests_in_a_stack_stays_until_something_falls_onto_it() {
+    let scene = shipped("box-stack").with_horizon(0.3).unwrap();
+    let run = scene.run().unwrap_or_else(|error| panic!("{error}"));
+    for name in ["box1", "box4", "box8"] {
+        let (start, end) = (place(&run, 0, name), place(&run, run.times().len() - 1, name));
+        assert!((0..3).all(|c| (start[c] - end[c]).abs() < 1e-8), "{name}: {start:?} {end:?}");
+    }
+}
+
+#[test]
+fn the_wrench_flies_a_parabola_and_keeps_its_spin() {
+    let run = shipped("tumbling-wrench").run().unwrap();
+    let t = run.times()[run.times().len() - 1];
+    let end = place(&run, run.times().len() - 1, "wrench");
+    assert!((end[0] - 2.4 * t).abs() < 1e-12, "{end:?}");
+    assert!((end[1] - (7.5 * t - 0.5 * 9.81 * t * t)).abs() < 1e-11, "{end:?}");
+    let BodyShape::Polygon(corners) = &run.scene().bodies()[0].shape else { panic!("a polygon") };
+    // Its corners are about the centre of mass: the outline's first moments vanish.
+    let next = |i: usize| corners[(i + 1) % corners.len()];
+    let (mut area, mut first) = (0.0, [0.0; 2]);
+    for (i, a) in corners.iter().enumerate() {
+        let b = next(i);
+        let cross = a[0] * b[1] - a[1] * b[0];
+        area += 0.5 * cross;
+        (0..2).for_each(|c| first[c] += cross * (a[c] + b[c]) / 6.0);
+    }
+    assert!(area > 0.0 && first.iter().all(|m| (m / area).abs() < 1e-15), "{first:?}");
+}
+
+#[test]
+fn discs_and_balls_have_the_moments_of_their_kind() {
+    let moment = |dimension: usize, place: &str, integrator: &str| {
+        let text = format!(
+            "dimension = {dimension}\nintegrator = \"{integrator}\"\nstep = 0.1\nhorizon = 1\n\
+             bodies = [{{ name = \"it\", mass = 5, ball = 2, position = {place} }}]\n"
+        );
+        Scene::parse("ball.toml", &text).unwrap().bodies()[0].moments
+    };
+    assert_eq!(moment(2, "[0, 0]", "stormer-verlet"), [0.0, 0.0, 10.0]);
+    assert_eq!(moment(3, "[0, 0, 0]", "exact-rotation"), [8.0; 3]);
+}
+
+#[test]
+fn bodies_that_cannot_touch_or_have_no_shape_are_refused() {
+    let refused = |body: &str, contact: &str, message: &str| {
+        let text = format!(
+            "dimension = 3\nintegrator = \"exact-rotation\"\nstep = 0.1\nhorizon = 1\n\
+             bodies = [{{ name = \"it\", mass = 5, {body}, position = [0, 0, 0] }}]\n{contact}"
+        );
+        let error = Scene::parse("a.toml", &text).expect_err(body).to_string();
+        assert!(error.contains(message), "{error}\n\nexpected: {message}");
+    };
+    refused("ball = 0", "", "the radius is 0");
+    refused("ball = 1, box = [1, 1, 1]", "", "needs one of");
+    refused("polygon = [[0, 0], [1, 0], [0, 1]]", "", "a polygon needs a scene of dimension 2");
+    refused("moments = [1, 1, 1]", "[contact]\n", "`it` has no shape that could touch");
+    refused("ball = 1", "[contact]\n", "name `variational-rotation`");
+    let flat = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+                bodies = [{ name = \"it\", mass = 5, position = [0, 0], polygon = CORNERS }]\n";
+    for corners in
+        ["[[0, 0], [1, 0]]", "[[0, 0], [1, 0], [2, 0]]", "[[0, 0], [1, 1], [1, 0], [0, 1]]"]
+    {
+        let error = Scene::parse("a.toml", &flat.replace("CORNERS", corners)).expect_err(corners);
+        assert!(error.to_string().contains("these corners are no polygon"), "{error}");
+    }
+}
