@@ -13,11 +13,11 @@
 //! is a filtered step, in which what rests has no restitution.
 //!
 //! The filter is a step of symplectic Euler. Its impact acts on the velocity before the step's own
-//! kick, so that no bounce gains energy, and approach of the order of a kick has no restitution, so
-//! that what rests does not rattle. What would still overlap ahead is held by the projection with
-//! `dg v >= -g/h`: gaps are used up, not crossed; and where even that overlaps, bodies stay where
-//! they were proved free. Paths are judged by the smallest gap on them, so that nothing is passed
-//! through. Source: notes 10.3, 11.4.
+//! kick, so that no bounce gains energy, and where all approach is of the order of a kick there is no
+//! restitution, so that what rests does not rattle. What would still overlap ahead is held by the
+//! projection with `dg v >= -g/h`: gaps are used up, not crossed; and where even that overlaps, bodies
+//! stay where they were proved free. Paths are judged by the smallest gap on them, so that nothing is
+//! passed through. Source: notes 10.3, 11.4.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{Integrator, State, StormerVerlet};
@@ -228,12 +228,13 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
                 break;
             }
             let rows = self.gaps.rows(state.t, &state.q, &contacts);
-            let own = (0..rows.len()).map(|i| {
+            // What rests passes an impact on with all its restitution.
+            let bounces = |i: usize| {
                 let by_kick = rows.along(i, kick.view()).abs();
-                let rests = rows.along(i, before.view()).abs() <= 2.0 * by_kick;
-                if rests { 0.0 } else { restitution }
-            });
-            let impact = Impact::new(rows.clone(), &self.mass, own.collect())?;
+                rows.along(i, before.view()).abs() > 2.0 * by_kick
+            };
+            let own = if (0..rows.len()).any(bounces) { restitution } else { 0.0 };
+            let impact = Impact::new(rows.clone(), &self.mass, vec![own; rows.len()])?;
             report.impacts += usize::from(self.law.apply(&impact, before.view_mut())?.passes > 0);
             report.last_impact = state.t;
         }
