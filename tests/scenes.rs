@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use stationary_scene::Scene;
 use xtask::report::Progress;
 use xtask::run::run_scene;
 
@@ -57,4 +58,62 @@ fn the_thrown_racket_turns_over_and_keeps_its_momenta() {
 fn the_heavy_top_nods_on_its_tip() {
     let (summary, _) = run("heavy-top");
     insta::assert_snapshot!(summary);
+}
+
+/// The summary of a shipped scene that is run for a shorter time, before chaos reaches its digits.
+fn run_until(name: &str, horizon: f64) -> String {
+    let scenes = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../crates/scene/scenes");
+    let scene = Scene::read(scenes.join(format!("{name}.toml"))).expect("a scene");
+    let run = scene.with_horizon(horizon).expect("a horizon").run();
+    run.unwrap_or_else(|error| panic!("{error}")).summary().to_string()
+}
+
+#[test]
+fn two_balls_of_the_cradle_come_in_and_two_go_out() {
+    insta::assert_snapshot!(run("newtons-cradle").0);
+}
+
+#[test]
+fn the_nine_balls_leave_as_symmetric_as_they_lay() {
+    insta::assert_snapshot!(run("nine-ball-break").0);
+}
+
+#[test]
+fn the_block_slides_down_its_slope() {
+    insta::assert_snapshot!(run("block-on-incline").0);
+}
+
+#[test]
+fn the_stack_stands_while_a_box_falls_towards_it() {
+    insta::assert_snapshot!(run_until("box-stack", 0.3));
+}
+
+#[test]
+fn the_wrench_tumbles_about_its_centre_of_mass() {
+    insta::assert_snapshot!(run("tumbling-wrench").0);
+}
+
+#[test]
+fn the_lower_end_of_the_slinky_waits() {
+    insta::assert_snapshot!(run("slinky-release").0);
+}
+
+#[test]
+fn the_cantilever_swings_about_its_sag() {
+    insta::assert_snapshot!(run("cantilever").0);
+}
+
+#[test]
+fn the_cloth_falls_onto_the_ball() {
+    insta::assert_snapshot!(run_until("cloth-on-a-ball", 0.2));
+}
+
+#[test]
+fn the_bell_rings_in_closed_form() {
+    insta::assert_snapshot!(run("struck-bell").0);
+}
+
+#[test]
+fn the_warm_cap_evens_out_over_the_sphere() {
+    insta::assert_snapshot!(run("warm-sphere").0);
 }

@@ -155,7 +155,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
                 self.verlet.step(state, left)?;
                 return Ok(report);
             };
-            if self.bounces_low(state, free)? {
+            if !self.arrives(state, left) && self.bounces_low(state, free)? {
                 report.rested = true;
                 self.filtered(state, left, self.restitution, &mut report)?;
                 return Ok(report);
@@ -167,6 +167,18 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             report.last_impact = state.t;
         }
         Err(ContactError::TooManyImpacts { bound: IMPACTS, time: start })
+    }
+
+    /// Whether something that touches comes on faster than what holds it there would make it.
+    fn arrives(&self, state: &State<Vec<f64>>, left: f64) -> bool {
+        let touching = self.closed(state.t, &state.q, TOUCHING * size(&state.q));
+        let rows = self.gaps.rows(state.t, &state.q, &touching);
+        let (v, kick) = (self.velocity(&state.p), self.kick(state, left));
+        let still = TOUCHING * size(&v.0);
+        (0..rows.len()).any(|i| {
+            let by_kick = rows.along(i, kick.view()).abs();
+            rows.along(i, v.view()) < -(2.0 * by_kick).max(still)
+        })
     }
 
     /// Whether gaps that are closed now hardly open until things touch again.
@@ -197,8 +209,9 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             }
             let way: Vec<f64> = moved.q.iter().zip(&state.q).map(|(to, from)| to - from).collect();
             let gaps = self.gaps.lowest(&state.q, Vector(&way));
-            // A contact that starts by rounding on the wrong side is free while it does not sink.
-            Ok(gaps.iter().zip(&before).any(|(g, g0)| *g < g0.min(0.0).max(-slack)))
+            // What touches moves together but for rounding, and what starts on the wrong side is free
+            // while it does not sink.
+            Ok(gaps.iter().zip(&before).any(|(g, g0)| *g < g0.min(-slack)))
         };
         if !overlaps(left)? {
             return Ok(None);
