@@ -130,9 +130,12 @@ impl<const D: usize> Balls<D> {
             }
         }
         let round: Vec<usize> = (0..radii.len()).filter(|&ball| radii[ball] > 0.0).collect();
-        let after = |i: usize| round[i + 1..].iter().copied();
-        let pairs = (0..round.len()).flat_map(|i| after(i).map(move |b| (i, b)));
-        let pairs = pairs.map(|(i, b)| [round[i], b]).collect();
+        let pairs = round.iter().flat_map(|&a| {
+            let point_or_later = |&b: &usize| radii[b] == 0.0 || b > a;
+            let others: Vec<usize> = (0..radii.len()).filter(point_or_later).collect();
+            others.into_iter().map(move |b| [a.min(b), a.max(b)])
+        });
+        let pairs = pairs.collect();
         Ok(Balls { radii, walls, fixed: Vec::new(), pairs })
     }
 

@@ -181,7 +181,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         })
     }
 
-    /// Whether gaps that are closed now hardly open until things touch again.
+    /// Whether gaps that are closed now hardly open until they close again, and no other closes.
     fn bounces_low(&mut self, state: &State<Vec<f64>>, free: f64) -> Result<bool, ContactError> {
         if free <= 0.0 {
             return Ok(true);
@@ -191,6 +191,12 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         let mut middle = state.clone();
         self.verlet.step(&mut middle, 0.5 * free)?;
         let gaps = self.gaps.gaps(middle.t, &middle.q);
+        let mut end = state.clone();
+        self.verlet.step(&mut end, free)?;
+        let arrives = |i: &usize| !touching.contains(i);
+        if self.closed(end.t, &end.q, TOUCHING * size(&end.q)).iter().any(arrives) {
+            return Ok(false);
+        }
         Ok(!touching.is_empty() && touching.iter().all(|&i| gaps[i] <= low))
     }
 
