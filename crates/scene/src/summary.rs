@@ -242,6 +242,8 @@ fn observables(run: &Run) -> Table {
         let scale = match observable {
             Observable::LinearMomentum => run.samples.linear_scale,
             Observable::AngularMomentum => run.samples.angular_scale,
+            // A place that stays is at zero to the rounding of the whole scene.
+            Observable::Position(_) => all.fold(run.scene().scale(), f64::max),
             _ => all.fold(0.0, f64::max),
         };
         for (heading, j) in headings.into_iter().zip(columns) {

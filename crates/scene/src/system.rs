@@ -193,7 +193,7 @@ impl Scene {
     }
 
     /// The largest distance of a particle from the middle of all; one where that is zero.
-    fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         let count = self.particles.len() as f64;
         let middle: [f64; 3] = std::array::from_fn(|c| {
             self.particles.iter().map(|particle| particle.position[c] / count).sum()

@@ -374,8 +374,8 @@ fn a_test_of_a_scene_is_one_line() {
     A bob on a spring
     stormer-verlet, 300 of 300 steps of 0.01 s, to 3 s
 
-    particles  pinned  springs  rods  freedoms  differentials  hessians
-    2          1       1        0     2         301            0
+    particles  pinned  springs  rods  elements  freedoms  differentials  hessians
+    2          1       1        0     0         2         301            0
 
     invariant                    at the start  at the end  largest drift  relative to
     energy [kg m^2/s^2]          1.9620e0      1.9616e0    3.2e-4         the largest kinetic energy
