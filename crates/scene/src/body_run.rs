@@ -1,72 +1,38 @@
 //! A run of bodies: step after step to the horizon, and samples of their centres and points.
 
-use std::ops::ControlFlow;
-
 use nalgebra::Vector3;
-use stationary_integrators::{Cost, State};
+use stationary_constraints::ConstraintError;
+use stationary_integrators::{Saved, State, StepReport};
 use stationary_rigid::BodyMotion;
 
-use crate::body_system::BodySystem;
+use crate::body_system::{BodySystem, Steps};
+use crate::checkpoint::{Before, CheckpointError};
+use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
-use crate::run::{Progress, Run, Samples};
-use crate::{Motion, RunError, Scene, Stop};
+use crate::run::{BrokenRod, Run, Samples};
+use crate::{Checkpoint, Motion, RunError, Scene, Stop};
 
 impl Scene {
     /// Runs a scene of bodies to its horizon, or until the watcher breaks off.
     pub(crate) fn run_bodies(
         &self,
-        watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         match self.dimension {
-            3 => self.run_system(&self.in_space()?, watch),
-            _ => self.run_system(&self.in_the_plane()?, watch),
+            3 => self.run_system(&self.in_space()?, checkpoint, watcher),
+            _ => self.run_system(&self.in_the_plane()?, checkpoint, watcher),
         }
     }
 
     fn run_system(
         &self,
         system: &impl BodySystem,
-        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        let mut step_by = system.steps(self.stepping)?;
-        let (timing, mut cost) = (self.timing, Cost::default());
-        let (steps, h) = (timing.steps(), timing.stepping().step());
-        let mut state = system.initial().clone();
-        let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        let mut samples = Samples { columns, ..Samples::default() };
-        self.sample(system, &state, 0.0, &mut samples);
-        for step in 1..=steps {
-            let time = (step - 1) as f64 * h;
-            let report = match step_by(&mut state, h) {
-                Ok(report) => report,
-                Err(source) => {
-                    if samples.times.last().is_some_and(|&last| last < time) {
-                        self.sample(system, &state, time, &mut samples);
-                    }
-                    let run =
-                        Box::new(Run { scene: self.clone(), samples, broken: Vec::new(), cost });
-                    let unit = self.units.time.clone();
-                    return Err(RunError::Stopped(Box::new(Stop {
-                        step,
-                        time,
-                        unit,
-                        source,
-                        run,
-                    })));
-                }
-            };
-            // The state's own time, a sum of steps, is what joints remember it by.
-            let time = step as f64 * h;
-            cost.add(&report);
-            let flow = watch(Progress { step, steps, time, q: &state.q });
-            if step % timing.sample_every() == 0 || step == steps || flow.is_break() {
-                self.sample(system, &state, time, &mut samples);
-            }
-            if flow.is_break() {
-                break;
-            }
-        }
-        Ok(Run { scene: self.clone(), samples, broken: Vec::new(), cost })
+        let (steps, state) = (system.steps(self.stepping)?, system.initial().clone());
+        march(self, Bodies { scene: self, system, steps, state }, checkpoint, watcher)
     }
 
     fn sample(
@@ -112,5 +78,49 @@ impl Scene {
             angular_velocities: &turning,
         };
         samples.push(self, time, &moment, scales);
+    }
+}
+
+/// The bodies of a scene on their way.
+struct Bodies<'a, B> {
+    scene: &'a Scene,
+    system: &'a B,
+    steps: Steps<'a>,
+    /// Its own time, a sum of steps, is what joints remember it by.
+    state: State<Vec<f64>>,
+}
+
+impl<B: BodySystem> Moving for Bodies<'_, B> {
+    type Failure = ConstraintError;
+
+    fn state(&self) -> &State<Vec<f64>> {
+        &self.state
+    }
+
+    fn step(&mut self, h: f64, _: f64) -> Result<StepReport, ConstraintError> {
+        self.steps.step(&mut self.state, h)
+    }
+
+    fn sample(&mut self, time: f64, samples: &mut Samples) {
+        self.scene.sample(self.system, &self.state, time, samples);
+    }
+
+    fn broken(&self) -> &[BrokenRod] {
+        &[]
+    }
+
+    fn failed(&self, step: u64, time: f64, source: ConstraintError, run: Run) -> RunError {
+        let unit = self.scene.units.time.clone();
+        RunError::Stopped(Box::new(Stop { step, time, unit, source, run: Box::new(run) }))
+    }
+
+    fn save(&mut self) -> Saved {
+        self.steps.save()
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        self.steps.load(&before.memory)?;
+        self.state.clone_from(&before.state);
+        Ok(())
     }
 }

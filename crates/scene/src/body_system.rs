@@ -12,7 +12,7 @@ use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FreeMotion, Many, Rattle, Redundancy,
     Straight,
 };
-use stationary_integrators::{State, StepReport};
+use stationary_integrators::{Integrator, Saved, State, StepError, StepReport};
 use stationary_rigid::{
     Attachment, AxisRotations, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace,
     ConstantVelocity, ExactRotation, Free, FreeBodies, Joint, LieGroup, PlanarAttachment,
@@ -21,9 +21,46 @@ use stationary_rigid::{
 
 use crate::{AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping};
 
-/// A step of bodies, with or without joints.
-pub(crate) type Step<'a> =
-    Box<dyn FnMut(&mut State<Vec<f64>>, f64) -> Result<StepReport, ConstraintError> + 'a>;
+/// What steps bodies.
+pub(crate) enum Steps<'a> {
+    /// A method, of bodies without joints.
+    Free(Box<dyn Integrator<Vec<f64>> + 'a>),
+    /// RATTLE, of bodies with joints.
+    Held(Box<dyn ConstrainedIntegrator<Vec<f64>> + 'a>),
+}
+
+impl Steps<'_> {
+    /// Moves the state by a step.
+    pub(crate) fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+    ) -> Result<StepReport, ConstraintError> {
+        match self {
+            Steps::Free(integrator) => Ok(integrator.step(state, h)?),
+            Steps::Held(rattle) => {
+                let report = rattle.step(state, h)?;
+                Ok(StepReport { differentials: report.differentials, ..StepReport::default() })
+            }
+        }
+    }
+
+    /// What the next steps depend on beside the state.
+    pub(crate) fn save(&self) -> Saved {
+        match self {
+            Steps::Free(integrator) => integrator.save(),
+            Steps::Held(rattle) => rattle.save(),
+        }
+    }
+
+    /// Takes back what was saved.
+    pub(crate) fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        match self {
+            Steps::Free(integrator) => integrator.load(saved),
+            Steps::Held(rattle) => rattle.load(saved),
+        }
+    }
+}
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
@@ -31,7 +68,7 @@ pub(crate) trait BodySystem {
     fn initial(&self) -> &State<Vec<f64>>;
 
     /// What steps them.
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError>;
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError>;
 
     /// Their kinetic and their potential energy.
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
@@ -63,24 +100,13 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     system: &'a System<M, P, S>,
     joints: &'a K,
     initial: &State<Vec<f64>>,
-) -> Result<Step<'a>, ConstraintError> {
-    fn boxed<'a>(mut rattle: impl ConstrainedIntegrator<Vec<f64>> + 'a) -> Step<'a> {
-        Box::new(move |state, h| {
-            let report = rattle.step(state, h)?;
-            Ok(StepReport { differentials: report.differentials, ..StepReport::default() })
-        })
-    }
+) -> Result<Steps<'a>, ConstraintError> {
     if joints.count() > FEW {
-        return Ok(boxed(Rattle::along(
-            motion,
-            system,
-            joints,
-            initial,
-            Many(Redundancy::LeastNorm),
-        )?));
+        let many = Many(Redundancy::LeastNorm);
+        return Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, many)?)));
     }
     let few = Few::<FEW>(Redundancy::LeastNorm);
-    Ok(boxed(Rattle::along(motion, system, joints, initial, few)?))
+    Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, few)?)))
 }
 
 impl BodySystem for InSpace {
@@ -88,14 +114,13 @@ impl BodySystem for InSpace {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError> {
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
         let Stepping::Bodies(method) = method else {
             return Err(AssemblyError::Bodies);
         };
         let InSpace { system, joints, initial } = self;
         if joints.is_empty() {
-            let mut integrator = method.integrator(system)?;
-            return Ok(Box::new(move |state, h| Ok(integrator.step(state, h)?)));
+            return Ok(Steps::Free(method.integrator(system)?));
         }
         Ok(match method {
             BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, initial),
@@ -124,13 +149,12 @@ impl BodySystem for InThePlane {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError> {
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
         let Stepping::Equal(method) = method else {
             return Err(AssemblyError::Bodies);
         };
         if self.joints.is_empty() {
-            let mut integrator = method.integrator(&self.system)?;
-            return Ok(Box::new(move |state, h| Ok(integrator.step(state, h)?)));
+            return Ok(Steps::Free(method.integrator(&self.system)?));
         }
         Ok(held(Straight, &self.system, &self.joints, &self.initial)?)
     }

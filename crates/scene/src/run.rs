@@ -1,4 +1,4 @@
-//! A run: the scene's method, step after step to the horizon, and samples on the way.
+//! A run: how a scene is run, what its particles do in a step, and what was sampled.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -10,11 +10,16 @@ use stationary_integrators::{
     linear_momentum_scale,
 };
 
+use crate::csv::{self, write_file};
 use crate::error::{StepFailure, equation, unknown};
+use crate::march::{Watcher, Wish, march};
 use crate::observable::Moment;
+use crate::particle_run::Particles;
 use crate::stepper::Stepper;
 use crate::system::{SceneProblem, Vertices};
-use crate::{Interruption, RunError, Scene, Summary, WriteError, csv, picture};
+use crate::{
+    Checkpoint, Interruption, RunError, Scene, Summary, WriteError, film, picture, player, vtk,
+};
 
 /// What a run has sampled, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,82 +102,84 @@ impl Scene {
         &self,
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
+        self.run_from(None, &mut Sight(watch))
+    }
+
+    /// Runs the scene from its start or from a checkpoint, to its horizon or until the watcher stops.
+    ///
+    /// A run that is resumed has the samples, the counts and the bits of a whole one.
+    ///
+    /// # Errors
+    /// What stops a run, and a checkpoint that is not one of this scene.
+    pub fn run_from(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run, RunError> {
         match self.dimension {
-            _ if !self.bodies.is_empty() => self.run_bodies(watch),
-            1 => self.run_in::<1>(watch),
-            2 => self.run_in::<2>(watch),
-            _ => self.run_in::<3>(watch),
+            _ if !self.bodies.is_empty() => self.run_bodies(checkpoint, watcher),
+            1 => self.run_in::<1>(checkpoint, watcher),
+            2 => self.run_in::<2>(checkpoint, watcher),
+            _ => self.run_in::<3>(checkpoint, watcher),
         }
+    }
+
+    /// Samples, before the first one.
+    pub(crate) fn no_samples(&self) -> Samples {
+        let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
+        Samples { columns, ..Samples::default() }
     }
 
     fn run_in<const D: usize>(
         &self,
-        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         let problem = self.problem::<D>()?;
-        let mut stepper = Stepper::new(self, &problem)?;
-        let (steps, every) = (self.timing.steps(), self.timing.sample_every());
-        let mut state = problem.initial.clone();
-        let mut recorder = Recorder::new(self, &problem);
-        let mut cost = Cost::default();
-        recorder.sample(&state);
-        let timing = self.timing.stepping();
-        for step in 1..=steps {
-            let (from, to) = (state.t, timing.time(step));
-            let stepped = match stepper.step(&mut state, timing.step(), to) {
-                Ok(stepped) => stepped,
-                Err(source) => {
-                    if recorder.samples.times.last().is_some_and(|&last| last < from) {
-                        recorder.sample(&state);
-                    }
-                    let failed = Failed { step, time: from, source };
-                    return Err(recorder.interrupt(failed, cost, &state));
-                }
-            };
-            state.t = to;
-            cost.add(&stepped.report);
-            recorder.feel(stepper.multipliers(), stepped.broken);
-            let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
-            if step % every == 0 || step == steps || flow.is_break() {
-                recorder.sample(&state);
-            }
-            if flow.is_break() {
-                break;
-            }
-        }
-        Ok(recorder.finish(cost))
+        let stepper = Stepper::new(self, &problem)?;
+        let recorder = Recorder::new(self, &problem);
+        let state = problem.initial.clone();
+        march(self, Particles { state, stepper, recorder }, checkpoint, watcher)
     }
 }
 
+/// A watcher that wishes for no checkpoints.
+struct Sight<F>(F);
+
+impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Watcher for Sight<F> {
+    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+        if self.0(now).is_break() { Wish::Stop } else { Wish::GoOn }
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+}
+
 /// A step that failed.
-struct Failed {
-    step: u64,
-    time: f64,
-    source: StepFailure,
+pub(crate) struct Failed {
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    pub(crate) source: StepFailure,
 }
 
 /// Takes samples of states.
-struct Recorder<'a, const D: usize> {
-    scene: &'a Scene,
+pub(crate) struct Recorder<'a, const D: usize> {
+    pub(crate) scene: &'a Scene,
     problem: &'a SceneProblem<D>,
     vertices: Vertices,
-    samples: Samples,
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
     tensions: Vec<f64>,
     /// The rods that are left, in the order of their multipliers.
-    left: Vec<usize>,
-    broken: Vec<BrokenRod>,
+    pub(crate) left: Vec<usize>,
+    pub(crate) broken: Vec<BrokenRod>,
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
     fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
-        let columns = scene.observables.iter().map(|o| o.headings(scene).len()).sum();
         Recorder {
             scene,
             problem,
             vertices: Vertices::new(scene),
-            samples: Samples { columns, ..Samples::default() },
             positions: scene.particles.iter().map(|particle| particle.position).collect(),
             velocities: vec![[0.0; 3]; scene.particles.len()],
             tensions: vec![0.0; scene.rods.len()],
@@ -182,7 +189,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
     }
 
     /// Takes the tensions of a step, and the rod that broke in it.
-    fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
+    pub(crate) fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
         if let Some(broken) = broken {
             let rod = self.left.remove(broken.rod);
             self.tensions[rod] = 0.0;
@@ -193,7 +200,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
         }
     }
 
-    fn sample(&mut self, state: &State<Vec<f64>>) {
+    pub(crate) fn sample(&mut self, state: &State<Vec<f64>>, samples: &mut Samples) {
         let system = &self.problem.system;
         let mut v = Vector(vec![0.0; system.dim()]);
         system.metric().sharp(state.p.view(), v.view_mut());
@@ -217,14 +224,10 @@ impl<'a, const D: usize> Recorder<'a, D> {
             angular_velocities: &[],
         };
         let scales = [linear_momentum_scale::<D>(state), angular_momentum_scale::<D>(state)];
-        self.samples.push(self.scene, state.t, &moment, scales);
+        samples.push(self.scene, state.t, &moment, scales);
     }
 
-    fn finish(self, cost: Cost) -> Run {
-        Run { scene: self.scene.clone(), samples: self.samples, broken: self.broken, cost }
-    }
-
-    fn interrupt(self, failed: Failed, cost: Cost, state: &State<Vec<f64>>) -> RunError {
+    pub(crate) fn interrupt(&self, failed: Failed, state: &State<Vec<f64>>, run: Run) -> RunError {
         let freedom = match &failed.source {
             StepFailure::Step(
                 StepError::NonFiniteConfiguration { freedom }
@@ -246,7 +249,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
             coordinate: freedom % D,
             rod,
             source: failed.source,
-            run: Box::new(self.finish(cost)),
+            run: Box::new(run),
         }))
     }
 
@@ -338,22 +341,43 @@ impl Run {
         Summary::of(self)
     }
 
-    /// Writes `trajectory.csv`, `observables.csv` and `picture.svg` into a folder, which is made
-    /// where it is missing, and `events.csv` where rods can break.
+    /// Writes into a folder, which is made where it is missing:
+    ///
+    /// | file | |
+    /// | --- | --- |
+    /// | `trajectory.csv`, `observables.csv` | every sample |
+    /// | `events.csv` | rods that broke, where rods can |
+    /// | `summary.txt` | the summary |
+    /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
+    /// | `player.html` | a page that plays the motion |
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder)
             .map_err(|source| WriteError { path: folder.to_owned(), source })?;
-        csv::write(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
-        csv::write(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        write_file(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
+        write_file(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
         if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
-            csv::write(&folder.join("events.csv"), |out| csv::events(self, out))?;
+            write_file(&folder.join("events.csv"), |out| csv::events(self, out))?;
         }
-        csv::write(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))
+        write_file(&folder.join("summary.txt"), |out| write!(out, "{}", self.summary()))?;
+        write_file(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))?;
+        write_file(&folder.join("film.svg"), |out| write!(out, "{}", self.film()))?;
+        write_file(&folder.join("player.html"), |out| player::write(self, out))
+    }
+
+    /// Writes `trajectory.pvd` and the files that it names, for ParaView, into a folder, which is made
+    /// where it is missing.
+    pub fn write_vtk(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
+        vtk::write(self, folder.as_ref())
     }
 
     /// The picture of the run, as the text of an SVG file.
     pub fn picture(&self) -> String {
         picture::Picture::of(self).to_string()
+    }
+
+    /// A few moments of the run side by side, as the text of an SVG file.
+    pub fn film(&self) -> String {
+        film::Film::of(self).to_string()
     }
 }
