@@ -100,13 +100,14 @@ const VIEWS: [View; 5] = [
     View { name: "phone-dark", width: 390, height: 844, scheme: "dark" },
 ];
 
-/// Checks `folder/index.html` and writes `folder/screenshots`.
+/// Checks a page, or the `index.html` of a folder, and writes `screenshots` beside it.
 ///
 /// # Errors
 /// What prevents looking; what is seen is a complaint.
-pub fn check_page(folder: &Path) -> Result<Vec<Complaint>, CheckError> {
-    let page = folder.join("index.html");
+pub fn check_page(page: &Path) -> Result<Vec<Complaint>, CheckError> {
+    let page = if page.is_dir() { page.join("index.html") } else { page.to_owned() };
     let page = page.canonicalize().map_err(at(&page))?;
+    let folder = page.parent().unwrap_or(&page);
     let text = fs::read_to_string(&page).map_err(at(&page))?;
     let screenshots = folder.join("screenshots");
     fs::create_dir_all(&screenshots).map_err(at(&screenshots))?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Parser, Subcommand};
 use stationary_scene::Scene;
@@ -10,7 +11,7 @@ use xtask::cost::{Build, Cost, cost, table};
 use xtask::layers::{Metadata, check, check_tree};
 use xtask::licenses::unlicensed;
 use xtask::report::{Plan, Progress, catalogue, report, select, summary};
-use xtask::run::run_scene;
+use xtask::run::{Job, Series, Start, run_job};
 use xtask::studies::{METHODS, STUDIES, scene};
 use xtask::study::{Entry, Size};
 
@@ -33,6 +34,12 @@ enum Task {
         /// Where to write.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
+        /// Writes a file a sample for ParaView as well.
+        #[arg(long)]
+        vtk: bool,
+        /// Goes on from the checkpoint that an interrupted run has left in DIR.
+        #[arg(long)]
+        resume: bool,
         /// Says nothing but what failed.
         #[arg(long)]
         quiet: bool,
@@ -47,11 +54,11 @@ enum Task {
         #[arg(long)]
         no_build: bool,
     },
-    /// Opens a report's page in headless Chromium and complains about what a reader would.
+    /// Opens a page in headless Chromium and complains about what a reader would.
     CheckPage {
-        /// The folder with index.html.
+        /// The page, or a folder with index.html.
         #[arg(default_value = "target/report")]
-        dir: PathBuf,
+        page: PathBuf,
     },
 }
 
@@ -82,11 +89,15 @@ type Failure = Box<dyn std::error::Error>;
 fn main() -> ExitCode {
     let done = match Arguments::parse().task {
         Task::Report(arguments) => run_report(&arguments),
-        Task::Run { file, out, quiet } => run_file(&file, &out, quiet),
+        Task::Run { file, out, vtk, resume, quiet } => {
+            let start = if resume { Start::Resumed } else { Start::Fresh };
+            let series = if vtk { Series::Vtk } else { Series::None };
+            run_file(&file, &out, start, series, quiet)
+        }
         Task::Licenses => run_licenses(),
         Task::Layers => run_layers(),
         Task::Cost { no_build } => run_cost(if no_build { Build::Skipped } else { Build::Timed }),
-        Task::CheckPage { dir } => run_check_page(&dir),
+        Task::CheckPage { page } => run_check_page(&page),
     };
     done.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -123,15 +134,34 @@ fn run_studies(arguments: &Report, studies: &[Entry<'_>]) -> Result<ExitCode, Fa
     Ok(verdict(outcomes.iter().flat_map(|outcome| outcome.failures())))
 }
 
-fn run_file(file: &Path, out: &Path, quiet: bool) -> Result<ExitCode, Failure> {
+/// Asks a run to end, when control-C is pressed.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+fn run_file(
+    file: &Path,
+    out: &Path,
+    start: Start,
+    series: Series,
+    quiet: bool,
+) -> Result<ExitCode, Failure> {
+    // Who presses twice does not want to wait.
+    ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    })?;
     let progress = if quiet { Progress::Hidden } else { Progress::Shown };
-    let summary = run_scene(file, out, progress)?;
+    let ending = run_job(&Job { file, out, start, series, progress, stop: &STOP })?;
     if !quiet {
-        print!("{summary}");
-        println!("\n{}", out.display());
+        println!("{}\n{}", ending.summary, out.display());
     }
-    Ok(ExitCode::SUCCESS)
+    let Some(step) = ending.stopped else { return Ok(ExitCode::SUCCESS) };
+    eprintln!("stopped after step {step}; the same command with --resume goes on");
+    Ok(ExitCode::from(INTERRUPTED))
 }
+
+/// What a shell says of a program that control-C has ended.
+const INTERRUPTED: u8 = 130;
 
 fn run_licenses() -> Result<ExitCode, Failure> {
     Ok(verdict(unlicensed()?.iter().map(ToString::to_string)))
@@ -149,8 +179,8 @@ fn run_cost(build: Build) -> Result<ExitCode, Failure> {
     Ok(verdict(costs.iter().filter_map(Cost::complaint)))
 }
 
-fn run_check_page(dir: &Path) -> Result<ExitCode, Failure> {
-    let complaints = check_page(dir)?;
+fn run_check_page(page: &Path) -> Result<ExitCode, Failure> {
+    let complaints = check_page(page)?;
     Ok(verdict(complaints.iter().map(ToString::to_string)))
 }
 

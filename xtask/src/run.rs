@@ -1,10 +1,20 @@
 //! `cargo xtask run FILE --out DIR`: a scene file to a trajectory, with a bar while it runs.
+//!
+//! A run keeps a checkpoint in its folder, a fresh one every few seconds and one when it is asked to
+//! end, and takes it away when it reaches the horizon. Checkpoints take at most a twentieth of the
+//! time.
 
-use std::ops::ControlFlow;
-use std::path::Path;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use stationary_scene::{RunError, Scene, SceneError, Summary, WriteError};
+use stationary_scene::{
+    Checkpoint, CheckpointError, Progress as Step, Run, RunError, Scene, SceneError, Summary,
+    Watcher, Wish, WriteError,
+};
 
 use crate::report::Progress;
 
@@ -17,48 +27,208 @@ pub enum RunSceneError {
     /// The run stopped early. What it had computed is in the folder.
     #[error("{0}")]
     Run(#[from] RunError),
+    /// The checkpoint in the folder cannot be used.
+    #[error("{}: {source}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: CheckpointError,
+    },
     /// The folder cannot be written.
     #[error("{0}")]
     Write(#[from] WriteError),
 }
 
+/// Where a run begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// At the scene's start.
+    Fresh,
+    /// At the checkpoint in the folder, or at the scene's start where there is none.
+    Resumed,
+}
+
+/// What is written besides the tables, the pictures and the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Series {
+    /// Nothing.
+    None,
+    /// A file a sample, for ParaView.
+    Vtk,
+}
+
+/// A scene to be run.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// The scene's file.
+    pub file: &'a Path,
+    /// Where to write.
+    pub out: &'a Path,
+    /// Where to begin.
+    pub start: Start,
+    /// What else to write.
+    pub series: Series,
+    /// Whether there is a bar.
+    pub progress: Progress,
+    /// Becomes true when the run is to end.
+    pub stop: &'a AtomicBool,
+}
+
+/// How a run ended that met no error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ending {
+    /// What it came to.
+    pub summary: Summary,
+    /// Where it was asked to end, before the horizon: after this step. The checkpoint is there.
+    pub stopped: Option<u64>,
+}
+
 /// How many times the bar moves over a run: redrawing costs more than a step.
 const MOVES: u64 = 200;
 
-/// Runs the scene in `file` and writes its trajectory, observables and picture into `out`.
+/// Time from one checkpoint to the next, and how much longer than writing one that is at least.
+const EVERY: Duration = Duration::from_secs(5);
+const PART: u32 = 20;
+
+/// The name of the checkpoint in the folder.
+const CHECKPOINT: &str = "checkpoint";
+
+/// Runs the scene in `file` and writes its trajectory, observables, pictures and page into `out`.
 ///
 /// # Errors
 /// [`RunSceneError`]. Of a run that stopped early, what was computed is written all the same.
 pub fn run_scene(file: &Path, out: &Path, progress: Progress) -> Result<Summary, RunSceneError> {
-    let scene = Scene::read(file)?;
+    let stop = AtomicBool::new(false);
+    let job = Job { file, out, start: Start::Fresh, series: Series::None, progress, stop: &stop };
+    run_job(&job).map(|ending| ending.summary)
+}
+
+/// Runs a scene, from its start or from a checkpoint.
+///
+/// # Errors
+/// [`RunSceneError`]. Of a run that stopped early, what was computed is written all the same.
+pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
+    let scene = Scene::read(job.file)?;
+    let path = job.out.join(CHECKPOINT);
+    let checkpoint = found(&path, job.start)?;
+    let mut keeper = Keeper::new(job, &scene, checkpoint.as_ref(), &path);
+    let run = scene.run_from(checkpoint, &mut keeper);
+    keeper.bar.finish_and_clear();
     let steps = scene.timing().steps();
-    let bar = match progress {
-        Progress::Shown => ProgressBar::new(steps),
-        Progress::Hidden => ProgressBar::hidden(),
-    };
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:40} {percent}% of {len} steps, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    let every = steps.div_ceil(MOVES).max(1);
-    let run = scene.run_watched(|now| {
-        if now.step % every == 0 {
-            bar.set_position(now.step);
-        }
-        ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
     match run {
         Ok(run) => {
-            run.write(out)?;
-            Ok(run.summary())
+            write(&run, job)?;
+            let stopped = (keeper.done < steps).then_some(keeper.done);
+            if stopped.is_none() {
+                // Of a short run there never was one.
+                fs::remove_file(&path).ok();
+            }
+            Ok(Ending { summary: run.summary(), stopped })
         }
+        Err(RunError::Checkpoint(source)) => Err(RunSceneError::Checkpoint { path, source }),
         Err(error) => {
             if let Some(partial) = error.partial() {
-                partial.write(out)?;
+                write(partial, job)?;
             }
             Err(error.into())
         }
+    }
+}
+
+fn write(run: &Run, job: &Job<'_>) -> Result<(), WriteError> {
+    run.write(job.out)?;
+    match job.series {
+        Series::Vtk => run.write_vtk(job.out),
+        Series::None => Ok(()),
+    }
+}
+
+/// The checkpoint from which the run begins.
+fn found(path: &Path, start: Start) -> Result<Option<Checkpoint>, RunSceneError> {
+    let failed = |source| RunSceneError::Checkpoint { path: path.to_owned(), source };
+    if start == Start::Fresh {
+        return Ok(None);
+    }
+    match Checkpoint::read(path) {
+        Err(CheckpointError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            Ok(None)
+        }
+        read => read.map(Some).map_err(failed),
+    }
+}
+
+/// Moves the bar and keeps checkpoints.
+struct Keeper<'a> {
+    stop: &'a AtomicBool,
+    path: &'a Path,
+    bar: ProgressBar,
+    move_every: u64,
+    done: u64,
+    last: Instant,
+    wait: Duration,
+    /// A checkpoint was made since the run was asked to end.
+    kept: bool,
+}
+
+impl<'a> Keeper<'a> {
+    fn new(job: &Job<'a>, scene: &Scene, checkpoint: Option<&Checkpoint>, path: &'a Path) -> Self {
+        let (steps, done) = (scene.timing().steps(), checkpoint.map_or(0, Checkpoint::step));
+        let bar = match job.progress {
+            Progress::Shown => ProgressBar::new(steps),
+            Progress::Hidden => ProgressBar::hidden(),
+        };
+        if let Ok(style) =
+            ProgressStyle::with_template("{bar:40} {percent}% of {len} steps, {eta} left")
+        {
+            bar.set_style(style);
+        }
+        bar.set_position(done);
+        bar.reset_eta();
+        Keeper {
+            stop: job.stop,
+            path,
+            bar,
+            move_every: steps.div_ceil(MOVES).max(1),
+            done,
+            last: Instant::now(),
+            wait: EVERY,
+            kept: false,
+        }
+    }
+}
+
+/// Steps between two looks at the clock.
+const LOOK: u64 = 64;
+
+impl Watcher for Keeper<'_> {
+    fn stepped(&mut self, now: Step<'_>) -> Wish {
+        self.done = now.step;
+        if now.step % self.move_every == 0 {
+            self.bar.set_position(now.step);
+        }
+        if self.stop.load(Ordering::Relaxed) {
+            return if self.kept { Wish::Stop } else { Wish::Checkpoint };
+        }
+        match now.step % LOOK == 0 && self.last.elapsed() > self.wait {
+            true => Wish::Checkpoint,
+            false => Wish::GoOn,
+        }
+    }
+
+    fn keep(&mut self, checkpoint: &Checkpoint) {
+        let begun = Instant::now();
+        let folder = self.path.parent().map_or(Ok(()), fs::create_dir_all);
+        let failed = match folder {
+            Ok(()) => checkpoint.write(self.path).err().map(|error| error.to_string()),
+            Err(error) => Some(error.to_string()),
+        };
+        // A run goes on without checkpoints rather than not at all.
+        if let Some(error) = failed {
+            self.bar.suspend(|| eprintln!("no checkpoint: {error}"));
+        }
+        self.last = Instant::now();
+        self.wait = EVERY.max(begun.elapsed() * PART);
+        self.kept = self.stop.load(Ordering::Relaxed);
     }
 }

@@ -8,7 +8,7 @@
 //! the violation is at most `1e-12 + 8 eps |q|/L` of each length L, or the step is an error and the
 //! state as it was.
 
-use stationary_integrators::{Facts, State};
+use stationary_integrators::{Facts, Saved, State, StepError};
 
 use crate::ConstraintError;
 
@@ -23,6 +23,21 @@ pub trait ConstrainedIntegrator<C> {
 
     /// The multipliers of the last step: those of its mean force, zero before the first.
     fn multipliers(&self) -> &[f64];
+
+    /// Everything on which the next steps depend beside the state: nothing, of a method that does not
+    /// say otherwise.
+    fn save(&self) -> Saved {
+        Saved { method: self.facts().name.to_owned(), numbers: Vec::new() }
+    }
+
+    /// Takes over what the same method had saved, and goes on from its state to the same bits. The
+    /// multipliers are those of the next step only after that.
+    ///
+    /// # Errors
+    /// Another method's numbers; the method is then as it was.
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        saved.check_empty(self.facts().name)
+    }
 }
 
 /// What a step cost, and how it went.

@@ -99,6 +99,12 @@ impl<const D: usize> Rods<D> {
         self.free
     }
 
+    /// Keeps the rods whose places among all are to be kept, in their order.
+    pub fn retain(&mut self, mut keep: impl FnMut(usize) -> bool) {
+        let mut places = 0..;
+        self.rods.retain(|_| places.next().is_some_and(&mut keep));
+    }
+
     /// Takes a rod away; those after it move up.
     pub(crate) fn remove(&mut self, rod: usize) -> Rod {
         self.rods.remove(rod)

@@ -15,7 +15,7 @@
 
 use stationary_calculus::{Metric, Potential, Space, Storage, System};
 use stationary_integrators::{
-    Conservation, EnergyBehavior, Facts, Integrator, State, Symplecticity,
+    Conservation, EnergyBehavior, Facts, Integrator, Saved, State, StepError, Symplecticity,
 };
 
 use crate::feasible::Scales;
@@ -115,5 +115,13 @@ where
 
     fn multipliers(&self) -> &[f64] {
         self.lambda.as_ref()
+    }
+
+    fn save(&self) -> Saved {
+        self.integrator.save()
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.integrator.load(saved)
     }
 }

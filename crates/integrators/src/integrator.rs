@@ -10,7 +10,7 @@ use stationary_calculus::{
     Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage, Vector,
 };
 
-use crate::{Facts, State, StepError};
+use crate::{Facts, Saved, State, StepError};
 
 /// A map from phase space to itself.
 pub trait Integrator<C> {
@@ -19,6 +19,21 @@ pub trait Integrator<C> {
 
     /// Moves `state` forward by `h` seconds. On an error the state is as it was.
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError>;
+
+    /// Everything on which the next steps depend beside the state: nothing, of a method that does not
+    /// say otherwise.
+    fn save(&self) -> Saved {
+        Saved { method: self.facts().name.to_owned(), numbers: Vec::new() }
+    }
+
+    /// Takes over what the same method on the same system had saved, and goes on from its state to
+    /// the same bits.
+    ///
+    /// # Errors
+    /// Another method's numbers, or another system's; the method is then as it was.
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        saved.check_empty(self.facts().name)
+    }
 }
 
 /// What a step cost, and how it went.

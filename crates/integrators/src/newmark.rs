@@ -22,7 +22,7 @@
 //! the end of its step. A step from another state than the last one left, or of another length,
 //! takes the state's own acceleration instead, at the price of one evaluation and of a power of h in
 //! that one step. A run that is resumed from the state alone therefore agrees to rounding where
-//! am = af, and to the order of the method elsewhere; with what [`Newmark::save`] gives beside the
+//! am = af, and to the order of the method elsewhere; with what [`Integrator::save`] gives beside the
 //! state it goes on to the same bits. What dF/dq and an unsymmetric dF/dv leave out costs iterations,
 //! which are bounded.
 //! Source: Newmark 1959; Chung and Hulbert 1993.
@@ -134,39 +134,6 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         Ok(Newmark { newton, memory, ..self })
     }
 
-    /// What the next step depends on beside the state: the acceleration that the last one left, with
-    /// the state and the step that it belongs to.
-    pub fn save(&self) -> Saved {
-        let mut numbers = vec![self.left_step, self.left.t];
-        numbers.extend(self.left.q.as_ref());
-        numbers.extend(self.left.p.components());
-        numbers.extend(self.rate.components());
-        Saved { method: self.weights.facts().name.to_owned(), numbers }
-    }
-
-    /// Takes over what the same method on the same system had saved, and goes on from its state to
-    /// the same bits.
-    ///
-    /// # Errors
-    /// Another method's numbers, or another system's; the method is then as it was.
-    pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
-        if saved.method != self.weights.facts().name {
-            return Err(StepError::Saved("it is another method's"));
-        }
-        let n = self.equation.system.dim();
-        let [step, time, rest @ ..] = saved.numbers.as_slice() else {
-            return Err(StepError::Saved("it has no step"));
-        };
-        if rest.len() != 3 * n || saved.numbers.iter().any(|number| !number.is_finite()) {
-            return Err(StepError::Saved("it has other numbers than the system's"));
-        }
-        (self.left_step, self.left.t) = (*step, *time);
-        self.left.q.as_mut().copy_from_slice(&rest[..n]);
-        self.left.p.components_mut().copy_from_slice(&rest[n..2 * n]);
-        self.rate.components_mut().copy_from_slice(&rest[2 * n..]);
-        Ok(())
-    }
-
     /// Whether the remembered acceleration is that of this state.
     fn continues(&self, state: &State<C>, h: f64) -> bool {
         // The time of a simulation is a product, and so differs by rounding from this sum.
@@ -256,5 +223,32 @@ impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Integrator
         self.left.clone_from(state);
         self.left_step = h;
         Ok(report)
+    }
+
+    /// The acceleration that the last step left, with the state and the step that it belongs to.
+    fn save(&self) -> Saved {
+        let mut numbers = vec![self.left_step, self.left.t];
+        numbers.extend(self.left.q.as_ref());
+        numbers.extend(self.left.p.components());
+        numbers.extend(self.rate.components());
+        Saved { method: self.weights.facts().name.to_owned(), numbers }
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        if saved.method != self.weights.facts().name {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let n = self.equation.system.dim();
+        let [step, time, rest @ ..] = saved.numbers.as_slice() else {
+            return Err(StepError::Saved("it has no step"));
+        };
+        if rest.len() != 3 * n || saved.numbers.iter().any(|number| !number.is_finite()) {
+            return Err(StepError::Saved("it has other numbers than the system's"));
+        }
+        (self.left_step, self.left.t) = (*step, *time);
+        self.left.q.as_mut().copy_from_slice(&rest[..n]);
+        self.left.p.components_mut().copy_from_slice(&rest[n..2 * n]);
+        self.rate.components_mut().copy_from_slice(&rest[2 * n..]);
+        Ok(())
     }
 }

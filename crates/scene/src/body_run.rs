@@ -1,66 +1,39 @@
 //! A run of bodies: step after step to the horizon, and samples of their centres and points.
 
-use std::ops::ControlFlow;
-
 use nalgebra::Vector3;
-use stationary_integrators::{Cost, State};
+use stationary_integrators::{Saved, State};
 use stationary_rigid::BodyMotion;
 
-use crate::body_system::BodySystem;
+use crate::body_system::{BodySystem, Steps};
+use crate::checkpoint::{Before, CheckpointError};
+use crate::error::StepFailure;
+use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
-use crate::run::{Progress, Run, Samples};
-use crate::{Motion, RunError, Scene};
+use crate::run::{BrokenRod, Run, Samples};
+use crate::stepper::Stepped;
+use crate::{Checkpoint, Motion, RunError, Scene};
 
 impl Scene {
     /// Runs a scene of bodies to its horizon, or until the watcher breaks off.
     pub(crate) fn run_bodies(
         &self,
-        watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         match self.dimension {
-            3 => self.run_system(&self.in_space()?, watch),
-            _ => self.run_system(&self.in_the_plane()?, watch),
+            3 => self.run_system(&self.in_space()?, checkpoint, watcher),
+            _ => self.run_system(&self.in_the_plane()?, checkpoint, watcher),
         }
     }
 
     fn run_system(
         &self,
         system: &impl BodySystem,
-        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        let mut step_by = system.steps(self.stepping)?;
-        let (timing, mut cost) = (self.timing, Cost::default());
-        let (steps, h) = (timing.steps(), timing.stepping().step());
-        let mut state = system.initial().clone();
-        let (mut samples, mut impacts) = (self.no_samples(), Vec::new());
-        self.sample(system, &state, 0.0, &mut samples);
-        for step in 1..=steps {
-            let time = (step - 1) as f64 * h;
-            let stepped = match step_by(&mut state, h) {
-                Ok(stepped) => stepped,
-                Err(source) => {
-                    if samples.times.last().is_some_and(|&last| last < time) {
-                        self.sample(system, &state, time, &mut samples);
-                    }
-                    let run = Run { impacts, ..Run::quiet(self, samples, cost) };
-                    return Err(run.stopped(step, time, source));
-                }
-            };
-            // The state's own time, a sum of steps, is what joints remember it by.
-            let time = step as f64 * h;
-            cost.add(&stepped.report);
-            if stepped.impacts > 0 {
-                impacts.push((stepped.last_impact, stepped.impacts));
-            }
-            let flow = watch(Progress { step, steps, time, q: &state.q });
-            if step % timing.sample_every() == 0 || step == steps || flow.is_break() {
-                self.sample(system, &state, time, &mut samples);
-            }
-            if flow.is_break() {
-                break;
-            }
-        }
-        Ok(Run { impacts, ..Run::quiet(self, samples, cost) })
+        let (steps, state) = (system.steps(self.stepping)?, system.initial().clone());
+        march(self, Bodies { scene: self, system, steps, state }, checkpoint, watcher)
     }
 
     fn sample(
@@ -106,5 +79,46 @@ impl Scene {
             ..Moment::default()
         };
         samples.push(self, time, &moment, scales);
+    }
+}
+
+/// The bodies of a scene on their way.
+struct Bodies<'a, B> {
+    scene: &'a Scene,
+    system: &'a B,
+    steps: Steps<'a>,
+    /// Its own time, a sum of steps, is what joints remember it by.
+    state: State<Vec<f64>>,
+}
+
+impl<B: BodySystem> Moving for Bodies<'_, B> {
+    fn state(&self) -> &State<Vec<f64>> {
+        &self.state
+    }
+
+    fn step(&mut self, h: f64, _: f64) -> Result<Stepped, StepFailure> {
+        self.steps.step(&mut self.state, h)
+    }
+
+    fn sample(&mut self, time: f64, samples: &mut Samples) {
+        self.scene.sample(self.system, &self.state, time, samples);
+    }
+
+    fn broken(&self) -> &[BrokenRod] {
+        &[]
+    }
+
+    fn failed(&self, step: u64, time: f64, source: StepFailure, run: Run) -> RunError {
+        run.stopped(step, time, source)
+    }
+
+    fn save(&mut self) -> Saved {
+        self.steps.save()
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        self.steps.load(&before.memory)?;
+        self.state.clone_from(&before.state);
+        Ok(())
     }
 }

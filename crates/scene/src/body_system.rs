@@ -13,7 +13,7 @@ use stationary_constraints::{
     Straight,
 };
 use stationary_contact::{Bodies, Collider, Detector, ImpactLaw, Shape, TouchingBodies};
-use stationary_integrators::{State, StepReport};
+use stationary_integrators::{Integrator, Saved, State, StepError, StepReport};
 use stationary_rigid::{
     Attachment, AxisRotations, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace,
     ConstantVelocity, ExactRotation, Free, FreeBodies, Joint, LieGroup, PlanarAttachment,
@@ -24,9 +24,55 @@ use crate::error::StepFailure;
 use crate::stepper::Stepped;
 use crate::{AssemblyError, BodyShape, JointKind, RigidBody, Scene, SceneJoint, Stepping};
 
-/// A step of bodies, with or without joints.
-pub(crate) type Step<'a> =
-    Box<dyn FnMut(&mut State<Vec<f64>>, f64) -> Result<Stepped, StepFailure> + 'a>;
+/// What steps bodies.
+pub(crate) enum Steps<'a> {
+    /// A method, of bodies without joints.
+    Free(Box<dyn Integrator<Vec<f64>> + 'a>),
+    /// RATTLE, of bodies with joints.
+    Held(Box<dyn ConstrainedIntegrator<Vec<f64>> + 'a>),
+    /// Impacts and friction, of bodies that touch.
+    Touching(Box<TouchingBodies<'a, Load>>),
+}
+
+impl Steps<'_> {
+    /// Moves the state by a step.
+    pub(crate) fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+    ) -> Result<Stepped, StepFailure> {
+        match self {
+            Steps::Free(integrator) => Ok(Stepped::done(integrator.step(state, h)?)),
+            Steps::Held(rattle) => {
+                let differentials = rattle.step(state, h)?.differentials;
+                Ok(Stepped::done(StepReport { differentials, ..StepReport::default() }))
+            }
+            Steps::Touching(touching) => {
+                let met = touching.step(state, h)?;
+                let report = StepReport { differentials: 1, ..StepReport::default() };
+                Ok(Stepped { impacts: met.impacts, last_impact: state.t, ..Stepped::done(report) })
+            }
+        }
+    }
+
+    /// What the next steps depend on beside the state.
+    pub(crate) fn save(&self) -> Saved {
+        match self {
+            Steps::Free(integrator) => integrator.save(),
+            Steps::Held(rattle) => rattle.save(),
+            Steps::Touching(_) => Saved::default(),
+        }
+    }
+
+    /// Takes back what was saved.
+    pub(crate) fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        match self {
+            Steps::Free(integrator) => integrator.load(saved),
+            Steps::Held(rattle) => rattle.load(saved),
+            Steps::Touching(_) => Ok(()),
+        }
+    }
+}
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
@@ -34,7 +80,7 @@ pub(crate) trait BodySystem {
     fn initial(&self) -> &State<Vec<f64>>;
 
     /// What steps them.
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError>;
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError>;
 
     /// Their kinetic and their potential energy.
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
@@ -69,25 +115,13 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     system: &'a System<M, P, S>,
     joints: &'a K,
     initial: &State<Vec<f64>>,
-) -> Result<Step<'a>, ConstraintError> {
-    fn boxed<'a>(mut rattle: impl ConstrainedIntegrator<Vec<f64>> + 'a) -> Step<'a> {
-        Box::new(move |state, h| {
-            let report = rattle.step(state, h)?;
-            let differentials = report.differentials;
-            Ok(Stepped::done(StepReport { differentials, ..StepReport::default() }))
-        })
-    }
+) -> Result<Steps<'a>, ConstraintError> {
     if joints.count() > FEW {
-        return Ok(boxed(Rattle::along(
-            motion,
-            system,
-            joints,
-            initial,
-            Many(Redundancy::LeastNorm),
-        )?));
+        let many = Many(Redundancy::LeastNorm);
+        return Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, many)?)));
     }
     let few = Few::<FEW>(Redundancy::LeastNorm);
-    Ok(boxed(Rattle::along(motion, system, joints, initial, few)?))
+    Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, few)?)))
 }
 
 /// Steps of bodies that touch.
@@ -96,21 +130,14 @@ fn touching<'a>(
     colliders: Vec<Collider>,
     law: ImpactLaw,
     initial: &State<Vec<f64>>,
-) -> Result<Step<'a>, AssemblyError> {
+) -> Result<Steps<'a>, AssemblyError> {
     /// Overlap at the start that is rounding, relative to the size of the bodies.
     const ROUNDING: f64 = 1e-9;
     let bodies = system.metric().bodies().len();
     let mut detector = Detector::new(colliders, bodies)?;
     let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
     detector.check_free(&initial.q, ROUNDING * largest)?;
-    let mut touching = TouchingBodies::new(system, detector)?.with_law(law);
-    let mut time = initial.t;
-    Ok(Box::new(move |state, h| {
-        let met = touching.step(state, h)?;
-        time += h;
-        let report = StepReport { differentials: 1, ..StepReport::default() };
-        Ok(Stepped { impacts: met.impacts, last_impact: time, ..Stepped::done(report) })
-    }))
+    Ok(Steps::Touching(Box::new(TouchingBodies::new(system, detector)?.with_law(law))))
 }
 
 impl BodySystem for InSpace {
@@ -118,7 +145,7 @@ impl BodySystem for InSpace {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError> {
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
         let Stepping::Bodies(method) = method else {
             return Err(AssemblyError::Bodies);
         };
@@ -127,8 +154,7 @@ impl BodySystem for InSpace {
             return touching(system, colliders.clone(), *law, initial);
         }
         if joints.is_empty() {
-            let mut integrator = method.integrator(system)?;
-            return Ok(Box::new(move |state, h| Ok(Stepped::done(integrator.step(state, h)?))));
+            return Ok(Steps::Free(method.integrator(system)?));
         }
         Ok(match method {
             BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, initial),
@@ -157,13 +183,12 @@ impl BodySystem for InThePlane {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Step<'_>, AssemblyError> {
+    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
         let Stepping::Equal(method) = method else {
             return Err(AssemblyError::Bodies);
         };
         if self.joints.is_empty() {
-            let mut integrator = method.integrator(&self.system)?;
-            return Ok(Box::new(move |state, h| Ok(Stepped::done(integrator.step(state, h)?))));
+            return Ok(Steps::Free(method.integrator(&self.system)?));
         }
         Ok(held(Straight, &self.system, &self.joints, &self.initial)?)
     }

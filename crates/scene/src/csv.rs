@@ -14,7 +14,7 @@ use crate::error::COORDINATES;
 use crate::{Run, WriteError};
 
 /// Writes a file, all of it or an error.
-pub(crate) fn write(
+pub(crate) fn write_file(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), WriteError> {

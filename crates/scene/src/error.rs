@@ -21,7 +21,7 @@ use stationary_laplacian::LaplacianError;
 use stationary_modal::ModalError;
 use stationary_rigid::RigidError;
 
-use crate::{Diagnostic, Run, limits};
+use crate::{CheckpointError, Diagnostic, Run, limits};
 
 /// A scene that cannot be had from a file or a text.
 #[derive(Debug, thiserror::Error)]
@@ -141,13 +141,16 @@ pub enum RunError {
     /// A step of bodies or of heat failed.
     #[error(transparent)]
     Stopped(Box<Stop>),
+    /// The run does not go on from the checkpoint.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
 }
 
 impl RunError {
     /// What was computed before the failure.
     pub fn partial(&self) -> Option<&Run> {
         match self {
-            RunError::Assembly(_) => None,
+            RunError::Assembly(_) | RunError::Checkpoint(_) => None,
             RunError::Interrupted(interruption) => Some(&interruption.run),
             RunError::Stopped(stop) => Some(&stop.run),
         }

@@ -4,35 +4,50 @@
 //! H = int f,   V = 1/2 int |grad f|^2          content of heat, Dirichlet energy             (15.1)
 //! ```
 
-use std::ops::ControlFlow;
-
 use nalgebra::SVector;
-use stationary_calculus::Potential;
-use stationary_integrators::Cost;
-use stationary_laplacian::{Domain, Elements, Heat, LaplacianError};
+use stationary_calculus::{DiagonalMetric, Potential};
+use stationary_integrators::{Saved, State, StepReport};
+use stationary_laplacian::{Dirichlet, Domain, Elements, Heat, LaplacianError};
 use stationary_mesh::Mesh;
 
+use crate::checkpoint::{Before, CheckpointError};
+use crate::error::StepFailure;
 use crate::heat::HeatedBody;
+use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
-use crate::run::{Progress, Run, Samples};
+use crate::run::{BrokenRod, Run, Samples};
 use crate::shape::Simplices;
+use crate::stepper::Stepped;
 use crate::system::leading;
-use crate::{AssemblyError, RunError, Scene, Stepping};
+use crate::{AssemblyError, Checkpoint, RunError, Scene, Stepping};
 
 impl Scene {
     /// Runs a scene of heat to its horizon, or until the watcher breaks off.
     pub(crate) fn run_heat(
         &self,
         body: &HeatedBody,
-        watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         match (&body.simplices, self.dimension) {
-            (Simplices::Segments(all), 1) => self.flow(body, self.elements::<1, 2>(all)?, watch),
-            (Simplices::Segments(all), 2) => self.flow(body, self.elements::<2, 2>(all)?, watch),
-            (Simplices::Segments(all), _) => self.flow(body, self.elements::<3, 2>(all)?, watch),
-            (Simplices::Triangles(all), 2) => self.flow(body, self.elements::<2, 3>(all)?, watch),
-            (Simplices::Triangles(all), _) => self.flow(body, self.elements::<3, 3>(all)?, watch),
-            (Simplices::Tetrahedra(all), _) => self.flow(body, self.elements::<3, 4>(all)?, watch),
+            (Simplices::Segments(all), 1) => {
+                self.flow(body, self.elements::<1, 2>(all)?, checkpoint, watcher)
+            }
+            (Simplices::Segments(all), 2) => {
+                self.flow(body, self.elements::<2, 2>(all)?, checkpoint, watcher)
+            }
+            (Simplices::Segments(all), _) => {
+                self.flow(body, self.elements::<3, 2>(all)?, checkpoint, watcher)
+            }
+            (Simplices::Triangles(all), 2) => {
+                self.flow(body, self.elements::<2, 3>(all)?, checkpoint, watcher)
+            }
+            (Simplices::Triangles(all), _) => {
+                self.flow(body, self.elements::<3, 3>(all)?, checkpoint, watcher)
+            }
+            (Simplices::Tetrahedra(all), _) => {
+                self.flow(body, self.elements::<3, 4>(all)?, checkpoint, watcher)
+            }
         }
     }
 
@@ -55,67 +70,79 @@ impl Scene {
         &self,
         body: &HeatedBody,
         elements: Elements<K>,
-        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         let Stepping::Heat(method) = self.stepping else {
             return Err(AssemblyError::Heat.into());
         };
         let held: Vec<(usize, f64)> =
             (0..body.held.len()).filter(|&v| body.held[v]).map(|v| (v, body.start[v])).collect();
-        let shares = Domain::free(elements.clone()).and_then(|all| all.lumped());
-        let shares = shares.map_err(AssemblyError::from)?;
-        let domain = Domain::held(elements, &held).map_err(AssemblyError::from)?;
-        let mass = domain.lumped().map_err(AssemblyError::from)?;
-        let mut f = domain.on_freedoms(&body.start).map_err(AssemblyError::from)?;
+        let made = || -> Result<_, LaplacianError> {
+            let shares = Domain::free(elements.clone())?.lumped()?;
+            let domain = Domain::held(elements, &held)?;
+            let (mass, f) = (domain.lumped()?, domain.on_freedoms(&body.start)?);
+            Ok((shares, domain, mass, f))
+        };
+        let (shares, domain, mass, f) = made().map_err(AssemblyError::from)?;
         let h = self.timing.stepping().step();
         let heat = Heat::new(&mass, domain.dirichlet(), method, body.diffusivity, h);
-        let mut heat = heat.map_err(AssemblyError::from)?;
-
-        let mut samples =
-            Recorder { scene: self, shares: shares.masses(), samples: self.no_samples() };
-        let energy = |f: &[f64]| domain.dirichlet().energy(f);
-        samples.take(0.0, &body.start, energy(&f));
-        let (steps, every) = (self.timing.steps(), self.timing.sample_every());
-        let mut cost = Cost::default();
-        for step in 1..=steps {
-            let time = self.timing.stepping().time(step);
-            if let Err(error) = heat.step(&mut f) {
-                let run = Run::quiet(self, samples.samples, cost);
-                let from = self.timing.stepping().time(step - 1);
-                return Err(run.stopped(step, from, error.into()));
-            }
-            cost.steps += 1;
-            cost.differentials += 1;
-            let flow = watch(Progress { step, steps, time, q: &f });
-            if step % every == 0 || step == steps || flow.is_break() {
-                let values = domain.on_vertices(&f).map_err(AssemblyError::from)?;
-                samples.take(time, &values, energy(&f));
-            }
-            if flow.is_break() {
-                break;
-            }
-        }
-        Ok(Run::quiet(self, samples.samples, cost))
+        let heat = heat.map_err(AssemblyError::from)?;
+        let state = State::new(f, Vec::new());
+        let flow = Flow { scene: self, shares: shares.masses(), domain: &domain, heat, state };
+        march(self, flow, checkpoint, watcher)
     }
 }
 
-/// Takes samples of temperatures.
-struct Recorder<'a> {
+/// Heat on its way: temperatures for a configuration, and no momenta.
+struct Flow<'a, const K: usize> {
     scene: &'a Scene,
+    /// The length, area or volume that belongs to each vertex.
     shares: &'a [f64],
-    samples: Samples,
+    domain: &'a Domain<K>,
+    heat: Heat<'a, DiagonalMetric<Vec<f64>>, Dirichlet<K>>,
+    state: State<Vec<f64>>,
 }
 
-impl Recorder<'_> {
-    fn take(&mut self, time: f64, temperatures: &[f64], energy: f64) {
+impl<const K: usize> Moving for Flow<'_, K> {
+    fn state(&self) -> &State<Vec<f64>> {
+        &self.state
+    }
+
+    fn step(&mut self, _: f64, to: f64) -> Result<Stepped, StepFailure> {
+        self.heat.step(&mut self.state.q)?;
+        self.state.t = to;
+        Ok(Stepped::done(StepReport { differentials: 1, ..StepReport::default() }))
+    }
+
+    fn sample(&mut self, time: f64, samples: &mut Samples) {
+        // As many freedoms as the domain has.
+        let Ok(temperatures) = self.domain.on_vertices(&self.state.q) else { return };
         let positions: Vec<[f64; 3]> = self.scene.particles.iter().map(|p| p.position).collect();
         let moment = Moment {
-            potential: energy,
+            potential: self.domain.dirichlet().energy(&self.state.q),
             positions: &positions,
-            temperatures,
-            heat: self.shares.iter().zip(temperatures).map(|(m, f)| m * f).sum(),
+            temperatures: &temperatures,
+            heat: self.shares.iter().zip(&temperatures).map(|(m, f)| m * f).sum(),
             ..Moment::default()
         };
-        self.samples.push(self.scene, time, &moment, [0.0; 2]);
+        samples.push(self.scene, time, &moment, [0.0; 2]);
+    }
+
+    fn broken(&self) -> &[BrokenRod] {
+        &[]
+    }
+
+    fn failed(&self, step: u64, time: f64, source: StepFailure, run: Run) -> RunError {
+        run.stopped(step, time, source)
+    }
+
+    fn save(&mut self) -> Saved {
+        Saved::default()
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        self.state.clone_from(&before.state);
+        Ok(())
     }
 }

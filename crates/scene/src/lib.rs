@@ -102,8 +102,10 @@
 //!
 //! # Reading order
 //!
-//! [`Scene`] is what a file has said, checked. [`Scene::run`] makes a [`Run`] of it, whose
-//! [`Summary`] is one line of a test and whose [`Run::write`] leaves tables and a picture.
+//! [`Scene`] is what a file has said, checked. [`Scene::run`] makes a [`Run`] of it (and
+//! [`Scene::run_from`] goes on from a [`Checkpoint`]), whose
+//! [`Summary`] is one line of a test and whose [`Run::write`] leaves tables, pictures and a page that
+//! plays the motion.
 //! [`Scene::problem`] is for studies: the system itself, for any method and step, also of the scenes
 //! in [`problems`]. [`Diagnostic`] is the answer to a wrong file; a file is not trusted, and
 //! [`limits`] says how large it may be.
@@ -143,26 +145,38 @@ mod rest;
 mod body_system;
 mod body_run;
 mod heat_run;
+mod march;
+mod particle_run;
 mod run;
 mod stepper;
+mod checkpoint;
+mod stepper_memory;
 mod summary;
 mod system;
 
 mod csv;
+mod drawing;
+mod film;
+mod ink;
 mod picture;
+mod player;
 mod projection;
+mod sheet;
+mod vtk;
 
 pub mod limits;
 pub mod problems;
 
 pub use bodies::RigidBody;
 pub use body_shape::BodyShape;
+pub use checkpoint::{Checkpoint, CheckpointError};
 pub use contacts::SceneContact;
 pub use diagnostic::{Diagnostic, Place};
 pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
 pub use fault::Fault;
 pub use heat::HeatedBody;
 pub use joints::{JointKind, SceneJoint};
+pub use march::{Watcher, Wish};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
 pub use rods::Rod;

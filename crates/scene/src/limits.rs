@@ -25,6 +25,9 @@ pub const STEPS: u64 = 10_000_000_000;
 /// Numbers that a run keeps in memory, 8 bytes each: positions and observables of every sample.
 pub const SAMPLED_NUMBERS: u64 = 1 << 26;
 
+/// Bytes of a checkpoint: every number that is kept, twice the state, and some more.
+pub const CHECKPOINT_BYTES: u64 = 1 << 30;
+
 /// Characters of a name.
 pub const NAME: usize = 64;
 

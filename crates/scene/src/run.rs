@@ -1,4 +1,4 @@
-//! A run: the scene's method, step after step to the horizon, and samples on the way.
+//! A run: how a scene is run, what its particles do in a step, and what was sampled.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -10,11 +10,17 @@ use stationary_integrators::{
     linear_momentum_scale,
 };
 
+use crate::csv::{self, write_file};
 use crate::error::{StepFailure, equation, unknown};
+use crate::march::{Watcher, Wish, march};
 use crate::observable::Moment;
+use crate::particle_run::Particles;
 use crate::stepper::{Ground, Stepper};
 use crate::system::{SceneProblem, Vertices};
-use crate::{Interruption, RunError, Scene, Stop, Summary, WriteError, csv, picture};
+use crate::{
+    Checkpoint, Interruption, RunError, Scene, Stop, Summary, WriteError, film, picture, player,
+    vtk,
+};
 
 /// What a run has sampled, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +28,6 @@ pub struct Run {
     pub(crate) scene: Scene,
     pub(crate) samples: Samples,
     pub(crate) broken: Vec<BrokenRod>,
-    /// In each step in which things met the last moment at which they did, and how often.
-    pub(crate) impacts: Vec<(f64, usize)>,
     pub(crate) cost: Cost,
 }
 
@@ -51,6 +55,8 @@ pub(crate) struct Samples {
     /// A number a vertex of a scene of heat, sample after sample, and the heat of each sample.
     pub(crate) temperatures: Vec<f64>,
     pub(crate) heat: Vec<f64>,
+    /// In each step in which things met the last moment at which they did, and how often.
+    pub(crate) impacts: Vec<(f64, usize)>,
     /// As many numbers a sample as the observables have columns.
     pub(crate) observed: Vec<f64>,
     pub(crate) columns: usize,
@@ -104,12 +110,26 @@ impl Scene {
         &self,
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
     ) -> Result<Run, RunError> {
+        self.run_from(None, &mut Sight(watch))
+    }
+
+    /// Runs the scene from its start or from a checkpoint, to its horizon or until the watcher stops.
+    ///
+    /// A run that is resumed has the samples, the counts and the bits of a whole one.
+    ///
+    /// # Errors
+    /// What stops a run, and a checkpoint that is not one of this scene.
+    pub fn run_from(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run, RunError> {
         match (&self.heat, self.dimension) {
-            (Some(body), _) => self.run_heat(body, watch),
-            _ if !self.bodies.is_empty() => self.run_bodies(watch),
-            (None, 1) => self.run_in::<1>(watch),
-            (None, 2) => self.run_in::<2>(watch),
-            (None, _) => self.run_in::<3>(watch),
+            (Some(body), _) => self.run_heat(body, checkpoint, watcher),
+            _ if !self.bodies.is_empty() => self.run_bodies(checkpoint, watcher),
+            (None, 1) => self.run_in::<1>(checkpoint, watcher),
+            (None, 2) => self.run_in::<2>(checkpoint, watcher),
+            (None, _) => self.run_in::<3>(checkpoint, watcher),
         }
     }
 
@@ -121,68 +141,48 @@ impl Scene {
 
     fn run_in<const D: usize>(
         &self,
-        mut watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         let problem = self.problem::<D>()?;
         let ground = Ground::new(self, &problem)?;
         let mut stepper = Stepper::new(self, &problem, &ground)?;
-        let (steps, every) = (self.timing.steps(), self.timing.sample_every());
+        let recorder = Recorder::new(self, &problem);
         let mut state = problem.initial.clone();
-        let mut recorder = Recorder::new(self, &problem);
-        let mut cost = Cost::default();
         stepper.start(&mut state)?;
-        recorder.sample(&state);
-        let timing = self.timing.stepping();
-        for step in 1..=steps {
-            let (from, to) = (state.t, timing.time(step));
-            let stepped = match stepper.step(&mut state, timing.step(), to) {
-                Ok(stepped) => stepped,
-                Err(source) => {
-                    if recorder.samples.times.last().is_some_and(|&last| last < from) {
-                        recorder.sample(&state);
-                    }
-                    let failed = Failed { step, time: from, source };
-                    return Err(recorder.interrupt(failed, cost, &state));
-                }
-            };
-            state.t = to;
-            cost.add(&stepped.report);
-            if stepped.impacts > 0 {
-                recorder.impacts.push((stepped.last_impact, stepped.impacts));
-            }
-            recorder.feel(stepper.multipliers(), stepped.broken);
-            let flow = watch(Progress { step, steps, time: state.t, q: &state.q });
-            if step % every == 0 || step == steps || flow.is_break() {
-                recorder.sample(&state);
-            }
-            if flow.is_break() {
-                break;
-            }
-        }
-        Ok(recorder.finish(cost))
+        march(self, Particles { state, stepper, recorder }, checkpoint, watcher)
     }
 }
 
+/// A watcher that wishes for no checkpoints.
+struct Sight<F>(F);
+
+impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Watcher for Sight<F> {
+    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+        if self.0(now).is_break() { Wish::Stop } else { Wish::GoOn }
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+}
+
 /// A step that failed.
-struct Failed {
-    step: u64,
-    time: f64,
-    source: StepFailure,
+pub(crate) struct Failed {
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    pub(crate) source: StepFailure,
 }
 
 /// Takes samples of states.
-struct Recorder<'a, const D: usize> {
-    scene: &'a Scene,
+pub(crate) struct Recorder<'a, const D: usize> {
+    pub(crate) scene: &'a Scene,
     problem: &'a SceneProblem<D>,
     vertices: Vertices,
-    samples: Samples,
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
     tensions: Vec<f64>,
     /// The rods that are left, in the order of their multipliers.
-    left: Vec<usize>,
-    broken: Vec<BrokenRod>,
-    impacts: Vec<(f64, usize)>,
+    pub(crate) left: Vec<usize>,
+    pub(crate) broken: Vec<BrokenRod>,
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
@@ -191,18 +191,16 @@ impl<'a, const D: usize> Recorder<'a, D> {
             scene,
             problem,
             vertices: Vertices::new(scene),
-            samples: scene.no_samples(),
             positions: scene.particles.iter().map(|particle| particle.position).collect(),
             velocities: vec![[0.0; 3]; scene.particles.len()],
             tensions: vec![0.0; scene.rods.len()],
             left: (0..scene.rods.len()).collect(),
             broken: Vec::new(),
-            impacts: Vec::new(),
         }
     }
 
     /// Takes the tensions of a step, and the rod that broke in it.
-    fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
+    pub(crate) fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
         if let Some(broken) = broken {
             let rod = self.left.remove(broken.rod);
             self.tensions[rod] = 0.0;
@@ -213,7 +211,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
         }
     }
 
-    fn sample(&mut self, state: &State<Vec<f64>>) {
+    pub(crate) fn sample(&mut self, state: &State<Vec<f64>>, samples: &mut Samples) {
         let system = &self.problem.system;
         let mut v = Vector(vec![0.0; system.dim()]);
         system.metric().sharp(state.p.view(), v.view_mut());
@@ -237,15 +235,10 @@ impl<'a, const D: usize> Recorder<'a, D> {
             ..Moment::default()
         };
         let scales = [linear_momentum_scale::<D>(state), angular_momentum_scale::<D>(state)];
-        self.samples.push(self.scene, state.t, &moment, scales);
+        samples.push(self.scene, state.t, &moment, scales);
     }
 
-    fn finish(self, cost: Cost) -> Run {
-        let (samples, broken, impacts) = (self.samples, self.broken, self.impacts);
-        Run { scene: self.scene.clone(), samples, broken, impacts, cost }
-    }
-
-    fn interrupt(self, failed: Failed, cost: Cost, state: &State<Vec<f64>>) -> RunError {
+    pub(crate) fn interrupt(&self, failed: Failed, state: &State<Vec<f64>>, run: Run) -> RunError {
         let freedom = match &failed.source {
             StepFailure::Step(
                 StepError::NonFiniteConfiguration { freedom }
@@ -267,7 +260,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
             coordinate: freedom % D,
             rod,
             source: failed.source,
-            run: Box::new(self.finish(cost)),
+            run: Box::new(run),
         }))
     }
 
@@ -285,11 +278,6 @@ impl<'a, const D: usize> Recorder<'a, D> {
 }
 
 impl Run {
-    /// A run in which nothing broke and nothing met.
-    pub(crate) fn quiet(scene: &Scene, samples: Samples, cost: Cost) -> Self {
-        Run { scene: scene.clone(), samples, broken: Vec::new(), impacts: Vec::new(), cost }
-    }
-
     /// The error of a step, from a time, that failed after all this.
     pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
         let unit = self.scene.units.time.clone();
@@ -351,6 +339,11 @@ impl Run {
         self.samples.temperatures.get(n * sample..n * (sample + 1)).unwrap_or_default()
     }
 
+    /// In each step in which things met the last moment at which they did, and how often they met.
+    pub fn impacts(&self) -> &[(f64, usize)] {
+        &self.samples.impacts
+    }
+
     /// The headings of the observables' columns, with units.
     pub fn headings(&self) -> Vec<String> {
         self.scene.observables.iter().flat_map(|o| o.headings(&self.scene)).collect()
@@ -367,11 +360,6 @@ impl Run {
         &self.broken
     }
 
-    /// In each step in which things met the last moment at which they did, and how often they met.
-    pub fn impacts(&self) -> &[(f64, usize)] {
-        &self.impacts
-    }
-
     /// What the steps cost.
     pub fn cost(&self) -> Cost {
         self.cost
@@ -382,22 +370,43 @@ impl Run {
         Summary::of(self)
     }
 
-    /// Writes `trajectory.csv`, `observables.csv` and `picture.svg` into a folder, which is made
-    /// where it is missing, and `events.csv` where rods can break.
+    /// Writes into a folder, which is made where it is missing:
+    ///
+    /// | file | |
+    /// | --- | --- |
+    /// | `trajectory.csv`, `observables.csv` | every sample |
+    /// | `events.csv` | rods that broke, where rods can |
+    /// | `summary.txt` | the summary |
+    /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
+    /// | `player.html` | a page that plays the motion |
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder)
             .map_err(|source| WriteError { path: folder.to_owned(), source })?;
-        csv::write(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
-        csv::write(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        write_file(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
+        write_file(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
         if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
-            csv::write(&folder.join("events.csv"), |out| csv::events(self, out))?;
+            write_file(&folder.join("events.csv"), |out| csv::events(self, out))?;
         }
-        csv::write(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))
+        write_file(&folder.join("summary.txt"), |out| write!(out, "{}", self.summary()))?;
+        write_file(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))?;
+        write_file(&folder.join("film.svg"), |out| write!(out, "{}", self.film()))?;
+        write_file(&folder.join("player.html"), |out| player::write(self, out))
+    }
+
+    /// Writes `trajectory.pvd` and the files that it names, for ParaView, into a folder, which is made
+    /// where it is missing.
+    pub fn write_vtk(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
+        vtk::write(self, folder.as_ref())
     }
 
     /// The picture of the run, as the text of an SVG file.
     pub fn picture(&self) -> String {
         picture::Picture::of(self).to_string()
+    }
+
+    /// A few moments of the run side by side, as the text of an SVG file.
+    pub fn film(&self) -> String {
+        film::Film::of(self).to_string()
     }
 }

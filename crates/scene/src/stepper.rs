@@ -8,8 +8,8 @@ use stationary_constraints::{
 use stationary_contact::{Balls, Impacting, Inequality};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DampedPattern, DormandPrince853, Drag,
-    Facts, Integrator, MechanicalField, Method, Moment, Newmark, NewmarkWeights, RadauIia5, State,
-    StepControl, StepError, StepReport, Tolerance, Work,
+    Facts, Integrator, MechanicalField, Method, Moment, Newmark, NewmarkWeights, RadauIia5, Saved,
+    State, StepControl, StepError, StepReport, Tolerance, Work,
 };
 
 use crate::error::StepFailure;
@@ -47,9 +47,11 @@ impl<const D: usize> Ground<D> {
 
 /// A method that chooses its own steps, read off at moments of the scene's choice.
 pub(crate) struct Reading<'s> {
-    method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
+    pub(crate) method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
     end: f64,
     y: Vec<f64>,
+    /// The method's numbers before its last step, whose polynomial is read off.
+    pub(crate) before: Vec<f64>,
 }
 
 /// What a step did beside moving the state.
@@ -99,7 +101,7 @@ impl<'s, const D: usize> Stepper<'s, D> {
                 let end = scene.timing().horizon();
                 let method = adaptive(method, problem, scene.drag(), tolerance)?;
                 let y = vec![0.0; 2 * system.dim()];
-                Ok(Stepper::Adaptive(Box::new(Reading { method, end, y })))
+                Ok(Stepper::Adaptive(Box::new(Reading { method, end, y, before: Vec::new() })))
             }
             Stepping::Constrained(Constrained::Rattle) => {
                 let rattle =
@@ -190,6 +192,14 @@ impl Integrator<Vec<f64>> for Owned<'_> {
     fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
         self.0.step(state, h)
     }
+
+    fn save(&self) -> Saved {
+        self.0.save()
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.0.load(saved)
+    }
 }
 
 /// The method of equal steps that takes the force of drag.
@@ -259,6 +269,8 @@ impl Reading<'_> {
     fn step(&mut self, state: &mut State<Vec<f64>>, to: f64) -> Result<StepReport, AdaptiveError> {
         let before = *self.method.work();
         while self.method.moment().t < to {
+            self.before.clear();
+            self.method.visit(&mut |number| self.before.push(*number));
             self.method.step(self.end)?;
         }
         self.method.interpolate(to, &mut self.y)?;

@@ -57,6 +57,20 @@ fn largest_error(scene: &Scene) -> f64 {
 }
 
 #[test]
+fn methods_that_choose_their_steps_need_no_drag() {
+    for integrator in ["dormand-prince-853", "radau-iia-5", "bdf-5"] {
+        let text = format!(
+            "dimension = 1\nintegrator = \"{integrator}\"\ntolerance = 1e-9\nstep = 0.1\nhorizon = 2\n\
+             uniform_gravity = {{ acceleration = [-9.81] }}\n\
+             particles = [{{ name = \"a\", mass = 2, position = [0], velocity = [3] }}]"
+        );
+        let run = Scene::parse("fall", &text).unwrap().run().unwrap();
+        let x = run.positions(20)[0];
+        assert!((x - (3.0 * 2.0 - 0.5 * 9.81 * 4.0)).abs() < 1e-6, "{integrator}: {x}");
+    }
+}
+
+#[test]
 fn drag_slows_the_ball_as_the_closed_form_says() {
     for integrator in ["newmark", "generalized-alpha"] {
         let errors = [0.04, 0.02].map(|step| largest_error(&thrown(integrator, "", step)));

@@ -4,8 +4,10 @@
 //! written as text, the shortest that reads back to the same bits, because readers of some formats
 //! round.
 
+use crate::StepError;
+
 /// Everything on which the next steps of a method depend: `save` makes it, `load` takes it back.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Saved {
     /// The name of the method.
@@ -13,6 +15,22 @@ pub struct Saved {
     /// Its numbers, in the method's order.
     #[cfg_attr(feature = "serde", serde(with = "text"))]
     pub numbers: Vec<f64>,
+}
+
+impl Saved {
+    /// An error unless it was saved by the method of this name, which remembers nothing.
+    ///
+    /// # Errors
+    /// Another method's name, or numbers.
+    pub fn check_empty(&self, method: &str) -> Result<(), StepError> {
+        if self.method != method {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        match self.numbers.is_empty() {
+            true => Ok(()),
+            false => Err(StepError::Saved("it has numbers, of which the method has none")),
+        }
+    }
 }
 
 #[cfg(feature = "serde")]

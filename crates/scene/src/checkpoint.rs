@@ -1,0 +1,298 @@
+//! A checkpoint: all that a run needs to go on to the same bits.
+//!
+//! ```text
+//! stationary checkpoint VERSION \n      then numbers of 8 bytes, the least significant first:
+//! the scene's fingerprint, the step k, state k-1, what the method remembers there, rods broken by
+//! then, state k, counts, samples up to k; and last the checksum of every byte before
+//! ```
+//! Lists are preceded by their lengths. Fingerprint and checksum are FNV-1a with 64 bits: a changed
+//! byte always changes them, but they keep out no forger. The fingerprint is that of the checked scene
+//! with its method and step, not of the file's text, so that comments may change. A file is written
+//! under another name and renamed once it is whole.
+
+mod bytes;
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
+
+use crate::run::{BrokenRod, Samples};
+use crate::{AssemblyError, Scene, WriteError, limits};
+use bytes::{Fnv, Reader, Writer};
+
+/// A moment of a run from which it can go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    pub(crate) scene: u64,
+    /// The step after which it was made.
+    pub(crate) step: u64,
+    pub(crate) before: Before,
+    pub(crate) after: State<Vec<f64>>,
+    pub(crate) cost: Cost,
+    pub(crate) samples: Samples,
+}
+
+/// The start of a checkpoint's step.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Before {
+    pub(crate) state: State<Vec<f64>>,
+    pub(crate) memory: Saved,
+    pub(crate) broken: Vec<BrokenRod>,
+}
+
+/// A checkpoint from which a run does not go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The file is missing, or may not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// More bytes than any checkpoint has.
+    #[error("the checkpoint has {bytes} bytes; there are at most {}", limits::CHECKPOINT_BYTES)]
+    TooLarge {
+        /// How many it has.
+        bytes: u64,
+    },
+    /// Another kind of file.
+    #[error("this is no checkpoint")]
+    NoCheckpoint,
+    /// A checkpoint of another version of the crate, whose numbers may mean something else.
+    #[error("the checkpoint is of version {found}, not {}", env!("CARGO_PKG_VERSION"))]
+    Version {
+        /// That version.
+        found: String,
+    },
+    /// Bytes that were lost or changed.
+    #[error("the checkpoint is damaged: {0}")]
+    Damaged(&'static str),
+    /// A checkpoint of another scene.
+    #[error("the checkpoint is of another scene, or of this scene with another method or step")]
+    Foreign,
+    /// A method that does not take what was saved.
+    #[error("the checkpoint does not fit the method: {0}")]
+    Method(#[from] StepError),
+    /// An adaptive method that does not take what was saved.
+    #[error("the checkpoint does not fit the method: {0}")]
+    Adaptive(#[from] AdaptiveError),
+    /// Rods that do not take what was saved.
+    #[error("the checkpoint does not fit the rods: {0}")]
+    Rods(#[from] stationary_constraints::ConstraintError),
+    /// A scene whose rods cannot be had.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// A machine, or a build, on which the run would have gone elsewhere.
+    #[error(
+        "step {step} leads to other bits here than where the checkpoint was made; run the scene anew"
+    )]
+    OtherBits {
+        /// The step.
+        step: u64,
+    },
+}
+
+const MAGIC: &str = "stationary checkpoint ";
+
+impl Checkpoint {
+    /// The number of steps that are done.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// A number that tells scenes apart.
+    pub(crate) fn fingerprint(scene: &Scene) -> u64 {
+        let mut hash = Fnv::default();
+        // Everything that was checked is in there, every number with all its digits.
+        let written = fmt::write(&mut hash, format_args!("{scene:?}"));
+        debug_assert!(written.is_ok(), "hashing does not fail");
+        hash.value()
+    }
+
+    /// Writes the checkpoint to a file, all of it or nothing: whatever happens, the file is the new
+    /// checkpoint or what it was before.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        let path = path.as_ref();
+        let fresh = path.with_extension("new");
+        let written = File::create(&fresh).and_then(|file| {
+            let mut out = Writer::new(BufWriter::new(file));
+            self.put(&mut out)?;
+            let file = out.finish()?.into_inner()?;
+            file.sync_all()?;
+            fs::rename(&fresh, path)
+        });
+        written.map_err(|source| WriteError { path: path.to_owned(), source })
+    }
+
+    /// Reads a checkpoint back.
+    ///
+    /// # Errors
+    /// A file that is none, or not whole.
+    pub fn read(path: impl AsRef<Path>) -> Result<Checkpoint, CheckpointError> {
+        let path = path.as_ref();
+        let failed = |source| CheckpointError::Read { path: path.to_owned(), source };
+        let bytes = fs::metadata(path).map_err(failed)?.len();
+        if bytes > limits::CHECKPOINT_BYTES {
+            return Err(CheckpointError::TooLarge { bytes });
+        }
+        Checkpoint::parse(&fs::read(path).map_err(failed)?)
+    }
+
+    /// The checkpoint that these bytes are.
+    ///
+    /// # Errors
+    /// Bytes that are none.
+    pub fn parse(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
+        let rest = bytes.strip_prefix(MAGIC.as_bytes()).ok_or(CheckpointError::NoCheckpoint)?;
+        let end = rest.iter().take(64).position(|&byte| byte == b'\n');
+        let end = end.ok_or(CheckpointError::Damaged("its first line has no end"))?;
+        let found = String::from_utf8_lossy(&rest[..end]).into_owned();
+        if found != env!("CARGO_PKG_VERSION") {
+            return Err(CheckpointError::Version { found });
+        }
+        let Some((content, sum)) = bytes.split_last_chunk::<8>() else {
+            return Err(CheckpointError::Damaged("it was cut"));
+        };
+        let mut hash = Fnv::default();
+        hash.add(content);
+        let start = MAGIC.len() + end + 1;
+        if hash.value() != u64::from_le_bytes(*sum) || content.len() < start {
+            return Err(CheckpointError::Damaged("its checksum is another"));
+        }
+        let mut from = Reader(&content[start..]);
+        let read = Checkpoint::take(&mut from).filter(|_| from.0.is_empty());
+        read.ok_or(CheckpointError::Damaged("its lists have other lengths"))
+    }
+
+    /// An error unless it is one of this scene, whose states are like this one.
+    pub(crate) fn check(
+        &self,
+        scene: &Scene,
+        state: &State<Vec<f64>>,
+    ) -> Result<(), CheckpointError> {
+        if self.scene != Checkpoint::fingerprint(scene) {
+            return Err(CheckpointError::Foreign);
+        }
+        let size = |state: &State<Vec<f64>>| [state.q.len(), state.p.0.len()];
+        let sizes = [&self.before.state, &self.after].map(size);
+        let steps = (1..=scene.timing.steps()).contains(&self.step);
+        let rods = self.before.broken.iter().all(|broken| broken.rod < scene.rods.len());
+        if sizes != [size(state); 2] || !steps || !rods || !self.samples.fit(scene) {
+            return Err(CheckpointError::Damaged("its lists have other lengths"));
+        }
+        Ok(())
+    }
+
+    fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
+        let Checkpoint { scene, step, before, after, cost, samples } = self;
+        out.put(format!("{MAGIC}{}\n", env!("CARGO_PKG_VERSION")).as_bytes())?;
+        out.count(*scene)?;
+        out.count(*step)?;
+        out.state(&before.state)?;
+        out.bytes(before.memory.method.as_bytes())?;
+        out.numbers(&before.memory.numbers)?;
+        out.count(before.broken.len() as u64)?;
+        for &BrokenRod { rod, time, tension } in &before.broken {
+            out.count(rod as u64)?;
+            out.number(time)?;
+            out.number(tension)?;
+        }
+        out.state(after)?;
+        let Cost { steps, differentials, hessians, energies, most_iterations } = *cost;
+        for count in [steps, differentials, hessians, energies, most_iterations.into()] {
+            out.count(count)?;
+        }
+        samples.put(out)
+    }
+
+    fn take(from: &mut Reader<'_>) -> Option<Self> {
+        let (scene, step, state) = (from.count()?, from.count()?, from.state()?);
+        let method = String::from_utf8(from.bytes()?.to_vec()).ok()?;
+        let memory = Saved { method, numbers: from.numbers()? };
+        let broken = (0..from.length(24)?).map(|_| {
+            let rod = usize::try_from(from.count()?).ok()?;
+            Some(BrokenRod { rod, time: from.number()?, tension: from.number()? })
+        });
+        let broken = broken.collect::<Option<Vec<_>>>()?;
+        let after = from.state()?;
+        let cost = Cost {
+            steps: from.count()?,
+            differentials: from.count()?,
+            hessians: from.count()?,
+            energies: from.count()?,
+            most_iterations: u32::try_from(from.count()?).ok()?,
+        };
+        let before = Before { state, memory, broken };
+        Some(Checkpoint { scene, step, before, after, cost, samples: Samples::take(from)? })
+    }
+}
+
+impl Samples {
+    fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
+        let Samples { times, positions, kinetic, potential, linear, angular, .. } = self;
+        let Samples { temperatures, heat, impacts, .. } = self;
+        let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
+        for numbers in [times, positions, kinetic, potential, temperatures, heat, observed] {
+            out.numbers(numbers)?;
+        }
+        out.count(impacts.len() as u64)?;
+        for &(time, count) in impacts {
+            out.number(time)?;
+            out.count(count as u64)?;
+        }
+        for vectors in [linear, angular] {
+            out.numbers(vectors.as_flattened())?;
+        }
+        out.count(*columns as u64)?;
+        out.number(*linear_scale)?;
+        out.number(*angular_scale)
+    }
+
+    fn take(from: &mut Reader<'_>) -> Option<Self> {
+        let (times, positions, kinetic) = (from.numbers()?, from.numbers()?, from.numbers()?);
+        let (potential, temperatures) = (from.numbers()?, from.numbers()?);
+        let (heat, observed) = (from.numbers()?, from.numbers()?);
+        let impacts = (0..from.length(16)?)
+            .map(|_| Some((from.number()?, usize::try_from(from.count()?).ok()?)));
+        let impacts = impacts.collect::<Option<Vec<_>>>()?;
+        let mut vectors = || Some(from.numbers()?.as_chunks::<3>().0.to_vec());
+        let (linear, angular) = (vectors()?, vectors()?);
+        Some(Samples {
+            times,
+            positions,
+            kinetic,
+            potential,
+            linear,
+            angular,
+            temperatures,
+            heat,
+            impacts,
+            observed,
+            columns: usize::try_from(from.count()?).ok()?,
+            linear_scale: from.number()?,
+            angular_scale: from.number()?,
+        })
+    }
+
+    /// Whether the lists are as long as the scene's samples have them.
+    fn fit(&self, scene: &Scene) -> bool {
+        let n = self.times.len();
+        let coordinates = scene.dimension * scene.particles.len();
+        let each = [self.kinetic.len(), self.potential.len(), self.heat.len()];
+        let vectors = [self.linear.len(), self.angular.len()];
+        let temperatures = if scene.heat.is_some() { scene.particles.len() } else { 0 };
+        (1..=scene.timing.samples()).contains(&(n as u64))
+            && each == [n; 3]
+            && vectors == [n; 2]
+            && self.temperatures.len() == n * temperatures
+            && self.positions.len() == n * coordinates
+            && self.columns == scene.no_samples().columns
+            && self.observed.len() == n * self.columns
+    }
+}

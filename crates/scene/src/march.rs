@@ -1,0 +1,148 @@
+//! The march of a run: step after step to the horizon, with samples and checkpoints on the way.
+//!
+//! ```text
+//! state_0, state_1, ..., state_k        state_i at the time i h, sampled every so many steps
+//! checkpoint of k                       state_k-1 with what the method remembers there, and state_k
+//! ```
+//! A run that is resumed takes the step from `k - 1` to `k` once more: then the method remembers what
+//! it did, and the state shows whether this machine still computes the same bits. That step costs
+//! nothing in the counts.
+
+use std::cell::LazyCell;
+
+use stationary_integrators::{Cost, Saved, State};
+
+use crate::checkpoint::{Before, Checkpoint, CheckpointError};
+use crate::error::StepFailure;
+use crate::run::{BrokenRod, Progress, Run, Samples};
+use crate::stepper::Stepped;
+use crate::{RunError, Scene};
+
+/// What a watcher wishes after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// That the run goes on.
+    GoOn,
+    /// That the run goes on, and after its next step makes a checkpoint.
+    Checkpoint,
+    /// That the run ends here, which is no error.
+    Stop,
+}
+
+/// Looks on while a scene runs.
+pub trait Watcher {
+    /// Sees every step, and says what is to be done.
+    fn stepped(&mut self, now: Progress<'_>) -> Wish;
+
+    /// Takes a checkpoint for which it has wished.
+    fn keep(&mut self, checkpoint: &Checkpoint);
+}
+
+/// What is stepped: particles, bodies, or heat.
+pub(crate) trait Moving {
+    /// Where it is.
+    fn state(&self) -> &State<Vec<f64>>;
+
+    /// Moves by a step of length `h` to the time `to`, or stays as it is.
+    fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure>;
+
+    /// Adds a sample of where it is.
+    fn sample(&mut self, time: f64, samples: &mut Samples);
+
+    /// The rods that broke so far.
+    fn broken(&self) -> &[BrokenRod];
+
+    /// The error of a run of which this step failed.
+    fn failed(&self, step: u64, time: f64, failure: StepFailure, run: Run) -> RunError;
+
+    /// What the method remembers.
+    fn save(&mut self) -> Saved;
+
+    /// Goes on from another state, with what the method remembered there.
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError>;
+}
+
+/// Runs to the horizon, or until the watcher stops.
+pub(crate) fn march<M: Moving>(
+    scene: &Scene,
+    mut moving: M,
+    from: Option<Checkpoint>,
+    watcher: &mut dyn Watcher,
+) -> Result<Run, RunError> {
+    let timing = scene.timing;
+    // Of a large scene it takes longer than a step.
+    let fingerprint = LazyCell::new(|| Checkpoint::fingerprint(scene));
+    let (steps, every, h) = (timing.steps(), timing.sample_every(), timing.stepping().step());
+    let time = |step: u64| timing.stepping().time(step);
+    let (mut done, mut cost) = (0, Cost::default());
+    let mut samples = scene.no_samples();
+    match from {
+        Some(checkpoint) => {
+            done = checkpoint.step;
+            cost = checkpoint.cost;
+            samples = resume(scene, &mut moving, checkpoint)?;
+        }
+        None => moving.sample(0.0, &mut samples),
+    }
+    let mut wish = Wish::GoOn;
+    for step in done + 1..=steps {
+        let before = (wish == Wish::Checkpoint).then(|| Before {
+            state: moving.state().clone(),
+            memory: moving.save(),
+            broken: moving.broken().to_vec(),
+        });
+        match moving.step(h, time(step)) {
+            Ok(stepped) => {
+                cost.add(&stepped.report);
+                if stepped.impacts > 0 {
+                    samples.impacts.push((stepped.last_impact, stepped.impacts));
+                }
+            }
+            Err(failure) => {
+                let from = time(step - 1);
+                if samples.times.last().is_some_and(|&last| last < from) {
+                    moving.sample(from, &mut samples);
+                }
+                let broken = moving.broken().to_vec();
+                let run = Run { scene: scene.clone(), samples, broken, cost };
+                return Err(moving.failed(step, from, failure, run));
+            }
+        }
+        let due = step % every == 0 || step == steps;
+        if due {
+            moving.sample(time(step), &mut samples);
+        }
+        if let Some(before) = before {
+            let after = moving.state().clone();
+            let checkpoint = Checkpoint { scene: *fingerprint, step, before, after, cost, samples };
+            watcher.keep(&checkpoint);
+            samples = checkpoint.samples;
+        }
+        let q = &moving.state().q;
+        wish = watcher.stepped(Progress { step, steps, time: time(step), q });
+        if wish == Wish::Stop {
+            if !due {
+                moving.sample(time(step), &mut samples);
+            }
+            break;
+        }
+    }
+    let broken = moving.broken().to_vec();
+    Ok(Run { scene: scene.clone(), samples, broken, cost })
+}
+
+/// Takes the last step of a checkpoint once more, and returns its samples.
+fn resume<M: Moving>(
+    scene: &Scene,
+    moving: &mut M,
+    checkpoint: Checkpoint,
+) -> Result<Samples, CheckpointError> {
+    checkpoint.check(scene, moving.state())?;
+    moving.load(&checkpoint.before)?;
+    let stepping = scene.timing.stepping();
+    let stepped = moving.step(stepping.step(), stepping.time(checkpoint.step));
+    match stepped.is_ok() && *moving.state() == checkpoint.after {
+        true => Ok(checkpoint.samples),
+        false => Err(CheckpointError::OtherBits { step: checkpoint.step }),
+    }
+}

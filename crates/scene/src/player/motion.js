@@ -1,0 +1,69 @@
+// The motion as it was sampled: where every particle is at a time, and which rods are left.
+const data = JSON.parse(document.getElementById("data").textContent);
+
+const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+const singles = (text) => new Float32Array(bytes(text));
+const doubles = (text) => new Float64Array(bytes(text));
+const indices = (text) => new Uint32Array(bytes(text));
+
+const motion = {
+  dimension: data.dimension,
+  count: data.names.length,
+  times: doubles(data.times),
+  positions: singles(data.positions),
+  springs: indices(data.springs),
+  rods: indices(data.rods),
+  edges: indices(data.edges),
+  faces: indices(data.faces),
+  // Of each rod the time at which it breaks.
+  lasts: new Float64Array(indices(data.rods).length / 2).fill(Infinity),
+  points: new Float64Array(3 * data.names.length),
+};
+for (const [rod, time] of data.broken) motion.lasts[rod] = time;
+motion.start = motion.times[0];
+motion.end = motion.times[motion.times.length - 1];
+
+// The last of ascending times that is not after t.
+const before = (times, t) => {
+  let [low, high] = [0, times.length - 1];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+};
+
+// The coordinates of a particle at a sample.
+const sampled = (sample, particle, axis) =>
+  axis < motion.dimension
+    ? data.origin[axis] + motion.positions[(sample * motion.count + particle) * motion.dimension + axis]
+    : 0;
+
+// Puts all particles where they are at a time, on straight lines from sample to sample.
+const place = (t) => {
+  const { count, dimension, times, positions, points } = motion;
+  const sample = before(times, t);
+  const next = Math.min(sample + 1, times.length - 1);
+  const part = next > sample ? Math.min(1, Math.max(0, (t - times[sample]) / (times[next] - times[sample]))) : 0;
+  const [a, b] = [sample * count * dimension, next * count * dimension];
+  for (let i = 0, k = 0; i < count; i++)
+    for (let c = 0; c < dimension; c++, k++)
+      points[3 * i + c] = data.origin[c] + (1 - part) * positions[a + k] + part * positions[b + k];
+};
+
+// A number as a reader wants it.
+const shown = (x) => {
+  if (x === 0) return "0";
+  const size = Math.abs(x);
+  return size >= 1e-3 && size < 1e6 ? String(Number(x.toPrecision(4))) : x.toExponential(2).replace("e+", "e");
+};
+
+// A length of 1, 2 or 5 times a power of ten, at most as large.
+const round = (length) => {
+  const power = 10 ** Math.floor(Math.log10(length));
+  return [5, 2, 1].map((n) => n * power).find((n) => n <= length) ?? power;
+};
+
+const decimals = Math.min(12, Math.max(0, Math.ceil(3 - Math.log10(motion.end - motion.start || 1))));
+const moment = (t) => (motion.end < 1e-9 ? shown(t) : t.toFixed(decimals));

@@ -1,0 +1,119 @@
+//! Whatever a file says, the reader answers: no panic, no end of waiting, bounded memory.
+//!
+//! Texts without sense, shipped scenes with a piece changed, and tables of the vocabulary with any
+//! values. With `PROPTEST_CASES=250000` it is asked a million times, and `fuzz/` asks for as long as
+//! somebody wishes.
+
+use proptest::prelude::*;
+use stationary_scene::{Scene, limits, problems};
+
+const SCENES: [&str; 6] = [
+    problems::OUTER_SOLAR_SYSTEM,
+    problems::SPRING_NET,
+    problems::THROWN_RACKET,
+    problems::HEAVY_TOP,
+    include_str!("../scenes/pendulum-chain.toml"),
+    include_str!("../scenes/breaking-bridge.toml"),
+];
+
+/// Every key and word that stands in a shipped scene, and some that could.
+fn words() -> Vec<String> {
+    let all = SCENES.concat();
+    let letters = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
+    let mut words: Vec<String> =
+        all.split(letters).filter(|word| !word.is_empty()).map(str::to_owned).collect();
+    words.extend(["tolerance", "drag", "nan", "-inf", "1e308", "1e-320", "-1"].map(str::to_owned));
+    words.sort();
+    words.dedup();
+    words
+}
+
+/// The reader's answer, which must be a scene within bounds or an error with words.
+fn answers(text: &str) -> Result<(), TestCaseError> {
+    match Scene::parse("any.toml", text) {
+        Ok(scene) => {
+            prop_assert!(scene.particles().len() as u64 <= limits::PARTICLES);
+            prop_assert!(scene.timing().steps() <= limits::STEPS);
+            let finite = |x: &f64| x.is_finite();
+            prop_assert!(scene.particles().iter().all(|p| p.position.iter().all(finite)));
+        }
+        Err(error) => {
+            let words = error.to_string();
+            prop_assert!(!words.is_empty() && words.len() < 20_000, "{} bytes", words.len());
+        }
+    }
+    Ok(())
+}
+
+/// A value of any kind, with numbers that are small more often than not.
+fn value() -> impl Strategy<Value = String> {
+    let number = prop_oneof![
+        (-20..20_i64).prop_map(|n| n.to_string()),
+        (-2.0..2.0_f64).prop_map(|x| format!("{x:?}")),
+        any::<f64>().prop_map(|x| format!("{x:e}").replace("NaN", "nan")),
+        Just("inf".to_owned()),
+        Just("9223372036854775807".to_owned()),
+    ];
+    let vector =
+        prop::collection::vec(number.clone(), 0..5).prop_map(|x| format!("[{}]", x.join(",")));
+    let word = prop::sample::select(words()).prop_map(|word| format!("\"{word}\""));
+    let pair = prop::collection::vec(word.clone(), 0..4).prop_map(|x| format!("[{}]", x.join(",")));
+    prop_oneof![4 => number, 4 => vector, 3 => word, 2 => pair, 1 => Just("true".to_owned()), 1 => Just("{}".to_owned())]
+}
+
+proptest! {
+    #[test]
+    fn a_text_without_sense_is_answered(text in "\\PC{0,300}") {
+        answers(&text)?;
+    }
+
+    #[test]
+    fn brackets_and_dots_without_end_are_answered(
+        piece in prop::sample::select(vec!["[", "{a=", "a.", "[[", "\"", "'''", "\\u", "#", "=", "1e9"]),
+        count in 1..3000_usize,
+    ) {
+        answers(&piece.repeat(count))?;
+        answers(&format!("particles = {}", piece.repeat(count)))?;
+    }
+
+    #[test]
+    fn a_shipped_scene_with_a_piece_changed_is_answered(
+        scene in prop::sample::select(SCENES.to_vec()),
+        place in any::<prop::sample::Index>(),
+        length in 0..40_usize,
+        piece in prop_oneof![
+            value(),
+            prop::sample::select(words()),
+            "\\PC{0,10}",
+            "[0-9.eE+-]{0,4}",
+        ],
+    ) {
+        let places: Vec<usize> = scene.char_indices().map(|(index, _)| index).collect();
+        let start = place.index(places.len());
+        let end = (start + length).min(places.len() - 1);
+        let changed = [&scene[..places[start]], piece.as_str(), &scene[places[end]..]].concat();
+        answers(&changed)?;
+    }
+
+    #[test]
+    fn tables_of_the_vocabulary_with_any_values_are_answered(
+        dimension in 0..5_u32,
+        lines in prop::collection::vec((prop::sample::select(words()), value()), 0..8),
+        tables in prop::collection::vec(
+            (
+                prop::sample::select(vec!["particles", "springs", "rods", "nets", "bodies", "joints"]),
+                prop::collection::vec((prop::sample::select(words()), value()), 0..8),
+            ),
+            0..5,
+        ),
+    ) {
+        let mut text = format!("dimension = {dimension}\n");
+        let line = |(key, value): &(String, String)| format!("{key} = {value}\n");
+        text.extend(lines.iter().map(line));
+        for (table, lines) in &tables {
+            text += &format!("[[{table}]]\n");
+            text.extend(lines.iter().map(line));
+        }
+        answers(&text)?;
+    }
+}

@@ -1,0 +1,221 @@
+//! The published schema says what the reader says: the same tables, the same keys, the same words.
+//!
+//! A table of the vocabulary is a struct in `src/declaration.rs`, and a definition of that name in
+//! `scene.schema.json`; to add a word is to add it in both.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::{Map, Value};
+use stationary_integrators::Method;
+use stationary_rigid::BodyMethod;
+use stationary_scene::{Fault, Scene, SceneError};
+
+const DECLARATIONS: &str = include_str!("../src/declaration.rs");
+
+fn schema() -> Value {
+    serde_json::from_str(include_str!("../scene.schema.json")).unwrap()
+}
+
+/// The keys of a table, each with whether it must be there.
+type Keys = BTreeMap<String, bool>;
+
+/// The tables that the reader knows.
+fn declared() -> BTreeMap<String, Keys> {
+    let mut tables = BTreeMap::new();
+    for part in DECLARATIONS.split("#[serde(deny_unknown_fields").skip(1) {
+        let (_, rest) = part.split_once("struct ").unwrap();
+        let (name, rest) = rest.split_once(" {").unwrap();
+        let (fields, _) = rest.split_once("\n}").unwrap();
+        let mut keys = Keys::new();
+        let (mut renamed, mut default) = (None, false);
+        for line in fields.lines().map(str::trim) {
+            if let Some(word) = line.strip_prefix("#[serde(rename = \"") {
+                renamed = word.split('"').next().map(str::to_owned);
+            } else if line.starts_with("#[serde(default") {
+                default = true;
+            } else if let Some(field) = line.strip_prefix("pub(crate) ") {
+                let (key, kind) = field.split_once(": ").unwrap();
+                let key = renamed.take().unwrap_or_else(|| key.to_owned());
+                keys.insert(key, !kind.starts_with("Option<") && !std::mem::take(&mut default));
+            }
+        }
+        tables.insert(name.to_owned(), keys);
+    }
+    tables
+}
+
+/// The tables of the schema; the scene itself is the outermost one.
+fn published() -> BTreeMap<String, Keys> {
+    let schema = schema();
+    let root = [("Declaration".to_owned(), schema.clone())];
+    let definitions = schema["$defs"].as_object().unwrap().clone();
+    let tables = definitions.into_iter().chain(root).filter(|(_, d)| d["type"] == "object");
+    tables
+        .map(|(name, definition)| {
+            assert_eq!(definition["additionalProperties"], Value::Bool(false), "{name}");
+            let required: Vec<&str> =
+                definition["required"].as_array().unwrap().iter().flat_map(Value::as_str).collect();
+            let keys = definition["properties"].as_object().unwrap().keys();
+            (name, keys.map(|key| (key.clone(), required.contains(&key.as_str()))).collect())
+        })
+        .collect()
+}
+
+#[test]
+fn the_schema_has_the_tables_and_keys_of_the_reader() {
+    let (declared, published) = (declared(), published());
+    assert!(declared.len() >= 11, "{declared:?}");
+    assert_eq!(declared, published);
+}
+
+#[test]
+fn the_schema_has_every_integrator_of_the_reader_and_no_other() {
+    let schema = schema();
+    let words: BTreeSet<&str> = schema["properties"]["integrator"]["enum"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(Value::as_str)
+        .collect();
+    let named = Method::ALL.iter().map(|method| method.facts().name);
+    let named: Vec<&str> = named.chain(BodyMethod::ALL.iter().map(|m| m.facts().name)).collect();
+    for method in &named {
+        assert!(words.contains(method), "{method}");
+    }
+    // A word that no scene knows is called unknown by every one.
+    let particles = "dimension = 2\nstep = 1\nhorizon = 1\n\
+                     particles = [{ name = \"a\", mass = 1, position = [0, 0] }]\n";
+    let bodies = "dimension = 3\nstep = 1\nhorizon = 1\n\
+                  bodies = [{ name = \"a\", mass = 1, box = [1, 1, 1], position = [0, 0, 0] }]\n";
+    let knows = |scene: &str, word: &str| {
+        let text = format!("integrator = \"{word}\"\n{scene}");
+        match Scene::parse("a.toml", &text) {
+            Err(SceneError::Invalid(error)) => !matches!(error.fault, Fault::UnknownWord { .. }),
+            other => other.is_ok(),
+        }
+    };
+    assert!(!knows(particles, "velvet"));
+    for word in words {
+        assert!(knows(particles, word) || knows(bodies, word), "{word}");
+    }
+}
+
+/// What a document has that the schema does not allow, in the part of JSON Schema that ours uses.
+fn complaints(root: &Value, schema: &Value, document: &Value, place: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let empty = Map::new();
+    let below = |schema: &Value, document: &Value, place: String| {
+        complaints(root, schema, document, &place)
+    };
+    for (keyword, rule) in schema.as_object().unwrap_or(&empty) {
+        let bound = || rule.as_f64().unwrap();
+        let (number, length) = (document.as_f64(), document.as_array().map(Vec::len));
+        let size = |size: Option<usize>| size.map(|size| size as f64);
+        let holds = match keyword.as_str() {
+            "$schema" | "title" | "description" | "$defs" => true,
+            "$ref" => {
+                let name = rule.as_str().unwrap().strip_prefix("#/$defs/").unwrap();
+                found.extend(below(&root["$defs"][name], document, place.to_owned()));
+                root["$defs"].get(name).is_some()
+            }
+            "type" => match rule.as_str().unwrap() {
+                "object" => document.is_object(),
+                "array" => document.is_array(),
+                "string" => document.is_string(),
+                "boolean" => document.is_boolean(),
+                "integer" => document.is_i64() || document.is_u64(),
+                "number" => document.is_number(),
+                other => panic!("the type {other}"),
+            },
+            "enum" => rule.as_array().unwrap().contains(document),
+            "anyOf" => rule
+                .as_array()
+                .unwrap()
+                .iter()
+                .any(|one| below(one, document, place.to_owned()).is_empty()),
+            "items" => {
+                for (k, item) in document.as_array().into_iter().flatten().enumerate() {
+                    found.extend(below(rule, item, format!("{place}[{k}]")));
+                }
+                true
+            }
+            "properties" => {
+                for (key, value) in document.as_object().into_iter().flatten() {
+                    match rule.get(key) {
+                        Some(rule) => found.extend(below(rule, value, format!("{place}.{key}"))),
+                        None => found.push(format!("{place} has no `{key}`")),
+                    }
+                }
+                true
+            }
+            // With `properties`, above.
+            "additionalProperties" => *rule == Value::Bool(false),
+            "required" => rule
+                .as_array()
+                .unwrap()
+                .iter()
+                .all(|key| document.get(key.as_str().unwrap()).is_some()),
+            "minimum" => number.is_none_or(|x| x >= bound()),
+            "exclusiveMinimum" => number.is_none_or(|x| x > bound()),
+            "exclusiveMaximum" => number.is_none_or(|x| x < bound()),
+            "minItems" => size(length).is_none_or(|n| n >= bound()),
+            "maxItems" => size(length).is_none_or(|n| n <= bound()),
+            "minLength" => document.as_str().is_none_or(|text| text.len() as f64 >= bound()),
+            "minProperties" => document.as_object().is_none_or(|o| o.len() as f64 >= bound()),
+            "maxProperties" => document.as_object().is_none_or(|o| o.len() as f64 <= bound()),
+            other => panic!("the keyword {other}"),
+        };
+        if !holds {
+            found.push(format!("{place}: {keyword} {rule}"));
+        }
+    }
+    found
+}
+
+fn complaints_about(text: &str) -> Vec<String> {
+    let document: toml::Value = toml::from_str(text).unwrap();
+    let schema = schema();
+    complaints(&schema, &schema, &serde_json::to_value(document).unwrap(), "scene")
+}
+
+#[test]
+fn every_shipped_scene_names_the_schema_and_keeps_to_it() {
+    let scenes = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut count = 0;
+    for entry in fs::read_dir(&scenes).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        let first = text.lines().next().unwrap().strip_prefix("#:schema ");
+        let named = first.map(|name| scenes.join(name).canonicalize().unwrap());
+        let own = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scene.schema.json");
+        assert_eq!(named, Some(own.canonicalize().unwrap()), "{}", path.display());
+        assert_eq!(complaints_about(&text), [""; 0], "{}", path.display());
+        count += 1;
+    }
+    assert!(count >= 6);
+}
+
+#[test]
+fn the_schema_objects_to_what_the_reader_refuses() {
+    let scene = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n";
+    assert_eq!(complaints_about(scene), [""; 0]);
+    for (wrong, complaint) in [
+        ("tolerence = 1e-3", "scene has no `tolerence`"),
+        ("springs = [{ between = [\"a\"], stiffness = 1 }]", "minItems"),
+        ("springs = [{ between = [\"a\", \"b\"] }]", "required"),
+        ("observables = [\"enrgy\"]", "anyOf"),
+        ("observables = [{ position = \"a\", velocity = \"a\" }]", "anyOf"),
+        ("view = [1, 2, 3, 4]", "maxItems"),
+        ("tolerance = 1", "exclusiveMaximum"),
+        ("uniform_gravity = { acceleration = \"down\" }", "type"),
+    ] {
+        let found = complaints_about(&format!("{scene}{wrong}"));
+        assert!(found.iter().any(|text| text.contains(complaint)), "{wrong}: {found:?}");
+        assert!(Scene::parse("a.toml", &format!("{scene}{wrong}")).is_err(), "{wrong}");
+    }
+}
