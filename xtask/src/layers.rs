@@ -20,7 +20,16 @@ pub use tree::check_tree;
 /// Outside packages that a crate may use, besides those it declares for its tests and benches. A
 /// crate that is not in the table is a tool and may use any; a library crate must be in it.
 const ALLOWED: &[(&str, &[Outside])] = &[
-    ("calculus", &[Always("nalgebra"), Always("num-dual"), Always("thiserror"), Optional("faer")]),
+    (
+        "calculus",
+        &[
+            Always("nalgebra"),
+            Always("num-dual"),
+            Always("thiserror"),
+            Optional("faer"),
+            Optional("rayon"),
+        ],
+    ),
     (
         "mesh",
         &[

@@ -69,6 +69,25 @@ pub trait HessianSolver {
     fn solve(&mut self, r: &mut [f64]);
 }
 
+impl<S: HessianSolver> HessianSolver for &mut S {
+    #[inline]
+    fn factor_weighted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable> {
+        (**self).factor_weighted(m, metric, a, potential, q)
+    }
+
+    #[inline]
+    fn solve(&mut self, r: &mut [f64]) {
+        (**self).solve(r);
+    }
+}
+
 /// Shifts by the mass that a ladder tries before it gives the rung up.
 pub(crate) const SHIFTS: u32 = 8;
 

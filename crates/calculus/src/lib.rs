@@ -45,6 +45,8 @@ mod metric;
 mod eigen;
 mod potential;
 mod sink;
+mod parts;
+mod scaled;
 mod stencil;
 mod automatic;
 mod check;
@@ -92,13 +94,15 @@ pub use least_norm::{LeastNorm, LeastNormError, least_norm};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
 pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport};
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
+pub use parts::{Parts, in_parts, side_by_side};
 pub use potential::Potential;
 pub use random::SplitMix64;
+pub use scaled::Scaled;
 pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 #[cfg(feature = "sparse")]
 pub use sparse::{
-    ConjugateGradient, ConjugateGradientReport, Inertia, JacobianEntries, Ladder, Ordering,
+    ConjugateGradient, ConjugateGradientReport, Inertia, IterativeSolver, JacobianEntries, Ladder, Ordering,
     PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation, SparseError,
     SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
 };

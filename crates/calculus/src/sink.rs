@@ -5,7 +5,12 @@
 //! ```
 //! A potential knows its blocks, a sink what becomes of them: a dense matrix ([`DenseSink`]), a
 //! product with a vector without any matrix ([`ProductSink`]), a sparsity pattern or stored values
-//! (feature `sparse`). No sink ever sees the selection matrices.
+//! (feature `sparse`). No sink ever sees the selection matrices. Blocks between whole vertices
+//! ([`Sink::add_vertices`]) are stored with less, and blocks that come in [`Parts`] are computed side
+//! by side.
+
+use crate::parts::{Parts, in_parts};
+use crate::StencilHessian;
 
 /// In a block's list of freedoms: this one is held fixed, its row and column are dropped.
 pub const FIXED: usize = usize::MAX;
@@ -18,6 +23,43 @@ pub trait Sink {
     /// Both triangles must be filled: each sink reads the one that it needs, and the checks of
     /// this crate compare the two.
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]);
+
+    /// Adds a symmetric block between `V` vertices of `D` freedoms each, [`FIXED`] where they are
+    /// held: `entry([a, c], [b, d])` in the row of component c of vertex a and the column of
+    /// component d of vertex b.
+    ///
+    /// The same as [`Sink::add_symmetric`], which it falls back to; a sink that stores places needs
+    /// one for each pair of vertices instead of one for each entry. It may ask for any entry, or for
+    /// one of each symmetric pair only.
+    #[inline]
+    fn add_vertices<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+    ) {
+        let mut block: StencilHessian<V, D> = [[[[0.0; D]; V]; D]; V];
+        for (b, columns) in block.iter_mut().enumerate() {
+            for (d, column) in columns.iter_mut().enumerate() {
+                for (a, rows) in column.iter_mut().enumerate() {
+                    for (c, row) in rows.iter_mut().enumerate() {
+                        *row = entry([a, c], [b, d]);
+                    }
+                }
+            }
+        }
+        let block = block.as_flattened().as_flattened().as_flattened();
+        self.add_symmetric(freedoms.as_flattened(), block);
+    }
+
+    /// Adds the blocks of all parts: one part after the other, or side by side where the sink can be
+    /// divided. Either way the sums are the same to the last bit.
+    #[inline]
+    fn add_parts(&mut self, parts: &impl Parts)
+    where
+        Self: Sized,
+    {
+        parts.visit_all(self);
+    }
 }
 
 /// Adds `scale` times what it is given into a dense n x n matrix by columns, both triangles.
@@ -54,12 +96,14 @@ pub struct ProductSink<'a> {
     scale: f64,
     x: &'a [f64],
     y: &'a mut [f64],
+    /// The freedom of y's first entry: a part of the product knows no others.
+    first: usize,
 }
 
 impl<'a> ProductSink<'a> {
     /// `x` and `y` of the same length, or there is no sink.
     pub fn new(scale: f64, x: &'a [f64], y: &'a mut [f64]) -> Option<Self> {
-        (x.len() == y.len()).then_some(ProductSink { scale, x, y })
+        (x.len() == y.len()).then_some(ProductSink { scale, x, y, first: 0 })
     }
 }
 
@@ -72,11 +116,24 @@ impl Sink for ProductSink<'_> {
             }
             let x = self.scale * self.x[j];
             for (&i, entry) in freedoms.iter().zip(column) {
-                if i != FIXED {
-                    self.y[i] += entry * x;
+                // Neither a fixed freedom nor one of another part has a place here.
+                if let Some(y) = self.y.get_mut(i.wrapping_sub(self.first)) {
+                    *y += entry * x;
                 }
             }
         }
+    }
+
+    fn add_parts(&mut self, parts: &impl Parts) {
+        let (scale, x, bounds) = (self.scale, self.x, parts.bounds());
+        let known = bounds.last().is_some_and(|&last| last <= self.y.len());
+        if !known || self.y.len() < x.len() || bounds.len() < 3 {
+            return parts.visit_all(self);
+        }
+        let cut = |bound: usize| bound;
+        in_parts(bounds, self.y, &cut, &|part, first, y: &mut [f64]| {
+            parts.visit(part, &mut ProductSink { scale, x, y, first });
+        });
     }
 }
 

@@ -133,8 +133,7 @@ impl<S: Stencil<V, D>, const V: usize, const D: usize> Potential for Stencils<S,
                     if vertex < self.free { D * vertex + c } else { FIXED }
                 })
             });
-            let block = block.as_flattened().as_flattened().as_flattened();
-            hessian.add_symmetric(freedoms.as_flattened(), block);
+            hessian.add_vertices(&freedoms, |[a, c], [b, d]| block[b][d][a][c]);
         }
     }
 }

@@ -14,7 +14,7 @@ use stationary_calculus::Number;
 use crate::{FullTangent, Material, Real};
 
 /// An energy density of one's own.
-pub trait Density<const D: usize, const R: usize>: Copy {
+pub trait Density<const D: usize, const R: usize>: Copy + Send + Sync {
     /// `W(F)`, J/m^3, of F by columns.
     fn density<N: Number>(&self, f: [[N; D]; R]) -> N;
 }

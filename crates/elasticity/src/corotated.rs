@@ -12,7 +12,7 @@
 //! Source: Stomakhin, Howes, Schroeder and Teran, Energetically Consistent Invertible Elasticity
 //! (2012).
 
-use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
+use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, others, pairs};
 use crate::singular::singular;
 use crate::tensor::{cofactor, determinant, inner};
 use crate::{ElasticityError, Lame, Material, Real};
@@ -37,16 +37,14 @@ impl<const D: usize> FixedCorotated<D> {
         self.lame
     }
 
-    /// `F - R`, in each lane.
+    /// `F - R`.
+    #[inline(always)]
     fn beyond_rotation<T: Real>(f: &[[T; D]; D]) -> [[T; D]; D] {
+        let rotation = singular(f).rotation();
         let mut difference = *f;
-        for lane in 0..T::WIDTH {
-            let numbers = f.map(|column| column.map(|entry| entry.lane(lane)));
-            let rotation = singular(&numbers).rotation();
-            for k in 0..D {
-                for i in 0..D {
-                    difference[k][i].set_lane(lane, numbers[k][i] - rotation[k][i]);
-                }
+        for k in 0..D {
+            for i in 0..D {
+                difference[k][i] = f[k][i] - rotation[k][i];
             }
         }
         difference
@@ -84,23 +82,22 @@ impl<const D: usize> Material<D, D> for FixedCorotated<D> {
 }
 
 impl<const D: usize> Isotropic<D> for FixedCorotated<D> {
-    fn curvature(&self, s: &[f64; D]) -> PrincipalCurvature<D> {
-        let (lambda, mu) = (self.lame.lambda(), self.lame.mu());
-        let pressure = lambda * (s.iter().product::<f64>() - 1.0);
-        let without = |left_out: &[usize]| -> f64 {
-            (0..D).filter(|k| !left_out.contains(k)).map(|k| s[k]).product()
-        };
+    #[inline(always)]
+    fn curvature<T: Real>(&self, s: &[T; D]) -> PrincipalCurvature<T, D> {
+        let (lambda, twice) = (self.lame.lambda(), T::splat(2.0 * self.lame.mu()));
+        let pressure = (others(s, [D; 2]) + T::splat(-1.0)) * lambda;
         let scaling = pairs(|i, j| {
-            let volume = lambda * without(&[i]) * without(&[j]);
-            volume + if i == j { 2.0 * mu } else { pressure * without(&[i, j]) }
+            let volume = others(s, [i, i]) * others(s, [j, j]) * lambda;
+            volume + if i == j { twice } else { pressure * others(s, [i, j]) }
         });
         PrincipalCurvature {
             scaling,
             twist: pairs(|i, j| {
-                2.0 * mu * (1.0 - 2.0 / (s[i] + s[j])) + pressure * without(&[i, j])
+                let turn = twice * (s[i] + s[j]).reciprocal() * 2.0;
+                pressure.multiply_add(others(s, [i, j]), twice - turn)
             }),
-            flip: pairs(|i, j| 2.0 * mu - pressure * without(&[i, j])),
-            normal: [0.0; D],
+            flip: pairs(|i, j| twice - pressure * others(s, [i, j])),
+            normal: [T::splat(0.0); D],
         }
     }
 }

@@ -133,9 +133,15 @@ pub enum ElasticityError {
         /// The vertex.
         vertex: usize,
     },
-    /// A body that may still move as a whole.
-    #[error("{count} rigid motions are free: {names}")]
+    /// A body, or a piece of it, that may still move as a whole.
+    #[error("{count} rigid motions are free: {names}{}", of_piece(*piece, *pieces, *vertex))]
     RigidMotions {
+        /// The first piece that moves, from 1, in the order of their first vertices.
+        piece: usize,
+        /// How many pieces there are, which no element joins.
+        pieces: usize,
+        /// The piece's first vertex.
+        vertex: usize,
         /// How many independent ones.
         count: usize,
         /// Translations and rotations by name.
@@ -169,4 +175,12 @@ pub enum ElasticityError {
     /// A sparse matrix that cannot be assembled or factored.
     #[error(transparent)]
     Sparse(#[from] SparseError),
+}
+
+/// Which of several pieces is meant.
+fn of_piece(piece: usize, pieces: usize, vertex: usize) -> String {
+    match pieces {
+        1 => String::new(),
+        _ => format!("; piece {piece} of {pieces}, that of vertex {vertex}"),
+    }
 }

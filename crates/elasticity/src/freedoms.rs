@@ -111,6 +111,11 @@ impl<const D: usize> Freedoms<D> {
         Ok(())
     }
 
+    /// The same numbering, of velocities: those of held coordinates are zero.
+    pub(crate) fn resting(&self) -> Self {
+        Freedoms { places: vec![0.0; self.places.len()], ..self.clone() }
+    }
+
     /// The freedoms of a vertex; [`FIXED`] where it is held.
     pub fn of(&self, vertex: usize) -> [usize; D] {
         self.freedoms(self.numbering.starts[vertex])
@@ -189,6 +194,32 @@ impl<const D: usize> Freedoms<D> {
         for (coordinate, part) in self.numbering.mixed[start - self.free].iter().zip(part) {
             if let Coordinate::Free(freedom) = coordinate {
                 dv[*freedom as usize] += part;
+            }
+        }
+    }
+
+    /// Adds to those free components of which `dv`, from the freedom `first` on, holds the sums.
+    #[inline(always)]
+    pub(crate) fn add_within(&self, start: u32, part: &[f64; D], first: usize, dv: &mut [f64]) {
+        let start = start as usize;
+        if start >= self.free {
+            return self.add_mixed_within(start, part, first, dv);
+        }
+        let start = start.wrapping_sub(first);
+        if let Some(sum) = dv.get_mut(start..start.wrapping_add(D)) {
+            for c in 0..D {
+                sum[c] += part[c];
+            }
+        }
+    }
+
+    #[cold]
+    fn add_mixed_within(&self, start: usize, part: &[f64; D], first: usize, dv: &mut [f64]) {
+        for (coordinate, part) in self.numbering.mixed[start - self.free].iter().zip(part) {
+            if let Coordinate::Free(freedom) = coordinate
+                && let Some(sum) = dv.get_mut((*freedom as usize).wrapping_sub(first))
+            {
+                *sum += part;
             }
         }
     }

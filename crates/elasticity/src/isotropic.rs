@@ -22,37 +22,60 @@ use crate::{Real, Tangent};
 /// A material whose energy depends on the stretches only, not on their directions.
 pub(crate) trait Isotropic<const R: usize> {
     /// The second derivative at these principal stretches.
-    fn curvature(&self, s: &[f64; R]) -> PrincipalCurvature<R>;
+    fn curvature<T: Real>(&self, s: &[T; R]) -> PrincipalCurvature<T, R>;
 }
 
 /// The second derivative in the frame of the principal stretches, Pa. Twist and flip are symmetric
 /// in their indices; their diagonals are not read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PrincipalCurvature<const R: usize> {
-    pub(crate) scaling: [[f64; R]; R],
-    pub(crate) twist: [[f64; R]; R],
-    pub(crate) flip: [[f64; R]; R],
-    pub(crate) normal: [f64; R],
+pub(crate) struct PrincipalCurvature<T, const R: usize> {
+    pub(crate) scaling: [[T; R]; R],
+    pub(crate) twist: [[T; R]; R],
+    pub(crate) flip: [[T; R]; R],
+    pub(crate) normal: [T; R],
 }
 
 /// A symmetric table of what a function says of each pair.
-pub(crate) fn pairs<const R: usize>(of: impl Fn(usize, usize) -> f64) -> [[f64; R]; R] {
-    std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
+#[inline(always)]
+pub(crate) fn pairs<T: Real, const R: usize>(of: impl Fn(usize, usize) -> T) -> [[T; R]; R] {
+    let mut table = [[T::splat(0.0); R]; R];
+    for i in 0..R {
+        for j in 0..=i {
+            table[i][j] = of(i, j);
+            table[j][i] = table[i][j];
+        }
+    }
+    table
 }
 
-impl<const R: usize> PrincipalCurvature<R> {
+/// The product of the stretches but for two, or one where both are the same.
+#[inline(always)]
+pub(crate) fn others<T: Real, const R: usize>(s: &[T; R], left_out: [usize; 2]) -> T {
+    let mut product = T::splat(1.0);
+    for k in 0..R {
+        if k != left_out[0] && k != left_out[1] {
+            product = product * s[k];
+        }
+    }
+    product
+}
+
+impl<T: Real, const R: usize> PrincipalCurvature<T, R> {
     /// The nearest positive semidefinite one.
+    #[inline(always)]
     fn projected(&self) -> Self {
-        let floor = |x: f64| if x < 0.0 { 0.0 } else { x };
-        let nearest = || {
+        let floor = |row: [T; R]| row.map(T::positive_part);
+        let scaling = if is_positive(&self.scaling) {
+            self.scaling
+        } else {
             let (values, vectors) = symmetric_eigen(&self.scaling);
-            spectral(&vectors, &values.map(floor))
+            spectral(&vectors, &floor(values))
         };
         PrincipalCurvature {
-            scaling: if is_positive(&self.scaling) { self.scaling } else { nearest() },
-            twist: self.twist.map(|row| row.map(floor)),
-            flip: self.flip.map(|row| row.map(floor)),
-            normal: self.normal.map(floor),
+            scaling,
+            twist: self.twist.map(floor),
+            flip: self.flip.map(floor),
+            normal: floor(self.normal),
         }
     }
 }
@@ -71,49 +94,40 @@ pub struct PrincipalTangent<T, const D: usize, const R: usize> {
 
 impl<T: Real, const D: usize, const R: usize> PrincipalTangent<T, D, R> {
     /// The second derivative itself.
+    #[inline(always)]
     pub(crate) fn exact(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
         PrincipalTangent::new(f, weight, |s| material.curvature(s))
     }
 
     /// Its nearest positive semidefinite neighbour.
+    #[inline(always)]
     pub(crate) fn semidefinite(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
         PrincipalTangent::new(f, weight, |s| material.curvature(s).projected())
     }
 
+    #[inline(always)]
     fn new(
         f: &[[T; D]; R],
         weight: T,
-        curvature: impl Fn(&[f64; R]) -> PrincipalCurvature<R>,
+        curvature: impl Fn(&[T; R]) -> PrincipalCurvature<T, R>,
     ) -> Self {
-        let (zero, zeros) = (T::splat(0.0), [[T::splat(0.0); R]; R]);
-        let mut tangent = PrincipalTangent {
-            left: [[zero; D]; R],
-            right: zeros,
-            scaling: zeros,
-            along: zeros,
-            across: zeros,
-            normal: [zero; R],
+        let frame = singular(f);
+        let c = curvature(&frame.values);
+        let half = |sign: f64| {
+            pairs(|i, j| (c.flip[i][j] + c.twist[i][j] * sign) * 0.5)
         };
-        for lane in 0..T::WIDTH {
-            let frame = singular(&f.map(|column| column.map(|entry| entry.lane(lane))));
-            let c = curvature(&frame.values);
-            for i in 0..R {
-                for j in 0..R {
-                    let (flip, twist) = (c.flip[i][j], c.twist[i][j]);
-                    tangent.right[i][j].set_lane(lane, frame.right[i][j]);
-                    tangent.scaling[i][j].set_lane(lane, c.scaling[i][j]);
-                    tangent.along[i][j].set_lane(lane, 0.5 * (flip + twist));
-                    tangent.across[i][j].set_lane(lane, 0.5 * (flip - twist));
-                }
-                for d in 0..D {
-                    tangent.left[i][d].set_lane(lane, frame.left[i][d]);
-                }
-                tangent.normal[i].set_lane(lane, c.normal[i]);
-            }
-        }
+        let tangent = PrincipalTangent {
+            left: frame.left,
+            right: frame.right,
+            scaling: c.scaling,
+            along: half(1.0),
+            across: half(-1.0),
+            normal: c.normal,
+        };
         tangent.weighted(weight)
     }
 
+    #[inline(always)]
     fn weighted(mut self, weight: T) -> Self {
         for table in [&mut self.scaling, &mut self.along, &mut self.across] {
             *table = table.map(|row| row.map(|entry| entry * weight));

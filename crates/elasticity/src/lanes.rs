@@ -37,6 +37,26 @@ pub trait Real:
     #[must_use]
     fn reciprocal(self) -> Self;
 
+    /// The square root.
+    #[must_use]
+    fn square_root(self) -> Self;
+
+    /// Its absolute value.
+    #[must_use]
+    fn magnitude(self) -> Self;
+
+    /// The same with its sign turned where the other is negative.
+    #[must_use]
+    fn signed_by(self, other: Self) -> Self;
+
+    /// The larger of the two; the other where one is NaN.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
+
+    /// Zero where it is negative.
+    #[must_use]
+    fn positive_part(self) -> Self;
+
     /// A function of plain numbers, applied to one element after the other.
     #[must_use]
     fn each<const I: usize, const O: usize>(
@@ -58,6 +78,13 @@ pub trait Real:
     fn all(self, holds: impl Fn(f64) -> bool) -> bool {
         (0..Self::WIDTH).all(|lane| holds(self.lane(lane)))
     }
+
+    /// Whether a statement holds of some element's number.
+    #[inline(always)]
+    fn any(self, holds: impl Fn(f64) -> bool) -> bool {
+        // Without a branch for each of them.
+        (0..Self::WIDTH).fold(false, |any, lane| any | holds(self.lane(lane)))
+    }
 }
 
 mod sealed {
@@ -76,6 +103,17 @@ fn fused(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
 }
 
+#[inline(always)]
+fn signed_by(x: f64, other: f64) -> f64 {
+    f64::from_bits(x.to_bits() ^ (other.to_bits() & (1 << 63)))
+}
+
+/// NaN stays NaN.
+#[inline(always)]
+fn positive_part(x: f64) -> f64 {
+    if x < 0.0 { 0.0 } else { x }
+}
+
 impl Real for f64 {
     #[inline(always)]
     fn splat(number: f64) -> Self {
@@ -90,6 +128,31 @@ impl Real for f64 {
     #[inline(always)]
     fn reciprocal(self) -> Self {
         self.recip()
+    }
+
+    #[inline(always)]
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn signed_by(self, other: Self) -> Self {
+        signed_by(self, other)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.max(other)
+    }
+
+    #[inline(always)]
+    fn positive_part(self) -> Self {
+        positive_part(self)
     }
 
     #[inline(always)]
@@ -138,6 +201,39 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
+    fn square_root(self) -> Self {
+        self.lanewise(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        self.lanewise(f64::abs)
+    }
+
+    #[inline(always)]
+    fn signed_by(self, other: Self) -> Self {
+        let mut result = self.0;
+        for (result, other) in result.iter_mut().zip(other.0) {
+            *result = signed_by(*result, other);
+        }
+        Lanes(result)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let mut result = self.0;
+        for (result, other) in result.iter_mut().zip(other.0) {
+            *result = result.max(other);
+        }
+        Lanes(result)
+    }
+
+    #[inline(always)]
+    fn positive_part(self) -> Self {
+        self.lanewise(positive_part)
+    }
+
+    #[inline(always)]
     fn each<const I: usize, const O: usize>(
         inputs: &[Self; I],
         f: impl Fn(&[f64; I]) -> [f64; O],
@@ -162,6 +258,16 @@ impl Real for Lanes {
     #[inline(always)]
     fn set_lane(&mut self, lane: usize, number: f64) {
         self.0[lane] = number;
+    }
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn lanewise(mut self, f: impl Fn(f64) -> f64) -> Self {
+        for number in &mut self.0 {
+            *number = f(*number);
+        }
+        self
     }
 }
 
@@ -220,6 +326,7 @@ mod tests {
     fn polynomial<T: Real>(x: T, y: T) -> T {
         (-x).multiply_add(y, x * 3.0) - T::splat(0.5) * y
             + T::each(&[x, y], |[x, y]| [x.atan2(*y)])[0]
+            + x.magnitude().square_root().signed_by(y) * x.larger(y).positive_part()
     }
 
     #[test]

@@ -16,7 +16,7 @@
 use crate::Real;
 
 /// A hyperelastic material of bodies of `R` dimensions in `D`.
-pub trait Material<const D: usize, const R: usize>: Copy {
+pub trait Material<const D: usize, const R: usize>: Copy + Send + Sync {
     /// The second derivative at one F.
     type Tangent<T: Real>: Tangent<T, D, R>;
     /// Its nearest positive semidefinite neighbour.

@@ -117,23 +117,22 @@ impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R>
 
 impl<const R: usize> Isotropic<R> for SaintVenantKirchhoff<R> {
     /// `W = mu sum e_i^2 + lambda/2 (sum e_i)^2` with `e_i = (s_i^2 - 1)/2`.
-    fn curvature(&self, s: &[f64; R]) -> PrincipalCurvature<R> {
+    #[inline(always)]
+    fn curvature<T: Real>(&self, s: &[T; R]) -> PrincipalCurvature<T, R> {
         let (lambda, mu) = (self.lame.lambda(), self.lame.mu());
-        let pressure = lambda * s.iter().map(|s| 0.5 * (s * s - 1.0)).sum::<f64>();
-        let scaling = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let own = pressure + mu * (3.0 * s[i] * s[i] - 1.0);
-                lambda * s[i] * s[j] + if i == j { own } else { 0.0 }
-            })
+        let pressure = (dot(s, s) + T::splat(-(R as f64))) * (0.5 * lambda);
+        // pressure + mu (x - 1), zero at rest to the last bit.
+        let beyond = |x: T| (x + T::splat(-1.0)).multiply_add(T::splat(mu), pressure);
+        let scaling = pairs(|i, j| {
+            let spread = s[i] * s[j] * lambda;
+            if i == j { spread + beyond(s[i] * s[i] * 3.0) } else { spread }
         });
-        let pair = |i: usize, j: usize, sign: f64| {
-            pressure + mu * (s[i] * s[i] + sign * s[i] * s[j] + s[j] * s[j] - 1.0)
-        };
+        let squares = |i: usize, j: usize| s[i].multiply_add(s[i], s[j] * s[j]);
         PrincipalCurvature {
             scaling,
-            twist: pairs(|i, j| pair(i, j, -1.0)),
-            flip: pairs(|i, j| pair(i, j, 1.0)),
-            normal: s.map(|s| pressure + mu * (s * s - 1.0)),
+            twist: pairs(|i, j| beyond(squares(i, j) - s[i] * s[j])),
+            flip: pairs(|i, j| beyond(squares(i, j) + s[i] * s[j])),
+            normal: s.map(|s| beyond(s * s)),
         }
     }
 }

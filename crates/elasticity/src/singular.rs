@@ -6,9 +6,11 @@
 //! S = Q diag(l) Q^T         S symmetric R x R
 //! ```
 //! By Jacobi's rotations of pairs of columns, which find small singular values to full relative
-//! accuracy. The number of sweeps is bounded; four or five are the rule. What is not finite comes
-//! out as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
+//! accuracy; four elements side by side are rotated together until all of them are done. The number of
+//! sweeps is bounded; four or five are the rule. What is not finite comes out as NaN. Source: Hestenes
+//! (1958); Demmel and Veselic (1992).
 
+use crate::Real;
 use crate::tensor::{determinant, dot};
 
 /// More sweeps than any finite matrix of three columns needs.
@@ -16,52 +18,82 @@ const SWEEPS: usize = 30;
 
 /// A matrix as two frames and the stretches between them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Singular<const D: usize, const R: usize> {
+pub(crate) struct Singular<T, const D: usize, const R: usize> {
     /// The columns `u_k`.
-    pub(crate) left: [[f64; D]; R],
+    pub(crate) left: [[T; D]; R],
     /// The stretches `s_k`.
-    pub(crate) values: [f64; R],
+    pub(crate) values: [T; R],
     /// The columns `v_k`.
-    pub(crate) right: [[f64; R]; R],
+    pub(crate) right: [[T; R]; R],
 }
 
 /// Cosine and sine of the rotation that makes a 2 x 2 symmetric matrix `[a b; b c]` diagonal.
-#[inline]
-fn rotation(a: f64, b: f64, c: f64) -> (f64, f64) {
-    let ratio = (c - a) / (2.0 * b);
-    // Where the square overflows, the tangent is zero, and right to rounding.
-    let tangent = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
-    let cosine = (1.0 + tangent * tangent).sqrt().recip();
+#[inline(always)]
+fn rotation<T: Real>(a: T, b: T, c: T) -> (T, T) {
+    let (gap, twice) = (c - a, b + b);
+    let size = gap.multiply_add(gap, twice * twice).square_root();
+    // The smallest number keeps zero over zero out: nothing is rotated where b is zero.
+    let whole = gap.magnitude() + size + T::splat(f64::MIN_POSITIVE);
+    let tangent = (twice * whole.reciprocal()).signed_by(gap);
+    let cosine = tangent.multiply_add(tangent, T::splat(1.0)).square_root().reciprocal();
     (cosine, cosine * tangent)
 }
 
-#[inline]
-fn rotate<const D: usize, const R: usize>(
-    columns: &mut [[f64; D]; R],
+#[inline(always)]
+fn rotate<T: Real, const D: usize, const R: usize>(
+    columns: &mut [[T; D]; R],
     (p, q): (usize, usize),
-    (cosine, sine): (f64, f64),
+    (cosine, sine): (T, T),
 ) {
     for i in 0..D {
         let (x, y) = (columns[p][i], columns[q][i]);
-        columns[p][i] = cosine * x - sine * y;
-        columns[q][i] = sine * x + cosine * y;
+        columns[p][i] = cosine.multiply_add(x, -(sine * y));
+        columns[q][i] = sine.multiply_add(x, cosine * y);
     }
 }
 
-fn identity<const R: usize>() -> [[f64; R]; R] {
-    std::array::from_fn(|k| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }))
+#[inline(always)]
+fn identity<T: Real, const R: usize>() -> [[T; R]; R] {
+    let mut columns = [[T::splat(0.0); R]; R];
+    for (k, column) in columns.iter_mut().enumerate() {
+        column[k] = T::splat(1.0);
+    }
+    columns
+}
+
+/// Powers of two that bring the largest entries to between one and two: their squares neither
+/// overflow nor vanish, and no digit is lost.
+#[inline(always)]
+fn size<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> T {
+    const EXPONENT: u64 = 0x7ff << 52;
+    let mut largest = T::splat(0.0);
+    for entry in f.as_flattened() {
+        largest = largest.larger(entry.magnitude());
+    }
+    let [size] = T::each(&[largest], |[x]| {
+        let power = f64::from_bits(x.to_bits() & EXPONENT);
+        [if power > 0.0 { power } else { 1.0 }]
+    });
+    size
 }
 
 /// The singular values of `f` and their frames.
-pub(crate) fn singular<const D: usize, const R: usize>(f: &[[f64; D]; R]) -> Singular<D, R> {
-    let (mut columns, mut right) = (*f, identity::<R>());
+#[inline]
+pub(crate) fn singular<T: Real, const D: usize, const R: usize>(
+    f: &[[T; D]; R],
+) -> Singular<T, D, R> {
+    const CLOSE: f64 = f64::EPSILON * f64::EPSILON;
+    let size = size(f);
+    let (mut columns, mut right) = (crate::tensor::scaled(f, size.reciprocal()), identity());
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..R {
             for q in p + 1..R {
                 let (a, c) = (dot(&columns[p], &columns[p]), dot(&columns[q], &columns[q]));
                 let b = dot(&columns[p], &columns[q]);
-                if b.abs() > f64::EPSILON * (a * c).sqrt() {
+                let excess = b * b - a * c * CLOSE;
+                // False of NaN too: nothing helps it.
+                if excess.any(|x| x > 0.0) {
                     rotated = true;
                     let turn = rotation(a, b, c);
                     rotate(&mut columns, (p, q), turn);
@@ -73,105 +105,181 @@ pub(crate) fn singular<const D: usize, const R: usize>(f: &[[f64; D]; R]) -> Sin
             break;
         }
     }
-    let values = columns.map(|column| dot(&column, &column).sqrt());
+    let mut values = [size; R];
+    for k in 0..R {
+        values[k] = dot(&columns[k], &columns[k]).square_root();
+    }
     let mut result = Singular { left: columns, values, right };
     result.normalize();
+    for value in &mut result.values {
+        *value = *value * size;
+    }
     result
 }
 
-impl<const D: usize, const R: usize> Singular<D, R> {
+impl<T: Real, const D: usize, const R: usize> Singular<T, D, R> {
+    #[inline(always)]
     fn normalize(&mut self) {
-        for k in 0..R {
-            let length = self.values[k];
-            if length > f64::MIN_POSITIVE {
-                self.left[k] = self.left[k].map(|x| x / length);
+        if self.values.iter().all(|value| value.all(|s| !(s <= f64::MIN_POSITIVE))) {
+            for k in 0..R {
+                let inverse = self.values[k].reciprocal();
+                for entry in &mut self.left[k] {
+                    *entry = *entry * inverse;
+                }
+            }
+        } else {
+            self.normalize_degenerate();
+        }
+        if D != R {
+            return;
+        }
+        // V is a product of rotations: only U may be a reflection.
+        let volume = square_determinant(&self.left);
+        if volume.any(|x| x < 0.0) {
+            for lane in 0..T::WIDTH {
+                if volume.lane(lane) < 0.0 {
+                    self.reflect(lane);
+                }
             }
         }
-        for k in 0..R {
-            if self.values[k] <= f64::MIN_POSITIVE {
-                self.left[k] = self.completed(k);
-            }
-        }
+    }
+
+    /// Turns the direction of the least stretch around.
+    fn reflect(&mut self, lane: usize) {
         let mut least = 0;
         for k in 1..R {
-            if self.values[k] < self.values[least] {
+            if self.values[k].lane(lane) < self.values[least].lane(lane) {
                 least = k;
             }
         }
-        // V is a product of rotations: only U may be a reflection.
-        if D == R && square_determinant(&self.left) < 0.0 {
-            self.left[least] = self.left[least].map(|x| -x);
-            self.values[least] = -self.values[least];
+        for entry in self.left[least].iter_mut().chain([&mut self.values[least]]) {
+            entry.set_lane(lane, -entry.lane(lane));
         }
     }
 
-    /// A unit vector at right angles to the columns that are known: those before k, and those of
-    /// positive stretch.
-    fn completed(&self, k: usize) -> [f64; D] {
-        let known =
-            |other: &usize| *other != k && (*other < k || self.values[*other] > f64::MIN_POSITIVE);
-        let mut best = ([0.0; D], 0.0);
-        for axis in 0..D {
-            let mut candidate = [0.0; D];
-            candidate[axis] = 1.0;
-            for other in (0..R).filter(known) {
-                let along = dot(&candidate, &self.left[other]);
-                for i in 0..D {
-                    candidate[i] -= along * self.left[other][i];
+    /// The same where some stretch vanishes and leaves its direction open.
+    #[cold]
+    fn normalize_degenerate(&mut self) {
+        for lane in 0..T::WIDTH {
+            let values = self.values.map(|value| value.lane(lane));
+            let mut left = self.left.map(|column| column.map(|entry| entry.lane(lane)));
+            for k in 0..R {
+                if !(values[k] <= f64::MIN_POSITIVE) {
+                    left[k] = left[k].map(|x| x / values[k]);
                 }
             }
-            let length = dot(&candidate, &candidate).sqrt();
-            if length > best.1 {
-                best = (candidate.map(|x| x / length), length);
+            for k in 0..R {
+                if values[k] <= f64::MIN_POSITIVE {
+                    left[k] = completed(&left, &values, k);
+                }
+            }
+            for (column, numbers) in self.left.iter_mut().zip(left) {
+                for (entry, number) in column.iter_mut().zip(numbers) {
+                    entry.set_lane(lane, number);
+                }
             }
         }
-        best.0
     }
 
     /// The rotation nearest to F, `U V^T`, by columns.
-    pub(crate) fn rotation(&self) -> [[f64; D]; R] {
-        std::array::from_fn(|k| {
-            std::array::from_fn(|i| (0..R).map(|m| self.left[m][i] * self.right[m][k]).sum())
-        })
+    #[inline(always)]
+    pub(crate) fn rotation(&self) -> [[T; D]; R] {
+        let mut rotation = self.left;
+        for k in 0..R {
+            for i in 0..D {
+                let mut sum = self.left[0][i] * self.right[0][k];
+                for m in 1..R {
+                    sum = self.left[m][i].multiply_add(self.right[m][k], sum);
+                }
+                rotation[k][i] = sum;
+            }
+        }
+        rotation
     }
+}
 
+impl<const D: usize, const R: usize> Singular<f64, D, R> {
     /// `V diag(g(s)) V^T`, by columns: the strain of a measure of stretch.
     pub(crate) fn spectral(&self, g: impl Fn(f64) -> f64) -> [[f64; R]; R] {
         spectral(&self.right, &self.values.map(g))
     }
 }
 
+/// A unit vector at right angles to the columns that are known: those before k, and those of positive
+/// stretch.
+fn completed<const D: usize, const R: usize>(
+    left: &[[f64; D]; R],
+    values: &[f64; R],
+    k: usize,
+) -> [f64; D] {
+    let known = |other: &usize| *other != k && (*other < k || values[*other] > f64::MIN_POSITIVE);
+    let mut best = ([0.0; D], 0.0);
+    for axis in 0..D {
+        let mut candidate = [0.0; D];
+        candidate[axis] = 1.0;
+        for other in (0..R).filter(known) {
+            let along = dot(&candidate, &left[other]);
+            for i in 0..D {
+                candidate[i] -= along * left[other][i];
+            }
+        }
+        let length = dot(&candidate, &candidate).sqrt();
+        if length > best.1 {
+            best = (candidate.map(|x| x / length), length);
+        }
+    }
+    best.0
+}
+
 /// The determinant where the matrix is square, else zero.
-fn square_determinant<const D: usize, const R: usize>(f: &[[f64; D]; R]) -> f64 {
+#[inline(always)]
+fn square_determinant<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> T {
     let at = |i: usize, k: usize| f[k][i];
     match (D, R) {
         (1, 1) => at(0, 0),
         (2, 2) => at(0, 0) * at(1, 1) - at(1, 0) * at(0, 1),
         (3, 3) => {
-            determinant::<f64, 3>(&std::array::from_fn(|k| std::array::from_fn(|i| at(i, k))))
+            let mut columns = [[T::splat(0.0); 3]; 3];
+            for k in 0..3 {
+                for i in 0..3 {
+                    columns[k][i] = at(i, k);
+                }
+            }
+            determinant::<T, 3>(&columns)
         }
-        _ => 0.0,
+        _ => T::splat(0.0),
     }
 }
 
 /// `Q diag(l) Q^T` of columns q_k.
-pub(crate) fn spectral<const R: usize>(q: &[[f64; R]; R], l: &[f64; R]) -> [[f64; R]; R] {
-    std::array::from_fn(|j| {
-        std::array::from_fn(|i| (0..R).map(|m| l[m] * (q[m][i] * q[m][j])).sum())
-    })
+#[inline(always)]
+pub(crate) fn spectral<T: Real, const R: usize>(q: &[[T; R]; R], l: &[T; R]) -> [[T; R]; R] {
+    let mut s = *q;
+    for j in 0..R {
+        for i in 0..R {
+            let mut sum = l[0] * (q[0][i] * q[0][j]);
+            for m in 1..R {
+                sum = l[m].multiply_add(q[m][i] * q[m][j], sum);
+            }
+            s[j][i] = sum;
+        }
+    }
+    s
 }
 
 /// The eigenvalues of a symmetric matrix and its eigenvectors by columns.
-pub(crate) fn symmetric_eigen<const R: usize>(s: &[[f64; R]; R]) -> ([f64; R], [[f64; R]; R]) {
-    let (mut s, mut q) = (*s, identity::<R>());
+#[inline]
+pub(crate) fn symmetric_eigen<T: Real, const R: usize>(s: &[[T; R]; R]) -> ([T; R], [[T; R]; R]) {
+    let (mut s, mut q) = (*s, identity::<T, R>());
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..R {
             for r in p + 1..R {
-                let off = s[p][r];
-                if off.abs() > f64::EPSILON * 0.25 * (s[p][p].abs() + s[r][r].abs()) {
+                let (a, off, c) = (s[p][p], s[p][r], s[r][r]);
+                let close = (a.magnitude() + c.magnitude()) * (0.25 * f64::EPSILON);
+                if (off.magnitude() - close).any(|x| x > 0.0) {
                     rotated = true;
-                    let turn = rotation(s[p][p], off, s[r][r]);
+                    let turn = rotation(a, off, c);
                     rotate(&mut s, (p, r), turn);
                     rotate_rows(&mut s, (p, r), turn);
                     rotate(&mut q, (p, r), turn);
@@ -182,24 +290,30 @@ pub(crate) fn symmetric_eigen<const R: usize>(s: &[[f64; R]; R]) -> ([f64; R], [
             break;
         }
     }
-    (std::array::from_fn(|k| s[k][k]), q)
+    let mut values = [T::splat(0.0); R];
+    for k in 0..R {
+        values[k] = s[k][k];
+    }
+    (values, q)
 }
 
-fn rotate_rows<const R: usize>(
-    s: &mut [[f64; R]; R],
+#[inline(always)]
+fn rotate_rows<T: Real, const R: usize>(
+    s: &mut [[T; R]; R],
     (p, q): (usize, usize),
-    (cosine, sine): (f64, f64),
+    (cosine, sine): (T, T),
 ) {
     for column in s {
         let (x, y) = (column[p], column[q]);
-        column[p] = cosine * x - sine * y;
-        column[q] = sine * x + cosine * y;
+        column[p] = cosine.multiply_add(x, -(sine * y));
+        column[q] = sine.multiply_add(x, cosine * y);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Lanes;
     use proptest::prelude::*;
 
     fn assert_decomposes<const D: usize, const R: usize>(f: &[[f64; D]; R], size: f64) {
@@ -245,6 +359,31 @@ mod tests {
                 for i in 0..3 {
                     prop_assert!((again[k][i] - shifted[k][i]).abs() < 1e-13);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn four_matrices_side_by_side_are_what_each_is_alone() {
+        let at = |lane: usize, k: usize, i: usize| match lane {
+            0 => f64::from(u8::from(k == i)),
+            1 => 1e100 * ((3 * k + i) as f64).sin(),
+            2 => if k == 1 { 0.0 } else { (k + 2 * i) as f64 },
+            _ => 1e-90 * ((5 * k + 2 * i) as f64).cos(),
+        };
+        let lanes: [[Lanes; 3]; 3] = std::array::from_fn(|k| {
+            std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| at(lane, k, i))))
+        });
+        let together = singular(&lanes);
+        for lane in 0..4 {
+            let f: [[f64; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|i| at(lane, k, i)));
+            let largest = f.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            assert_decomposes(&f, 3.0 * largest);
+            let (mut alone, mut values) = (singular(&f).values, together.values.map(|s| s.0[lane]));
+            alone.sort_by(f64::total_cmp);
+            values.sort_by(f64::total_cmp);
+            for (a, b) in alone.iter().zip(values) {
+                assert!((a - b).abs() < 1e-14 * largest, "{alone:?} {values:?}");
             }
         }
     }

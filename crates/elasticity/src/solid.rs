@@ -9,13 +9,15 @@
 //! cross-section of a bar (m^2), 1 for solids. V in joules.
 //!
 //! Four elements are computed side by side, in the order of the mesh, and summed in that order: the
-//! same bits in every run. Node 0 is the origin of its element and takes what the others leave, so
-//! that forces of an element add up to zero to the last bit and a translation costs none. Elements
-//! that are turned inside out keep whatever energy the material gives them; they are listed by
-//! [`Solid::inverted`]. Source: notes 12.1, 13.2, 13.3.
+//! same bits in every run and on any number of threads ([`Solid::in_parts`]). The node of the lowest
+//! freedoms is the origin of its element and takes what the others leave, so that forces of an element
+//! add up to zero to the last bit and a translation costs none. Elements that are turned inside out
+//! keep whatever energy the material gives them; they are listed by [`Solid::inverted`]. Source: notes
+//! 12.1, 13.2, 13.3.
 
-use stationary_calculus::{Covector, Curvature, Potential, Sink, StencilHessian};
+use stationary_calculus::{Covector, Curvature, Parts, Potential, Sink, in_parts, side_by_side};
 
+use crate::division::Division;
 use crate::lanes::LANES;
 use crate::shape::points;
 use crate::tensor::{apply, determinant, scaled};
@@ -29,12 +31,16 @@ pub struct Solid<M, const N: usize, const D: usize, const R: usize, const Q: usi
     pub(crate) groups: Vec<Group<N, R, Q>>,
     elements: usize,
     curvature: Curvature,
+    division: Division,
 }
+
+/// Groups whose energies are summed in a row: a thousand elements are worth a thread's while.
+const ROW: usize = 256;
 
 /// Four elements side by side.
 #[derive(Clone, Debug)]
 pub(crate) struct Group<const N: usize, const R: usize, const Q: usize> {
-    /// What stands for each node, lane by lane.
+    /// What stands for each node, lane by lane, ascending.
     pub(crate) nodes: [[u32; N]; LANES],
     /// How many of the lanes are elements; the others repeat the last one, without weight.
     pub(crate) filled: usize,
@@ -64,20 +70,23 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
             return Err(ElasticityError::Section(section));
         }
         let points = points::<F, N, R, Q, G>(mesh, &F::POINTS)?;
-        let pairs: Vec<_> = mesh.elements().iter().zip(&points).collect();
+        let ordered = mesh.elements().iter().map(|nodes| Order::of(nodes, &freedoms));
+        let pairs: Vec<_> = ordered.zip(&points).collect();
         let groups = pairs.chunks(LANES).map(|pairs| {
             let filled = pairs.len();
-            let lane = |lane: usize| pairs[lane.min(filled - 1)];
+            let lane = |lane: usize| &pairs[lane.min(filled - 1)];
             let weight =
                 |l: usize, q: usize| if l < filled { lane(l).1[q].size * section } else { 0.0 };
             let from_lanes = |of: &dyn Fn(usize) -> f64| Lanes(std::array::from_fn(of));
             Group {
-                nodes: std::array::from_fn(|l| lane(l).0.map(|node| freedoms.start(node))),
+                nodes: std::array::from_fn(|l| lane(l).0.starts),
                 filled,
                 weights: std::array::from_fn(|q| from_lanes(&|l| weight(l, q))),
                 gradients: std::array::from_fn(|q| {
                     std::array::from_fn(|a| {
-                        std::array::from_fn(|k| from_lanes(&|l| lane(l).1[q].gradients[a][k]))
+                        std::array::from_fn(|k| {
+                            from_lanes(&|l| lane(l).1[q].gradients[lane(l).0.places[a]][k])
+                        })
                     })
                 }),
             }
@@ -85,10 +94,21 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         Ok(Solid {
             groups: groups.collect(),
             elements: pairs.len(),
+            division: Division::whole(freedoms.dim()),
             freedoms,
             material,
             curvature: Curvature::Exact,
         })
+    }
+
+    /// The same body computed in so many parts, side by side with the feature `threads`: energy,
+    /// differential and Hessian keep their bits. One for each thread is right; elements at the
+    /// borders between parts are computed twice, few of them where neighbours in the mesh have close
+    /// numbers. A matrix that was analysed for another number of parts refuses this one.
+    #[must_use]
+    pub fn in_parts(self, count: usize) -> Self {
+        let division = Division::new(&self.freedoms, &self.groups, count);
+        Solid { division, ..self }
     }
 
     /// The same body with another choice of Hessian.
@@ -105,6 +125,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
             groups: self.groups.clone(),
             elements: self.elements,
             curvature: self.curvature,
+            division: self.division.clone(),
         }
     }
 
@@ -126,6 +147,31 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     /// How many elements there are.
     pub fn elements(&self) -> usize {
         self.elements
+    }
+
+    /// Which of the body's pieces each vertex belongs to, from 0 in the order of their first vertices:
+    /// elements join what they share, and a vertex without elements is a piece of its own.
+    pub(crate) fn pieces(&self) -> Vec<usize> {
+        let starts: Vec<u32> =
+            (0..self.freedoms.vertices()).map(|vertex| self.freedoms.start(vertex)).collect();
+        let most = starts.iter().max().map_or(0, |&most| most as usize + 1);
+        let mut leader: Vec<u32> = (0..most as u32).collect();
+        for nodes in self.groups.iter().flat_map(|group| &group.nodes) {
+            for &node in &nodes[1..] {
+                let (a, b) = (leading(&mut leader, nodes[0]), leading(&mut leader, node));
+                leader[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let (mut numbers, mut count) = (vec![usize::MAX; most], 0);
+        let number = |start: &u32| {
+            let number = &mut numbers[leading(&mut leader, *start) as usize];
+            if *number == usize::MAX {
+                *number = count;
+                count += 1;
+            }
+            *number
+        };
+        starts.iter().map(number).collect()
     }
 
     /// The differential at the held coordinates, in their order: what the supports push against but
@@ -179,17 +225,49 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     #[inline(always)]
     fn visit_differential(&self, q: &[f64], mut add: impl FnMut(u32, &[f64; D])) {
         for group in &self.groups {
-            let forces = self.differential_of(group, &Self::corners(&self.freedoms, group, q));
-            for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
-                for (&node, force) in nodes.iter().zip(&forces) {
-                    let mut part = [0.0; D];
-                    for c in 0..D {
-                        part[c] = force[c].0[lane];
-                    }
-                    add(node, &part);
+            self.visit_group(q, group, &mut add);
+        }
+    }
+
+    #[inline(always)]
+    fn visit_group(
+        &self,
+        q: &[f64],
+        group: &Group<N, R, Q>,
+        add: &mut impl FnMut(u32, &[f64; D]),
+    ) {
+        let forces = self.differential_of(group, &Self::corners(&self.freedoms, group, q));
+        for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
+            for (&node, force) in nodes.iter().zip(&forces) {
+                let mut part = [0.0; D];
+                for c in 0..D {
+                    part[c] = force[c].0[lane];
                 }
+                add(node, &part);
             }
         }
+    }
+
+    /// Summed by halves that depend on the number of groups only.
+    fn energy_of(&self, q: &[f64], groups: &[Group<N, R, Q>]) -> f64 {
+        if groups.len() > ROW {
+            let (one, other) = groups.split_at((groups.len() / 2).next_multiple_of(ROW));
+            let (one, other) = if self.division.is_whole() {
+                (self.energy_of(q, one), self.energy_of(q, other))
+            } else {
+                side_by_side(|| self.energy_of(q, one), || self.energy_of(q, other))
+            };
+            return one + other;
+        }
+        let mut sum = Lanes::default();
+        for group in groups {
+            let x = Self::corners(&self.freedoms, group, q);
+            for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
+                let density = self.material.energy(&Self::deformation(&x, gradients));
+                sum = density.multiply_add(weight, sum);
+            }
+        }
+        sum.0.iter().sum()
     }
 
     #[inline(always)]
@@ -219,14 +297,11 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         &self,
         group: &Group<N, R, Q>,
         lanes: &LaneHessian<N, D>,
-        block: &mut StencilHessian<N, D>,
         sink: &mut impl Sink,
     ) {
         for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
-            of_lane(lanes, lane, block);
             let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
-            let block = block.as_flattened().as_flattened().as_flattened();
-            sink.add_symmetric(freedoms.as_flattened(), block);
+            sink.add_vertices(&freedoms, |row, column| entry(lanes, lane, row, column));
         }
     }
 
@@ -298,28 +373,39 @@ pub(crate) fn complete<const N: usize, const D: usize>(hessian: &mut LaneHessian
     }
 }
 
-/// The whole matrix of one of four elements, both triangles, exactly symmetric.
+/// An entry of the matrix of one of four elements, of which the lower triangle is there.
 #[inline(always)]
-pub(crate) fn of_lane<const N: usize, const D: usize>(
+fn entry<const N: usize, const D: usize>(
     lanes: &LaneHessian<N, D>,
     lane: usize,
-    hessian: &mut StencilHessian<N, D>,
-) {
-    for b in 0..N {
-        for d in 0..D {
-            for c in d..D {
-                let entry = lanes[b][b][d][c].0[lane];
-                hessian[b][d][b][c] = entry;
-                hessian[b][c][b][d] = entry;
-            }
-            for a in b + 1..N {
-                for c in 0..D {
-                    let entry = lanes[b][a][d][c].0[lane];
-                    hessian[b][d][a][c] = entry;
-                    hessian[a][c][b][d] = entry;
-                }
-            }
-        }
+    [a, c]: [usize; 2],
+    [b, d]: [usize; 2],
+) -> f64 {
+    let below = a > b || (a == b && c >= d);
+    if below { lanes[b][a][d][c].0[lane] } else { lanes[a][b][c][d].0[lane] }
+}
+
+/// The leader of a node's piece; the way to it is shortened.
+fn leading(leader: &mut [u32], mut node: u32) -> u32 {
+    while leader[node as usize] != node {
+        leader[node as usize] = leader[leader[node as usize] as usize];
+        node = leader[node as usize];
+    }
+    node
+}
+
+/// The nodes of an element by ascending freedoms, so that its matrix has its lower triangle where the
+/// whole one has it.
+struct Order<const N: usize> {
+    starts: [u32; N],
+    places: [usize; N],
+}
+
+impl<const N: usize> Order<N> {
+    fn of<const D: usize>(nodes: &[usize; N], freedoms: &Freedoms<D>) -> Self {
+        let mut places: [usize; N] = std::array::from_fn(|a| a);
+        places.sort_by_key(|&a| freedoms.start(nodes[a]));
+        Order { starts: places.map(|a| freedoms.start(nodes[a])), places }
     }
 }
 
@@ -331,30 +417,61 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     fn energy(&self, q: &[f64]) -> f64 {
-        let q = &q[..self.freedoms.dim()];
-        let mut sum = Lanes::default();
-        for group in &self.groups {
-            let x = Self::corners(&self.freedoms, group, q);
-            for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
-                let density = self.material.energy(&Self::deformation(&x, gradients));
-                sum = density.multiply_add(weight, sum);
-            }
-        }
-        sum.0.iter().sum()
+        self.energy_of(&q[..self.freedoms.dim()], &self.groups)
     }
 
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
         let n = self.freedoms.dim();
         let (q, dv) = (&q[..n], &mut dv.0[..n]);
-        self.visit_differential(q, |node, part| self.freedoms.add(node, part, dv));
+        if self.division.is_whole() {
+            return self.visit_differential(q, |node, part| self.freedoms.add(node, part, dv));
+        }
+        in_parts(self.division.bounds(), dv, &|bound| bound, &|part, first, dv: &mut [f64]| {
+            for &group in self.division.groups(part) {
+                self.visit_group(q, &self.groups[group as usize], &mut |node, force| {
+                    self.freedoms.add_within(node, force, first, dv);
+                });
+            }
+        });
     }
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        let q = &q[..self.freedoms.dim()];
-        let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
-        for group in &self.groups {
-            let lanes = self.hessian_of(group, &Self::corners(&self.freedoms, group, q));
-            self.scatter(group, &lanes, &mut block, hessian);
+        hessian.add_parts(&Hessians { solid: self, q: &q[..self.freedoms.dim()] });
+    }
+}
+
+/// The matrices of a body's elements at one configuration.
+struct Hessians<'a, M, const N: usize, const D: usize, const R: usize, const Q: usize> {
+    solid: &'a Solid<M, N, D, R, Q>,
+    q: &'a [f64],
+}
+
+impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
+    Hessians<'_, M, N, D, R, Q>
+{
+    #[inline(always)]
+    fn add(&self, group: &Group<N, R, Q>, sink: &mut impl Sink) {
+        let x = Solid::<M, N, D, R, Q>::corners(&self.solid.freedoms, group, self.q);
+        self.solid.scatter(group, &self.solid.hessian_of(group, &x), sink);
+    }
+}
+
+impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize> Parts
+    for Hessians<'_, M, N, D, R, Q>
+{
+    fn bounds(&self) -> &[usize] {
+        self.solid.division.bounds()
+    }
+
+    fn visit(&self, part: usize, sink: &mut impl Sink) {
+        for &group in self.solid.division.groups(part) {
+            self.add(&self.solid.groups[group as usize], sink);
+        }
+    }
+
+    fn visit_all(&self, sink: &mut impl Sink) {
+        for group in &self.solid.groups {
+            self.add(group, sink);
         }
     }
 }

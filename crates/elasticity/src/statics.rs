@@ -12,11 +12,22 @@
 //! makes of it. Source: notes 4.4; load stepping after Bonet and Wood (2008).
 
 use stationary_calculus::{
-    DiagonalMetric, Equilibrium, EquilibriumReport, Newton, Potential, SparseSolver,
+    ConjugateGradient, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver,
+    IterativeSolver, Newton, Ordering, Potential, SparseSolver,
 };
 
 use crate::rigid_motions::check_held;
 use crate::{DeadLoad, ElasticityError, Material, Solid};
+
+/// How each of Newton's steps is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solves {
+    /// By a factor, whose order of elimination is found this way.
+    Factor(Ordering),
+    /// By conjugate gradients, for bodies whose factor is too large or too slow. Where the Hessian is
+    /// not positive definite it gives up: project it ([`Solid::with_curvature`]).
+    Iterate(ConjugateGradient),
+}
 
 /// How a load is put on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +36,15 @@ pub struct Statics {
     pub steps: usize,
     /// When Newton's method stops, in kg^1/2 m/s^2: see [`Equilibrium`].
     pub newton: Newton,
+    /// How its linear equations are solved.
+    pub solves: Solves,
 }
 
 impl Default for Statics {
-    /// In one step, to rounding.
+    /// In one step, to rounding, by a factor.
     fn default() -> Self {
-        Statics { steps: 1, newton: Newton::default() }
+        let solves = Solves::Factor(Ordering::default());
+        Statics { steps: 1, newton: Newton::default(), solves }
     }
 }
 
@@ -94,12 +108,36 @@ impl Statics {
     where
         M: Material<D, R>,
     {
-        let steps = self.steps;
-        if steps == 0 {
+        if self.steps == 0 {
             return Err(ElasticityError::NoSteps);
         }
         solid.hold_at(end)?;
-        let solver = SparseSolver::new(metric, &*solid, x)?;
+        match self.solves {
+            Solves::Factor(ordering) => {
+                let solver = SparseSolver::by_ordering(metric, &*solid, x, ordering)?;
+                self.climb_by(solver, solid, load, metric, (start, end), x)
+            }
+            Solves::Iterate(method) => {
+                let solver = IterativeSolver::new(method, metric, &*solid, x)?;
+                self.climb_by(solver, solid, load, metric, (start, end), x)
+            }
+        }
+    }
+
+    fn climb_by<L, M, const N: usize, const D: usize, const R: usize, const Q: usize>(
+        &self,
+        mut solver: L,
+        solid: &mut Solid<M, N, D, R, Q>,
+        load: &DeadLoad<D>,
+        metric: &DiagonalMetric<Vec<f64>>,
+        (start, end): (&[f64], &[f64]),
+        x: &mut [f64],
+    ) -> Result<Vec<EquilibriumReport>, ElasticityError>
+    where
+        L: HessianSolver,
+        M: Material<D, R>,
+    {
+        let steps = self.steps;
         let mut reports = Vec::with_capacity(steps);
         for step in 1..=steps {
             let t = step as f64 / steps as f64;
@@ -108,7 +146,7 @@ impl Statics {
             solid.hold_at(&between)?;
             let potential = (&*solid, load.scaled(t));
             potential.0.freedoms().check(potential.1.dim())?;
-            let mut search = Equilibrium::new(metric, &potential, solver.clone(), self.newton)?;
+            let mut search = Equilibrium::new(metric, &potential, &mut solver, self.newton)?;
             let found = search.find(x);
             reports.push(found.map_err(|source| ElasticityError::Statics {
                 step,

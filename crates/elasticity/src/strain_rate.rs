@@ -14,7 +14,7 @@
 //! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
 
 use stationary_calculus::{
-    Covector, Force, Metric, Potential, ProductSink, Sink, StencilHessian, Vector,
+    Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector,
 };
 
 use crate::material::hookean_block;
@@ -41,8 +41,7 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<
         body: &Solid<M, N, D, R, Q>,
         viscosity: Lame<R>,
     ) -> Result<Self, ElasticityError> {
-        let mut resting = body.freedoms().clone();
-        resting.hold_at(&vec![0.0; resting.places().len()])?;
+        let resting = body.freedoms().resting();
         Ok(StrainRate { body: body.of_material(SaintVenantKirchhoff::new(viscosity)), resting })
     }
 
@@ -90,7 +89,6 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
         let q = &q[..self.dim()];
-        let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
         for group in &self.body.groups {
             let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
             let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
@@ -101,7 +99,7 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
                 accumulate(&mut lanes, &viscosity, gradients);
             }
             complete(&mut lanes);
-            self.body.scatter(group, &lanes, &mut block, damping);
+            self.body.scatter(group, &lanes, damping);
         }
     }
 }
@@ -189,24 +187,7 @@ impl<M: Metric, P: Potential> Force for Rayleigh<M, P> {
     }
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
-        let mut times = Times { factor: self.alpha, scaled: Vec::new(), sink: damping };
-        self.metric.add_matrix(&mut times);
-        times.factor = self.beta;
-        self.stiffness.add_hessian(q, &mut times);
-    }
-}
-
-/// Hands blocks on, times a factor.
-struct Times<'a, S> {
-    factor: f64,
-    scaled: Vec<f64>,
-    sink: &'a mut S,
-}
-
-impl<S: Sink> Sink for Times<'_, S> {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        self.scaled.clear();
-        self.scaled.extend(block.iter().map(|entry| self.factor * entry));
-        self.sink.add_symmetric(freedoms, &self.scaled);
+        self.metric.add_matrix(&mut Scaled::new(self.alpha, damping));
+        self.stiffness.add_hessian(q, &mut Scaled::new(self.beta, damping));
     }
 }

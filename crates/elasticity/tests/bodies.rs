@@ -3,14 +3,14 @@
 use nalgebra::{Vector3, vector};
 use proptest::prelude::*;
 use stationary_calculus::{
-    Covector, Curvature, DenseSink, Force, Metric, Newton, Potential, Stencils, Vector,
-    assert_derivatives,
+    ConjugateGradient, Covector, Curvature, DenseSink, Force, Metric, Newton, Ordering, Potential,
+    Stencils, Vector, assert_derivatives,
 };
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Elements, Freedoms, Held, Hinge, Lame, Linear, LinearSegment,
     LinearTetrahedron, LinearTriangle, Material, NeoHookean, QuadraticSegment,
     QuadraticTetrahedron, QuadraticTriangle, Rayleigh, Reference, SaintVenantKirchhoff, Solid,
-    Statics, StrainRate, averaged_stress, cauchy, galerkin_mass, hinges, lumped_mass,
+    Solves, Statics, StrainRate, averaged_stress, cauchy, galerkin_mass, hinges, lumped_mass,
 };
 use stationary_mesh::{
     Diagonals, Mesh, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, curved_disc, rectangle,
@@ -229,7 +229,7 @@ fn bodies_that_may_move_as_a_whole_are_refused_by_name() {
         let places = freedoms.places().to_vec();
         Statics::default().solve(&mut solid, &none, &metric, &places, &mut q).unwrap_err()
     };
-    let ElasticityError::RigidMotions { count, names } = hold(&[]) else { panic!() };
+    let ElasticityError::RigidMotions { count, names, .. } = hold(&[]) else { panic!() };
     assert_eq!((count, names.split(", ").count()), (6, 6));
     let corner = (0..8).find(|&v| mesh.vertices()[v] == Vector3::zeros()).unwrap();
     let along = (0..8).find(|&v| mesh.vertices()[v] == Vector3::x()).unwrap();
@@ -254,7 +254,8 @@ fn a_load_without_an_equilibrium_is_an_error_that_changes_nothing() {
     let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
     let (before, places) = (q.clone(), freedoms.places().to_vec());
     let moved: Vec<f64> = places.iter().map(|p| p + 1.0).collect();
-    let hasty = Statics { steps: 1, newton: Newton { iterations: 2, tolerance: 0.0 } };
+    let newton = Newton { iterations: 2, tolerance: 0.0 };
+    let hasty = Statics { newton, ..Statics::default() };
     let error = hasty.solve(&mut solid, &load, &metric, &moved, &mut q).unwrap_err();
     assert!(matches!(error, ElasticityError::Statics { step: 1, steps: 1, .. }), "{error}");
     assert_eq!((q, solid.freedoms().places().to_vec()), (before, places.clone()));
@@ -471,4 +472,66 @@ fn cauchys_stress_is_symmetric() {
     }
     let material = NeoHookean::new(lame()).unwrap();
     assert!(Material::<3, 3>::energy::<f64>(&material, &f) > 0.0);
+}
+
+#[test]
+fn every_piece_of_a_body_needs_its_own_supports() {
+    let one = cuboid([1.0; 3], [1; 3]).unwrap();
+    let apart: Vec<_> = one.vertices().iter().map(|x| x + Vector3::x() * 3.0).collect();
+    let vertices = [one.vertices(), &apart].concat();
+    let second = one.simplices().iter().map(|nodes| nodes.map(|node| node + 8));
+    let both = one.simplices().iter().copied().chain(second).collect();
+    let mesh = Mesh::new(vertices, both).unwrap();
+    let clamp = |vertices: std::ops::Range<usize>, components: usize| -> Vec<Held> {
+        let all = vertices.flat_map(|v| (0..components).map(move |c| (v, c)));
+        let place = |(v, c): (usize, usize)| Held {
+            vertex: v,
+            component: c,
+            place: mesh.vertices()[v][c],
+        };
+        all.map(place).collect()
+    };
+    let solve = |held: &[Held]| {
+        let freedoms = Freedoms::<3>::new(mesh.count(), held).unwrap();
+        let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+        let rubber = SaintVenantKirchhoff::new(lame());
+        let mut solid =
+            Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let none = DeadLoad::new(&freedoms, vec![[0.0; 3]; mesh.count()]).unwrap();
+        let (mut q, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
+        Statics::default().solve(&mut solid, &none, &metric, places, &mut q)
+    };
+    // One piece held twice over does nothing for the other.
+    let error = solve(&clamp(0..8, 3)).unwrap_err().to_string();
+    assert!(error.starts_with("6 rigid motions are free: translation x, "), "{error}");
+    assert!(error.ends_with("; piece 2 of 2, that of vertex 8"), "{error}");
+    let error = solve(&[clamp(0..4, 3), clamp(8..16, 1)].concat()).unwrap_err().to_string();
+    let names = "3 rigid motions are free: translation y, translation z, rotation about x";
+    assert_eq!(error, format!("{names}; piece 2 of 2, that of vertex 8"));
+    solve(&[clamp(0..4, 3), clamp(8..12, 3)].concat()).unwrap();
+}
+
+#[test]
+fn iteration_brings_a_body_to_rest_where_the_factor_does() {
+    let Clamped { mesh, freedoms } = clamped(3);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let rubber = NeoHookean::new(lame()).unwrap();
+    let load =
+        DeadLoad::body(LinearTetrahedron, &mesh, 1.0, &freedoms, |_| [0.0, 0.0, -150.0]).unwrap();
+    let method = ConjugateGradient { tolerance: 1e-10, iterations: 2000 };
+    let orders = [Ordering::MinimumDegree, Ordering::NestedDissection].map(Solves::Factor);
+    let rests = [orders[0], orders[1], Solves::Iterate(method)].map(|solves| {
+        let body = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let mut body = body.with_curvature(Curvature::Semidefinite);
+        let (mut q, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
+        let statics = Statics { solves, ..Statics::default() };
+        let rest = statics.solve(&mut body, &load, &metric, places, &mut q).unwrap();
+        assert!(rest.iterations() < 12, "{}", rest.iterations());
+        q
+    });
+    let still = freedoms.gathered(&mesh.nodes()).unwrap();
+    assert!(rests[0].iter().zip(&still).any(|(a, b)| (a - b).abs() > 0.1), "it moves");
+    for (a, b) in rests[0].iter().zip(&rests[2]).chain(rests[0].iter().zip(&rests[1])) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
 }

@@ -11,8 +11,8 @@
 use std::cell::RefCell;
 
 use stationary_calculus::{
-    Covector, Equation, Force, HessianSolver, Metric, Potential, Sink, Storage, System, Unsolvable,
-    Vector,
+    Covector, Equation, Force, HessianSolver, Metric, Potential, Scaled, Sink, Storage, System,
+    Unsolvable, Vector,
 };
 
 use crate::StepReport;
@@ -169,24 +169,10 @@ impl<P: Potential, F: Force> Potential for Tangent<'_, P, F> {
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         self.potential.add_hessian(q, hessian);
         if let Some(force) = self.force {
-            let scratch = &mut *self.scratch.borrow_mut();
-            let mut scaled = Scaled { scale: self.slope, scratch, sink: hessian };
+            let scratch = self.scratch.take();
+            let mut scaled = Scaled::new(self.slope, hessian).with_scratch(scratch);
             force.add_damping(self.t, q, Vector(self.velocity), &mut scaled);
+            self.scratch.replace(scaled.into_scratch());
         }
-    }
-}
-
-/// Passes blocks on, multiplied.
-struct Scaled<'a, S> {
-    scale: f64,
-    scratch: &'a mut Vec<f64>,
-    sink: &'a mut S,
-}
-
-impl<S: Sink> Sink for Scaled<'_, S> {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        self.scratch.clear();
-        self.scratch.extend(block.iter().map(|entry| self.scale * entry));
-        self.sink.add_symmetric(freedoms, self.scratch);
     }
 }

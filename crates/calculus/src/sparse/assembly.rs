@@ -7,21 +7,23 @@
 //! of all blocks ([`SymmetricMatrix::analyse`]); a later visit ([`SymmetricMatrix::refill`]) must bring
 //! the same blocks in the same order and only adds: no search, no triplets, no allocation. Each block
 //! is compared with the recorded one, so that a changed order is an error and never a wrong matrix.
-//! Sums run in visiting order, hence have the same bits in every run.
+//! Sums run in visiting order, hence have the same bits in every run, and for blocks that come in parts
+//! ([`Parts`](crate::Parts)) on any number of threads.
 
 use std::sync::Arc;
 
 use faer::sparse::SparseColMatRef;
 
 use crate::sparse::SparseError;
-use crate::sparse::pattern::{Pattern, PatternSink, stored};
+use crate::sparse::pattern::Pattern;
+use crate::sparse::refill::RefillSink;
+use crate::sparse::visit::PatternSink;
 use crate::{Metric, Potential, Sink, SizeError};
 
 /// A symmetric matrix in compressed columns of its lower triangle.
 #[derive(Clone, Debug)]
 pub struct SymmetricMatrix {
     pattern: Arc<Pattern>,
-    /// The entries, and one more for what is dropped.
     values: Vec<f64>,
 }
 
@@ -31,7 +33,7 @@ impl SymmetricMatrix {
         let mut sink = PatternSink::new(n)?;
         visit(&mut sink);
         let pattern = sink.pattern()?;
-        let values = vec![0.0; pattern.columns.row_idx().len() + 1];
+        let values = vec![0.0; pattern.columns.row_idx().len()];
         Ok(SymmetricMatrix { pattern: Arc::new(pattern), values })
     }
 
@@ -65,19 +67,11 @@ impl SymmetricMatrix {
     #[inline]
     pub fn refill(&mut self, visit: impl FnOnce(&mut RefillSink)) -> Result<(), SparseError> {
         self.values.fill(0.0);
-        let mut sink = RefillSink {
-            weight: 1.0,
-            stream: &self.pattern.stream,
-            slots: &self.pattern.slots,
-            values: &mut self.values,
-            block: 0,
-            changed: None,
-        };
+        let mut sink = RefillSink::new(&self.pattern, &mut self.values);
         visit(&mut sink);
-        match (sink.changed, sink.stream) {
-            (None, []) => Ok(()),
-            (Some(block), _) => Err(SparseError::PatternChanged { block }),
-            (None, _) => Err(SparseError::PatternChanged { block: sink.block }),
+        match sink.changed() {
+            None => Ok(()),
+            Some(block) => Err(SparseError::PatternChanged { block }),
         }
     }
 
@@ -98,7 +92,13 @@ impl SymmetricMatrix {
 
     /// The entries.
     pub fn values(&self) -> &[f64] {
-        &self.values[..self.values.len() - 1]
+        &self.values
+    }
+
+    /// What it takes in memory, bytes: entries, their places, and the slots of the blocks. The last
+    /// two are shared with its clones and its factors.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.values()) + self.pattern.bytes()
     }
 
     /// The diagonal entry of a column.
@@ -157,57 +157,6 @@ pub(crate) fn add_product(
             above += value * x[i as usize];
         }
         y[j] += diagonal * scaled + scale * above;
-    }
-}
-
-/// A later visit of the blocks of a matrix: adds their entries through the stored slots.
-#[derive(Debug)]
-pub struct RefillSink<'a> {
-    weight: f64,
-    stream: &'a [u32],
-    slots: &'a [u32],
-    values: &'a mut [f64],
-    block: usize,
-    changed: Option<usize>,
-}
-
-impl<'a> RefillSink<'a> {
-    /// The same sink, which from now on multiplies what it is given by `weight`.
-    pub fn weighted(&mut self, weight: f64) -> &mut Self {
-        self.weight = weight;
-        self
-    }
-
-    /// The slots of the next block, if it has these freedoms and their number of entries.
-    #[inline]
-    fn next_slots(&mut self, freedoms: &[usize], entries: usize) -> Option<&'a [u32]> {
-        let k = freedoms.len();
-        let (recorded, stream) = self.stream.split_at_checked(k + 1)?;
-        let same = recorded[1..].iter().zip(freedoms).all(|(&r, &freedom)| r == stored(freedom));
-        if recorded[0] as usize != k || entries != k * k || !same {
-            return None;
-        }
-        let (slots, rest) = self.slots.split_at_checked(k * (k + 1) / 2)?;
-        (self.stream, self.slots) = (stream, rest);
-        self.block += 1;
-        Some(slots)
-    }
-}
-
-impl Sink for RefillSink<'_> {
-    #[inline]
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        let Some(slots) = self.next_slots(freedoms, block.len()) else {
-            self.changed.get_or_insert(self.block);
-            self.stream = &[];
-            return;
-        };
-        let mut slots = slots.iter();
-        for (b, column) in block.chunks_exact(freedoms.len()).enumerate() {
-            for (entry, &slot) in column[b..].iter().zip(slots.by_ref()) {
-                self.values[slot as usize] += self.weight * entry;
-            }
-        }
     }
 }
 

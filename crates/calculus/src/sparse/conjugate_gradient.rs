@@ -1,7 +1,7 @@
 //! Conjugate gradients: solves with products alone, where a factor would not fit.
 //!
 //! ```text
-//! (m M + a d2V(q)) x = r,      preconditioned by the diagonal
+//! (m M + a d2V(q)) x = r,      preconditioned by the blocks of the vertices (notes A.1)
 //! ```
 //! Only products with the matrix are formed, block by block ([`ProductSink`]). The matrix must be
 //! positive definite; a direction in which it is not ends the iteration with an error, as does the
@@ -14,12 +14,12 @@ use faer::dyn_stack::{MemStack, StackReq};
 use faer::matrix_free::conjugate_gradient::{
     CgError, CgParams, conjugate_gradient, conjugate_gradient_scratch,
 };
-use faer::matrix_free::{InitialGuessStatus, LinOp, Precond};
+use faer::matrix_free::{InitialGuessStatus, LinOp};
 use faer::{MatMut, MatRef, Par};
 
 use crate::equation::length;
-use crate::hessian_solver::Diagonal;
 use crate::sparse::SparseError;
+use crate::sparse::block_jacobi::BlockJacobi;
 use crate::sparse::scratch::Scratch;
 use crate::{Metric, Potential, ProductSink, SizeError};
 
@@ -58,9 +58,24 @@ impl ConjugateGradient {
         SizeError::check("the right-hand side's components", n, r.len())?;
         SizeError::check("the guess's components", n, x.len())?;
         let matrix = HessianProduct { m, metric, a, potential, q };
-        let diagonal = matrix.diagonal()?;
-        let scratch = conjugate_gradient_scratch(&diagonal, &matrix, 1, Par::Seq);
-        let mut scratch = Scratch::new(n, &[scratch])?;
+        let jacobi = matrix.block_jacobi()?;
+        let mut scratch = Scratch::new(n, &[self.scratch(&jacobi, &matrix)])?;
+        self.iterate(&jacobi, &matrix, (r, x), &mut scratch)
+    }
+
+    pub(crate) fn scratch(&self, jacobi: &BlockJacobi, matrix: &impl Product) -> StackReq {
+        conjugate_gradient_scratch(jacobi, &Operator(matrix), 1, Par::Seq)
+    }
+
+    /// Solves `A x = r` from the guess in x, of the same length.
+    pub(crate) fn iterate(
+        &self,
+        jacobi: &BlockJacobi,
+        matrix: &impl Product,
+        (r, x): (&[f64], &mut [f64]),
+        scratch: &mut Scratch,
+    ) -> Result<ConjugateGradientReport, SparseError> {
+        let n = matrix.dim();
         let params = CgParams {
             initial_guess: InitialGuessStatus::MaybeNonZero,
             abs_tolerance: 0.0,
@@ -71,15 +86,15 @@ impl ConjugateGradient {
         let mut iterations = 0;
         let solved = conjugate_gradient(
             MatMut::from_column_major_slice_mut(x, n, 1),
-            &diagonal,
-            &matrix,
+            jacobi,
+            &Operator(matrix),
             MatRef::from_column_major_slice(r, n, 1),
             params,
             |_| iterations += 1,
             Par::Seq,
             scratch.stack(),
         );
-        let relative_residual = matrix.relative_residual(r, x);
+        let relative_residual = relative_residual(matrix, r, x);
         match solved {
             Ok(_) => Ok(ConjugateGradientReport { iterations, relative_residual }),
             Err(CgError::NoConvergence { .. }) => {
@@ -100,8 +115,40 @@ struct HessianProduct<'a, M, P> {
     q: &'a [f64],
 }
 
-impl<M: Metric, P: Potential> HessianProduct<'_, M, P> {
+/// A symmetric matrix, as what it does to a vector.
+pub(crate) trait Product: Sync {
+    fn dim(&self) -> usize;
+
     /// Adds the product with x, of the same length: `y += scale A x`.
+    fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]);
+}
+
+fn relative_residual(matrix: &impl Product, r: &[f64], x: &[f64]) -> f64 {
+    let mut residual = r.to_vec();
+    matrix.add_product(-1.0, x, &mut residual);
+    let size = length(r);
+    if size == 0.0 { 0.0 } else { length(&residual) / size }
+}
+
+impl<M: Metric, P: Potential> HessianProduct<'_, M, P> {
+    fn block_jacobi(&self) -> Result<BlockJacobi, SparseError> {
+        let mut jacobi = BlockJacobi::analyse(self.metric.dim(), |sink| {
+            self.metric.add_matrix(sink);
+            self.potential.add_hessian(self.q, sink);
+        });
+        jacobi.factor(|sink| {
+            self.metric.add_matrix(sink.weighted(self.m));
+            self.potential.add_hessian(self.q, sink.weighted(self.a));
+        })?;
+        Ok(jacobi)
+    }
+}
+
+impl<M: Metric + Sync, P: Potential + Sync> Product for HessianProduct<'_, M, P> {
+    fn dim(&self) -> usize {
+        self.metric.dim()
+    }
+
     fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) {
         if let Some(mut sink) = ProductSink::new(scale * self.m, x, y) {
             self.metric.add_matrix(&mut sink);
@@ -110,99 +157,49 @@ impl<M: Metric, P: Potential> HessianProduct<'_, M, P> {
             self.potential.add_hessian(self.q, &mut sink);
         }
     }
-
-    fn relative_residual(&self, r: &[f64], x: &[f64]) -> f64 {
-        let mut residual = r.to_vec();
-        self.add_product(-1.0, x, &mut residual);
-        let size = length(r);
-        if size == 0.0 { 0.0 } else { length(&residual) / size }
-    }
-
-    fn diagonal(&self) -> Result<InverseDiagonal, SparseError> {
-        let mut values = vec![0.0; self.metric.dim()];
-        self.metric.add_matrix(&mut Diagonal { weight: self.m, values: &mut values });
-        self.potential.add_hessian(self.q, &mut Diagonal { weight: self.a, values: &mut values });
-        for (freedom, value) in values.iter_mut().enumerate() {
-            if !value.is_finite() {
-                return Err(SparseError::NonFinite);
-            }
-            if *value <= 0.0 {
-                return Err(SparseError::NotPositiveDefinite { freedom });
-            }
-            *value = value.recip();
-        }
-        Ok(InverseDiagonal(values))
-    }
 }
 
-impl<M, P> fmt::Debug for HessianProduct<'_, M, P> {
+/// A product as faer asks for it.
+struct Operator<'a, A>(&'a A);
+
+impl<A: Product> fmt::Debug for Operator<'_, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} M + {} d2V", self.m, self.a)
+        write!(f, "a matrix of size {}", self.0.dim())
     }
 }
 
 /// The single column of an n x 1 matrix, which faer keeps contiguous.
-fn column<'a>(x: MatRef<'a, f64>) -> &'a [f64] {
+pub(crate) fn column<'a>(x: MatRef<'a, f64>) -> &'a [f64] {
     x.col(0).try_as_col_major().map_or(&[], |x| x.as_slice())
 }
 
-fn column_mut<'a>(x: MatMut<'a, f64>) -> &'a mut [f64] {
+pub(crate) fn column_mut<'a>(x: MatMut<'a, f64>) -> &'a mut [f64] {
     x.col_mut(0).try_as_col_major_mut().map_or(&mut [], |x| x.as_slice_mut())
 }
 
-impl<M: Metric + Sync, P: Potential + Sync> LinOp<f64> for HessianProduct<'_, M, P> {
+impl<A: Product> LinOp<f64> for Operator<'_, A> {
     fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
         StackReq::EMPTY
     }
 
     fn nrows(&self) -> usize {
-        self.metric.dim()
+        self.0.dim()
     }
 
     fn ncols(&self) -> usize {
-        self.metric.dim()
+        self.0.dim()
     }
 
     fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
         let y = column_mut(out);
         y.fill(0.0);
-        self.add_product(1.0, column(x), y);
+        self.0.add_product(1.0, column(x), y);
     }
 
     fn conj_apply(&self, y: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, stack: &mut MemStack) {
         self.apply(y, x, par, stack);
     }
 }
-
-/// The preconditioner: division by the diagonal.
-#[derive(Debug)]
-struct InverseDiagonal(Vec<f64>);
-
-impl LinOp<f64> for InverseDiagonal {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        StackReq::EMPTY
-    }
-
-    fn nrows(&self) -> usize {
-        self.0.len()
-    }
-
-    fn ncols(&self) -> usize {
-        self.0.len()
-    }
-
-    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
-        for ((y, x), inverse) in column_mut(out).iter_mut().zip(column(x)).zip(&self.0) {
-            *y = x * inverse;
-        }
-    }
-
-    fn conj_apply(&self, y: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, stack: &mut MemStack) {
-        self.apply(y, x, par, stack);
-    }
-}
-
-impl Precond<f64> for InverseDiagonal {}
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@
 //! ordering and the elimination; what is here decides, checks and reports.
 
 mod assembly;
+mod block_jacobi;
 mod blocked_lu;
 mod cholesky;
 mod conjugate_gradient;
@@ -14,21 +15,26 @@ mod dissection;
 mod error;
 mod indefinite;
 mod inertia;
+mod iterative;
 mod jacobian;
 mod lu;
 mod metric;
 mod pattern;
+mod refill;
 mod scratch;
 mod solver;
+mod visit;
 
-pub use assembly::{RefillSink, SymmetricMatrix};
+pub use assembly::SymmetricMatrix;
 pub(crate) use blocked_lu::BlockedLu;
 pub use cholesky::{Ordering, SparseCholesky};
 pub use conjugate_gradient::{ConjugateGradient, ConjugateGradientReport};
 pub use error::SparseError;
 pub use indefinite::{Pivoting, Refined, SparseIndefinite};
 pub use inertia::{Inertia, SparseInertia};
+pub use iterative::IterativeSolver;
 pub use jacobian::{JacobianEntries, SparseEquation, SparseJacobian};
 pub use metric::SparseMetric;
-pub use pattern::PatternSink;
+pub use refill::RefillSink;
 pub use solver::{Ladder, SparseSolver};
+pub use visit::PatternSink;

@@ -8,7 +8,7 @@
 //! [`HessianSolver`]; which ones are climbed is the caller's choice of [`Ladder`].
 
 use crate::hessian_solver::{Diagonal, SHIFTS, largest_or_nan, shift};
-use crate::sparse::{SparseCholesky, SparseError, SparseIndefinite, SymmetricMatrix};
+use crate::sparse::{Ordering, SparseCholesky, SparseError, SparseIndefinite, SymmetricMatrix};
 use crate::{HessianSolver, Metric, Potential, Rung, SizeError, Unsolvable};
 
 /// What to do where the matrix is not positive definite.
@@ -42,6 +42,16 @@ impl SparseSolver {
         potential: &impl Potential,
         q: &[f64],
     ) -> Result<Self, SparseError> {
+        SparseSolver::by_ordering(metric, potential, q, Ordering::default())
+    }
+
+    /// The same with a choice of how the order of elimination is found.
+    pub fn by_ordering(
+        metric: &impl Metric,
+        potential: &impl Potential,
+        q: &[f64],
+        ordering: Ordering,
+    ) -> Result<Self, SparseError> {
         let n = metric.dim();
         if potential.dim() > n {
             SizeError::check("the potential's freedoms", n, potential.dim())?;
@@ -52,7 +62,7 @@ impl SparseSolver {
         })?;
         Ok(SparseSolver {
             ladder: Ladder::default(),
-            cholesky: SparseCholesky::analyse(&matrix)?,
+            cholesky: SparseCholesky::analyse_by(&matrix, ordering)?,
             indefinite: None,
             matrix,
             rung: Rung::Cholesky,

@@ -1,0 +1,156 @@
+//! The Hessian solver for more freedoms than a factor can hold: assembled, and solved by iteration.
+//!
+//! ```text
+//! (m M + a d2V(q)) x = r        by conjugate gradients, preconditioned by the blocks of the vertices
+//! ```
+//! The matrix is kept, a product with which costs a fraction of the blocks' computation; no factor is.
+//! What a factor would tell at once is found out on the way: in a direction in which the matrix is not
+//! positive the solve ends, and every component of x is NaN. Give it a potential whose Hessian is
+//! projected ([`Curvature::Semidefinite`](crate::Curvature)) where that may happen.
+
+use crate::sparse::block_jacobi::BlockJacobi;
+use crate::sparse::conjugate_gradient::Product;
+use crate::sparse::scratch::Scratch;
+use crate::sparse::{ConjugateGradient, ConjugateGradientReport, SparseError, SymmetricMatrix};
+use crate::{HessianSolver, Metric, Potential, Rung, Unsolvable};
+
+/// A sparse matrix, its preconditioner, and when to stop.
+#[derive(Clone, Debug)]
+pub struct IterativeSolver {
+    method: ConjugateGradient,
+    matrix: SymmetricMatrix,
+    jacobi: BlockJacobi,
+    scratch: Scratch,
+    x: Vec<f64>,
+    last: Option<Result<ConjugateGradientReport, SparseError>>,
+}
+
+impl IterativeSolver {
+    /// Analyses the pattern of a metric and of a potential's Hessian at `q`.
+    pub fn new(
+        method: ConjugateGradient,
+        metric: &impl Metric,
+        potential: &impl Potential,
+        q: &[f64],
+    ) -> Result<Self, SparseError> {
+        let n = metric.dim();
+        let matrix = SymmetricMatrix::analyse(n, |sink| {
+            metric.add_matrix(sink);
+            potential.add_hessian(q, sink);
+        })?;
+        let jacobi = BlockJacobi::analyse(n, |sink| {
+            metric.add_matrix(sink);
+            potential.add_hessian(q, sink);
+        });
+        let scratch = Scratch::new(n, &[method.scratch(&jacobi, &matrix)])?;
+        Ok(IterativeSolver { method, matrix, jacobi, scratch, x: vec![0.0; n], last: None })
+    }
+
+    /// The matrix that was assembled last.
+    pub fn matrix(&self) -> &SymmetricMatrix {
+        &self.matrix
+    }
+
+    /// How the last solve ended.
+    pub fn last(&self) -> Option<Result<ConjugateGradientReport, SparseError>> {
+        self.last
+    }
+}
+
+impl Product for SymmetricMatrix {
+    fn dim(&self) -> usize {
+        SymmetricMatrix::dim(self)
+    }
+
+    fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) {
+        self.add_product_unchecked(scale, x, y);
+    }
+}
+
+impl HessianSolver for IterativeSolver {
+    /// Assembles the matrix. The rung is the first one, on trust: see [`IterativeSolver::last`].
+    fn factor_weighted<M: Metric, P: Potential>(
+        &mut self,
+        m: f64,
+        metric: &M,
+        a: f64,
+        potential: &P,
+        q: &[f64],
+    ) -> Result<Rung, Unsolvable> {
+        let filled = self.matrix.refill(|sink| {
+            metric.add_matrix(sink.weighted(m));
+            potential.add_hessian(q, sink.weighted(a));
+        });
+        filled.map_err(SparseError::unsolvable)?;
+        self.jacobi.factor_of(&self.matrix).map_err(SparseError::unsolvable)?;
+        Ok(Rung::Cholesky)
+    }
+
+    fn solve(&mut self, r: &mut [f64]) {
+        self.x.fill(0.0);
+        let system = (&*r, &mut self.x[..]);
+        let end = self.method.iterate(&self.jacobi, &self.matrix, system, &mut self.scratch);
+        match end {
+            Ok(_) => r.copy_from_slice(&self.x),
+            Err(_) => r.fill(f64::NAN),
+        }
+        self.last = Some(end);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Covector, DiagonalMetric, FIXED, Sink, SparseSolver};
+
+    /// Springs between neighbours in a row, the first to a wall.
+    struct Row(Vec<f64>);
+
+    impl Potential for Row {
+        fn dim(&self) -> usize {
+            self.0.len()
+        }
+
+        fn energy(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+
+        fn add_differential(&self, _: &[f64], _: Covector<&mut [f64]>) {}
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+            for (i, &k) in self.0.iter().enumerate() {
+                hessian.add_symmetric(&[i.checked_sub(1).unwrap_or(FIXED), i], &[k, -k, -k, k]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_iteration_solves_what_the_factor_solves() {
+        let metric = DiagonalMetric::new(vec![1.0; 100]).unwrap();
+        let mut springs = Row((0..100).map(|i| 1.0 + (i % 7) as f64).collect());
+        let r: Vec<f64> = (0..100).map(|i| (i as f64).cos()).collect();
+        let method = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
+        let mut iterative = IterativeSolver::new(method, &metric, &springs, &[]).unwrap();
+        let mut direct = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        for a in [0.0, 1.0, 7.0] {
+            let (mut x, mut y) = (r.clone(), r.clone());
+            iterative.factor(&metric, &springs, &[], a).unwrap();
+            direct.factor(&metric, &springs, &[], a).unwrap();
+            iterative.solve(&mut x);
+            direct.solve(&mut y);
+            assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-12));
+            let report = iterative.last().unwrap().unwrap();
+            assert!(report.relative_residual < 1e-12 && report.iterations < 150, "{report:?}");
+        }
+        springs.0[47] = -4.0;
+        let mut x = r.clone();
+        iterative.factor(&metric, &springs, &[], 1.0).unwrap();
+        iterative.solve(&mut x);
+        assert!(x.iter().all(|x| x.is_nan()));
+        let end = iterative.last().unwrap();
+        assert!(matches!(end, Err(SparseError::NegativeCurvature { .. })), "{end:?}");
+        springs.0[47] = -40.0;
+        let refused = iterative.factor(&metric, &springs, &[], 1.0);
+        assert_eq!(refused, Err(Unsolvable::Singular));
+    }
+}
