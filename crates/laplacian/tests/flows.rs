@@ -56,7 +56,7 @@ fn a_mode_of_a_string_swings_at_the_frequency_of_its_eigenvalue() {
     let domain = Domain::held(elements, &[(0, 0.0), (n, 0.0)]).unwrap();
     let lambda = 4.0 * (n * n) as f64 * (0.5 * PI / n as f64).sin().powi(2);
     let omega = c * lambda.sqrt();
-    let string = domain.elements().clone().scaled(1.0 / (c * c)).unwrap();
+    let string = domain.elements().scaled(1.0 / (c * c)).unwrap();
     let mass = Domain::held(string, &[(0, 0.0), (n, 0.0)]).unwrap().lumped().unwrap();
     let system = System::new(mass, domain.dirichlet()).unwrap();
     let shape: Vec<f64> = (1..n).map(|k| (PI * k as f64 / n as f64).sin()).collect();

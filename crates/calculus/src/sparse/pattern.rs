@@ -96,63 +96,74 @@ fn blocks(stream: &[u32]) -> impl Iterator<Item = &[u32]> {
     })
 }
 
-/// Row and column, in the lower triangle, of each entry of a block's lower triangle; `None` where
-/// either is fixed.
-fn entries(block: &[u32]) -> impl Iterator<Item = Option<(u32, u32)>> {
-    block.iter().enumerate().flat_map(move |(b, &j)| {
-        block[b..]
-            .iter()
-            .map(move |&i| (i != u32::MAX && j != u32::MAX).then(|| (i.max(j), i.min(j))))
-    })
+/// Hands over the slot number, row and column, in the lower triangle, of each entry off the diagonal.
+#[inline(always)]
+fn visit_off_diagonal(stream: &[u32], mut visit: impl FnMut(usize, u32, u32)) {
+    let mut slot = 0;
+    for block in blocks(stream) {
+        for (b, &j) in block.iter().enumerate() {
+            slot += 1;
+            for &i in &block[b + 1..] {
+                if i != u32::MAX && j != u32::MAX {
+                    visit(slot, i.max(j), i.min(j));
+                }
+                slot += 1;
+            }
+        }
+    }
+}
+
+/// How many entries the lower triangles of the blocks have.
+fn count_slots(stream: &[u32]) -> usize {
+    blocks(stream).map(|block| block.len() * (block.len() + 1) / 2).sum()
 }
 
 impl Pattern {
+    /// By columns first, each column's few entries then sorted by row, each with the number of its
+    /// slot: whoever comes to a row first makes a place, and the others of that row share it.
     fn new(n: usize, stream: Vec<u32>) -> Result<Self, SparseError> {
-        let mut starts = vec![1_usize; n];
-        for (_, column) in blocks(&stream).flat_map(entries).flatten() {
-            starts[column as usize] += 1;
+        let slot_count = count_slots(&stream);
+        if slot_count >= u32::MAX as usize {
+            return Err(SparseError::TooLarge { what: "the blocks' entries", size: slot_count });
         }
-        let mut sum = 0;
-        for start in &mut starts {
-            (*start, sum) = (sum, sum + *start);
-        }
-        let mut rows = vec![0_u32; sum];
-        let mut ends = starts.clone();
-        let diagonal = (0..n as u32).map(|i| (i, i));
-        for (row, column) in diagonal.chain(blocks(&stream).flat_map(entries).flatten()) {
-            let end = &mut ends[column as usize];
-            rows[*end] = row;
-            *end += 1;
-        }
-        let mut column_starts = vec![0_u32; n + 1];
-        let mut nonzeros = 0;
+        let mut ends = vec![0_u32; n + 1];
+        visit_off_diagonal(&stream, |_, _, column| ends[column as usize + 1] += 1);
         for column in 0..n {
-            let range = starts[column]..ends[column];
-            rows[range.clone()].sort_unstable();
-            let start = nonzeros;
-            for k in range {
-                if nonzeros == start || rows[nonzeros - 1] != rows[k] {
-                    rows[nonzeros] = rows[k];
-                    nonzeros += 1;
+            ends[column + 1] += ends[column];
+        }
+        let mut entries = vec![0_u64; ends[n] as usize];
+        visit_off_diagonal(&stream, |slot, row, column| {
+            let end = &mut ends[column as usize];
+            entries[*end as usize] = u64::from(row) << 32 | slot as u64;
+            *end += 1;
+        });
+        let mut slots = vec![0_u32; slot_count];
+        let mut column_starts = Vec::with_capacity(n + 1);
+        let mut rows = Vec::with_capacity(n + entries.len());
+        let mut start = 0;
+        for (column, &end) in ends[..n].iter().enumerate() {
+            column_starts.push(rows.len() as u32);
+            rows.push(column as u32);
+            // Each start has become the next one's.
+            let own = &mut entries[start..end as usize];
+            start = end as usize;
+            own.sort_unstable();
+            let mut last = column as u32;
+            for entry in own {
+                let (row, slot) = ((*entry >> 32) as u32, *entry as u32);
+                if row != last {
+                    rows.push(row);
+                    last = row;
                 }
+                slots[slot as usize] = rows.len() as u32 - 1;
             }
-            column_starts[column + 1] = nonzeros as u32;
         }
-        if nonzeros >= i32::MAX as usize {
-            return Err(SparseError::TooLarge { what: "the number of entries", size: nonzeros });
+        if rows.len() >= i32::MAX as usize {
+            return Err(SparseError::TooLarge { what: "the number of entries", size: rows.len() });
         }
-        rows.truncate(nonzeros);
+        fill_rest(&stream, &column_starts, rows.len() as u32, &mut slots);
+        column_starts.push(rows.len() as u32);
         rows.shrink_to_fit();
-        let slot = |(row, column): (u32, u32)| {
-            let start = column_starts[column as usize];
-            let end = column_starts[column as usize + 1];
-            let place = rows[start as usize..end as usize].partition_point(|&r| r < row);
-            start + place as u32
-        };
-        let slots = blocks(&stream)
-            .flat_map(entries)
-            .map(|entry| entry.map_or(nonzeros as u32, slot))
-            .collect();
         let columns = SymbolicSparseColMat::new_checked(n, n, column_starts, None, rows);
         Ok(Pattern { columns, stream, slots })
     }
@@ -163,6 +174,23 @@ impl Pattern {
 
     pub(crate) fn check_vector(&self, x: &[f64]) -> Result<(), SizeError> {
         SizeError::check("the vector's components", self.dim(), x.len())
+    }
+}
+
+/// The slots of entries on the diagonal, and of those that are dropped.
+fn fill_rest(stream: &[u32], column_starts: &[u32], dropped: u32, slots: &mut [u32]) {
+    let mut slot = 0;
+    for block in blocks(stream) {
+        for (b, &j) in block.iter().enumerate() {
+            slots[slot] = column_starts.get(j as usize).map_or(dropped, |&start| start);
+            slot += 1;
+            for &i in &block[b + 1..] {
+                if i == u32::MAX || j == u32::MAX {
+                    slots[slot] = dropped;
+                }
+                slot += 1;
+            }
+        }
     }
 }
 
