@@ -9,7 +9,7 @@ use stationary_laplacian::problems::{interval, square};
 use stationary_laplacian::{
     Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, lowest_modes,
 };
-use stationary_mesh::{IntrinsicSurface, Mesh, bar, torus};
+use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, bar, rectangle, torus};
 
 #[test]
 fn exact_heat_is_what_small_steps_approach_and_reaches_any_time() {
@@ -106,6 +106,23 @@ fn plain_cotangents_break_the_maximum_principle_and_delaunay_edges_keep_it() {
     assert!(worst(&delaunay, HeatMethod::ImplicitEuler, 0.02) > -1e-15);
     let ringing = worst(&delaunay, HeatMethod::CrankNicolson, 1.0);
     assert!(ringing < -1e-2, "{ringing:e}");
+}
+
+#[test]
+fn splits_keep_the_maximum_principle_on_a_surface_with_a_boundary() {
+    let sheared = |x: &nalgebra::Vector2<f64>| Vector3::new(4.0 * x.x + 3.0 * x.y, 0.5 * x.y, 0.0);
+    let mesh = rectangle([1.0, 1.0], [8, 8], Diagonals::Same).unwrap().mapped(sheared).unwrap();
+    let mut surface = IntrinsicSurface::of(&mesh).unwrap();
+    surface.flip_to_delaunay().unwrap();
+    let worst = |surface: &IntrinsicSurface| {
+        let domain = Domain::free(Elements::of_surface(surface).unwrap()).unwrap();
+        let spikes = 0..mesh.vertices().len();
+        let of = |spike| lowest(&domain, HeatMethod::ImplicitEuler, 0.02, spike);
+        spikes.map(of).fold(0.0, f64::min)
+    };
+    assert!(worst(&surface) < -1e-4, "flips alone do not do");
+    let splits = surface.split_obtuse_boundary().unwrap();
+    assert!(!splits.is_empty() && worst(&surface) > -1e-15);
 }
 
 #[test]

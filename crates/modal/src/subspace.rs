@@ -36,9 +36,9 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// The body in the span of the modes.
     ///
     /// # Errors
-    /// [`ModalError::Size`].
+    /// [`ModalError::Size`], and [`ModalError::Count`] for no modes.
     pub fn subspace(&self, modes: &Modes) -> Result<Subspace<'a, P>, ModalError> {
-        SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
+        self.check_modes(modes)?;
         Ok(self.spanned(modes.columns()))
     }
 
@@ -47,14 +47,14 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// the body will do, and on an energy of degree four any.
     ///
     /// # Errors
-    /// [`ModalError::Parameter`], [`ModalError::Size`], and [`ModalError::Stiffness`] where the body is
+    /// Those of [`Linearized::subspace`], [`ModalError::Parameter`], and [`ModalError::Stiffness`] where the body is
     /// not held or not at a minimum: derivatives there have a part that nothing determines.
     pub fn subspace_with_derivatives(
         &mut self,
         modes: &Modes,
         reach: f64,
     ) -> Result<Subspace<'a, P>, ModalError> {
-        SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
+        self.check_modes(modes)?;
         if !(reach > 0.0 && reach.is_finite()) {
             return Err(ModalError::Parameter {
                 what: "the reach of the differences",
@@ -67,6 +67,14 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         self.factored().0.solve(&mut derivatives);
         columns.extend(derivatives);
         Ok(self.spanned(&columns))
+    }
+
+    fn check_modes(&self, modes: &Modes) -> Result<(), ModalError> {
+        SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
+        if modes.is_empty() {
+            return Err(ModalError::Count { asked: 0, there: self.dim() });
+        }
+        Ok(())
     }
 
     /// `-(dH/dv_i) v_j` for i <= j, one after the other.

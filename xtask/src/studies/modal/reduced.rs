@@ -88,7 +88,7 @@ impl Scene {
     /// The same by implicit midpoint on all freedoms, in some steps a frame, and the multiplications
     /// of one step with a factor that is kept.
     fn by_steps(&self, frame: f64, steps: u32) -> Result<(Vec<f64>, f64), Failed> {
-        let system = System::new(&self.metric, (&self.solid, &self.load))?;
+        let system = System::new(self.metric.clone(), (&self.solid, &self.load))?;
         let solver = SparseSolver::new(&self.metric, &(&self.solid, &self.load), &self.q)?;
         let entries = solver.cholesky().factor_len() + solver.matrix().values().len();
         let mut midpoint = ImplicitMidpoint::with_solver(&system, solver)?;

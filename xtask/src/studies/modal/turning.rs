@@ -76,7 +76,7 @@ impl Beam {
 
     /// The motion of the whole body from rest with a momentum.
     fn whole(&self, p: &[f64], times: Times) -> Result<Path, Failed> {
-        let system = System::new(&self.metric, &self.solid)?;
+        let system = System::new(self.metric.clone(), &self.solid)?;
         let mut verlet = StormerVerlet::new(&system)?;
         let mut state = State::new(self.q.clone(), p.to_vec());
         let mut path = Path::new();
