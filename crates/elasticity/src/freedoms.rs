@@ -72,6 +72,24 @@ impl<const D: usize> Freedoms<D> {
         Ok(Freedoms { free, numbering: Arc::new(Numbering { starts, mixed, held }), places })
     }
 
+    /// The vertices of a mesh, of which those coordinates are held where they are that `holds` says
+    /// yes to, by the vertex' place and the component.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Held`] for places that are not finite, and [`ElasticityError::TooMany`].
+    pub fn held_where(
+        places: &[[f64; D]],
+        holds: impl Fn(&[f64; D], usize) -> bool,
+    ) -> Result<Self, ElasticityError> {
+        let mut held = Vec::new();
+        for (vertex, x) in places.iter().enumerate() {
+            let components = (0..D).filter(|&component| holds(x, component));
+            let at = |component: usize| Held { vertex, component, place: x[component] };
+            held.extend(components.map(at));
+        }
+        Freedoms::new(places.len(), &held)
+    }
+
     /// Vertices that are all free.
     pub fn free(vertices: usize) -> Result<Self, ElasticityError> {
         Freedoms::new(vertices, &[])

@@ -63,7 +63,7 @@ impl MeanCurvatureFlow {
             domain.dirichlet().add_hessian(&anywhere, sink.weighted(h));
         })?;
         self.factor.factor(&self.matrix)?;
-        let differential = self.differential(domain.elements());
+        let differential = self.differential(&domain.elements());
         let free = domain.free_vertices();
         let component = |c: usize| free.iter().map(move |&vertex| (vertex, c));
         let mut change: Vec<f64> =

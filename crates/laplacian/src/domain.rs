@@ -22,12 +22,11 @@ pub type Dirichlet<const K: usize> = Stencils<Element<K>, K, 1>;
 /// Elements with held vertices.
 #[derive(Clone, Debug)]
 pub struct Domain<const K: usize> {
-    elements: Elements<K>,
     dirichlet: Dirichlet<K>,
     /// The freedom of each vertex, or the place of its value after all freedoms.
     places: Vec<usize>,
-    /// The vertex of each freedom.
-    free: Vec<usize>,
+    /// The vertex of each freedom, and after them that of each held value.
+    order: Vec<usize>,
     held: Vec<f64>,
 }
 
@@ -60,32 +59,38 @@ impl<const K: usize> Domain<K> {
                 return Err(LaplacianError::Parameter { what: "a held value", value });
             }
         }
-        let free: Vec<usize> = (0..vertices).filter(|&v| places[v] == FIXED).collect();
-        if free.is_empty() {
+        let mut order: Vec<usize> = (0..vertices).filter(|&v| places[v] == FIXED).collect();
+        if order.is_empty() {
             return Err(LaplacianError::NothingFree);
         }
-        for (freedom, &vertex) in free.iter().enumerate() {
+        for (freedom, &vertex) in order.iter().enumerate() {
             places[vertex] = freedom;
         }
+        let free = order.len();
+        order.extend(values.iter().map(|&(vertex, _)| vertex));
+        let mut stencils = elements.elements;
+        for element in &mut stencils {
+            element.vertices = element.vertices.map(|vertex| places[vertex]);
+        }
         let held: Vec<f64> = values.iter().map(|&(_, value)| value).collect();
-        let renumbered = |element: &Element<K>| {
-            let vertices = element.vertices.map(|vertex| places[vertex]);
-            Element { vertices, ..*element }
-        };
-        let stencils = elements.elements().iter().map(renumbered).collect();
         let fixed = held.iter().map(|&value| [value]).collect();
-        let dirichlet = Stencils::new(free.len(), fixed, stencils).map_err(
+        let dirichlet = Stencils::new(free, fixed, stencils).map_err(
             |UnknownVertex { vertex, vertices, .. }| LaplacianError::NoSuchVertex {
                 vertex,
                 vertices,
             },
         )?;
-        Ok(Domain { elements, dirichlet, places, free, held })
+        Ok(Domain { dirichlet, places, order, held })
     }
 
-    /// The elements.
-    pub fn elements(&self) -> &Elements<K> {
-        &self.elements
+    /// The elements as they were given.
+    pub fn elements(&self) -> Elements<K> {
+        let given = |element: &Element<K>| {
+            let vertices = element.vertices.map(|place| self.order[place]);
+            Element { vertices, ..*element }
+        };
+        let elements = self.dirichlet.stencils().iter().map(given).collect();
+        Elements { vertices: self.places.len(), elements }
     }
 
     /// The Dirichlet energy V of the free vertices' values.
@@ -95,17 +100,17 @@ impl<const K: usize> Domain<K> {
 
     /// How many vertices are free.
     pub fn dim(&self) -> usize {
-        self.free.len()
+        self.order.len() - self.held.len()
     }
 
     /// The vertex of each freedom.
     pub fn free_vertices(&self) -> &[usize] {
-        &self.free
+        &self.order[..self.dim()]
     }
 
     /// The freedom of a vertex; `None` where it is held, or does not exist.
     pub fn freedom(&self, vertex: usize) -> Option<usize> {
-        self.places.get(vertex).copied().filter(|&place| place < self.free.len())
+        self.places.get(vertex).copied().filter(|&place| place < self.dim())
     }
 
     /// The mass with each simplex shared out to its corners.
@@ -161,12 +166,12 @@ impl<const K: usize> Domain<K> {
     /// [`LaplacianError::Size`].
     pub fn on_freedoms(&self, f: &[f64]) -> Result<Vec<f64>, LaplacianError> {
         SizeError::check("the function's values", self.places.len(), f.len())?;
-        Ok(self.free.iter().map(|&vertex| f[vertex]).collect())
+        Ok(self.free_vertices().iter().map(|&vertex| f[vertex]).collect())
     }
 
     /// For each vertex the first vertex of its connected piece.
     pub(crate) fn pieces(&self) -> Vec<usize> {
-        let mut roots: Vec<usize> = (0..self.elements.vertices()).collect();
+        let mut roots: Vec<usize> = (0..self.places.len()).collect();
         fn root(roots: &mut [usize], mut vertex: usize) -> usize {
             while roots[vertex] != vertex {
                 roots[vertex] = roots[roots[vertex]];
@@ -174,9 +179,11 @@ impl<const K: usize> Domain<K> {
             }
             vertex
         }
-        for element in self.elements.elements() {
-            for &vertex in &element.vertices[1..] {
-                let (a, b) = (root(&mut roots, element.vertices[0]), root(&mut roots, vertex));
+        for element in self.dirichlet.stencils() {
+            let [first, rest @ ..] = element.vertices.as_slice() else { continue };
+            for place in rest {
+                let ends = [self.order[*first], self.order[*place]];
+                let [a, b] = ends.map(|vertex| root(&mut roots, vertex));
                 roots[a.max(b)] = a.min(b);
             }
         }
@@ -184,7 +191,7 @@ impl<const K: usize> Domain<K> {
     }
 
     pub(crate) fn is_held(&self, vertex: usize) -> bool {
-        self.places[vertex] >= self.free.len()
+        self.places[vertex] >= self.dim()
     }
 }
 

@@ -84,8 +84,8 @@ impl<const K: usize> Stencil<K, 1> for Element<K> {
 /// The elements of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Elements<const K: usize> {
-    vertices: usize,
-    elements: Vec<Element<K>>,
+    pub(crate) vertices: usize,
+    pub(crate) elements: Vec<Element<K>>,
 }
 
 impl<const K: usize> Elements<K>
@@ -191,13 +191,14 @@ fn weight<const K: usize>(corners: &[Vector3<f64>; K], size: f64, i: usize, j: u
     if K == 2 {
         return -1.0 / size;
     }
-    let others: Vec<usize> = (0..K).filter(|&k| k != i && k != j).collect();
-    let k = corners[others[0]];
+    let mut others = (0..K).filter(|&k| k != i && k != j);
+    let mut other = || others.next().map_or(corners[0], |k| corners[k]);
+    let k = other();
     if K == 3 {
         return -(corners[i] - k).dot(&(corners[j] - k)) / (4.0 * size);
     }
     // Both faces contain the edge kl; seen along it, this is the cotangent of the angle between.
-    let along = corners[others[1]] - k;
+    let along = other() - k;
     let (u, v) = (along.cross(&(corners[i] - k)), along.cross(&(corners[j] - k)));
     -u.dot(&v) / (36.0 * size)
 }

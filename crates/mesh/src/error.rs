@@ -133,6 +133,14 @@ pub enum MeshError {
         /// How many were made.
         limit: usize,
     },
+    /// Boundary sides that face obtuse angles however often they are split.
+    #[error("after {rounds} rounds and {splits} splits boundary sides still face obtuse angles")]
+    TooManySplits {
+        /// How many rounds there were.
+        rounds: usize,
+        /// How many sides were split.
+        splits: usize,
+    },
     /// A size that must be positive and finite.
     #[error("{what} is {value}; it must be positive and finite")]
     Size {

@@ -26,7 +26,7 @@ pub struct Side {
 
 impl Side {
     /// The side after this one, or the one before it: two steps are one back.
-    fn after(self, steps: usize) -> Self {
+    pub(crate) fn after(self, steps: usize) -> Self {
         Side { triangle: self.triangle, side: (self.side + steps) % 3 }
     }
 }
@@ -34,10 +34,10 @@ impl Side {
 /// Triangles by their edge lengths, glued side to side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntrinsicSurface {
-    vertices: usize,
-    triangles: Vec<[usize; 3]>,
-    glued: Vec<[Option<Side>; 3]>,
-    lengths: Vec<[f64; 3]>,
+    pub(crate) vertices: usize,
+    pub(crate) triangles: Vec<[usize; 3]>,
+    pub(crate) glued: Vec<[Option<Side>; 3]>,
+    pub(crate) lengths: Vec<[f64; 3]>,
 }
 
 impl IntrinsicSurface {
@@ -134,7 +134,7 @@ impl IntrinsicSurface {
         (0..self.triangles.len()).map(|triangle| self.shape(triangle).area()).sum()
     }
 
-    fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+    pub(crate) fn sides(&self) -> impl Iterator<Item = Side> + use<> {
         let triangles = 0..self.triangles.len();
         triangles.flat_map(|triangle| (0..3).map(move |side| Side { triangle, side }))
     }
@@ -147,7 +147,7 @@ impl IntrinsicSurface {
     }
 
     /// The cotangent of the angle opposite to a side.
-    fn cotangent(&self, side: Side) -> f64 {
+    pub(crate) fn cotangent(&self, side: Side) -> f64 {
         self.shape(side.triangle).cotangents()[side.after(2).side]
     }
 
@@ -159,7 +159,7 @@ impl IntrinsicSurface {
         0.5 * (self.cotangent(side) + other)
     }
 
-    /// Boundary sides opposite to an obtuse angle: no flip makes their weights positive.
+    /// Boundary sides opposite to an obtuse angle: no flip makes their weights positive, a split does.
     pub fn obtuse_boundary(&self) -> Vec<Side> {
         let bad = |side: &Side| self.across(*side).is_none() && self.cotangent(*side) < 0.0;
         self.sides().filter(bad).collect()
@@ -231,7 +231,7 @@ impl IntrinsicSurface {
         moved.map(|(_, new)| new).to_vec()
     }
 
-    fn ends(&self, side: Side) -> [usize; 2] {
+    pub(crate) fn ends(&self, side: Side) -> [usize; 2] {
         let corners = self.triangles[side.triangle];
         [corners[side.side], corners[(side.side + 1) % 3]]
     }

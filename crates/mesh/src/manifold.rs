@@ -9,6 +9,7 @@
 //! its Euler characteristic tells.
 
 use crate::edges::Adjacency;
+use crate::fans::all_are_fans;
 use crate::mesh::Mesh;
 use crate::simplex::Simplex;
 use crate::{MeshError, Places};
@@ -22,6 +23,14 @@ where
     /// # Errors
     /// [`MeshError::NonManifold`] and [`MeshError::Pinched`].
     pub fn check_manifold(&self) -> Result<(), MeshError> {
+        if all_are_fans(self.vertices().len(), self.simplices()) {
+            return Ok(());
+        }
+        self.check_manifold_slowly()
+    }
+
+    /// The same for meshes of any kind, with a list of all that is wrong.
+    pub(crate) fn check_manifold_slowly(&self) -> Result<(), MeshError> {
         let neighbours = self.neighbours()?;
         if K == 2 {
             return Ok(());

@@ -47,10 +47,13 @@ const FLAT: f64 = 4.0 * f64::EPSILON;
 pub(crate) fn is_flat<const D: usize, const K: usize>(corners: &[SVector<f64, D>; K]) -> bool {
     let mut longest = 0.0_f64;
     for (k, corner) in corners.iter().enumerate() {
-        longest = corners[..k].iter().fold(longest, |l, other| l.max((corner - other).norm()));
+        let to = |other: &SVector<f64, D>| (corner - other).norm_squared();
+        longest = corners[..k].iter().fold(longest, |longest, other| longest.max(to(other)));
     }
     let size = measure(corners).abs();
-    size <= FLAT * longest.powi(K as i32 - 1)
+    // The longest edge to the power of K - 1, from its square.
+    let power = if K == 3 { longest } else { longest.sqrt().powi(K as i32 - 1) };
+    size <= FLAT * power
 }
 
 impl<const D: usize, const K: usize> Mesh<D, K> {

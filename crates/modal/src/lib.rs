@@ -6,6 +6,7 @@
 //! H v = lambda M v,   V^T M V = I                   modes, and how many below a limit   (14.2)
 //! d(t) = sum v_i (mu_i cos w_i t + nu_i sin(w_i t)/w_i)       motion in closed form     (14.2)
 //! alpha_i'' = -lambda_i alpha_i + <F, v_i>          N freedoms instead of n             (14.3)
+//! V_r(a) = V(q0 + U a)                              the same for larger motion
 //! ```
 //! `q0` an equilibrium (n), `H` the Hessian of the potential there, `M` the mass matrix, `lambda` in
 //! 1/s^2. The numbers name sections of the notes. An equilibrium is found by
@@ -24,8 +25,8 @@
 //! ```
 //!
 //! Reading order: [`Linearized`], a system near an equilibrium; [`RigidMotions`]; [`Kind`]; [`Modes`];
-//! [`Motion`] in closed form; [`Reduced`], and how many modes an [`Answer`] needs; [`problems`] with
-//! known spectra.
+//! [`Motion`] in closed form; [`Reduced`], and how many modes an [`Answer`] needs; a [`Subspace`] of
+//! modes and their derivatives for larger motion; [`problems`] with known spectra.
 //!
 //! The crate knows nothing of elements, meshes or files: any metric and potential will do.
 
@@ -38,12 +39,16 @@ mod krylov;
 mod modes;
 mod motion;
 mod reduced;
+mod answer;
+mod subspace;
 pub mod problems;
 
+pub use answer::Answer;
 pub use error::ModalError;
 pub use kind::Kind;
 pub use linearized::Linearized;
 pub use modes::Modes;
 pub use motion::Motion;
-pub use reduced::{Answer, Reduced};
+pub use reduced::Reduced;
 pub use rigid_motions::RigidMotions;
+pub use subspace::Subspace;

@@ -32,7 +32,8 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// The system at `q`, where the size `|M^-1 dV|` may be at most `tolerance` (kg^1/2 m/s^2).
     ///
     /// # Errors
-    /// [`ModalError::NoEquilibrium`] with the size that it has.
+    /// [`ModalError::NoEquilibrium`] with the size that it has; [`ModalError::Mass`] where the metric
+    /// is not positive definite.
     pub fn at(
         metric: &'a M,
         potential: &'a P,
@@ -45,6 +46,7 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         check_equilibrium(metric, potential, q, tolerance)?;
         let stiffness = SymmetricMatrix::hessian(potential, q)?;
         let mass = SymmetricMatrix::mass(metric)?;
+        SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
         let pencil = SymmetricMatrix::analyse(n, |sink| {
             metric.add_matrix(sink);
             potential.add_hessian(q, sink);
@@ -66,6 +68,14 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
 
     pub(crate) fn metric(&self) -> &M {
         self.metric
+    }
+
+    pub(crate) fn potential(&self) -> &'a P {
+        self.potential
+    }
+
+    pub(crate) fn equilibrium(&self) -> &[f64] {
+        &self.q
     }
 
     /// The Hessian H.
@@ -150,6 +160,6 @@ fn scale(stiffness: &SymmetricMatrix, mass: &SymmetricMatrix) -> f64 {
             }
         }
     }
-    // The comparison is so written that NaN, from a mass that is not positive, comes through.
+    // The comparison is so written that NaN comes through.
     sums.into_iter().fold(0.0, |largest, sum| if sum <= largest { largest } else { sum })
 }

@@ -9,9 +9,7 @@
 //! above the last one then tells whether any was missed, and the search goes on until none is.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use stationary_calculus::{
-    Covector, Metric, Potential, SizeError, SparseCholesky, SparseError, Vector,
-};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, SparseError, Vector};
 
 use crate::krylov::Krylov;
 use crate::{Linearized, ModalError, RigidMotions, dense};
@@ -73,8 +71,6 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
             }
             refused = self.factor(smallest * GROWTH.powi(tried))?;
         }
-        let mass = self.mass().clone();
-        SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
         refused.map_err(ModalError::Stiffness)
     }
 
@@ -200,6 +196,11 @@ impl Modes {
         self.values.truncate(count);
         self.residuals.truncate(count);
         self.columns.truncate(count * self.n);
+    }
+
+    /// All modes, one after the other.
+    pub(crate) fn columns(&self) -> &[f64] {
+        &self.columns
     }
 
     pub(crate) fn column(&self, i: usize) -> &[f64] {

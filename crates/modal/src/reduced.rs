@@ -10,10 +10,10 @@
 //! Valid near the equilibrium: modes are straight lines, and a body that turns by an angle `phi` swells
 //! by `phi^2/2`. It cannot fold, and it does not know contact.
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, Vector};
+use stationary_calculus::{Covector, SizeError, Vector};
 
 use crate::motion::Propagator;
-use crate::{Linearized, ModalError, Modes, dense};
+use crate::{ModalError, Modes, dense};
 
 /// The freedoms of a reduced body.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,52 +80,5 @@ fn pushed(lambda: f64, h: f64, c: f64) -> f64 {
         (1.0 - c) / lambda
     } else {
         0.5 * h * h
-    }
-}
-
-/// How much of an observable's answer to a static load the lowest modes give.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Answer {
-    /// `<l, H^-1 F>`: the answer of the whole body.
-    pub whole: f64,
-    /// The error that the lowest 0, 1, 2, ... modes leave, relative to the whole answer.
-    pub errors: Vec<f64>,
-}
-
-impl Answer {
-    /// The least number of modes from which on the error stays within a tolerance, or `None` where
-    /// all that were given do not do.
-    pub fn least_modes(&self, tolerance: f64) -> Option<usize> {
-        let within = self.errors.iter().rev().take_while(|error| **error <= tolerance).count();
-        (within > 0).then(|| self.errors.len() - within)
-    }
-}
-
-impl<M: Metric, P: Potential> Linearized<'_, M, P> {
-    /// What an observable `<l, d>` says to a static load F, by the whole body and by the lowest modes.
-    ///
-    /// # Errors
-    /// Where the body is not held: under a load it has no static answer.
-    pub fn answer(
-        &mut self,
-        modes: &Modes,
-        load: Covector<&[f64]>,
-        observable: Covector<&[f64]>,
-    ) -> Result<Answer, ModalError> {
-        SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
-        SizeError::check("the load's components", self.dim(), load.0.len())?;
-        SizeError::check("the observable's components", self.dim(), observable.0.len())?;
-        self.factor(0.0)?.map_err(ModalError::Stiffness)?;
-        let mut d = load.0.to_vec();
-        self.factored().0.solve(&mut d);
-        let whole = dense::dot(observable.0, &d);
-        let mut given = 0.0;
-        let mut errors = vec![1.0];
-        for (i, lambda) in modes.values().iter().enumerate() {
-            let v = modes.column(i);
-            given += dense::dot(observable.0, v) * dense::dot(load.0, v) / lambda;
-            errors.push(((whole - given) / whole).abs());
-        }
-        Ok(Answer { whole, errors })
     }
 }

@@ -13,9 +13,9 @@
 use stationary_mesh::{Diagonals, QuadraticTriangles, rectangle};
 
 use crate::{
-    DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearSegment,
-    LinearTriangle, QuadraticSegment, QuadraticTriangle, Reference, Solid, Statics,
-    curved_boundary, lumped_mass, straight_boundary,
+    DeadLoad, ElasticityError, Elements, Freedoms, Lame, Linear, LinearSegment, LinearTriangle,
+    QuadraticSegment, QuadraticTriangle, Reference, Solid, Statics, curved_boundary, lumped_mass,
+    straight_boundary,
 };
 
 /// Which triangles a sheet is made of.
@@ -85,7 +85,7 @@ impl Beam {
         S: Reference<B, 1, P>,
     {
         let nodes = mesh.nodes();
-        let freedoms = Freedoms::new(nodes.len(), &clamped(&nodes))?;
+        let freedoms = Freedoms::held_where(&nodes, |x, _| x[0] == 0.0)?;
         let mut solid = Solid::new(family, mesh, 1.0, Linear::new(self.lame), freedoms.clone())?;
         let shear = self.push / self.size[1];
         let load = DeadLoad::traction(edge, rim, 1.0, &freedoms, |_, normal| {
@@ -103,27 +103,4 @@ impl Beam {
         let value = tip.iter().sum::<f64>() / tip.len() as f64;
         Ok(Sheet { freedoms: freedoms.dim(), value })
     }
-}
-
-/// Every node at x = 0 held where it is.
-fn clamped(nodes: &[[f64; 2]]) -> Vec<Held> {
-    let at_wall = nodes.iter().enumerate().filter(|(_, x)| x[0] == 0.0);
-    at_wall
-        .flat_map(|(vertex, x)| {
-            (0..2).map(move |component| Held { vertex, component, place: x[component] })
-        })
-        .collect()
-}
-
-/// Nodes on an axis may slide along it only.
-pub(crate) fn symmetric(nodes: &[[f64; 2]]) -> Vec<Held> {
-    let on_axis = |(vertex, x): (usize, &[f64; 2])| {
-        let zero = [x[0] == 0.0, x[1] == 0.0];
-        (0..2).filter(move |&c| zero[c]).map(move |component| Held {
-            vertex,
-            component,
-            place: 0.0,
-        })
-    };
-    nodes.iter().enumerate().flat_map(on_axis).collect()
 }

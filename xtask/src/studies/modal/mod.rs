@@ -1,0 +1,26 @@
+//! Modes: their frequencies against known ones, and how far few of them reach.
+
+pub mod frequencies;
+pub mod membrane;
+pub mod needed;
+pub mod pendulum;
+pub mod reduced;
+pub mod turning;
+
+use stationary_calculus::{Metric, Potential};
+use stationary_modal::{Linearized, ModalError, RigidMotions};
+
+/// How far from rest a body may be, kg^1/2 m/s^2: rounding of the stiffest one.
+const AT_REST: f64 = 1e-3;
+
+/// The lowest angular frequencies of a body, rad/s, its rigid motions in the plane left out.
+fn frequencies<const D: usize>(
+    metric: &impl Metric,
+    potential: &impl Potential,
+    q: &[f64],
+    count: usize,
+) -> Result<Vec<f64>, ModalError> {
+    let mut body = Linearized::at(metric, potential, q, AT_REST)?;
+    let rigid = RigidMotions::of_points::<D>(&body, q)?;
+    Ok(body.lowest(count, &rigid)?.frequencies().collect())
+}
