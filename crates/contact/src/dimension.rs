@@ -8,10 +8,10 @@
 //! x. = t. + theta. Z R c                      x. = t. + R (omega x c)
 //! f.x. = (f, f.Z R c) v                       f.x. = (f, c x R^T f) v                      (10.1)
 //! ```
-//! `R` the rotation by `theta` (radians, of the world zero) or by the quaternion, `Z` a quarter turn;
-//! metres and seconds. Planar bodies live on flat space (7.4). Everything that is the same in both
-//! is written once, for a [`Dimension`]; what differs is below, and in one border file for each.
-//! Source: notes 7.4, 10.1, 11.2.
+//! `R` the rotation by `theta` (radians, of the world zero) or by the quaternion, `Z` a quarter
+//! turn; metres and seconds. Planar bodies live on flat space (7.4). Everything that is the same in
+//! both is written once, for a [`Dimension`]; what differs is below, and in one border file for
+//! each. Source: notes 7.4, 10.1, 11.2.
 
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Sub};

@@ -33,13 +33,16 @@
 //!
 //! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
-//! laws ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and
-//! times of impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
-//! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to when
-//! ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
+//! laws ([`ImpactLaw`]). Then the plane and space, by the features `2d` and `3d`: what they are to
+//! contact ([`Dimension`]), shapes, colliders and detection, the same text for both
+//! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
+//! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
+//! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
+//! when ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]). A [`World`] is
+//! the front door for scenes: bodies of either dimension, their shapes, and what happens.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
-//! is known to one border file and the detection behind it.
+//! is known to one border file a dimension and the detection behind it.
 
 mod error;
 mod rows;

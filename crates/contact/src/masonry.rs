@@ -1,13 +1,14 @@
 //! A masonry arch: wedges that touch, on the ground, under their weight.
 //!
 //! ```text
-//! wedge k   between the rays at k pi/n and (k + 1) pi/n, and between the circles of radii r and r + t
+//! wedge k   between the rays at k pi/n and (k + 1) pi/n, and between the radii r and r + t
 //! t/(r + t/2) > 0.107,   mu > 0.31          what a round arch of many wedges asks for to stand
 //! ```
-//! `n` wedges of density 1 kg/m^2, `r` the inner radius and `t` the thickness (m), `mu` the friction
-//! of every joint and of the ground. Joints match exactly and carry nothing but contact. The two
-//! numbers are those of a half circle: the thrust stays inside (Milankovitch 1907; Heyman 1969),
-//! and nowhere leans too far from a joint's normal (Sinopoli, Corradi and Foce 1997).
+//! `n` wedges of density 1 kg/m^2, `r` the inner radius and `t` the thickness (m), `mu` the
+//! friction of every joint and of the ground. Joints match exactly and carry nothing but contact.
+//! The two numbers are those of a half circle: the thrust stays inside (Milankovitch 1907; Heyman
+//! 1969), and nowhere leans too far from a joint's normal (Sinopoli, Corradi and Foce 1997; the
+//! study of the arch finds it by statics and by letting arches go).
 
 use nalgebra::Vector2;
 use stationary_calculus::{DiagonalMetric, System};

@@ -69,7 +69,8 @@ pub(crate) fn facing(
             append(manifold, wide, margin, found);
             continue;
         }
-        *closest = Manifold::default();
+        closest.clear();
+        closest.local_n1 = Vector::ZERO;
         (closest.subshape1, closest.subshape2) = (manifold.subshape1, manifold.subshape2);
         let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
         let [a, b] = [(a, &triangles[0]), (b, &triangles[1])].map(|(whole, part)| match part {

@@ -1,7 +1,7 @@
 //! How a rigid body moves between two moments: along a straight line while it turns, or on a screw.
 //!
 //! ```text
-//! straight   t(s) = t0 + s v,   R(s) = R0 exp(s w)       v in world axes: a free body, a step of it
+//! straight   t(s) = t0 + s v,   R(s) = R0 exp(s w)       v in world axes: a free body's step
 //! screw      g(s) = g0 exp(s (v, w))                     v in body axes: a straight path of SE(3)
 //! n.x(s + d) = n.x(s) + d n.x'(s) + r,   |r| <= d^2/2 (|w|^2 rho + |w x v|)        0 <= s <= 1
 //! ```

@@ -6,12 +6,13 @@
 //! ```
 //! `x1 x2` points of two convex shapes, `x'` their velocities at t, `k` bounds on their
 //! accelerations (see [`RigidPath`]). A minimum over points of functions that are linear in `d` is
-//! concave, so that its ends bound it; both ends are farthest points of the shapes, in the direction
-//! `m` and in `m + d m x w`. From the direction of the closest points at t, this proves an interval
-//! free, from its end the next one: conservative advancement, of second order, so that what slides
-//! past at a distance e takes steps of order `sqrt(e)`. The closest points come from the geometry
-//! library and need not be exact: they only suggest a direction, and no hit is announced unless two
-//! points of the shapes are that close.
+//! concave, so that its ends bound it; both ends are farthest points of the shapes, along `m` and
+//! along `m + d m x w`, where `m` is `n` in body axes and `w` the turn. From the direction of the
+//! closest points at t, this proves an interval free, from its end the next one: conservative
+//! advancement, of second order, so that what slides past at a distance e takes steps of order
+//! `sqrt(e)`. The closest points come from the geometry library and need not be exact: they only
+//! suggest a direction, and no hit is announced unless two points of the shapes are that close. The
+//! library's own cast along such motions proves nothing: it passes over some meetings.
 //!
 //! No hit: the distance exceeds `thickness` at all times. A hit: it is at most `thickness +
 //! tolerance` at [`RigidHit::time`], and exceeds `thickness` before. Source: notes 11.1; Mirtich
@@ -30,7 +31,7 @@ use crate::{Closeness, ContactError, RigidPath, Shape};
 pub struct RigidHit {
     /// The fraction of the motion before which they are proved apart.
     pub time: f64,
-    /// From the first to the second, of length 1, world axes; zero where they overlap from the start.
+    /// From the first to the second, of length 1, world axes; zero where they overlap.
     pub normal: Vector3<f64>,
     /// A point of each, no farther apart than promised, world axes.
     pub points: [Vector3<f64>; 2],

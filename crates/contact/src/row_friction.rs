@@ -1,5 +1,5 @@
-//! Coulomb's friction on rows: staggered projections, of normal impulses and of friction within what
-//! they allow.
+//! Coulomb's friction on rows: staggered projections, of normal impulses and of friction within
+//! what they allow.
 //!
 //! ```text
 //! normal     min 1/2 |v - v_f|_M^2,   dg v + bias >= 0         v_f with the friction impulses kept

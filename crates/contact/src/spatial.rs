@@ -3,8 +3,8 @@
 //! ```text
 //! f.x. = (f, c x R^T f) (t., omega),     x. = t. + R (omega x c)                          (10.1)
 //! ```
-//! See [`Dimension`]. Free motion turns bodies by the variational rotation of 9.5, which keeps their
-//! angular momentum.
+//! See [`Dimension`]. Free motion turns bodies by the variational rotation of 9.5, which keeps
+//! their angular momentum.
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;

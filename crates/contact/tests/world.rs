@@ -9,9 +9,10 @@ use stationary_contact::{
     PlanarWorld, Shape, SpatialWorld, World, WorldReport, problems::nine_ball_break,
 };
 use stationary_integrators::State;
+use stationary_mesh::Polygon;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, LieGroup, PlanarMotion, PlanarRotation, PlanarWeight, PointMass,
-    Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, LieGroup, PlanarMass, PlanarMotion, PlanarRotation, PlanarWeight,
+    PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 const G: f64 = 10.0;
@@ -262,4 +263,49 @@ fn an_arch_stands_with_friction_and_falls_without() {
         world.step(&mut state, 1e-3).unwrap();
     }
     assert!(slippery.sunk(&start, &state) > 0.3, "{}", slippery.sunk(&start, &state));
+}
+
+/// Two cards that lean on each other over a floor, apex at (x, y + 1); feet 0.3 m off.
+fn tent(x: f64, y: f64) -> [Vec<Vector2<f64>>; 2] {
+    let (foot, wide, high) = (0.3, 0.02, 1.0);
+    let cut = high * wide / (foot + wide);
+    let left = [[-foot - wide, 0.0], [-foot, 0.0], [0.0, high - cut], [0.0, high]];
+    [-1.0, 1.0].map(|side| {
+        left.iter().map(|corner| Vector2::new(x - side * corner[0], y + corner[1])).collect()
+    })
+}
+
+/// Two tents, a card across, and a tent on it.
+fn card_house(friction: f64) -> (Table, State<Vec<f64>>) {
+    let [wide, thick] = [0.8, 0.02];
+    let across = [[-wide, 1.0], [wide, 1.0], [wide, 1.0 + thick], [-wide, 1.0 + thick]];
+    let mut outlines = [tent(-0.4, 0.0), tent(0.4, 0.0), tent(0.0, 1.0 + thick)].concat();
+    outlines.push(across.iter().map(|&[x, y]| Vector2::new(x, y)).collect());
+    let (mut bodies, mut colliders, mut q) = (Vec::new(), Vec::new(), Vec::new());
+    for (body, corners) in outlines.into_iter().enumerate() {
+        let moments = Polygon::new(vec![corners.clone()]).unwrap().moments();
+        let mass = PlanarMass::of(50.0, &moments).unwrap();
+        let own: Vec<_> = corners.iter().map(|corner| corner - mass.centre).collect();
+        let card = PlanarShape::polygon(&own).unwrap();
+        colliders.push(PlanarCollider::on_body(body, card).with_friction(friction));
+        bodies.push((mass.mass, mass.inertia));
+        q.extend([mass.centre.x, mass.centre.y, 0.0]);
+    }
+    colliders.push(ground(friction));
+    let rest = vec![0.0; q.len()];
+    (planar(&bodies, -Vector2::y() * G, colliders), State::new(q, rest))
+}
+
+#[test]
+fn a_house_of_seven_cards_stands_on_rough_ground_and_slides_apart_on_smooth() {
+    for (friction, stands) in [(0.6, true), (0.1, false)] {
+        let (mut world, mut state) = card_house(friction);
+        let start = state.clone();
+        for _ in 0..300 {
+            world.step(&mut state, 1e-3).unwrap();
+        }
+        let sunk = start.q[3 * 6 + 1] - state.q[3 * 6 + 1];
+        println!("friction {friction}: sunk by {sunk:e}");
+        assert!(if stands { sunk.abs() < 1e-6 } else { sunk > 0.05 }, "{friction}: {sunk}");
+    }
 }
