@@ -71,6 +71,7 @@ fn the_claims_of_the_other_quick_studies_hold() {
         "tunnelling",
         "pile-solvers",
         "friction-threshold",
+        "masonry-arch",
         "laplacian-spectrum",
         "heat-border",
         "heat-work-precision",

@@ -7,9 +7,9 @@
 //! `c` restitution, 0 to 1; `mu` friction. Both are properties of a pair of materials; where only
 //! single surfaces are known these rules combine them. Notes 11.4.2.
 
-use stationary_rigid::{LieGroup, RigidMotion};
+use stationary_rigid::LieGroup;
 
-use crate::{ContactError, Shape};
+use crate::{ContactError, Dimension};
 
 /// Who carries a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,42 +20,49 @@ pub enum Carrier {
     World,
 }
 
-/// A shape in the world.
+/// A shape in the plane or in space.
 #[derive(Clone, Debug)]
-pub struct Collider {
+pub struct ColliderIn<G: Dimension> {
     /// Its shape.
-    pub shape: Shape,
+    pub shape: G::Shape,
     /// Who carries it.
     pub carrier: Carrier,
     /// Where it is on its carrier.
-    pub place: RigidMotion,
+    pub place: G::Motion,
     /// Its restitution, 0 to 1.
     pub restitution: f64,
     /// Its friction, at least 0.
     pub friction: f64,
 }
 
-impl Collider {
+/// A shape in space.
+#[cfg(feature = "3d")]
+pub type Collider = ColliderIn<crate::Spatial>;
+/// A shape in the plane.
+#[cfg(feature = "2d")]
+pub type PlanarCollider = ColliderIn<crate::Planar>;
+
+impl<G: Dimension> ColliderIn<G> {
     /// A shape in the axes of a body, inelastic and without friction.
-    pub fn on_body(body: usize, shape: Shape) -> Self {
-        let place = RigidMotion::identity();
-        Collider { shape, carrier: Carrier::Body(body), place, restitution: 0.0, friction: 0.0 }
+    pub fn on_body(body: usize, shape: G::Shape) -> Self {
+        let place = G::Motion::identity();
+        ColliderIn { shape, carrier: Carrier::Body(body), place, restitution: 0.0, friction: 0.0 }
     }
 
     /// A shape that stays where it is, perfectly elastic and perfectly rough, so that what touches
     /// it decides.
-    pub fn fixed(place: RigidMotion, shape: Shape) -> Self {
-        Collider { shape, carrier: Carrier::World, place, restitution: 1.0, friction: 1.0 }
+    pub fn fixed(place: G::Motion, shape: G::Shape) -> Self {
+        ColliderIn { shape, carrier: Carrier::World, place, restitution: 1.0, friction: 1.0 }
     }
 
     /// The same with this restitution.
     pub fn with_restitution(self, restitution: f64) -> Self {
-        Collider { restitution, ..self }
+        ColliderIn { restitution, ..self }
     }
 
     /// The same with this friction.
     pub fn with_friction(self, friction: f64) -> Self {
-        Collider { friction, ..self }
+        ColliderIn { friction, ..self }
     }
 
     /// The body that carries it.
@@ -67,12 +74,20 @@ impl Collider {
     }
 
     pub(crate) fn check(&self, contact: usize) -> Result<(), ContactError> {
-        if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(ContactError::Restitution { contact, value: self.restitution });
-        }
-        if !(self.friction >= 0.0 && self.friction.is_finite()) {
-            return Err(ContactError::Friction { contact, value: self.friction });
-        }
-        Ok(())
+        check_surface(contact, self.restitution, self.friction)
     }
+}
+
+pub(crate) fn check_surface(
+    contact: usize,
+    restitution: f64,
+    friction: f64,
+) -> Result<(), ContactError> {
+    if !(0.0..=1.0).contains(&restitution) {
+        return Err(ContactError::Restitution { contact, value: restitution });
+    }
+    if !(friction >= 0.0 && friction.is_finite()) {
+        return Err(ContactError::Friction { contact, value: friction });
+    }
+    Ok(())
 }

@@ -3,43 +3,47 @@
 //! ```text
 //! boxes that overlap  ->  contact points with gap <= margin                                 (11.1)
 //! ```
-//! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's separating axes and
-//! clipping (boxes), Gilbert-Johnson-Keerthi and expanding polytopes (other convex solids). Contact
-//! points are computed afresh from the poses each time: nothing is carried over from the step
-//! before, so that a gap is what the poses say and not what a cache remembers. They come sorted by
-//! their identifiers. Source: notes 11.1.
-//!
-//! Matching faces of boxes keep their corners; those of other convex solids, off by no more than
-//! rounding, may lose one for a step.
+//! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's queries; see the two
+//! files of that name. Contact points are computed afresh from the poses each time: nothing is
+//! carried over from the step before, so that a gap is what the poses say and not what a cache
+//! remembers. They come sorted by their identifiers. Source: notes 11.1.
 
-use nalgebra::Vector3;
-use parry3d_f64::math::Pose;
-use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::SharedShape;
+use std::collections::BTreeMap;
+
 use stationary_calculus::SizeError;
-use stationary_rigid::{BodySpace, LieGroup, Poses, RigidMotion};
+use stationary_rigid::LieGroup;
 
 use crate::broad_phase::BroadPhase;
-use crate::convert::{from_vector, pose};
-use crate::{Carrier, Collider, ContactError, ContactId, ContactPoint, ContactRows};
+use crate::collider::check_surface;
+use crate::dimension::Facing;
+use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension};
 
 /// Colliders, and the memory that finding their contacts takes.
-pub struct Detector {
-    colliders: Vec<Collider>,
+pub struct DetectorIn<G: Dimension> {
+    colliders: Vec<ColliderIn<G>>,
+    /// Restitution and friction of pairs that have their own.
+    surfaces: BTreeMap<[usize; 2], [f64; 2]>,
     bodies: usize,
     radii: Vec<f64>,
-    wide: Vec<Option<WideBox>>,
-    broad: BroadPhase,
-    placed: Vec<RigidMotion>,
-    poses: Vec<Pose>,
+    broad: BroadPhase<G>,
+    placed: Vec<G::Motion>,
+    poses: Vec<G::Pose>,
     pairs: Vec<(usize, usize)>,
-    manifolds: Vec<ContactManifold<(), ()>>,
-    contacts: Vec<ContactPoint>,
+    room: G::Room,
+    facing: Vec<Facing<G::Vector>>,
+    contacts: Vec<ContactIn<G>>,
 }
 
-impl std::fmt::Debug for Detector {
+/// Detection in space.
+#[cfg(feature = "3d")]
+pub type Detector = DetectorIn<crate::Spatial>;
+/// Detection in the plane.
+#[cfg(feature = "2d")]
+pub type PlanarDetector = DetectorIn<crate::Planar>;
+
+impl<G: Dimension> std::fmt::Debug for DetectorIn<G> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Detector").field("colliders", &self.colliders).finish_non_exhaustive()
+        f.debug_struct("DetectorIn").field("colliders", &self.colliders).finish_non_exhaustive()
     }
 }
 
@@ -52,9 +56,9 @@ pub struct Overlap {
     pub depth: f64,
 }
 
-impl Detector {
+impl<G: Dimension> DetectorIn<G> {
     /// A detector of contacts between these colliders of `bodies` bodies.
-    pub fn new(colliders: Vec<Collider>, bodies: usize) -> Result<Self, ContactError> {
+    pub fn new(colliders: Vec<ColliderIn<G>>, bodies: usize) -> Result<Self, ContactError> {
         for (i, collider) in colliders.iter().enumerate() {
             collider.check(i)?;
             if let Some(body) = collider.body().filter(|&body| body >= bodies) {
@@ -62,23 +66,47 @@ impl Detector {
                 return Err(SizeError { what, expected: bodies, got: body }.into());
             }
         }
-        Ok(Detector {
+        let identity = G::Motion::identity();
+        Ok(DetectorIn {
             radii: radii(&colliders, bodies),
-            wide: colliders.iter().map(WideBox::of).collect(),
+            surfaces: BTreeMap::new(),
             broad: BroadPhase::new(&colliders),
-            placed: vec![RigidMotion::identity(); colliders.len()],
-            poses: vec![Pose::identity(); colliders.len()],
+            placed: vec![identity; colliders.len()],
+            poses: vec![G::convert(&identity); colliders.len()],
             pairs: Vec::new(),
-            manifolds: vec![ContactManifold::new()],
+            room: G::Room::default(),
+            facing: Vec::new(),
             contacts: Vec::new(),
             colliders,
             bodies,
         })
     }
 
+    /// The same with a restitution and a friction of their own for a pair of colliders.
+    pub fn with_pair(
+        mut self,
+        colliders: [usize; 2],
+        restitution: f64,
+        friction: f64,
+    ) -> Result<Self, ContactError> {
+        let there = self.colliders.len();
+        if let Some(&got) = colliders.iter().find(|&&collider| collider >= there) {
+            return Err(SizeError { what: "a collider of a pair", expected: there, got }.into());
+        }
+        check_surface(colliders[0], restitution, friction)?;
+        let [a, b] = colliders;
+        self.surfaces.insert([a.min(b), a.max(b)], [restitution, friction]);
+        Ok(self)
+    }
+
     /// The colliders.
-    pub fn colliders(&self) -> &[Collider] {
+    pub fn colliders(&self) -> &[ColliderIn<G>] {
         &self.colliders
+    }
+
+    /// How many bodies there are.
+    pub fn bodies(&self) -> usize {
+        self.bodies
     }
 
     /// The radius of a ball about a body's centre that holds all its shapes, m.
@@ -87,12 +115,12 @@ impl Detector {
     }
 
     /// What [`Detector::detect`] found last, to be given back by [`Detector::put_back`].
-    pub(crate) fn take_contacts(&mut self) -> Vec<ContactPoint> {
+    pub(crate) fn take_contacts(&mut self) -> Vec<ContactIn<G>> {
         std::mem::take(&mut self.contacts)
     }
 
     /// Reuses the memory of contacts that are no longer needed.
-    pub(crate) fn put_back(&mut self, contacts: Vec<ContactPoint>) {
+    pub(crate) fn put_back(&mut self, contacts: Vec<ContactIn<G>>) {
         self.contacts = contacts;
     }
 
@@ -104,12 +132,13 @@ impl Detector {
     /// The broad phase alone: how many pairs it leaves.
     pub fn broad_phase(&mut self, q: &[f64], margin: f64) -> Result<usize, ContactError> {
         self.place(q)?;
-        self.broad.pairs(&self.colliders, &self.poses, margin, &mut self.pairs);
+        let (placed, poses) = (&self.placed, &self.poses);
+        self.broad.pairs(&self.colliders, placed, poses, margin, &mut self.pairs);
         Ok(self.pairs.len())
     }
 
     /// The contact points of bodies at the poses `q` whose gap is at most `margin`.
-    pub fn detect(&mut self, q: &[f64], margin: f64) -> Result<&[ContactPoint], ContactError> {
+    pub fn detect(&mut self, q: &[f64], margin: f64) -> Result<&[ContactIn<G>], ContactError> {
         self.broad_phase(q, margin)?;
         self.contacts.clear();
         for k in 0..self.pairs.len() {
@@ -148,59 +177,39 @@ impl Detector {
     }
 
     fn place(&mut self, q: &[f64]) -> Result<(), ContactError> {
-        SizeError::check("the poses' numbers", 7 * self.bodies, q.len())?;
-        Poses::check(q)?;
+        SizeError::check("the poses' numbers", G::STORED * self.bodies, q.len())?;
+        G::check(q)?;
         for (i, collider) in self.colliders.iter().enumerate() {
             self.placed[i] = match collider.carrier {
                 Carrier::World => collider.place,
-                Carrier::Body(body) => Poses::pose(q, body).compose(&collider.place),
+                Carrier::Body(body) => G::pose(q, body).compose(&collider.place),
             };
-            self.poses[i] = pose(&self.placed[i]);
+            self.poses[i] = G::convert(&self.placed[i]);
         }
         Ok(())
     }
 
     fn meet(&mut self, pair: [usize; 2], margin: f64) -> Result<(), ContactError> {
-        let [a, b] = pair.map(|i| self.colliders[i].shape.geometry());
-        // Where two boxes meet, the second is looked at a little larger.
-        let wide = self.wide[pair[1]].as_ref().filter(|_| a.as_cuboid().is_some());
-        let b = wide.map_or(b, |wide| &wide.geometry);
-        let relative = self.poses[pair[0]].inv_mul(&self.poses[pair[1]]);
-        self.manifolds.truncate(1);
-        if let Some(manifold) = self.manifolds.first_mut() {
-            manifold.clear();
-            (manifold.subshape1, manifold.subshape2) = (0, 0);
+        let shapes = pair.map(|i| &self.colliders[i].shape);
+        let poses = pair.map(|i| &self.poses[i]);
+        self.facing.clear();
+        if !G::face(shapes, poses, margin, &mut self.room, &mut self.facing) {
+            let [first, second] = shapes.map(G::name);
+            return Err(ContactError::NoQuery { first, second });
         }
-        if a.as_composite_shape().is_some() || b.as_composite_shape().is_some() {
-            self.manifolds.clear();
-        }
-        DefaultQueryDispatcher
-            .contact_manifolds(&relative, &**a, &**b, margin, &mut self.manifolds, &mut None)
-            .map_err(|_| {
-                let [first, second] = pair.map(|i| self.colliders[i].shape.name());
-                ContactError::NoQuery { first, second }
-            })?;
         let first = self.contacts.len();
         let size: f64 =
             pair.iter().filter_map(|&i| self.colliders[i].body()).map(|b| self.radii[b]).sum();
         let near = (COINCIDENT * size).powi(2);
-        for manifold in &self.manifolds {
-            let narrower = wide.map_or(0.0, |wide| wide.excess(manifold.local_n2));
-            for point in manifold.points.iter().filter(|p| p.dist + narrower <= margin) {
-                let local = [from_vector(point.local_p1), from_vector(point.local_p2)];
-                let features = [point.fid1.0, point.fid2.0];
-                let parts = [manifold.subshape1, manifold.subshape2];
-                let id = ContactId { colliders: pair.map(|i| i as u32), parts, features };
-                let normal = from_vector(manifold.local_n1);
-                let contact = self.point(id, local, normal, point.dist + narrower);
-                let same = |other: &ContactPoint| coincide(other, &contact, near);
-                match self.contacts[first..].iter().position(same) {
-                    None => self.contacts.push(contact),
-                    Some(place) if contact.gap < self.contacts[first + place].gap => {
-                        self.contacts[first + place] = contact;
-                    }
-                    Some(_) => {}
+        for k in 0..self.facing.len() {
+            let contact = self.point(pair, &self.facing[k]);
+            let same = |other: &ContactIn<G>| coincide(other, &contact, near);
+            match self.contacts[first..].iter().position(same) {
+                None => self.contacts.push(contact),
+                Some(place) if contact.gap < self.contacts[first + place].gap => {
+                    self.contacts[first + place] = contact;
                 }
+                Some(_) => {}
             }
         }
         // Pairs come sorted; so do the contacts, once those of each pair are.
@@ -208,69 +217,37 @@ impl Detector {
         Ok(())
     }
 
-    fn point(
-        &self,
-        id: ContactId,
-        local: [Vector3<f64>; 2],
-        normal: Vector3<f64>,
-        gap: f64,
-    ) -> ContactPoint {
-        let pair = id.colliders.map(|c| c as usize);
+    fn point(&self, pair: [usize; 2], facing: &Facing<G::Vector>) -> ContactIn<G> {
         let [first, second] = pair.map(|i| &self.colliders[i]);
-        let points = [0, 1].map(|k| self.placed[pair[k]].apply(&local[k]));
+        let points = [0, 1].map(|k| G::apply(&self.placed[pair[k]], &facing.points[k]));
         let bodies = [first.body(), second.body()];
         let arm = |k: usize| match bodies[k] {
-            Some(_) => self.colliders[pair[k]].place.apply(&local[k]),
+            Some(_) => G::apply(&self.colliders[pair[k]].place, &facing.points[k]),
             None => points[k],
         };
-        ContactPoint {
-            id,
+        let combined = || {
+            [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
+        };
+        let [restitution, friction] = self.surfaces.get(&pair).copied().unwrap_or_else(combined);
+        ContactIn {
+            id: facing.id(pair),
             bodies,
-            gap,
-            normal: self.placed[pair[0]].rotation.rotate(&normal),
+            gap: facing.gap,
+            normal: G::turn(&self.placed[pair[0]], &facing.normal),
             points,
             arms: [arm(0), arm(1)],
-            restitution: first.restitution.min(second.restitution),
-            friction: (first.friction * second.friction).sqrt(),
+            restitution,
+            friction,
         }
     }
 }
 
-/// A box made larger by a hair on all sides.
-///
-/// Clipping one face against another of the same size, off by no more than rounding, may lose
-/// corners altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie;
-/// what it takes from the gap is known exactly, and is given back.
-struct WideBox {
-    geometry: SharedShape,
-    hair: f64,
-}
-
-/// The hair, relative to the smallest half size.
-const HAIR: f64 = 1e-9;
-
-impl WideBox {
-    fn of(collider: &Collider) -> Option<Self> {
-        let half = collider.shape.geometry().as_cuboid()?.half_extents;
-        let hair = HAIR * half.min_element();
-        let geometry = SharedShape::cuboid(half.x + hair, half.y + hair, half.z + hair);
-        Some(WideBox { geometry, hair })
-    }
-
-    /// How much farther the larger box reaches along a direction of its own axes.
-    fn excess(&self, direction: parry3d_f64::math::Vector) -> f64 {
-        self.hair * direction.abs().element_sum()
-    }
-}
-
 /// For each body the radius of a ball about its centre that holds all its shapes.
-fn radii(colliders: &[Collider], bodies: usize) -> Vec<f64> {
+fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> Vec<f64> {
     let mut radii = vec![0.0_f64; bodies];
     for collider in colliders {
         if let Some(body) = collider.body() {
-            let ball = collider.shape.geometry().compute_local_bounding_sphere();
-            let centre = collider.place.apply(&from_vector(ball.center));
-            radii[body] = radii[body].max(centre.norm() + ball.radius);
+            radii[body] = radii[body].max(G::reach(&collider.shape, &collider.place));
         }
     }
     radii
@@ -280,13 +257,14 @@ fn radii(colliders: &[Collider], bodies: usize) -> Vec<f64> {
 /// corner is found from both sides.
 const COINCIDENT: f64 = 1e-7;
 
-fn coincide(a: &ContactPoint, b: &ContactPoint, near: f64) -> bool {
-    (a.points[1] - b.points[1]).norm_squared() < near && a.normal.dot(&b.normal) > 1.0 - COINCIDENT
+fn coincide<G: Dimension>(a: &ContactIn<G>, b: &ContactIn<G>, near: f64) -> bool {
+    let apart = a.points[1] - b.points[1];
+    G::dot(&apart, &apart) < near && G::dot(&a.normal, &b.normal) > 1.0 - COINCIDENT
 }
 
 /// The differentials of the gaps of some contact points, one row each.
-pub fn gap_rows(contacts: &[ContactPoint], q: &[f64]) -> ContactRows {
-    let mut rows = ContactRows::with_room(contacts.len(), 12 * contacts.len());
+pub fn gap_rows<G: Dimension>(contacts: &[ContactIn<G>], q: &[f64]) -> ContactRows {
+    let mut rows = ContactRows::with_room(contacts.len(), 2 * G::FREEDOMS * contacts.len());
     contacts.iter().for_each(|contact| contact.push_row(q, &mut rows));
     rows
 }

@@ -136,6 +136,10 @@ pub enum ContactError {
     /// A body or a pose that is none.
     #[error(transparent)]
     Rigid(#[from] RigidError),
+    /// An outline that bounds no polygon.
+    #[cfg(feature = "2d")]
+    #[error(transparent)]
+    Outline(#[from] stationary_mesh::MeshError),
 }
 
 /// An error unless every number is finite.
@@ -144,4 +148,17 @@ pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), Co
         Some(index) => Err(ContactError::NonFinite { what, index, value: numbers[index] }),
         None => Ok(()),
     }
+}
+
+/// An error unless a size of a shape is positive and finite.
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) fn check_length(
+    shape: &'static str,
+    what: &'static str,
+    value: f64,
+) -> Result<(), ContactError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ContactError::Length { shape, what, value })
 }

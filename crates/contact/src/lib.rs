@@ -33,13 +33,16 @@
 //!
 //! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
-//! laws ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and
-//! times of impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
-//! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to when
-//! ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
+//! laws ([`ImpactLaw`]). Then the plane and space, by the features `2d` and `3d`: what they are to
+//! contact ([`Dimension`]), shapes, colliders and detection, the same text for both
+//! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
+//! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
+//! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
+//! when ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]). A [`World`] is
+//! the front door for scenes: bodies of either dimension, their shapes, and what happens.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
-//! is known to one border file and the detection behind it.
+//! is known to one border file a dimension and the detection behind it.
 
 mod error;
 mod rows;
@@ -51,21 +54,39 @@ mod gauss_seidel;
 mod jacobi;
 mod reflection;
 mod law;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod dimension;
+#[cfg(feature = "2d")]
+mod planar;
+#[cfg(feature = "3d")]
+mod spatial;
+#[cfg(feature = "2d")]
+mod planar_convert;
 #[cfg(feature = "3d")]
 mod convert;
+#[cfg(feature = "2d")]
+mod planar_shape;
 #[cfg(feature = "3d")]
 mod shape;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 mod collider;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 mod contact_point;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 mod broad_phase;
+#[cfg(feature = "2d")]
+mod planar_narrow_phase;
 #[cfg(feature = "3d")]
+mod narrow_phase;
+#[cfg(any(feature = "2d", feature = "3d"))]
 mod detection;
 mod moving;
 mod time_of_impact;
 mod swept_boxes;
+#[cfg(feature = "3d")]
+mod rigid_path;
+#[cfg(feature = "3d")]
+mod rigid_time_of_impact;
 mod mesh_filter;
 mod gaps;
 mod penalty;
@@ -73,14 +94,34 @@ mod impacting;
 mod friction;
 #[cfg(feature = "3d")]
 mod touching_bodies;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod row_friction;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod world;
+#[cfg(feature = "2d")]
+mod masonry;
 pub mod problems;
 
 #[cfg(feature = "3d")]
-pub use collider::{Carrier, Collider};
+pub use collider::Collider;
+#[cfg(feature = "2d")]
+pub use collider::PlanarCollider;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use collider::{Carrier, ColliderIn};
 #[cfg(feature = "3d")]
-pub use contact_point::{ContactId, ContactPoint};
+pub use contact_point::ContactPoint;
+#[cfg(feature = "2d")]
+pub use contact_point::PlanarContactPoint;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use contact_point::{ContactId, ContactIn};
 #[cfg(feature = "3d")]
-pub use detection::{Detector, Overlap, gap_rows};
+pub use detection::Detector;
+#[cfg(feature = "2d")]
+pub use detection::PlanarDetector;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use detection::{DetectorIn, Overlap, gap_rows};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use dimension::Dimension;
 pub use error::ContactError;
 pub use friction::{Frictional, Staggered};
 pub use gaps::{Balls, FixedBall, Inequality, Swept, Wall};
@@ -88,13 +129,31 @@ pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
 pub use inverse_mass::InverseMass;
 pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
+#[cfg(feature = "2d")]
+pub use masonry::Arch;
 pub use mesh_filter::{FilterReport, MeshFilter};
 pub use moving::{Closeness, Hit, Moving};
 pub use penalty::OneSidedPenalty;
+#[cfg(feature = "2d")]
+pub use planar::Planar;
+#[cfg(feature = "2d")]
+pub use planar_shape::PlanarShape;
 pub use projection::{Projected, project, project_from, residual};
+#[cfg(feature = "3d")]
+pub use rigid_path::RigidPath;
+#[cfg(feature = "3d")]
+pub use rigid_time_of_impact::{Mover, RigidHit, rigid_bodies_meet, rigid_bodies_that_meet};
 pub use rows::ContactRows;
 #[cfg(feature = "3d")]
 pub use shape::Shape;
+#[cfg(feature = "3d")]
+pub use spatial::Spatial;
 pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "3d")]
 pub use touching_bodies::{Bodies, TouchingBodies, TouchingReport};
+#[cfg(feature = "2d")]
+pub use world::PlanarWorld;
+#[cfg(feature = "3d")]
+pub use world::SpatialWorld;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::{BodiesIn, Touch, World, WorldReport};

@@ -15,12 +15,13 @@ use parry3d_f64::shape::{HalfSpace, SharedShape};
 
 use crate::ContactError;
 use crate::convert::vector;
-use crate::error::check_finite;
+use crate::error::{check_finite, check_length};
 
 /// A shape that queries accept.
 #[derive(Clone)]
 pub struct Shape {
     geometry: SharedShape,
+    wide: Option<WideBox>,
     name: &'static str,
 }
 
@@ -34,13 +35,14 @@ impl Shape {
     /// A ball of this radius.
     pub fn ball(radius: f64) -> Result<Self, ContactError> {
         check_length("ball", "radius", radius)?;
-        Ok(Shape { geometry: SharedShape::ball(radius), name: "ball" })
+        Ok(Shape { geometry: SharedShape::ball(radius), wide: None, name: "ball" })
     }
 
     /// A box of these half sizes.
     pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
         half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
-        Ok(Shape { geometry: SharedShape::cuboid(half[0], half[1], half[2]), name: "box" })
+        let geometry = SharedShape::cuboid(half[0], half[1], half[2]);
+        Ok(Shape { geometry, wide: Some(WideBox::of(half)), name: "box" })
     }
 
     /// The convex hull of these points.
@@ -52,7 +54,7 @@ impl Shape {
         }
         let points: Vec<_> = points.iter().map(vector).collect();
         let geometry = SharedShape::convex_hull(&points).ok_or(ContactError::Flat { shape })?;
-        Ok(Shape { geometry, name: shape })
+        Ok(Shape { geometry, wide: None, name: shape })
     }
 
     /// The half-space on the side of the origin away from this normal, whose length does not
@@ -61,7 +63,8 @@ impl Shape {
         check_finite("the normal of a half-space", normal.as_slice())?;
         check_length("half-space", "normal", normal.norm())?;
         let normal = vector(&normal.normalize());
-        Ok(Shape { geometry: SharedShape::new(HalfSpace::new(normal)), name: "half-space" })
+        let geometry = SharedShape::new(HalfSpace::new(normal));
+        Ok(Shape { geometry, wide: None, name: "half-space" })
     }
 
     /// A surface of triangles.
@@ -87,7 +90,7 @@ impl Shape {
         let points = vertices.iter().map(vector).collect();
         let geometry = SharedShape::trimesh(points, triangles.to_vec())
             .map_err(|_| ContactError::Flat { shape })?;
-        Ok(Shape { geometry, name: shape })
+        Ok(Shape { geometry, wide: None, name: shape })
     }
 
     /// What it is, in a word.
@@ -99,20 +102,44 @@ impl Shape {
         &self.geometry
     }
 
+    pub(crate) fn wide(&self) -> Option<&WideBox> {
+        self.wide.as_ref()
+    }
+
     pub(crate) fn plane(&self) -> Option<Vector3<f64>> {
         self.geometry.as_halfspace().map(|half| crate::convert::from_vector(half.normal))
     }
 }
 
+/// A box made larger by a hair on all sides.
+///
+/// Clipping one face against another of the same size, off by no more than rounding, may lose
+/// corners altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie;
+/// what it takes from the gap is known exactly, and is given back.
+#[derive(Clone)]
+pub(crate) struct WideBox {
+    pub(crate) geometry: SharedShape,
+    pub(crate) hair: f64,
+}
+
+/// The hair, relative to the smallest half size.
+const HAIR: f64 = 1e-9;
+
+impl WideBox {
+    fn of(half: [f64; 3]) -> Self {
+        let hair = HAIR * half.into_iter().fold(f64::INFINITY, f64::min);
+        let [a, b, c] = half.map(|a| a + hair);
+        WideBox { geometry: SharedShape::cuboid(a, b, c), hair }
+    }
+
+    /// How much farther the larger box reaches along a direction of its own axes.
+    pub(crate) fn excess(&self, direction: parry3d_f64::math::Vector) -> f64 {
+        self.hair * direction.abs().element_sum()
+    }
+}
+
 /// A thickness relative to the size below which points lie in a plane: rounding.
 const FLAT: f64 = 1e-12;
-
-fn check_length(shape: &'static str, what: &'static str, value: f64) -> Result<(), ContactError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(ContactError::Length { shape, what, value })
-}
 
 /// Whether points are not all in one plane.
 fn spans_space(points: &[Vector3<f64>]) -> bool {

@@ -90,6 +90,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     contact::DETECTION_COST,
     contact::PILE_SOLVERS,
     contact::FRICTION_THRESHOLD,
+    contact::MASONRY_ARCH,
     elasticity::ORDERS,
     elasticity::MEMBRANE,
     elasticity::CANTILEVER,

@@ -1,5 +1,6 @@
 //! Contact: impact laws against each other, when impulses are given, what tunnels, what sticks.
 
+mod arch;
 mod bounce;
 mod cost;
 mod friction;
@@ -8,6 +9,7 @@ mod penalty;
 mod pile;
 mod tunnelling;
 
+pub use arch::MASONRY_ARCH;
 pub use bounce::BOUNCING_BALL;
 pub use cost::DETECTION_COST;
 pub use friction::FRICTION_THRESHOLD;

@@ -1,0 +1,216 @@
+//! Times of impact of rigid bodies against dense sampling of their distance.
+
+#![cfg(feature = "3d")]
+
+use nalgebra::{Vector3, Vector6};
+use stationary_calculus::SplitMix64;
+use stationary_contact::{
+    Closeness, Collider, ContactError, Detector, RigidHit, RigidPath, Shape, rigid_bodies_meet,
+    rigid_bodies_that_meet,
+};
+use stationary_rigid::{LieGroup, RigidMotion, Rotation};
+
+fn vector(random: &mut SplitMix64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| random.symmetric())
+}
+
+fn shape(random: &mut SplitMix64) -> Shape {
+    let size = |random: &mut SplitMix64| 0.2 + 0.3 * random.symmetric().abs();
+    match (3.0 * random.symmetric().abs()) as usize {
+        0 => Shape::ball(size(random)).unwrap(),
+        1 => Shape::cuboid([size(random), size(random), size(random)]).unwrap(),
+        _ => {
+            let points: Vec<_> = (0..8).map(|_| vector(random) * 0.5).collect();
+            Shape::convex(&points).unwrap()
+        }
+    }
+}
+
+fn path(random: &mut SplitMix64, turn: f64) -> RigidPath {
+    let rotation = Rotation::exp(vector(random) * 2.0);
+    let start = RigidMotion { translation: vector(random) * 1.5, rotation };
+    // Towards the middle, and beyond it.
+    let (way, turn) = (vector(random) - start.translation * 1.5, vector(random) * turn);
+    if random.symmetric() > 0.0 {
+        return RigidPath::straight(start, way, turn).unwrap();
+    }
+    let way = rotation.rotate_back(&way);
+    RigidPath::screw(start, Vector6::new(way.x, way.y, way.z, turn.x, turn.y, turn.z)).unwrap()
+}
+
+/// The distance of two shapes along their paths; negative where they overlap.
+struct Distance {
+    detector: Detector,
+    paths: [RigidPath; 2],
+}
+
+impl Distance {
+    fn new(shapes: &[Shape; 2], paths: [RigidPath; 2]) -> Self {
+        let on_body = |body: usize| Collider::on_body(body, shapes[body].clone());
+        Distance { detector: Detector::new(vec![on_body(0), on_body(1)], 2).unwrap(), paths }
+    }
+
+    fn at(&mut self, s: f64) -> f64 {
+        let q: Vec<f64> = self
+            .paths
+            .iter()
+            .flat_map(|path| {
+                let RigidMotion { translation: t, rotation } = path.at(s);
+                [t.x, t.y, t.z].into_iter().chain(rotation.quaternion())
+            })
+            .collect();
+        let contacts = self.detector.detect(&q, 10.0).unwrap();
+        contacts.iter().map(|contact| contact.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The time of the least of some samples up to a time, refined about it.
+    fn least(&mut self, until: f64, samples: u32) -> (f64, f64) {
+        let step = until / f64::from(samples);
+        let sampled = (0..=samples).map(|k| (self.at(step * f64::from(k)), step * f64::from(k)));
+        let (_, near) = sampled.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        let (mut low, mut high) = ((near - step).max(0.0), (near + step).min(until));
+        for _ in 0..60 {
+            let third = (high - low) / 3.0;
+            match self.at(low + third) < self.at(high - third) {
+                true => high -= third,
+                false => low += third,
+            }
+        }
+        let middle = 0.5 * (low + high);
+        let (refined, sampled) = (self.at(middle), self.at(near));
+        if refined < sampled { (refined, middle) } else { (sampled, near) }
+    }
+}
+
+const TOLERANCE: f64 = 1e-6;
+
+fn meet(shapes: &[Shape; 2], paths: &[RigidPath; 2], thickness: f64) -> Option<RigidHit> {
+    let close = Closeness { thickness, tolerance: TOLERANCE };
+    rigid_bodies_meet((&shapes[0], &paths[0]), (&shapes[1], &paths[1]), close).unwrap()
+}
+
+#[test]
+fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
+    let mut random = SplitMix64::new(21);
+    let (mut hits, mut never, mut most) = (0, 0, 0);
+    for query in 0..3_000 {
+        let shapes = [shape(&mut random), shape(&mut random)];
+        let turn = if query % 2 == 0 { 1.0 } else { 6.0 };
+        let paths = [path(&mut random, turn), path(&mut random, turn)];
+        let mut distance = Distance::new(&shapes, paths);
+        match meet(&shapes, &paths, 0.0) {
+            None => {
+                never += 1;
+                let (least, when) = distance.least(1.0, 200);
+                assert!(least > 0.0, "{query}: {least} at {when}");
+            }
+            Some(hit) => {
+                hits += 1;
+                most = most.max(hit.intervals);
+                assert!(hit.settled, "{query}: {hit:?}");
+                assert!(distance.at(hit.time) <= TOLERANCE * 1.01, "{query}: {hit:?}");
+                if hit.time > 0.0 {
+                    let (least, when) = distance.least(hit.time, 200);
+                    assert!(least > 0.0, "{query}: {least} at {when}, {hit:?}");
+                    let apart = hit.points[1] - hit.points[0];
+                    assert!((apart.normalize() - hit.normal).norm() < 1e-9);
+                }
+            }
+        }
+    }
+    println!("{hits} hits, {never} never, at most {most} intervals");
+    assert!(hits > 500 && never > 500 && most < 200, "{hits} {never} {most}");
+}
+
+/// The thickness is set next to the least distance of the whole motion.
+#[test]
+fn what_grazes_within_the_tolerance_is_told_from_what_passes() {
+    let mut random = SplitMix64::new(4);
+    let (mut seen, mut most) = (0, 0);
+    while seen < 1_000 {
+        let shapes = [shape(&mut random), shape(&mut random)];
+        let paths = [path(&mut random, 4.0), path(&mut random, 4.0)];
+        let (least, when) = Distance::new(&shapes, paths).least(1.0, 400);
+        if least < 1e-2 {
+            continue;
+        }
+        seen += 1;
+        let hit = meet(&shapes, &paths, least + 1e-9).expect("the bodies come that close");
+        assert!(hit.settled && hit.time <= when + 1e-9, "{hit:?} {when}");
+        most = most.max(hit.intervals);
+        if let Some(hit) = meet(&shapes, &paths, least - 1.1 * TOLERANCE) {
+            panic!("{hit:?}: never closer than {least}");
+        }
+    }
+    println!("at most {most} intervals");
+    assert!(most < 10_000, "{most}");
+}
+
+#[test]
+fn a_rod_that_sweeps_round_hits_what_stands_beside_it_although_both_ends_of_the_turn_are_free() {
+    let rod = Shape::cuboid([1.0, 0.05, 0.05]).unwrap();
+    let post = Shape::ball(0.1).unwrap();
+    let turning = RigidPath::straight(
+        RigidMotion::identity(),
+        Vector3::zeros(),
+        Vector3::z() * std::f64::consts::PI,
+    );
+    let place = RigidMotion { translation: Vector3::y() * 0.8, rotation: Rotation::identity() };
+    let paths = [turning.unwrap(), RigidPath::still(place).unwrap()];
+    let hit = meet(&[rod, post], &paths, 0.0).unwrap();
+    // The line at 0.05 m in front of the rod's axis meets the ball of 0.1 m at 0.8 sin a = 0.15.
+    let angle = std::f64::consts::FRAC_PI_2 - (0.15_f64 / 0.8).asin();
+    assert!((hit.time * std::f64::consts::PI - angle).abs() < 1e-5, "{hit:?}");
+    let stepped = RigidPath::screw(
+        RigidMotion::identity(),
+        Vector6::new(0.0, 0.0, 1.0, 0.0, 0.0, std::f64::consts::PI),
+    );
+    let paths = [stepped.unwrap(), paths[1]];
+    let rod = Shape::cuboid([1.0, 0.05, 0.05]).unwrap();
+    assert_eq!(meet(&[rod, Shape::ball(0.1).unwrap()], &paths, 0.0), None, "it has risen past");
+}
+
+#[test]
+fn the_swept_broad_phase_misses_no_pair() {
+    let mut random = SplitMix64::new(7);
+    let shapes: Vec<_> = (0..40).map(|_| shape(&mut random)).collect();
+    let start = |random: &mut SplitMix64| {
+        let rotation = Rotation::exp(vector(random) * 2.0);
+        RigidMotion { translation: vector(random) * 2.0, rotation }
+    };
+    let paths: Vec<_> = (0..40)
+        .map(|_| {
+            let (v, w) = (vector(&mut random), vector(&mut random) * 3.0);
+            let twist = Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z);
+            RigidPath::screw(start(&mut random), twist).unwrap()
+        })
+        .collect();
+    let movers: Vec<_> = shapes.iter().zip(&paths).collect();
+    let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
+    let found = rigid_bodies_that_meet(&movers, close).unwrap();
+    let mut expected = Vec::new();
+    for i in 0..40 {
+        for j in i + 1..40 {
+            if let Some(hit) = rigid_bodies_meet(movers[i], movers[j], close).unwrap() {
+                expected.push(([i, j], hit));
+            }
+        }
+    }
+    assert!(expected.len() > 10);
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn paths_that_are_none_and_shapes_without_a_hull_are_refused_by_name() {
+    let nowhere = Vector3::repeat(f64::NAN);
+    let path = RigidPath::straight(RigidMotion::identity(), nowhere, Vector3::zeros());
+    assert!(matches!(path, Err(ContactError::NonFinite { .. })));
+    let (ball, plane) = (Shape::ball(1.0).unwrap(), Shape::half_space(Vector3::z()).unwrap());
+    let still = RigidPath::still(RigidMotion::identity()).unwrap();
+    let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
+    let refused = rigid_bodies_meet((&ball, &still), (&plane, &still), close);
+    assert!(matches!(refused, Err(ContactError::NoQuery { .. })));
+    let fine = Closeness { tolerance: 1e-16, ..close };
+    let refused = rigid_bodies_meet((&ball, &still), (&ball, &still), fine);
+    assert!(matches!(refused, Err(ContactError::Tolerance(_))));
+}
