@@ -9,8 +9,8 @@
 //! ([`Sink::add_vertices`]) are stored with less, and blocks that come in [`Parts`] are computed side
 //! by side.
 
-use crate::parts::{Parts, in_parts};
 use crate::StencilHessian;
+use crate::parts::{Parts, in_parts};
 
 /// In a block's list of freedoms: this one is held fixed, its row and column are dropped.
 pub const FIXED: usize = usize::MAX;

@@ -230,12 +230,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     #[inline(always)]
-    fn visit_group(
-        &self,
-        q: &[f64],
-        group: &Group<N, R, Q>,
-        add: &mut impl FnMut(u32, &[f64; D]),
-    ) {
+    fn visit_group(&self, q: &[f64], group: &Group<N, R, Q>, add: &mut impl FnMut(u32, &[f64; D])) {
         let forces = self.differential_of(group, &Self::corners(&self.freedoms, group, q));
         for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
             for (&node, force) in nodes.iter().zip(&forces) {

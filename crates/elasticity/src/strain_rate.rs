@@ -13,9 +13,7 @@
 //! projected. The damping's own matrix is exact; its change with q is left to the next Newton step.
 //! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
 
-use stationary_calculus::{
-    Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector,
-};
+use stationary_calculus::{Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector};
 
 use crate::material::hookean_block;
 use crate::solid::{accumulate, complete};

@@ -484,11 +484,8 @@ fn every_piece_of_a_body_needs_its_own_supports() {
     let mesh = Mesh::new(vertices, both).unwrap();
     let clamp = |vertices: std::ops::Range<usize>, components: usize| -> Vec<Held> {
         let all = vertices.flat_map(|v| (0..components).map(move |c| (v, c)));
-        let place = |(v, c): (usize, usize)| Held {
-            vertex: v,
-            component: c,
-            place: mesh.vertices()[v][c],
-        };
+        let place =
+            |(v, c): (usize, usize)| Held { vertex: v, component: c, place: mesh.vertices()[v][c] };
         all.map(place).collect()
     };
     let solve = |held: &[Held]| {

@@ -9,10 +9,11 @@
 
 use stationary_rigid::{Body, LieGroup, Rotation};
 
+use crate::body_shape::{self, Shaped};
 use crate::declaration::{BodyDeclaration, Turn};
 use crate::diagnostic::{Checked, at};
 use crate::particles::{Motion, Particle, Roster};
-use crate::{BodyShape, Fault, body_shape, check, limits};
+use crate::{BodyShape, Fault, check, limits};
 
 /// A rigid body. Vectors have three components; those that the plane does not have are zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +68,7 @@ pub(crate) fn declare(
         let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
         let (position, radius) = (body.body.position, body.body.shape.radius());
         let particle = Particle { name: name.clone(), position, motion, radius };
-        if roster.add(particle, declared.position.span()).is_none() {
+        if roster.add(particle, declared.place()).is_none() {
             return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
         }
         bodies.push(body);
@@ -86,10 +87,10 @@ pub(crate) fn declare(
             let particle = Particle { name, position: body.body.place(point), motion, radius: 0.0 };
             if let Some(&value) = particle.position.iter().find(|x| !x.is_finite()) {
                 let fault = Fault::NotFinite { what: "a point of the body", value };
-                return Err(at(declared.position.span(), fault));
+                return Err(at(declared.place(), fault));
             }
             // A name with a dot is given to points of bodies alone, and bodies differ.
-            roster.add(particle, declared.position.span());
+            roster.add(particle, declared.place());
         }
         let joined = edges_of(&body.body, dimension);
         edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
@@ -116,8 +117,12 @@ impl RigidBody {
 fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<Declared> {
     let name = check::name(&declared.name)?;
     let mass = check::positive("the mass", &declared.mass)?;
-    let position = check::vector("the position", dimension, &declared.position)?;
-    let (shape, moments) = shape(dimension, declared, mass)?;
+    let Shaped { shape, moments, centre, .. } = shaped(dimension, declared, mass)?;
+    let position = match (&declared.position, centre) {
+        (Some(position), _) => check::vector("the position", dimension, position)?,
+        (None, Some(centre)) => centre,
+        (None, None) => return Err(at(declared.name.span(), Fault::NoPosition(name))),
+    };
     let turn = |what, given: &Option<_>| match given {
         Some(given) => turning(what, dimension, given),
         None => Ok([0.0; 3]),
@@ -145,21 +150,18 @@ fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<Declared> {
 }
 
 /// The shape and the moments that a body can have.
-fn shape(
-    dimension: usize,
-    declared: &BodyDeclaration,
-    mass: f64,
-) -> Checked<(BodyShape, [f64; 3])> {
-    let (shape, moments, place) = body_shape::declare(dimension, declared, mass)?;
+fn shaped(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<Shaped> {
+    let shaped = body_shape::declare(dimension, declared, mass)?;
     if dimension == 2 {
-        let value = moments[2];
+        let value = shaped.moments[2];
         let fault = Fault::NotFinite { what: "the moment", value };
         let sound = value > 0.0 && value.is_finite();
-        return if sound { Ok((shape, [0.0, 0.0, value])) } else { Err(at(place, fault)) };
+        let moments = [0.0, 0.0, value];
+        return if sound { Ok(Shaped { moments, ..shaped }) } else { Err(at(shaped.place, fault)) };
     }
-    match Body::new(mass, moments) {
-        Ok(_) => Ok((shape, moments)),
-        Err(error) => Err(at(place, Fault::Body(error.to_string()))),
+    match Body::new(mass, shaped.moments) {
+        Ok(_) => Ok(shaped),
+        Err(error) => Err(at(shaped.place, Fault::Body(error.to_string()))),
     }
 }
 

@@ -6,13 +6,16 @@
 //! I = 2/5 m r^2,    I = 1/2 m r^2                   a ball, a disc in the plane
 //! I = m (J/A)                                       a polygon of area A and polar moment J (7.1)
 //! ```
-//! A polygon may be turned in on itself, but not cross itself; it is laid with its centre of mass at
-//! the body's position.
+//! A polygon may be turned in on itself, but not cross itself. It is laid with its centre of mass at
+//! the body's position, or stays where its corners are.
+
+use std::ops::Range;
 
 use nalgebra::Vector2;
 use stationary_mesh::Polygon;
+use toml::Spanned;
 
-use crate::declaration::{BodyDeclaration, Turn};
+use crate::declaration::{BodyDeclaration, Components, Turn};
 use crate::diagnostic::{Checked, at};
 use crate::{Fault, check};
 
@@ -29,12 +32,19 @@ pub enum BodyShape {
     Polygon(Vec<[f64; 2]>),
 }
 
-/// The shape that is declared, and the moments of a body of this mass.
-pub(crate) fn declare(
-    dimension: usize,
-    declared: &BodyDeclaration,
-    mass: f64,
-) -> Checked<(BodyShape, [f64; 3], std::ops::Range<usize>)> {
+/// A shape and what follows from it.
+#[derive(Debug)]
+pub(crate) struct Shaped {
+    pub(crate) shape: BodyShape,
+    pub(crate) moments: [f64; 3],
+    /// Where its centre of mass is drawn, of a polygon.
+    pub(crate) centre: Option<[f64; 3]>,
+    /// Where the text says so.
+    pub(crate) place: Range<usize>,
+}
+
+/// The shape that is declared, of a body of this mass.
+pub(crate) fn declare(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<Shaped> {
     let BodyDeclaration { sides, ball, polygon, moments, .. } = declared;
     match (sides, ball, polygon, moments) {
         (Some(sides), None, None, None) => {
@@ -44,48 +54,58 @@ pub(crate) fn declare(
             }
             let square = x.map(|x| x * x);
             let sum = |a: usize, b: usize| mass / 12.0 * (square[a] + square[b]);
-            Ok((BodyShape::Box(x), [sum(1, 2), sum(2, 0), sum(0, 1)], sides.span()))
+            let moments = [sum(1, 2), sum(2, 0), sum(0, 1)];
+            Ok(Shaped { shape: BodyShape::Box(x), moments, centre: None, place: sides.span() })
         }
         (None, Some(ball), None, None) => {
             let radius = check::positive("the radius", ball)?;
             let part = if dimension == 2 { 0.5 } else { 0.4 };
-            Ok((BodyShape::Ball(radius), [part * mass * radius * radius; 3], ball.span()))
+            let moments = [part * mass * radius * radius; 3];
+            Ok(Shaped { shape: BodyShape::Ball(radius), moments, centre: None, place: ball.span() })
         }
-        (None, None, Some(corners), None) => {
-            if dimension != 2 {
-                return Err(at(corners.span(), Fault::PolygonDimension));
-            }
-            let corners = corners.get_ref().iter().map(|corner| {
-                let [x, y, _] = check::vector("a corner", 2, corner)?;
-                Ok(Vector2::new(x, y))
-            });
-            let place = polygon.as_ref().map_or(declared.name.span(), |polygon| polygon.span());
-            polygon_of(corners.collect::<Checked<_>>()?, mass)
-                .map(|(shape, moments)| (shape, moments, place.clone()))
-                .ok_or_else(|| at(place, Fault::NoPolygon))
+        (None, None, Some(polygon), None) => self::polygon(dimension, polygon, mass),
+        (None, None, None, Some(given)) => {
+            let (moments, place) = match given {
+                Turn::Number(moment) if dimension == 2 => {
+                    ([0.0, 0.0, check::positive("the moment", moment)?], moment.span())
+                }
+                Turn::Vector(moments) if dimension == 3 => {
+                    (check::vector("`moments`", 3, moments)?, moments.span())
+                }
+                other => return Err(other.wrong_kind("`moments`", dimension)),
+            };
+            Ok(Shaped { shape: BodyShape::Moments, moments, centre: None, place })
         }
-        (None, None, None, Some(Turn::Number(moment))) if dimension == 2 => {
-            let moment_of = check::positive("the moment", moment)?;
-            Ok((BodyShape::Moments, [0.0, 0.0, moment_of], moment.span()))
-        }
-        (None, None, None, Some(Turn::Vector(moments))) if dimension == 3 => {
-            let of = check::vector("`moments`", 3, moments)?;
-            Ok((BodyShape::Moments, of, moments.span()))
-        }
-        (None, None, None, Some(other)) => Err(other.wrong_kind("`moments`", dimension)),
         _ => Err(at(declared.name.span(), Fault::BodyShape(declared.name.get_ref().clone()))),
     }
 }
 
-/// A polygon about its centre of mass, and its moments.
-fn polygon_of(corners: Vec<Vector2<f64>>, mass: f64) -> Option<(BodyShape, [f64; 3])> {
-    let polygon = Polygon::new(vec![corners]).ok()?;
-    let moments = polygon.moments();
-    let (centre, central) = (moments.centroid()?, moments.central()?);
-    let moment = mass * central.polar() / central.measure;
-    let outline = polygon.outlines().first()?;
-    let corners = outline.iter().map(|corner| (corner - centre).into()).collect();
-    Some((BodyShape::Polygon(corners), [0.0, 0.0, moment]))
+/// A polygon about its centre of mass.
+fn polygon(dimension: usize, declared: &Spanned<Vec<Components>>, mass: f64) -> Checked<Shaped> {
+    if dimension != 2 {
+        return Err(at(declared.span(), Fault::PolygonDimension));
+    }
+    let corners = declared.get_ref().iter().map(|corner| {
+        let [x, y, _] = check::vector("a corner", 2, corner)?;
+        Ok(Vector2::new(x, y))
+    });
+    let corners = corners.collect::<Checked<Vec<_>>>()?;
+    let bounded = || -> Option<_> {
+        let polygon = Polygon::new(vec![corners]).ok()?;
+        let moments = polygon.moments();
+        let (centre, central) = (moments.centroid()?, moments.central()?);
+        let moment = mass * central.polar() / central.measure;
+        let about = |corner: &Vector2<f64>| (corner - centre).into();
+        let outline = polygon.outlines().first()?.iter().map(about).collect();
+        Some((BodyShape::Polygon(outline), [0.0, 0.0, moment], [centre.x, centre.y, 0.0]))
+    };
+    let place = declared.span();
+    match bounded() {
+        Some((shape, moments, centre)) => {
+            Ok(Shaped { shape, moments, centre: Some(centre), place })
+        }
+        None => Err(at(place, Fault::NoPolygon)),
+    }
 }
 
 impl BodyShape {

@@ -12,7 +12,9 @@ use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FreeMotion, Many, Rattle, Redundancy,
     Straight,
 };
-use stationary_contact::{Bodies, Collider, Detector, ImpactLaw, Shape, TouchingBodies};
+use stationary_contact::{
+    Bodies, Collider, ImpactLaw, PlanarCollider, PlanarWorld, TouchingBodies,
+};
 use stationary_integrators::{Integrator, Saved, State, StepError, StepReport};
 use stationary_rigid::{
     Attachment, AxisRotations, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace,
@@ -20,9 +22,10 @@ use stationary_rigid::{
     PlanarJoint, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
+use crate::colliders::detector;
 use crate::error::StepFailure;
 use crate::stepper::Stepped;
-use crate::{AssemblyError, BodyShape, JointKind, RigidBody, Scene, SceneJoint, Stepping};
+use crate::{AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping};
 
 /// What steps bodies.
 pub(crate) enum Steps<'a> {
@@ -30,8 +33,10 @@ pub(crate) enum Steps<'a> {
     Free(Box<dyn Integrator<Vec<f64>> + 'a>),
     /// RATTLE, of bodies with joints.
     Held(Box<dyn ConstrainedIntegrator<Vec<f64>> + 'a>),
-    /// Impacts and friction, of bodies that touch.
+    /// Impacts and friction, of bodies that touch in space.
     Touching(Box<TouchingBodies<'a, Load>>),
+    /// The same in the plane.
+    PlanarTouching(Box<PlanarWorld<PlanarLoad>>),
 }
 
 impl Steps<'_> {
@@ -52,6 +57,11 @@ impl Steps<'_> {
                 let report = StepReport { differentials: 1, ..StepReport::default() };
                 Ok(Stepped { impacts: met.impacts, last_impact: state.t, ..Stepped::done(report) })
             }
+            Steps::PlanarTouching(world) => {
+                let met = world.step(state, h)?;
+                let report = StepReport { differentials: 1, ..StepReport::default() };
+                Ok(Stepped { impacts: met.impacts, last_impact: state.t, ..Stepped::done(report) })
+            }
         }
     }
 
@@ -60,7 +70,7 @@ impl Steps<'_> {
         match self {
             Steps::Free(integrator) => integrator.save(),
             Steps::Held(rattle) => rattle.save(),
-            Steps::Touching(_) => Saved::default(),
+            Steps::Touching(_) | Steps::PlanarTouching(_) => Saved::default(),
         }
     }
 
@@ -69,7 +79,7 @@ impl Steps<'_> {
         match self {
             Steps::Free(integrator) => integrator.load(saved),
             Steps::Held(rattle) => rattle.load(saved),
-            Steps::Touching(_) => Ok(()),
+            Steps::Touching(_) | Steps::PlanarTouching(_) => Ok(()),
         }
     }
 }
@@ -98,11 +108,13 @@ pub(crate) struct InSpace {
 }
 
 type Load = (Option<Weight<Poses>>, Free);
+type PlanarLoad = (Option<PlanarWeight>, Free);
 
 /// Bodies in the plane.
 pub(crate) struct InThePlane {
-    system: System<DiagonalMetric<Vec<f64>>, (Option<PlanarWeight>, Free)>,
+    system: System<DiagonalMetric<Vec<f64>>, PlanarLoad>,
     joints: Vec<PlanarJoint>,
+    contact: Option<(Vec<PlanarCollider>, ImpactLaw)>,
     initial: State<Vec<f64>>,
 }
 
@@ -124,22 +136,6 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, few)?)))
 }
 
-/// Steps of bodies that touch.
-fn touching<'a>(
-    system: &'a Bodies<Load>,
-    colliders: Vec<Collider>,
-    law: ImpactLaw,
-    initial: &State<Vec<f64>>,
-) -> Result<Steps<'a>, AssemblyError> {
-    /// Overlap at the start that is rounding, relative to the size of the bodies.
-    const ROUNDING: f64 = 1e-9;
-    let bodies = system.metric().bodies().len();
-    let mut detector = Detector::new(colliders, bodies)?;
-    let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
-    detector.check_free(&initial.q, ROUNDING * largest)?;
-    Ok(Steps::Touching(Box::new(TouchingBodies::new(system, detector)?.with_law(law))))
-}
-
 impl BodySystem for InSpace {
     fn initial(&self) -> &State<Vec<f64>> {
         &self.initial
@@ -151,7 +147,9 @@ impl BodySystem for InSpace {
         };
         let InSpace { system, joints, contact, initial } = self;
         if let Some((colliders, law)) = contact {
-            return touching(system, colliders.clone(), *law, initial);
+            let detector = detector(colliders, system.metric().bodies().len(), &initial.q)?;
+            let touching = TouchingBodies::new(system, detector)?.with_law(*law);
+            return Ok(Steps::Touching(Box::new(touching)));
         }
         if joints.is_empty() {
             return Ok(Steps::Free(method.integrator(system)?));
@@ -187,6 +185,11 @@ impl BodySystem for InThePlane {
         let Stepping::Equal(method) = method else {
             return Err(AssemblyError::Bodies);
         };
+        if let Some((colliders, law)) = &self.contact {
+            let detector = detector(colliders, self.system.dim() / 3, &self.initial.q)?;
+            let world = PlanarWorld::new(self.system.clone(), detector)?.with_law(*law);
+            return Ok(Steps::PlanarTouching(Box::new(world)));
+        }
         if self.joints.is_empty() {
             return Ok(Steps::Free(method.integrator(&self.system)?));
         }
@@ -280,42 +283,12 @@ impl Scene {
         Ok(InSpace {
             system: metric.under((weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
-            contact: self.colliders()?,
+            contact: match &self.contact {
+                Some(contact) => Some((self.colliders(contact)?, contact.law)),
+                None => None,
+            },
             initial,
         })
-    }
-
-    /// What touches what among bodies in space, and by which law.
-    fn colliders(&self) -> Result<Option<(Vec<Collider>, ImpactLaw)>, AssemblyError> {
-        let Some(contact) = &self.contact else {
-            return Ok(None);
-        };
-        let mut colliders = Vec::new();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let shape = match &body.shape {
-                BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side))?,
-                BodyShape::Ball(radius) => Shape::ball(*radius)?,
-                BodyShape::Polygon(_) | BodyShape::Moments => continue,
-            };
-            let collider = Collider::on_body(index, shape);
-            let collider = collider.with_restitution(contact.restitution);
-            colliders.push(collider.with_friction(contact.friction));
-        }
-        let at = |place: Vector3<f64>| RigidMotion {
-            translation: place,
-            rotation: Rotation::identity(),
-        };
-        // What is fixed has the surface of what touches it.
-        let like =
-            |shape| move |place| Collider::fixed(at(place), shape).with_friction(contact.friction);
-        for wall in &contact.walls {
-            let normal = Vector3::from(wall.normal);
-            colliders.push(like(Shape::half_space(normal)?)(normal * wall.offset));
-        }
-        for ball in &contact.balls {
-            colliders.push(like(Shape::ball(ball.radius)?)(ball.centre.into()));
-        }
-        Ok(Some((colliders, contact.law)))
     }
 
     /// The scene's bodies in the plane.
@@ -336,6 +309,10 @@ impl Scene {
         Ok(InThePlane {
             system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
+            contact: match &self.contact {
+                Some(contact) => Some((self.planar_colliders(contact)?, contact.law)),
+                None => None,
+            },
             initial: State::new(q, p),
         })
     }

@@ -247,7 +247,7 @@ pub(crate) struct BodyDeclaration {
     pub(crate) polygon: Option<Spanned<Vec<Components>>>,
     pub(crate) moments: Option<Turn>,
     pub(crate) points: Option<Vec<Components>>,
-    pub(crate) position: Components,
+    pub(crate) position: Option<Components>,
     pub(crate) rotation: Option<Turn>,
     pub(crate) velocity: Option<Components>,
     pub(crate) angular_velocity: Option<Turn>,
@@ -367,6 +367,13 @@ impl<'de> Deserialize<'de> for ObservableDeclaration {
             }
         }
         deserializer.deserialize_any(WordOrTable)
+    }
+}
+
+impl BodyDeclaration {
+    /// Where the text places the body.
+    pub(crate) fn place(&self) -> Range<usize> {
+        self.position.as_ref().map_or(self.name.span(), |position| position.span())
     }
 }
 

@@ -4,17 +4,15 @@
 //! V(q) = sum over bodies  V_body(q)        q all free particles of the scene
 //! ```
 //! The elements are numbered by the scene's vertices, so that springs, rods and several bodies may
-//! hold one another by shared particles. What the elements are is known only when a file is read: a
-//! body stands behind a pointer, and a Hessian's block passes one call that cannot be foreseen.
-
-use std::fmt::Debug;
-use std::sync::Arc;
+//! hold one another by shared particles. What the elements are is known only when a file is read: each
+//! kind has a word of its own here, so that its loops are compiled for it.
 
 use nalgebra::SVector;
 use stationary_calculus::{Covector, Potential, Sink, Stencils};
 use stationary_elasticity::{
-    ElasticityError, FixedCorotated, Freedoms, Held, Linear, LinearSegment, LinearTetrahedron,
-    LinearTriangle, Material, NeoHookean, Reference, SaintVenantKirchhoff, Solid, hinges,
+    ElasticityError, FixedCorotated, Freedoms, Held, Hinge, Linear, LinearSegment,
+    LinearTetrahedron, LinearTriangle, Material, NeoHookean, Reference, SaintVenantKirchhoff,
+    Solid, hinges,
 };
 use stationary_mesh::Mesh;
 
@@ -22,41 +20,54 @@ use crate::shape::Simplices;
 use crate::system::{Vertices, leading};
 use crate::{AssemblyError, ElasticBody, ElasticMaterial, Scene};
 
-/// A potential behind a pointer.
-pub(crate) trait Elastic: Debug + Send + Sync {
-    fn energy(&self, q: &[f64]) -> f64;
-    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>);
-    fn add_hessian(&self, q: &[f64], hessian: &mut dyn Sink);
+type Bar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 2, D, 1, 1>;
+type Sheet<M> = Solid<M, 3, 2, 2, 1>;
+type Block<M> = Solid<M, 4, 3, 3, 1>;
+
+/// Elements of one kind.
+#[derive(Clone, Debug)]
+enum Part {
+    BarOnALine(Bar<1>),
+    BarInThePlane(Bar<2>),
+    BarInSpace(Bar<3>),
+    Sheet(Sheet<SaintVenantKirchhoff<2>>),
+    NeoHookeanSheet(Sheet<NeoHookean<2>>),
+    CorotatedSheet(Sheet<FixedCorotated<2>>),
+    LinearSheet(Sheet<Linear<2>>),
+    Membrane(Solid<SaintVenantKirchhoff<2>, 3, 3, 2, 1>),
+    Folds(Stencils<Hinge, 4, 3>),
+    Block(Block<SaintVenantKirchhoff<3>>),
+    NeoHookeanBlock(Block<NeoHookean<3>>),
+    CorotatedBlock(Block<FixedCorotated<3>>),
+    LinearBlock(Block<Linear<3>>),
 }
 
-/// A sink behind a pointer.
-struct Behind<'a>(&'a mut dyn Sink);
-
-impl Sink for Behind<'_> {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        self.0.add_symmetric(freedoms, block);
-    }
-}
-
-impl<P: Potential + Debug + Send + Sync> Elastic for P {
-    fn energy(&self, q: &[f64]) -> f64 {
-        Potential::energy(self, q)
-    }
-
-    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
-        Potential::add_differential(self, q, dv);
-    }
-
-    fn add_hessian(&self, q: &[f64], hessian: &mut dyn Sink) {
-        Potential::add_hessian(self, q, &mut Behind(hessian));
-    }
+/// The same for elements of every kind.
+macro_rules! each {
+    ($part:expr, $elements:ident => $same:expr) => {
+        match $part {
+            Part::BarOnALine($elements) => $same,
+            Part::BarInThePlane($elements) => $same,
+            Part::BarInSpace($elements) => $same,
+            Part::Sheet($elements) => $same,
+            Part::NeoHookeanSheet($elements) => $same,
+            Part::CorotatedSheet($elements) => $same,
+            Part::LinearSheet($elements) => $same,
+            Part::Membrane($elements) => $same,
+            Part::Folds($elements) => $same,
+            Part::Block($elements) => $same,
+            Part::NeoHookeanBlock($elements) => $same,
+            Part::CorotatedBlock($elements) => $same,
+            Part::LinearBlock($elements) => $same,
+        }
+    };
 }
 
 /// All elastic bodies of a scene; there may be none.
 #[derive(Clone, Debug)]
 pub(crate) struct ElasticBodies {
     freedoms: usize,
-    bodies: Vec<Arc<dyn Elastic>>,
+    parts: Vec<Part>,
 }
 
 impl Potential for ElasticBodies {
@@ -65,23 +76,23 @@ impl Potential for ElasticBodies {
     }
 
     fn energy(&self, q: &[f64]) -> f64 {
-        self.bodies.iter().map(|body| body.energy(q)).sum()
+        self.parts.iter().map(|part| each!(part, elements => elements.energy(q))).sum()
     }
 
     fn add_differential(&self, q: &[f64], mut dv: Covector<&mut [f64]>) {
-        for body in &self.bodies {
-            body.add_differential(q, dv.view_mut());
+        for part in &self.parts {
+            each!(part, elements => elements.add_differential(q, dv.view_mut()));
         }
     }
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        for body in &self.bodies {
-            body.add_hessian(q, hessian);
+        for part in &self.parts {
+            each!(part, elements => elements.add_hessian(q, hessian));
         }
     }
 }
 
-type Bodies = Result<Vec<Arc<dyn Elastic>>, AssemblyError>;
+type Parts = Result<Vec<Part>, AssemblyError>;
 
 /// A body and what it is laid into.
 struct Laid<'a, const D: usize> {
@@ -98,20 +109,16 @@ impl Scene {
         &self,
         vertices: &Vertices,
     ) -> Result<ElasticBodies, AssemblyError> {
-        let bodies = match D {
+        let parts = match D {
             _ if self.solids.is_empty() => Vec::new(),
             1 => self.laid(vertices, on_a_line)?,
             2 => self.laid(vertices, in_the_plane)?,
             _ => self.laid(vertices, in_space)?,
         };
-        Ok(ElasticBodies { freedoms: D * vertices.free, bodies })
+        Ok(ElasticBodies { freedoms: D * vertices.free, parts })
     }
 
-    fn laid<const D: usize>(
-        &self,
-        vertices: &Vertices,
-        make: fn(&Laid<'_, D>) -> Bodies,
-    ) -> Bodies {
+    fn laid<const D: usize>(&self, vertices: &Vertices, make: fn(&Laid<'_, D>) -> Parts) -> Parts {
         let place = |&particle: &usize| leading::<D>(self.particles[particle].position);
         let places: Vec<[f64; D]> = vertices.particles.iter().map(place).collect();
         let pinned = places.iter().enumerate().skip(vertices.free);
@@ -148,76 +155,84 @@ impl<const D: usize> Laid<'_, D> {
         family: F,
         mesh: &Mesh<D, N>,
         material: M,
-    ) -> Bodies
+    ) -> Result<Solid<M, N, D, R, Q>, AssemblyError>
     where
         F: Reference<N, R, Q>,
-        M: Material<D, R> + Debug + Send + Sync + 'static,
+        M: Material<D, R>,
     {
-        let solid = Solid::new(family, mesh, self.body.section, material, self.freedoms.clone())?;
-        Ok(vec![Arc::new(solid)])
+        Ok(Solid::new(family, mesh, self.body.section, material, self.freedoms.clone())?)
     }
 
     /// Segments, free to thin where they are drawn out.
-    fn bar(&self, segments: &[[usize; 2]]) -> Bodies {
+    fn bar(&self, segments: &[[usize; 2]]) -> Result<Bar<D>, AssemblyError> {
         let material = SaintVenantKirchhoff::new(self.body.lame.uniaxial_stress());
         self.solid(LinearSegment, &self.mesh(segments)?, material)
     }
 }
 
-fn on_a_line(laid: &Laid<'_, 1>) -> Bodies {
+fn on_a_line(laid: &Laid<'_, 1>) -> Parts {
     match &laid.body.simplices {
-        Simplices::Segments(segments) => laid.bar(segments),
+        Simplices::Segments(segments) => Ok(vec![Part::BarOnALine(laid.bar(segments)?)]),
         _ => Err(AssemblyError::Dimension { scene: 1, asked: 2 }),
     }
 }
 
-fn in_the_plane(laid: &Laid<'_, 2>) -> Bodies {
+fn in_the_plane(laid: &Laid<'_, 2>) -> Parts {
     let triangles = match &laid.body.simplices {
-        Simplices::Segments(segments) => return laid.bar(segments),
+        Simplices::Segments(segments) => return Ok(vec![Part::BarInThePlane(laid.bar(segments)?)]),
         Simplices::Triangles(triangles) => triangles,
         Simplices::Tetrahedra(_) => return Err(AssemblyError::Dimension { scene: 2, asked: 3 }),
     };
     let (mesh, lame) = (laid.mesh(triangles)?, laid.body.lame.plane_stress());
-    match laid.body.material {
+    Ok(vec![match laid.body.material {
         ElasticMaterial::SaintVenantKirchhoff => {
-            laid.solid(LinearTriangle, &mesh, SaintVenantKirchhoff::new(lame))
+            Part::Sheet(laid.solid(LinearTriangle, &mesh, SaintVenantKirchhoff::new(lame))?)
         }
-        ElasticMaterial::NeoHookean => laid.solid(LinearTriangle, &mesh, NeoHookean::new(lame)?),
+        ElasticMaterial::NeoHookean => {
+            Part::NeoHookeanSheet(laid.solid(LinearTriangle, &mesh, NeoHookean::new(lame)?)?)
+        }
         ElasticMaterial::FixedCorotated => {
-            laid.solid(LinearTriangle, &mesh, FixedCorotated::new(lame)?)
+            Part::CorotatedSheet(laid.solid(LinearTriangle, &mesh, FixedCorotated::new(lame)?)?)
         }
-        ElasticMaterial::Linear => laid.solid(LinearTriangle, &mesh, Linear::new(lame)),
-    }
+        ElasticMaterial::Linear => {
+            Part::LinearSheet(laid.solid(LinearTriangle, &mesh, Linear::new(lame))?)
+        }
+    }])
 }
 
-fn in_space(laid: &Laid<'_, 3>) -> Bodies {
+fn in_space(laid: &Laid<'_, 3>) -> Parts {
     let tetrahedra = match &laid.body.simplices {
-        Simplices::Segments(segments) => return laid.bar(segments),
+        Simplices::Segments(segments) => return Ok(vec![Part::BarInSpace(laid.bar(segments)?)]),
         Simplices::Triangles(triangles) => return membrane(laid, triangles),
         Simplices::Tetrahedra(tetrahedra) => tetrahedra,
     };
     let (mesh, lame) = (laid.mesh(tetrahedra)?, laid.body.lame);
-    match laid.body.material {
+    Ok(vec![match laid.body.material {
         ElasticMaterial::SaintVenantKirchhoff => {
-            laid.solid(LinearTetrahedron, &mesh, SaintVenantKirchhoff::new(lame))
+            Part::Block(laid.solid(LinearTetrahedron, &mesh, SaintVenantKirchhoff::new(lame))?)
         }
-        ElasticMaterial::NeoHookean => laid.solid(LinearTetrahedron, &mesh, NeoHookean::new(lame)?),
-        ElasticMaterial::FixedCorotated => {
-            laid.solid(LinearTetrahedron, &mesh, FixedCorotated::new(lame)?)
+        ElasticMaterial::NeoHookean => {
+            Part::NeoHookeanBlock(laid.solid(LinearTetrahedron, &mesh, NeoHookean::new(lame)?)?)
         }
-        ElasticMaterial::Linear => laid.solid(LinearTetrahedron, &mesh, Linear::new(lame)),
-    }
+        ElasticMaterial::FixedCorotated => Part::CorotatedBlock(laid.solid(
+            LinearTetrahedron,
+            &mesh,
+            FixedCorotated::new(lame)?,
+        )?),
+        ElasticMaterial::Linear => {
+            Part::LinearBlock(laid.solid(LinearTetrahedron, &mesh, Linear::new(lame))?)
+        }
+    }])
 }
 
 /// A sheet in space, which stretches, and bends where that costs something.
-fn membrane(laid: &Laid<'_, 3>, triangles: &[[usize; 3]]) -> Bodies {
+fn membrane(laid: &Laid<'_, 3>, triangles: &[[usize; 3]]) -> Parts {
     let mesh = laid.mesh(triangles)?;
     let material = SaintVenantKirchhoff::new(laid.body.lame.plane_stress());
-    let mut parts = laid.solid(LinearTriangle, &mesh, material)?;
+    let mut parts = vec![Part::Membrane(laid.solid(LinearTriangle, &mesh, material)?)];
     if let Some(bending) = laid.body.bending {
         let fixed = laid.rest[laid.vertices.free..].iter().map(|&x| x.into()).collect();
-        let folds = hinges(&mesh, bending)?;
-        parts.push(Arc::new(Stencils::<_, 4, 3>::new(laid.vertices.free, fixed, folds)?));
+        parts.push(Part::Folds(Stencils::new(laid.vertices.free, fixed, hinges(&mesh, bending)?)?));
     }
     Ok(parts)
 }

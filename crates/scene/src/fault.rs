@@ -330,6 +330,9 @@ pub enum Fault {
     /// A body is a box, a ball, a polygon, or has moments of its own.
     #[error("`{0}` needs one of `box`, `ball`, `polygon` and its `moments` of inertia")]
     BodyShape(String),
+    /// A body is somewhere.
+    #[error("`{0}` needs a `position`; only a polygon may go without, and stays where it is drawn")]
+    NoPosition(String),
     /// A polygon is flat.
     #[error("a polygon needs a scene of dimension 2")]
     PolygonDimension,
@@ -339,7 +342,7 @@ pub enum Fault {
     )]
     NoPolygon,
     /// A body that cannot touch.
-    #[error("`{0}` has no shape that could touch: give it a `box` or a `ball`")]
+    #[error("`{0}` has no shape that could touch: give it a `box`, a `ball` or a `polygon`")]
     Untouchable(String),
     /// Mass and moments that no body has.
     #[error("{0}")]

@@ -143,6 +143,7 @@ mod linear_modes;
 mod rest;
 
 mod body_system;
+mod colliders;
 mod body_run;
 mod heat_run;
 mod march;

@@ -16,7 +16,7 @@ use stationary_rigid::BodyMethod;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
-use crate::{BodyShape, Fault, RigidBody, Scene, check, limits};
+use crate::{BodyShape, Fault, Scene, check, limits};
 
 /// How a scene is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,18 +255,16 @@ impl Scene {
     fn check_touching(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
-        let touchable =
-            |body: &&RigidBody| !matches!(body.shape, BodyShape::Box(_) | BodyShape::Ball(_));
-        match (self.stepping, self.bodies.iter().find(touchable)) {
-            _ if self.dimension != 3 => {
-                refused("bodies that touch in the plane", "lay them in space")
-            }
+        let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
+        match (self.stepping, self.dimension, untouchable) {
             _ if !self.joints.is_empty() => {
                 refused("joints and contact at once", "leave one of them out")
             }
-            (_, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
-            (Stepping::Bodies(BodyMethod::VariationalRotation), None) => Ok(()),
-            _ => refused("what touches", "name `variational-rotation`"),
+            (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
+            (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
+            | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),
+            (_, 3, _) => refused("what touches", "name `variational-rotation`"),
+            _ => refused("what touches", "name `stormer-verlet`"),
         }
     }
 }

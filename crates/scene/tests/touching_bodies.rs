@@ -106,3 +106,28 @@ fn bodies_that_cannot_touch_or_have_no_shape_are_refused() {
         assert!(error.to_string().contains("these corners are no polygon"), "{error}");
     }
 }
+
+#[test]
+fn the_arch_stands_with_friction_and_falls_without() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/masonry-arch.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let sinks = |friction: &str| {
+        let scene = Scene::parse("arch.toml", &text.replace("friction = 0.6", friction)).unwrap();
+        let run = scene.run().unwrap_or_else(|error| panic!("{error}"));
+        let (start, end) = (place(&run, 0, "stone8"), place(&run, run.times().len() - 1, "stone8"));
+        start[1] - end[1]
+    };
+    assert!(sinks("friction = 0.6").abs() < 1e-8, "{:e}", sinks("friction = 0.6"));
+    assert!(sinks("friction = 0.25") > 0.1, "{}", sinks("friction = 0.25"));
+}
+
+#[test]
+fn a_polygon_stays_where_it_is_drawn_and_nothing_else_goes_without_a_position() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+                bodies = [{ name = \"it\", mass = 5, polygon = [[1, 1], [4, 1], [1, 4]] }]\n";
+    let scene = Scene::parse("a.toml", text).unwrap();
+    assert_eq!(scene.bodies()[0].position, [2.0, 2.0, 0.0]);
+    let box_text = text.replace("polygon = [[1, 1], [4, 1], [1, 4]]", "box = [1, 1]");
+    let error = Scene::parse("a.toml", &box_text).unwrap_err().to_string();
+    assert!(error.contains("`it` needs a `position`"), "{error}");
+}

@@ -222,7 +222,12 @@ impl Places<'_> {
                     Shape::Vertices { count, dimension } => {
                         let block = vertices.next().unwrap_or(&[]);
                         slots.extend(pairs(block).map(|(a, b)| self.slot((a.first, b.first))));
-                        self.mark(block, dimension, slots.len() - count * (count + 1) / 2, &mut slots);
+                        self.mark(
+                            block,
+                            dimension,
+                            slots.len() - count * (count + 1) / 2,
+                            &mut slots,
+                        );
                     }
                     Shape::Parts { .. } => {}
                 }

@@ -71,7 +71,11 @@ impl Band {
         let mut solid = Solid::new(LinearSegment, &self.mesh, 1.0, self.material, freedoms.clone())
             .map_err(failed())?;
         let mut q = freedoms.gathered(&nodes).map_err(failed())?;
-        let statics = Statics { steps: 4, newton: Newton { iterations: 100, ..Newton::default() } };
+        let statics = Statics {
+            steps: 4,
+            newton: Newton { iterations: 100, ..Newton::default() },
+            ..Statics::default()
+        };
         statics.solve(&mut solid, &load, &mass, &[0.0], &mut q).map_err(failed())?;
         let positions = freedoms.positions(&q).map_err(failed())?;
         Ok(positions.iter().map(|x| x[0]).collect())

@@ -1,0 +1,94 @@
+//! What touches what among the bodies of a scene: their shapes, walls and fixed balls.
+//!
+//! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
+//! friction.
+
+use nalgebra::{Vector2, Vector3};
+use stationary_contact::{
+    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape, Shape,
+};
+use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
+
+use crate::{BodyShape, Scene, SceneContact};
+
+/// Overlap at the start that is rounding, relative to the size of the bodies.
+const ROUNDING: f64 = 1e-9;
+
+/// A detector of contacts, which there are none of at the start but by touching.
+pub(crate) fn detector<G: Dimension>(
+    colliders: &[ColliderIn<G>],
+    bodies: usize,
+    q: &[f64],
+) -> Result<DetectorIn<G>, ContactError> {
+    let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
+    let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
+    detector.check_free(q, ROUNDING * largest)?;
+    Ok(detector)
+}
+
+impl Scene {
+    /// The shapes of bodies in space that touch, and of what is fixed.
+    pub(crate) fn colliders(&self, contact: &SceneContact) -> Result<Vec<Collider>, ContactError> {
+        let of_body = |shape: &BodyShape| match shape {
+            BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side)).map(Some),
+            BodyShape::Ball(radius) => Shape::ball(*radius).map(Some),
+            BodyShape::Polygon(_) | BodyShape::Moments => Ok(None),
+        };
+        let at = |translation| RigidMotion { translation, ..RigidMotion::identity() };
+        let mut fixed = Vec::new();
+        for wall in &contact.walls {
+            let normal = Vector3::from(wall.normal);
+            fixed.push((at(normal * wall.offset), Shape::half_space(normal)?));
+        }
+        for ball in &contact.balls {
+            fixed.push((at(ball.centre.into()), Shape::ball(ball.radius)?));
+        }
+        self.all_alike(contact, of_body, fixed)
+    }
+
+    /// The shapes of bodies in the plane that touch, and of what is fixed.
+    pub(crate) fn planar_colliders(
+        &self,
+        contact: &SceneContact,
+    ) -> Result<Vec<PlanarCollider>, ContactError> {
+        let of_body = |shape: &BodyShape| match shape {
+            BodyShape::Box([a, b, _]) => PlanarShape::cuboid([0.5 * a, 0.5 * b]).map(Some),
+            BodyShape::Ball(radius) => PlanarShape::disc(*radius).map(Some),
+            BodyShape::Polygon(corners) => {
+                let corners: Vec<Vector2<f64>> = corners.iter().map(|&x| x.into()).collect();
+                PlanarShape::polygon(&corners).map(Some)
+            }
+            BodyShape::Moments => Ok(None),
+        };
+        let at = |translation| PlanarMotion { translation, ..PlanarMotion::identity() };
+        let mut fixed = Vec::new();
+        for wall in &contact.walls {
+            let normal = Vector3::from(wall.normal).xy();
+            fixed.push((at(normal * wall.offset), PlanarShape::half_plane(normal)?));
+        }
+        for ball in &contact.balls {
+            let centre = Vector3::from(ball.centre).xy();
+            fixed.push((at(centre), PlanarShape::disc(ball.radius)?));
+        }
+        self.all_alike(contact, of_body, fixed)
+    }
+
+    fn all_alike<G: Dimension>(
+        &self,
+        contact: &SceneContact,
+        of_body: impl Fn(&BodyShape) -> Result<Option<G::Shape>, ContactError>,
+        fixed: Vec<(G::Motion, G::Shape)>,
+    ) -> Result<Vec<ColliderIn<G>>, ContactError> {
+        let mut colliders = Vec::new();
+        for (index, body) in self.bodies.iter().enumerate() {
+            if let Some(shape) = of_body(&body.shape)? {
+                colliders.push(ColliderIn::on_body(index, shape));
+            }
+        }
+        colliders.extend(fixed.into_iter().map(|(place, shape)| ColliderIn::fixed(place, shape)));
+        let surface = |collider: ColliderIn<G>| {
+            collider.with_restitution(contact.restitution).with_friction(contact.friction)
+        };
+        Ok(colliders.into_iter().map(surface).collect())
+    }
+}
