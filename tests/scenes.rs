@@ -89,6 +89,11 @@ fn the_stack_stands_while_a_box_falls_towards_it() {
 }
 
 #[test]
+fn the_arch_of_stones_stands() {
+    insta::assert_snapshot!(run("masonry-arch").0);
+}
+
+#[test]
 fn the_wrench_tumbles_about_its_centre_of_mass() {
     insta::assert_snapshot!(run("tumbling-wrench").0);
 }
