@@ -30,13 +30,16 @@ pub struct Element<const K: usize> {
 
 impl<const K: usize> Element<K> {
     /// An element with these weights off the diagonal.
+    #[inline(always)]
     fn new(vertices: [usize; K], measure: f64, weight: impl Fn(usize, usize) -> f64) -> Self {
         let mut weights = [[0.0; K]; K];
-        for (i, j) in (0..K).flat_map(|j| (0..j).map(move |i| (i, j))) {
-            let w = weight(i, j);
-            (weights[i][j], weights[j][i]) = (w, w);
-            weights[i][i] -= w;
-            weights[j][j] -= w;
+        for j in 1..K {
+            for i in 0..j {
+                let w = weight(i, j);
+                (weights[i][j], weights[j][i]) = (w, w);
+                weights[i][i] -= w;
+                weights[j][j] -= w;
+            }
         }
         Element { vertices, weights, measure }
     }
@@ -187,18 +190,21 @@ fn in_space<const D: usize>(x: &SVector<f64, D>) -> Vector3<f64> {
 }
 
 /// The entry `W_ij` of a simplex, i not j.
+#[inline(always)]
 fn weight<const K: usize>(corners: &[Vector3<f64>; K], size: f64, i: usize, j: usize) -> f64 {
     if K == 2 {
         return -1.0 / size;
     }
-    let mut others = (0..K).filter(|&k| k != i && k != j);
-    let mut other = || others.next().map_or(corners[0], |k| corners[k]);
-    let k = other();
     if K == 3 {
+        let k = corners[3 - i - j];
         return -(corners[i] - k).dot(&(corners[j] - k)) / (4.0 * size);
     }
     // Both faces contain the edge kl; seen along it, this is the cotangent of the angle between.
-    let along = other() - k;
+    let [k, l] = [0, 1].map(|place| {
+        let mut others = (0..K).filter(|&other| other != i && other != j);
+        others.nth(place).map_or(corners[0], |other| corners[other])
+    });
+    let along = l - k;
     let (u, v) = (along.cross(&(corners[i] - k)), along.cross(&(corners[j] - k)));
     -u.dot(&v) / (36.0 * size)
 }

@@ -9,7 +9,9 @@
 //! above the last one then tells whether any was missed, and the search goes on until none is.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use stationary_calculus::{Covector, Metric, Potential, SizeError, SparseError, Vector};
+use stationary_calculus::{
+    Covector, Metric, Potential, SizeError, SparseError, SymmetricMatrix, Vector,
+};
 
 use crate::krylov::Krylov;
 use crate::{Linearized, ModalError, RigidMotions, dense};
@@ -171,6 +173,22 @@ impl Modes {
     /// For each mode how far its lambda may be off, 1/s^2.
     pub fn residuals(&self) -> &[f64] {
         &self.residuals
+    }
+
+    /// For each mode how far its products with all of them in the mass are from one and zero.
+    ///
+    /// # Errors
+    /// [`ModalError::Size`].
+    pub fn orthogonality(&self, mass: &SymmetricMatrix) -> Result<Vec<f64>, ModalError> {
+        SizeError::check("the mass matrix's size", self.n, mass.dim())?;
+        let moved = dense::mass_times(mass, &self.columns);
+        let products = dense::transpose_times(self.n.max(1), &self.columns, &moved);
+        let off = |i: usize, j: usize| {
+            let exact = if i == j { 1.0 } else { 0.0 };
+            (products[i * self.len() + j] - exact).abs()
+        };
+        let of_mode = |i: usize| (0..self.len()).map(|j| off(i, j)).fold(0.0, f64::max);
+        Ok((0..self.len()).map(of_mode).collect())
     }
 
     /// No mode with a lambda below this number is missing, rigid motions aside; NaN where that was

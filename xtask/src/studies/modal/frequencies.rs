@@ -181,7 +181,7 @@ fn convergence(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Fail
             format!("{}: the order of the frequency", family.name),
             format!("{order}"),
             loglog_slope(&points[1..]).unwrap_or(f64::NAN),
-            (order - 0.25, order + 0.25),
+            (0.875 * order, 1.1 * order),
         ));
         let side = if family.sign > 0.0 { "above" } else { "below" };
         claims.push(Claim::words(
