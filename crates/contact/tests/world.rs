@@ -11,8 +11,8 @@ use stationary_contact::{
 use stationary_integrators::State;
 use stationary_mesh::Polygon;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, LieGroup, PlanarMass, PlanarMotion, PlanarRotation, PlanarWeight,
-    PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMass, PlanarMotion, PlanarRotation,
+    PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 const G: f64 = 10.0;
@@ -64,6 +64,34 @@ fn as_many_discs_leave_newtons_cradle_as_arrive() {
                 let expected = if ball >= 5 - moving { 1.0 } else { 0.0 };
                 assert!((p[0] - expected).abs() < 1e-12 && p[1].abs() < 1e-12, "{ball} {p:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn as_many_balls_of_space_leave_newtons_cradle_as_arrive() {
+    for moving in 1..=3 {
+        let metric = BodyMetric::<Poses>::new(vec![Body::new(1.0, [0.1; 3]).unwrap(); 5]);
+        let motion = |k: usize| BodyMotion {
+            pose: RigidMotion {
+                translation: Vector3::x() * k as f64,
+                rotation: Rotation::identity(),
+            },
+            velocity: if k < moving { Vector3::x() } else { Vector3::zeros() },
+            angular_velocity: Vector3::zeros(),
+        };
+        let mut state = metric.state(&(0..5).map(motion).collect::<Vec<_>>()).unwrap();
+        let ball = Shape::ball(0.5).unwrap();
+        let on = |body| Collider::on_body(body, ball.clone()).with_restitution(1.0);
+        let detector = Detector::new((0..5).map(on).collect(), 5).unwrap();
+        let free = metric.under(Free { freedoms: 30 }).unwrap();
+        let mut world = SpatialWorld::new(free, detector).unwrap();
+        for _ in 0..100 {
+            world.step(&mut state, 1e-3).unwrap();
+        }
+        for (ball, p) in state.p.0.chunks_exact(6).enumerate() {
+            let expected = if ball >= 5 - moving { 1.0 } else { 0.0 };
+            assert!((p[0] - expected).abs() < 1e-12, "{ball} {p:?}");
         }
     }
 }
