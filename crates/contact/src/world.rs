@@ -13,7 +13,8 @@
 //! contacts. A step returns what it took, and keeps every [`Touch`] with its impulses.
 //!
 //! Gaps are linear over the step: what slides or rests keeps its gap to rounding; corners that turn
-//! overlap by order `h^2`, and a fifth of that is given back each step. Approach of the order of a
+//! overlap by order `h^2`, and a fifth of that is given back each step. Who can meet is judged by
+//! the speeds before impacts: what a hit makes faster than twice those may overlap for a step. Approach of the order of a
 //! kick is rest and has no restitution. What an impact brings to approach takes part in it: impacts
 //! are solved again with those contacts too, until none is left. A moving obstacle has infinite
 //! mass: contacts do not change its velocity, and the work that it does is reported. On an error
@@ -182,7 +183,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let rows = gap_rows(contacts, q);
         self.impacts(&rows, kick, h, v, &mut touches, report)?;
         v.add_scaled(1.0, kick.view());
-        self.rest(contacts, rows, q, h, v, &mut touches, report)?;
+        self.rest(rows, q, h, v, &mut touches, report)?;
         Ok(touches)
     }
 
@@ -227,10 +228,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// Resting contact and friction.
-    #[expect(clippy::too_many_arguments)]
     fn rest(
         &self,
-        contacts: &[ContactIn<G>],
         rows: ContactRows,
         q: &[f64],
         h: f64,
@@ -238,23 +237,24 @@ impl<G: Dimension, P: Potential> World<G, P> {
         touches: &mut [Touch<G>],
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let count = contacts.len();
+        let count = touches.len();
+        let contacts = || touches.iter().map(|touch| &touch.contact);
         let share = |gap: f64| if gap < 0.0 { GIVEN_BACK * gap } else { gap };
-        let bias: Vec<f64> = contacts.iter().map(|c| share(c.gap) / h).collect();
+        let bias: Vec<f64> = contacts().map(|c| share(c.gap) / h).collect();
         let normal = Impact::new(rows, &self.mass, vec![0.0; count])?;
         let start = v.clone();
-        let (pushed, rubbed) = self.guess(contacts);
+        let (pushed, rubbed) = self.guess(contacts());
         let done = project_with(&normal, &all(count), &bias, &pushed, v.view_mut())?;
         let mut pushes = done.impulses;
         report.residual = done.residual;
         // What does not slide needs no friction.
         let rubs = |c: &&ContactIn<G>| c.friction > 0.0;
-        let slip = contacts.iter().filter(rubs).map(|c| c.sliding(q, v.view())).fold(0.0, f64::max);
+        let slip = contacts().filter(rubs).map(|c| c.sliding(q, v.view())).fold(0.0, f64::max);
         report.coulomb = slip;
         if slip > SETTLED * normal.approach(start.view()) {
-            let friction: Vec<f64> = contacts.iter().map(|c| c.friction).collect();
+            let friction: Vec<f64> = contacts().map(|c| c.friction).collect();
             let mut sliding = ContactRows::new();
-            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut sliding));
+            contacts().for_each(|contact| contact.push_tangents(q, &mut sliding));
             let none = vec![0.0; sliding.len()];
             let tangent = Impact::new(sliding, &self.mass, none)?;
             let friction = RowFriction {
@@ -281,7 +281,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// The normal and the friction impulses that the last step ended with. Both lists are sorted.
-    fn guess(&self, contacts: &[ContactIn<G>]) -> (Vec<f64>, Vec<f64>) {
+    fn guess<'a>(&self, contacts: impl Iterator<Item = &'a ContactIn<G>>) -> (Vec<f64>, Vec<f64>) {
         let mut last = self.last.iter().peekable();
         let (mut pushed, mut rubbed) = (Vec::new(), Vec::new());
         for contact in contacts {
@@ -331,8 +331,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let speed = |v: &[f64]| length(&v[..t]) + radius * length(&v[t..f]);
             h * (speed(v) + speed(kick)) + REACH * radius
         };
-        let own = v.0.chunks_exact(G::FREEDOMS).zip(kick.0.chunks_exact(G::FREEDOMS));
-        let bodies = own.enumerate();
+        let both = v.0.chunks_exact(G::FREEDOMS).zip(kick.0.chunks_exact(G::FREEDOMS));
+        let bodies = both.enumerate();
         2.0 * bodies.map(fastest).fold(0.0, f64::max)
     }
 

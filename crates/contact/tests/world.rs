@@ -3,7 +3,7 @@
 #![cfg(all(feature = "2d", feature = "3d"))]
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{DiagonalMetric, SplitMix64, System};
 use stationary_contact::{
     Arch, Collider, ContactError, Detector, ImpactLaw, PlanarCollider, PlanarDetector, PlanarShape,
     PlanarWorld, Shape, SpatialWorld, World, WorldReport, problems::nine_ball_break,
@@ -11,8 +11,8 @@ use stationary_contact::{
 use stationary_integrators::State;
 use stationary_mesh::Polygon;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, LieGroup, PlanarMass, PlanarMotion, PlanarRotation, PlanarWeight,
-    PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMass, PlanarMotion, PlanarRotation,
+    PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 const G: f64 = 10.0;
@@ -69,6 +69,34 @@ fn as_many_discs_leave_newtons_cradle_as_arrive() {
 }
 
 #[test]
+fn as_many_balls_of_space_leave_newtons_cradle_as_arrive() {
+    for moving in 1..=3 {
+        let metric = BodyMetric::<Poses>::new(vec![Body::new(1.0, [0.1; 3]).unwrap(); 5]);
+        let motion = |k: usize| BodyMotion {
+            pose: RigidMotion {
+                translation: Vector3::x() * k as f64,
+                rotation: Rotation::identity(),
+            },
+            velocity: if k < moving { Vector3::x() } else { Vector3::zeros() },
+            angular_velocity: Vector3::zeros(),
+        };
+        let mut state = metric.state(&(0..5).map(motion).collect::<Vec<_>>()).unwrap();
+        let ball = Shape::ball(0.5).unwrap();
+        let on = |body| Collider::on_body(body, ball.clone()).with_restitution(1.0);
+        let detector = Detector::new((0..5).map(on).collect(), 5).unwrap();
+        let free = metric.under(Free { freedoms: 30 }).unwrap();
+        let mut world = SpatialWorld::new(free, detector).unwrap();
+        for _ in 0..100 {
+            world.step(&mut state, 1e-3).unwrap();
+        }
+        for (ball, p) in state.p.0.chunks_exact(6).enumerate() {
+            let expected = if ball >= 5 - moving { 1.0 } else { 0.0 };
+            assert!((p[0] - expected).abs() < 1e-12, "{ball} {p:?}");
+        }
+    }
+}
+
+#[test]
 fn a_rack_of_nine_breaks_symmetrically_and_keeps_energy_and_momentum() {
     let mut centres = vec![[-0.3, 0.0]];
     for (rank, balls) in [1, 2, 3, 2, 1].into_iter().enumerate() {
@@ -95,6 +123,40 @@ fn a_rack_of_nine_breaks_symmetrically_and_keeps_energy_and_momentum() {
     }
     let far = state.q[3 * 9] - centres[9][0];
     assert!(far > 0.1, "the last ball has left: {far}");
+}
+
+#[test]
+fn a_box_of_elastic_discs_keeps_its_energy_at_every_step_down_to_a_microsecond() {
+    for h in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+        // Gaps of some thirty steps, so that they hit each other and the walls often.
+        let gap = 30.0 * h;
+        let place = |k: usize| 0.5 * gap + 0.1 + (0.2 + gap) * k as f64;
+        let far = 3.0 * (0.2 + gap);
+        let wall = |x: f64, y: f64, along: f64| {
+            let place = PlanarMotion {
+                translation: -Vector2::new(x, y) * along,
+                rotation: PlanarRotation::identity(),
+            };
+            PlanarCollider::fixed(place, PlanarShape::half_plane(Vector2::new(x, y)).unwrap())
+        };
+        let walls =
+            [wall(1.0, 0.0, 0.0), wall(0.0, 1.0, 0.0), wall(-1.0, 0.0, far), wall(0.0, -1.0, far)];
+        let discs = (0..9).map(|body| disc(body, 0.1).with_restitution(1.0));
+        let mut world = planar(&[DISC; 9], Vector2::zeros(), discs.chain(walls).collect());
+        let q = (0..9).flat_map(|k| [place(k % 3), place(k / 3), 0.0]).collect();
+        let mut random = SplitMix64::new(6);
+        let p = (0..27).map(|k| if k % 3 < 2 { random.symmetric() } else { 0.0 }).collect();
+        let mut state = State::new(q, p);
+        let energy = |state: &State<Vec<f64>>| state.p.0.iter().map(|p| 0.5 * p * p).sum::<f64>();
+        let (start, mut impacts) = (energy(&state), 0);
+        for _ in 0..2_000 {
+            impacts += world.step(&mut state, h).unwrap().impacts;
+        }
+        assert!(impacts > 200, "{h}: {impacts}");
+        assert!((energy(&state) / start - 1.0).abs() < 1e-9, "{h}: {}", energy(&state) / start);
+        let deepest = world.detector().overlaps(&state.q, 1e-9).unwrap();
+        assert!(deepest.is_empty(), "{h}: {deepest:?}");
+    }
 }
 
 /// Boxes of 1 m on each other.
