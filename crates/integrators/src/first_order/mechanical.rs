@@ -31,9 +31,11 @@ impl<'s, M: Metric, P: Potential> MechanicalField<'s, M, P> {
 }
 
 impl<'s, M: Metric, P: Potential, F: Force> MechanicalField<'s, M, P, F> {
-    /// The field of a system under a force.
+    /// The field of a system under a force, which may be none: an option of a force, or `()`.
     pub fn forced(system: &'s System<M, P>, force: F) -> Result<Self, SizeError> {
-        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        if force.dim() > 0 {
+            SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        }
         Ok(MechanicalField { system, force })
     }
 }
