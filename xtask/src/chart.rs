@@ -28,9 +28,10 @@ pub(crate) use label::significant;
 pub(crate) use style::sheet;
 
 use canvas::{Canvas, number};
+use serde::{Deserialize, Serialize};
 
 /// A picture of a table.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Chart {
     /// Curves and points over two axes.
     Lines(Lines),

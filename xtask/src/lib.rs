@@ -3,6 +3,7 @@
 //! - [`report`]: runs the studies and writes the page that shows them.
 //! - [`check_page`]: opens that page in a browser and complains about what a reader would.
 //! - [`run`]: a scene file to a trajectory.
+//! - [`choose`]: the cheapest way to run a scene within a tolerance.
 //! - [`layers`]: which crate may depend on what.
 //! - [`licenses`]: what the dependencies ask of whoever uses the crates.
 //! - [`cost`]: how many packages each crate pulls in, and how long it takes to build.
@@ -12,6 +13,7 @@
 
 pub mod chart;
 pub mod check_page;
+pub mod choose;
 pub mod cost;
 pub mod layers;
 pub mod licenses;

@@ -7,10 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Parser, Subcommand};
 use stationary_scene::Scene;
 use xtask::check_page::check_page;
+use xtask::choose::{Question, Verdict, choose, emit, emitted, picture, time};
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::layers::{Metadata, check, check_tree};
 use xtask::licenses::unlicensed;
-use xtask::report::{Plan, Progress, catalogue, report, select, summary};
+use xtask::report::{
+    Outcome, Plan, Progress, Shard, catalogue, merge, report, select, shard, summary,
+};
 use xtask::run::{Job, Series, Start, run_job};
 use xtask::studies::{METHODS, STUDIES, scene};
 use xtask::study::{Entry, Size};
@@ -27,6 +30,20 @@ struct Arguments {
 enum Task {
     /// Runs the studies and writes the page, the numbers and the charts.
     Report(Report),
+    /// Joins the shares of a report that were run with `report --shard`.
+    Merge {
+        /// The folders of all shares.
+        #[arg(required = true)]
+        dirs: Vec<PathBuf>,
+        /// Where to write.
+        #[arg(long, value_name = "DIR", default_value = "target/report")]
+        out: PathBuf,
+        /// Says nothing but what failed.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Finds the cheapest method and step, or tolerance, for an observable of a scene.
+    Choose(Choose),
     /// Runs a scene file and writes its trajectory, observables and picture.
     Run {
         /// The scene, a TOML file.
@@ -79,9 +96,36 @@ struct Report {
     /// Runs full horizons; may take an hour.
     #[arg(long)]
     full: bool,
+    /// Runs a share of the studies, such as 3/8, for `merge` to join.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
     /// Says nothing but what failed.
     #[arg(long)]
     quiet: bool,
+}
+
+#[derive(clap::Args)]
+struct Choose {
+    /// The scene, a TOML file.
+    file: PathBuf,
+    /// What to keep to the tolerance: `energy`, `position=bob`, `distance=sun,pluto`.
+    #[arg(long, value_name = "NAME")]
+    observable: String,
+    /// The error that may be made, relative to the observable's scale.
+    #[arg(long, value_name = "ERROR")]
+    tolerance: f64,
+    /// The time that choosing may take.
+    #[arg(long, value_name = "TIME", default_value = "60s")]
+    budget: String,
+    /// Chooses for this horizon instead of the scene's.
+    #[arg(long, value_name = "TIME")]
+    horizon: Option<f64>,
+    /// Where to write the chart of error against work.
+    #[arg(long, value_name = "FILE", default_value = "target/choice.svg")]
+    chart: PathBuf,
+    /// Writes the scene with the choice filled in.
+    #[arg(long, value_name = "FILE")]
+    emit: Option<PathBuf>,
 }
 
 type Failure = Box<dyn std::error::Error>;
@@ -89,6 +133,8 @@ type Failure = Box<dyn std::error::Error>;
 fn main() -> ExitCode {
     let done = match Arguments::parse().task {
         Task::Report(arguments) => run_report(&arguments),
+        Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
+        Task::Choose(arguments) => run_choose(&arguments),
         Task::Run { file, out, vtk, resume, quiet } => {
             let start = if resume { Start::Resumed } else { Start::Fresh };
             let series = if vtk { Series::Vtk } else { Series::None };
@@ -126,12 +172,49 @@ fn run_studies(arguments: &Report, studies: &[Entry<'_>]) -> Result<ExitCode, Fa
         out: arguments.out.clone(),
         progress: if arguments.quiet { Progress::Hidden } else { Progress::Shown },
     };
-    let outcomes = report(&plan)?;
-    if !arguments.quiet {
-        print!("{}", summary(&outcomes));
-        println!("\n{}", plan.out.join("index.html").display());
+    let (outcomes, file) = match arguments.shard {
+        Some(share) => (shard(&plan, share)?, "shard.toml"),
+        None => (report(&plan)?, "index.html"),
+    };
+    Ok(reported(&outcomes, &plan.out.join(file), arguments.quiet))
+}
+
+fn run_merge(dirs: &[PathBuf], out: &Path, quiet: bool) -> Result<ExitCode, Failure> {
+    let outcomes = merge(dirs, STUDIES, METHODS, out)?;
+    Ok(reported(&outcomes, &out.join("index.html"), quiet))
+}
+
+fn reported(outcomes: &[Outcome<'_>], written: &Path, quiet: bool) -> ExitCode {
+    if !quiet {
+        print!("{}", summary(outcomes));
+        println!("\n{}", written.display());
     }
-    Ok(verdict(outcomes.iter().flat_map(|outcome| outcome.failures())))
+    verdict(outcomes.iter().flat_map(|outcome| outcome.failures()))
+}
+
+fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
+    let file = &arguments.file;
+    let question = Question {
+        observable: arguments.observable.clone(),
+        tolerance: arguments.tolerance,
+        budget: time(&arguments.budget)?,
+        horizon: arguments.horizon,
+    };
+    let (answer, lab) = choose(file, &question)?;
+    print!("{answer}");
+    emit(&arguments.chart, &picture(&answer))?;
+    println!("\n{}", arguments.chart.display());
+    if let Some(path) = &arguments.emit {
+        let text = std::fs::read_to_string(file)?;
+        if let Some(text) = emitted(&file.display().to_string(), &text, &answer, &lab)? {
+            emit(path, &text)?;
+            println!("{}", path.display());
+        }
+    }
+    Ok(match answer.verdict {
+        Verdict::Chosen(_) => ExitCode::SUCCESS,
+        Verdict::Unconfirmed(_) | Verdict::NoneMeets | Verdict::Uncertain => ExitCode::FAILURE,
+    })
 }
 
 /// Asks a run to end, when control-C is pressed.

@@ -4,7 +4,9 @@ mod csv;
 mod files;
 mod json;
 mod machine;
+mod merge;
 mod page;
+mod shard;
 mod summary;
 
 #[cfg(test)]
@@ -20,6 +22,8 @@ use crate::chart::{Layout, Medium, Styles};
 use crate::study::{Entry, Size, Study, StudyError};
 use files::Folder;
 pub use machine::Machine;
+pub use merge::{MergeError, merge};
+pub use shard::{Shard, ShardError, shard};
 pub(crate) use summary::aligned;
 pub use summary::{catalogue, summary};
 
@@ -102,6 +106,9 @@ pub enum ReportError {
         /// What the system says.
         source: io::Error,
     },
+    /// A share of the report has no TOML form.
+    #[error("shard.toml: {0}")]
+    Toml(#[from] toml::ser::Error),
     /// The numbers have no JSON form.
     #[error("report.json: {0}")]
     Json(#[from] serde_json::Error),
@@ -136,7 +143,7 @@ pub fn select<'a>(entries: &[Entry<'a>], only: &[String]) -> Result<Vec<Entry<'a
 pub fn report<'a>(plan: &Plan<'a>) -> Result<Vec<Outcome<'a>>, ReportError> {
     let folder = Folder::open(&plan.out)?;
     let outcomes = run(plan);
-    write(&folder, plan, &outcomes)?;
+    write(&folder, &Machine::read(), plan, &outcomes)?;
     Ok(outcomes)
 }
 
@@ -165,8 +172,12 @@ fn run<'a>(plan: &Plan<'a>) -> Vec<Outcome<'a>> {
     outcomes
 }
 
-fn write(folder: &Folder, plan: &Plan<'_>, outcomes: &[Outcome<'_>]) -> Result<(), ReportError> {
-    let machine = Machine::read();
+fn write(
+    folder: &Folder,
+    machine: &Machine,
+    plan: &Plan<'_>,
+    outcomes: &[Outcome<'_>],
+) -> Result<(), ReportError> {
     let charts = outcomes.iter().filter_map(|o| o.result.as_ref().ok()).flat_map(|s| &s.charts);
     let names: Vec<Vec<String>> = charts.map(|chart| chart.names()).collect();
     let styles = Styles::assign(&plan.methods, &names);
@@ -177,8 +188,8 @@ fn write(folder: &Folder, plan: &Plan<'_>, outcomes: &[Outcome<'_>]) -> Result<(
             folder.write(&chart_file(study.id, i), &svg)?;
         }
     }
-    folder.write("report.json", &json::json(&machine, outcomes)?)?;
-    folder.write("index.html", &page::page(&machine, plan.size, outcomes, &styles))
+    folder.write("report.json", &json::json(machine, outcomes)?)?;
+    folder.write("index.html", &page::page(machine, plan.size, outcomes, &styles))
 }
 
 /// `kepler.svg`, `kepler-2.svg`, ...

@@ -3,13 +3,13 @@
 use std::error::Error;
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use stationary_calculus::Table;
 
 use crate::chart::{Chart, significant};
 
 /// How much of a study to run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Size {
     /// Short horizons, so that the whole report ends within three minutes.
     Default,
@@ -73,7 +73,7 @@ pub struct Study {
 }
 
 /// A sentence that the run's numbers prove or break.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Claim {
     /// The sentence, true when it holds.
     pub text: String,
@@ -84,7 +84,7 @@ pub struct Claim {
 }
 
 /// What a run says to a claim.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Evidence {
     /// A number that must lie in a band, ends included.
     Number {
@@ -212,6 +212,9 @@ pub enum StudyError {
         /// What it has.
         what: &'static str,
     },
+    /// It was measured elsewhere, and failed there.
+    #[error("{0}")]
+    Elsewhere(String),
     /// The list of studies and the study disagree on what it is.
     #[error("the list says {label} `{listed}`, the study says `{own}`")]
     Mislabelled {

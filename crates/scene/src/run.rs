@@ -344,6 +344,12 @@ impl Run {
         &self.samples.impacts
     }
 
+    /// What rounding in the linear and in the angular momentum is relative to: the largest sums of
+    /// magnitudes.
+    pub fn momentum_scales(&self) -> [f64; 2] {
+        [self.samples.linear_scale, self.samples.angular_scale]
+    }
+
     /// The headings of the observables' columns, with units.
     pub fn headings(&self) -> Vec<String> {
         self.scene.observables.iter().flat_map(|o| o.headings(&self.scene)).collect()

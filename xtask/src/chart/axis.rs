@@ -1,9 +1,11 @@
 //! An axis: what it shows, how it maps values to pixels, and where its ticks are.
 
+use serde::{Deserialize, Serialize};
+
 use super::label::{Label, TEXT, fixed, wrapped};
 
 /// How an axis is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scale {
     /// Equal differences are equally long.
     Linear,
@@ -12,7 +14,7 @@ pub enum Scale {
 }
 
 /// What an axis shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// The quantity, in words.
     pub title: String,

@@ -1,5 +1,7 @@
 //! Curves and points over two axes, with reference slopes, failures and the Pareto front.
 
+use serde::{Deserialize, Serialize};
+
 use super::Drawing;
 use super::axis::{Axis, Place, Ruler, Scale};
 use super::canvas::{Anchor, Canvas, polyline};
@@ -11,7 +13,7 @@ use super::style::Styles;
 use crate::pareto::pareto;
 
 /// Curves and points over two axes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Lines {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -28,7 +30,7 @@ pub struct Lines {
 }
 
 /// A thin dashed line that shows a prediction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Guide {
     /// `y` grows as `x` to a power (on logarithmic axes), or with a constant slope (on linear ones).
     Slope {
@@ -49,7 +51,7 @@ pub enum Guide {
 }
 
 /// Whether the Pareto front is marked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Front {
     /// The chart is not a choice between methods.
     Unmarked,

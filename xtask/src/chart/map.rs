@@ -1,16 +1,22 @@
 //! Outcomes in a plane of two parameters, with predicted borders drawn over them.
+//!
+//! Neighbouring cells of one outcome are drawn as one rectangle: a page of maps with thousands of
+//! cells each would take seconds to open.
+
+use serde::{Deserialize, Serialize};
 
 use super::Drawing;
 use super::axis::{Axis, Ruler, Scale, measure};
 use super::canvas::{Canvas, number, polyline};
 use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use super::label::significant;
 use super::lines::draw_along;
 use super::place::Crowd;
-use super::series::tip;
+use super::series::quantity;
 use super::stroke::hatch;
 
 /// Outcomes in a plane of two parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Map {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -27,7 +33,7 @@ pub struct Map {
 }
 
 /// A predicted border.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Border {
     /// What it says.
     pub label: String,
@@ -98,20 +104,29 @@ impl Map {
         (columns, rows): (&Edges, &Edges),
         (place, outcome): (usize, &str),
     ) {
-        let mut hatched = String::new();
+        let own = self.cells.iter().filter(|cell| cell.2 == place);
+        let cells: Vec<[usize; 2]> =
+            own.filter_map(|&(x, y, _)| Some([columns.index(x)?, rows.index(y)?])).collect();
+        let corners = |block: &Block| {
+            let [left, right] = columns.ends(block.columns).map(|x| frame.x.at(x).unwrap_or(0.0));
+            let [bottom, top] = rows.ends(block.rows).map(|y| frame.y.at(y).unwrap_or(0.0));
+            ((left, top), (right, bottom))
+        };
         canvas.group(&class(place), |canvas| {
-            for &(x, y, _) in self.cells.iter().filter(|cell| cell.2 == place) {
-                let (Some((left, right)), Some((low, high))) = (columns.around(x), rows.around(y))
-                else {
-                    continue;
-                };
-                let [left, right] = [left, right].map(|edge| frame.x.at(edge).unwrap_or(0.0));
-                let [bottom, top] = [low, high].map(|edge| frame.y.at(edge).unwrap_or(0.0));
-                let tip = tip(outcome, (&self.x, &self.y), (x, y));
-                canvas.cell(&cell_path((left, top), (right, bottom)), &tip);
-                hatched += &hatch(place, (left, top), (right, bottom));
+            for block in blocks(&cells) {
+                let (a, b) = corners(&block);
+                let x = range(&self.x, columns.values(block.columns));
+                let y = range(&self.y, rows.values(block.rows));
+                canvas.cell(&cell_path(a, b), &format!("{outcome}\n{x}\n{y}"));
             }
         });
+        let hatched: String = cells
+            .iter()
+            .map(|&[x, y]| {
+                let (a, b) = corners(&Block { columns: [x, x], rows: [y, y] });
+                hatch(place, a, b)
+            })
+            .collect();
         canvas.path("hatch", &hatched);
     }
 
@@ -134,6 +149,40 @@ impl Map {
 
 fn class(place: usize) -> String {
     format!("o{}", place % 5)
+}
+
+/// Cells from a first to a last column and row, both included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Block {
+    columns: [usize; 2],
+    rows: [usize; 2],
+}
+
+/// Rectangles that cover these cells of a grid, each once: runs along rows, and equal runs of rows
+/// above each other.
+fn blocks(cells: &[[usize; 2]]) -> Vec<Block> {
+    let mut cells: Vec<[usize; 2]> = cells.iter().map(|&[x, y]| [y, x]).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    let mut blocks: Vec<Block> = Vec::new();
+    for run in cells.chunk_by(|a, b| a[0] == b[0] && a[1] + 1 == b[1]) {
+        let (row, columns) = (run[0][0], [run[0][1], run[run.len() - 1][1]]);
+        let below = |block: &&mut Block| block.columns == columns && block.rows[1] + 1 == row;
+        match blocks.iter_mut().find(below) {
+            Some(block) => block.rows[1] = row,
+            None => blocks.push(Block { columns, rows: [row, row] }),
+        }
+    }
+    blocks
+}
+
+/// `step: 0.125 s`, or `step: 0.125 to 0.25 s`
+fn range(axis: &Axis, [first, last]: [f64; 2]) -> String {
+    if first == last {
+        return quantity(axis, first);
+    }
+    let (first, last) = (significant(first, 4), significant(last, 4));
+    format!("{}: {first} to {last} {}", axis.title, axis.unit).trim_end().to_owned()
 }
 
 /// Path data of a cell, a hair larger than it is so that neighbours leave no seam.
@@ -178,11 +227,20 @@ impl Edges {
         Ruler::covering(self.scale, values, 0.0, (0.0, 1.0))
     }
 
-    /// The edges of the cell that holds `value`.
-    fn around(&self, value: f64) -> Option<(f64, f64)> {
+    /// The place of the cell that holds `value`.
+    fn index(&self, value: f64) -> Option<usize> {
         let measure = measure(self.scale, value)?;
-        let i = self.values.iter().position(|&own| own == measure)?;
-        Some((self.value(self.edges[i]), self.value(self.edges[i + 1])))
+        self.values.binary_search_by(|own| own.total_cmp(&measure)).ok()
+    }
+
+    /// The outer edges of a first and a last cell.
+    fn ends(&self, [first, last]: [usize; 2]) -> [f64; 2] {
+        [self.value(self.edges[first]), self.value(self.edges[last + 1])]
+    }
+
+    /// The values of a first and a last cell.
+    fn values(&self, ends: [usize; 2]) -> [f64; 2] {
+        ends.map(|place| self.value(self.values[place]))
     }
 }
 
@@ -193,10 +251,34 @@ mod tests {
     #[test]
     fn cells_meet_halfway_as_their_axis_measures() {
         let edges = Edges::between(Scale::Log, [1.0, 100.0, 10.0, 10.0].into_iter());
-        let (low, high) = edges.around(10.0).unwrap();
+        let [low, high] = edges.ends([edges.index(10.0).unwrap(); 2]);
         assert!((low - 10_f64.sqrt()).abs() < 1e-12 && (high - 1000_f64.sqrt()).abs() < 1e-10);
-        assert_eq!(edges.around(0.0), None);
-        assert_eq!(edges.around(f64::NAN), None);
+        assert_eq!(edges.index(0.0), None);
+        assert_eq!(edges.index(f64::NAN), None);
+    }
+
+    #[test]
+    fn blocks_cover_each_cell_once_and_no_other() {
+        let inside = |x: usize, y: usize| (3 * x + 5 * y) % 7 < 4 || (4..9).contains(&x) && y > 3;
+        let all = || (0..12).flat_map(|x| (0..10).map(move |y| [x, y]));
+        let cells: Vec<[usize; 2]> = all().filter(|&[x, y]| inside(x, y)).collect();
+        let blocks = blocks(&cells);
+        for [x, y] in all() {
+            let within = |ends: [usize; 2], i| (ends[0]..=ends[1]).contains(&i);
+            let covering = blocks.iter().filter(|b| within(b.columns, x) && within(b.rows, y));
+            assert_eq!(covering.count(), usize::from(inside(x, y)), "{x} {y}");
+        }
+        assert!(blocks.len() < cells.len() / 2);
+    }
+
+    #[test]
+    fn a_map_of_one_outcome_is_one_rectangle() {
+        let axis = || Axis::linear("a", "m");
+        let mut map = Map::new("", axis(), axis(), ["stable"]);
+        (0..30).for_each(|x| (0..20).for_each(|y| map.cell(f64::from(x), f64::from(y), "stable")));
+        let svg = map.draw(Layout::Wide).canvas.finish();
+        assert_eq!(svg.matches("<title>").count(), 1);
+        assert!(svg.contains("<title>stable\na: 0 to 29 m\na: 0 to 19 m</title>"), "{svg}");
     }
 
     #[test]

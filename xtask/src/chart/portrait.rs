@@ -1,5 +1,7 @@
 //! A phase portrait: a vector field, curves, and steps from a point, on axes of equal scale.
 
+use serde::{Deserialize, Serialize};
+
 use super::Drawing;
 use super::axis::{Axis, Ruler, Scale};
 use super::canvas::{Anchor, Canvas};
@@ -11,7 +13,7 @@ use super::stroke::arrow;
 use super::style::Styles;
 
 /// A vector field with curves and steps, on axes of equal scale. Both axes are linear.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Portrait {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -28,7 +30,7 @@ pub struct Portrait {
 }
 
 /// One step of a method, as an arrow.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepArrow {
     /// The method, as every other chart spells it.
     pub name: String,

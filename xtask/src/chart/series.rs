@@ -1,5 +1,7 @@
 //! A named series of points, and what is left of it once axes give its points a place.
 
+use serde::{Deserialize, Serialize};
+
 use super::axis::{Axis, Place, Scale, measure};
 use super::canvas::{Canvas, polyline};
 use super::frame::Frame;
@@ -7,7 +9,7 @@ use super::label::significant;
 use super::style::Style;
 
 /// How a series is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mark {
     /// A line; its points show when pointed at.
     Line,
@@ -18,7 +20,7 @@ pub enum Mark {
 }
 
 /// A named series of points. The name decides colour and marker throughout the report.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// The name, as every other chart spells it.
     pub name: String,

@@ -3,15 +3,15 @@
 use std::process::Command;
 use std::{env, fs, thread};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What is known of the machine.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// Operating system.
-    pub os: &'static str,
+    pub os: String,
     /// Instruction set.
-    pub arch: &'static str,
+    pub arch: String,
     /// Threads that run at once.
     pub cores: usize,
     /// Compiler, where it can be asked.
@@ -24,8 +24,8 @@ impl Machine {
     /// Asks the system.
     pub fn read() -> Self {
         Machine {
-            os: env::consts::OS,
-            arch: env::consts::ARCH,
+            os: env::consts::OS.to_owned(),
+            arch: env::consts::ARCH.to_owned(),
             cores: thread::available_parallelism().map_or(1, usize::from),
             rustc: output(&env::var("RUSTC").unwrap_or_else(|_| "rustc".into()), &["--version"]),
             cpu: linux_cpu().or_else(|| output("sysctl", &["-n", "machdep.cpu.brand_string"])),

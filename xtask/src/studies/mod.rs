@@ -2,6 +2,7 @@
 
 mod constraints;
 mod contact;
+mod choose;
 mod convergence;
 mod damping;
 mod derivative;
@@ -103,6 +104,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     laplacian::cost::STUDY,
     laplacian::maximum::STUDY,
     laplacian::distance::STUDY,
+    choose::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

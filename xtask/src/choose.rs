@@ -1,0 +1,217 @@
+//! `cargo xtask choose FILE --observable NAME --tolerance 1e-3`: the cheapest way to run a scene.
+//!
+//! - [`Ladder`]: every way to run it, as data.
+//! - [`Reference`]: the answer that ways are judged by, and how far it can be trusted.
+//! - [`Climb`]: which of them are tried, and in which order.
+//! - [`Answer`]: the choice, the runners-up, what failed and how; never a way that was not run.
+//!
+//! Errors are the largest over 20 moments of the horizon, relative to what [`relative_to`] says.
+//! Work is counted; wall time stands beside it and decides nothing but whether the budget is over.
+
+mod answer;
+mod climb;
+mod declaration;
+mod emit;
+mod error;
+mod exhaustive;
+mod lab;
+mod ladder;
+mod observable;
+mod picture;
+mod reference;
+mod run;
+mod time;
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use stationary_integrators::Evaluation;
+use stationary_scene::Scene;
+
+pub use answer::{Answer, Row, Verdict};
+pub use climb::{Climb, Judgement, judge};
+pub use declaration::{Change, changed};
+pub use emit::{emit, emitted};
+pub use error::ChooseError;
+pub use exhaustive::{Found, exhaustive};
+pub use lab::{At, Lab};
+pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
+pub use picture::picture;
+pub use reference::{Extrapolated, Reference, preferred};
+pub use run::{Course, Failure, Measured, relative_to};
+pub use time::time;
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// A word such as `energy`, or a word with names: `position=bob`, `distance=sun,pluto`.
+    pub observable: String,
+    /// The error that may be made, relative to the observable's scale.
+    pub tolerance: f64,
+    /// The time that choosing may take.
+    pub budget: Duration,
+    /// Another horizon than the scene's.
+    pub horizon: Option<f64>,
+}
+
+/// The tightest tolerance that can be asked for: the reference must be better than it.
+const TIGHTEST: f64 = 1e-12;
+
+impl Question {
+    fn check(&self) -> Result<(), ChooseError> {
+        if !(TIGHTEST..1.0).contains(&self.tolerance) {
+            return Err(ChooseError::Tolerance(self.tolerance));
+        }
+        if self.budget.is_zero() {
+            return Err(ChooseError::Budget(self.budget));
+        }
+        match self.horizon {
+            Some(horizon) if !(horizon > 0.0 && horizon.is_finite()) => {
+                Err(ChooseError::Horizon(horizon))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Answers the question for the scene in a file.
+///
+/// # Errors
+/// [`ChooseError`], before anything is run.
+pub fn choose(file: &Path, question: &Question) -> Result<(Answer, Lab), ChooseError> {
+    question.check()?;
+    Scene::read(file)?;
+    let text = fs::read_to_string(file)
+        .map_err(|source| ChooseError::Read { path: file.to_owned(), source })?;
+    let mut lab = laboratory(&file.display().to_string(), &text, question)?;
+    let answer = answer(&mut lab, question.tolerance);
+    Ok((answer, lab))
+}
+
+/// The ladder of a scene for a question, with nothing measured.
+///
+/// # Errors
+/// [`ChooseError`].
+pub fn laboratory(name: &str, text: &str, question: &Question) -> Result<Lab, ChooseError> {
+    question.check()?;
+    Scene::parse(name, text)?;
+    let text = observable::asked(name, text, &question.observable)?;
+    let (text, scene) = match question.horizon {
+        None => (text.clone(), Scene::parse(name, &text)?),
+        Some(horizon) => {
+            // A step that certainly divides the horizon; rungs bring their own.
+            let changes = [
+                Change::to("horizon", declaration::number(horizon)),
+                Change::to("step", declaration::number(horizon / MOMENTS as f64)),
+                Change::without("sample_every"),
+            ];
+            let text = changed(&text, &changes);
+            (text.clone(), Scene::parse(name, &text)?)
+        }
+    };
+    let ladder = Ladder::of(name, &text, &scene)?;
+    let start = Instant::now();
+    // A budget that reaches beyond the clock is none.
+    let deadline = start.checked_add(question.budget);
+    Ok(Lab::new(ladder, deadline.unwrap_or(start + Duration::from_secs(1 << 30))))
+}
+
+/// How much better than the tolerance the reference must be before rungs are judged by it.
+const ENOUGH: f64 = 0.25;
+/// How much worse than that it may be where it gets no better.
+const BARELY: f64 = 0.5;
+
+/// The cheapest rung that was run and keeps to the tolerance.
+pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
+    let families = preferred(lab, ENOUGH * tolerance);
+    let Some(reference) = refer(lab, &families, ENOUGH * tolerance) else {
+        return Answer::without_reference(lab, tolerance);
+    };
+    if reference.uncertainty > BARELY * tolerance {
+        return Answer::of(lab, reference, tolerance, Verdict::Uncertain);
+    }
+    let mut climb = Climb::new(lab, reference, tolerance);
+    let chosen = climb.search();
+    let reference = climb.reference.clone();
+    let Some(at) = chosen else { return Answer::of(lab, reference, tolerance, Verdict::NoneMeets) };
+    let verdict = match confirmed(lab, &reference, tolerance, &families) {
+        Confirmed::No => Verdict::Unconfirmed(at),
+        Confirmed::Yes | Confirmed::Alone => Verdict::Chosen(at),
+    };
+    Answer::of(lab, reference, tolerance, verdict)
+}
+
+/// A reference by the family that fits best, beside one that chooses its own steps; by what else
+/// there is where they come to none.
+pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference> {
+    let own = |family: &&usize| {
+        let family = lab.family(**family);
+        family.kind == Kind::OwnSteps && family.evaluation == Evaluation::Explicit
+    };
+    let mut best = families[..1].to_vec();
+    best.extend(families[1..].iter().find(own));
+    let made = Reference::make(lab, &best, enough);
+    if made.as_ref().is_some_and(|made| made.uncertainty <= enough / ENOUGH * BARELY) {
+        return made;
+    }
+    let others = families.iter().filter(|family| !best.contains(family));
+    let others: Vec<usize> = others.take(TRIED).copied().collect();
+    let made = made.into_iter().chain(Reference::make(lab, &others, enough));
+    made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
+}
+
+/// Families that are tried where the best come to no reference.
+const TRIED: usize = 2;
+
+/// Whether another kind agrees with the reference.
+enum Confirmed {
+    Yes,
+    No,
+    /// The scene allows one kind only.
+    Alone,
+}
+
+/// Work that is spent on another kind's agreement, in runs of all that was run before.
+const PATIENCE: u64 = 8;
+
+/// Looks for a run of another family within the tolerance of the reference, and makes one where
+/// there is none.
+fn confirmed(
+    lab: &mut Lab,
+    reference: &Reference,
+    tolerance: f64,
+    families: &[usize],
+) -> Confirmed {
+    let agrees = |lab: &Lab, at: At| {
+        let said = judge(lab, reference, tolerance, at);
+        matches!(said, Some(Judgement::Meets(_)))
+    };
+    let run: Vec<At> = lab.used().map(|(at, _)| at).collect();
+    if run.iter().any(|&at| at.family != reference.family && agrees(lab, at)) {
+        return Confirmed::Yes;
+    }
+    let most = PATIENCE * lab.spent();
+    let others: Vec<usize> =
+        families.iter().copied().filter(|&family| family != reference.family).collect();
+    if others.is_empty() {
+        return Confirmed::Alone;
+    }
+    for family in others {
+        let tried = run.iter().filter(|at| at.family == family).map(|at| at.rung + 1).max();
+        for rung in tried.unwrap_or(0)..lab.family(family).rungs.len() {
+            let at = At { family, rung };
+            if lab.late() || lab.predicted(at) > most {
+                break;
+            }
+            lab.measure(at);
+            if agrees(lab, at) {
+                return Confirmed::Yes;
+            }
+        }
+    }
+    Confirmed::No
+}
+
+#[cfg(test)]
+mod tests;

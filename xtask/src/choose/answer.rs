@@ -1,0 +1,313 @@
+//! The answer: the choice with its error and its cost, what else would do, and what failed and how.
+
+use std::fmt;
+use std::time::Duration;
+
+use stationary_calculus::{Cell, Column, Table};
+use stationary_scene::{Observable, Scene};
+
+use super::climb::{Judgement, judge};
+use super::lab::{At, Lab};
+use super::ladder::{Kind, MOMENTS};
+use super::reference::{Extrapolated, Reference};
+use super::run::relative_to;
+use crate::report::aligned;
+
+/// What is recommended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// This rung.
+    Chosen(At),
+    /// This rung, by a reference that no run of another kind agrees with.
+    Unconfirmed(At),
+    /// No rung that was run meets the tolerance.
+    NoneMeets,
+    /// The reference is too uncertain to judge by.
+    Uncertain,
+}
+
+/// A rung that was run.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its place.
+    pub at: At,
+    /// The method.
+    pub method: &'static str,
+    /// `step = 0.5` or `tolerance = 1e-3`.
+    pub setting: String,
+    /// Counted work.
+    pub work: u64,
+    /// Wall time of the one run.
+    pub wall: Duration,
+    /// What the reference says of it; nothing where there is none.
+    pub judgement: Option<Judgement>,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The observable in the scene's words, and what its errors are relative to.
+    pub heading: String,
+    /// The error that may be made.
+    pub tolerance: f64,
+    /// What is recommended.
+    pub verdict: Verdict,
+    /// Every rung that was run, by increasing work.
+    pub rows: Vec<Row>,
+    /// What rungs were judged by.
+    pub reference: Option<Reference>,
+    /// How the reference was made, in words.
+    pub made: String,
+    /// The work of all runs.
+    pub spent: u64,
+}
+
+impl Answer {
+    pub(super) fn without_reference(lab: &Lab, tolerance: f64) -> Self {
+        Answer {
+            heading: heading(lab, None),
+            tolerance,
+            verdict: Verdict::Uncertain,
+            rows: rows(lab, None, tolerance),
+            reference: None,
+            made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
+            spent: lab.spent(),
+        }
+    }
+
+    pub(super) fn of(lab: &Lab, reference: Reference, tolerance: f64, verdict: Verdict) -> Self {
+        Answer {
+            heading: heading(lab, Some(&reference)),
+            tolerance,
+            verdict,
+            rows: rows(lab, Some(&reference), tolerance),
+            made: made(lab, &reference),
+            reference: Some(reference),
+            spent: lab.spent(),
+        }
+    }
+
+    /// The recommended rung.
+    pub fn choice(&self) -> Option<&Row> {
+        let (Verdict::Chosen(at) | Verdict::Unconfirmed(at)) = self.verdict else { return None };
+        self.rows.iter().find(|row| row.at == at)
+    }
+
+    /// The cheapest rung of each other method that meets the tolerance, by increasing work.
+    pub fn runners_up(&self) -> Vec<&Row> {
+        let mut seen: Vec<usize> = self.choice().map(|row| row.at.family).into_iter().collect();
+        let mut meeting = |row: &&Row| {
+            let meets = matches!(row.judgement, Some(Judgement::Meets(_)));
+            let first = meets && !seen.contains(&row.at.family);
+            seen.extend(first.then_some(row.at.family));
+            first
+        };
+        self.rows.iter().filter(|row| meeting(row)).collect()
+    }
+
+    /// The last rung of each method that does not meet the tolerance.
+    pub fn failed(&self) -> Vec<&Row> {
+        let missing = |row: &&Row| !matches!(row.judgement, Some(Judgement::Meets(_)));
+        let finer = |row: &Row| {
+            self.rows
+                .iter()
+                .filter(missing)
+                .any(|other| other.at.family == row.at.family && other.at.rung > row.at.rung)
+        };
+        self.rows.iter().filter(missing).filter(|row| !finer(row)).collect()
+    }
+
+    /// Every rung that was run, as a table: wall times are in no snapshot of it.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new([
+            Column::exact("method"),
+            Column::exact("setting"),
+            Column::rounded("work", 2, 0.0),
+            Column::rounded("error", 2, 1e-11),
+            Column::exact("verdict"),
+            Column::volatile("wall [s]"),
+        ]);
+        for row in &self.rows {
+            let error: Cell = row.error().map_or("".into(), Cell::from);
+            table.push([
+                row.method.into(),
+                row.setting.as_str().into(),
+                (row.work as f64).into(),
+                error,
+                row.word().into(),
+                row.wall.as_secs_f64().into(),
+            ]);
+        }
+        table
+    }
+
+    /// Which tolerance to set for this true error: for each method that takes one, what was
+    /// measured.
+    pub fn tolerances(&self) -> Vec<String> {
+        let own: Vec<&Row> =
+            self.rows.iter().filter(|row| row.setting.starts_with("tol")).collect();
+        let mut names: Vec<&str> = own.iter().map(|row| row.method).collect();
+        names.sort_unstable();
+        names.dedup();
+        let line = |name: &str| {
+            let rows = own.iter().filter(|row| row.method == name);
+            let said =
+                rows.filter_map(|row| Some(format!("{} gives {:.1e}", row.value(), row.error()?)));
+            format!("{name}: {}", said.collect::<Vec<_>>().join(", "))
+        };
+        names.into_iter().map(line).collect()
+    }
+}
+
+impl Row {
+    /// Its error, where it has one.
+    pub fn error(&self) -> Option<f64> {
+        match &self.judgement {
+            Some(
+                Judgement::Meets(error) | Judgement::Misses(error) | Judgement::Unclear(error),
+            ) => Some(*error),
+            _ => None,
+        }
+    }
+
+    fn value(&self) -> &str {
+        self.setting.rsplit(' ').next().unwrap_or_default()
+    }
+
+    /// What became of it.
+    pub fn word(&self) -> String {
+        match &self.judgement {
+            Some(Judgement::Meets(_)) => "meets it".to_owned(),
+            Some(Judgement::Misses(_)) => "misses it".to_owned(),
+            Some(Judgement::Unclear(_)) => "too close to tell".to_owned(),
+            Some(Judgement::Failed(failure)) => failure.to_string(),
+            None => "not judged".to_owned(),
+        }
+    }
+}
+
+fn rows(lab: &Lab, reference: Option<&Reference>, tolerance: f64) -> Vec<Row> {
+    let mut rows: Vec<Row> = lab
+        .used()
+        .map(|(at, run)| Row {
+            at,
+            method: lab.family(at.family).name,
+            setting: setting(lab, at),
+            work: run.work,
+            wall: run.wall,
+            judgement: reference.and_then(|reference| judge(lab, reference, tolerance, at)),
+        })
+        .collect();
+    rows.sort_by_key(|row| (row.work, row.at));
+    rows
+}
+
+fn setting(lab: &Lab, at: At) -> String {
+    let family = lab.family(at.family);
+    let value = family.rungs[at.rung].setting;
+    match family.kind {
+        Kind::EqualSteps => format!("step = {value}"),
+        Kind::OwnSteps => format!("tolerance = {value:e}"),
+    }
+}
+
+fn heading(lab: &Lab, reference: Option<&Reference>) -> String {
+    let ladder = lab.ladder();
+    let Ok(scene) = Scene::parse(&ladder.name, &ladder.text) else { return ladder.name.clone() };
+    let observable = scene.observables().first().copied().unwrap_or(Observable::Energy);
+    let scale = reference.map_or(String::new(), |r| format!(" ({:.3e})", r.course.scale));
+    format!(
+        "{}: {}, relative to {}{scale}, at {MOMENTS} moments up to {} {}",
+        scene.title(),
+        observable.headings(&scene).join(", "),
+        relative_to(&observable),
+        scene.timing().horizon(),
+        scene.units().time,
+    )
+}
+
+fn made(lab: &Lab, reference: &Reference) -> String {
+    let finest = At { family: reference.family, rung: reference.finest };
+    let how = match reference.extrapolated {
+        Extrapolated::Yes => ", extrapolated to a step of zero",
+        Extrapolated::No => "",
+    };
+    let agreement = lab
+        .used()
+        .filter(|(at, _)| at.family != reference.family)
+        .filter_map(|(at, run)| {
+            let error = reference.error(run.outcome.as_ref().ok()?).ok()?;
+            Some((error, at))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let others = match agreement {
+        Some((error, at)) => format!(
+            "; the nearest of another kind, {} at {}, differs from it by {error:.1e}",
+            lab.family(at.family).name,
+            setting(lab, at)
+        ),
+        None => "; no run of another kind to compare it with".to_owned(),
+    };
+    format!(
+        "{} at {}{how}, uncertain by {:.1e}{others}",
+        lab.family(reference.family).name,
+        setting(lab, finest),
+        reference.uncertainty,
+    )
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", self.heading)?;
+        let tolerance = self.tolerance;
+        match (self.verdict, self.choice()) {
+            (Verdict::Chosen(_), Some(row)) => {
+                writeln!(f, "cheapest within {tolerance:e}:\n\n{}", shown(&[row]))?
+            }
+            (Verdict::Unconfirmed(_), Some(row)) => writeln!(
+                f,
+                "cheapest within {tolerance:e}, if the reference is right, which no run of another \
+                 kind confirmed:\n\n{}",
+                shown(&[row])
+            )?,
+            (Verdict::NoneMeets, _) => {
+                writeln!(f, "No rung that was run meets {tolerance:e} within the budget.\n")?;
+            }
+            _ => writeln!(f, "The reference is too uncertain to decide at {tolerance:e}.\n")?,
+        }
+        for (title, rows) in
+            [("runners-up", self.runners_up()), ("what does not do", self.failed())]
+        {
+            if !rows.is_empty() {
+                writeln!(f, "{title}:\n\n{}", shown(&rows))?;
+            }
+        }
+        for line in self.tolerances() {
+            writeln!(f, "true error of {line}")?;
+        }
+        writeln!(f, "reference: {}", self.made)?;
+        match self.choice() {
+            Some(row) => writeln!(
+                f,
+                "choosing took {:.1} times the work of the choice",
+                self.spent as f64 / row.work.max(1) as f64
+            ),
+            None => writeln!(f, "{} differentials were spent", self.spent),
+        }
+    }
+}
+
+fn shown(rows: &[&Row]) -> String {
+    let cells = |row: &&Row| {
+        vec![
+            row.method.to_owned(),
+            row.setting.clone(),
+            row.error().map_or("-".to_owned(), |error| format!("{error:.1e}")),
+            row.work.to_string(),
+            format!("{:.1}", 1e3 * row.wall.as_secs_f64()),
+            row.word(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    aligned(&["method", "setting", "error", "work", "ms", "verdict"], &rows)
+}

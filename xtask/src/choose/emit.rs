@@ -1,0 +1,74 @@
+//! The scene with the choice filled in, and a comment that says why.
+
+use std::fs;
+use std::path::Path;
+
+use stationary_scene::{Scene, WriteError};
+
+use super::ChooseError;
+use super::answer::{Answer, Row};
+use super::declaration::{Change, changed, commented};
+use super::lab::Lab;
+use super::ladder::Kind;
+
+/// The scene's own text with the choice filled in; nothing where nothing is recommended.
+///
+/// Equal steps are sampled as often in time as the scene was. A method that chooses its own steps
+/// is read off where the scene was, which moves none of its steps.
+///
+/// # Errors
+/// [`ChooseError::Scene`] where the choice does not fit the scene's own horizon.
+pub fn emitted(
+    name: &str,
+    text: &str,
+    answer: &Answer,
+    lab: &Lab,
+) -> Result<Option<String>, ChooseError> {
+    let Some(row) = answer.choice() else { return Ok(None) };
+    let family = lab.family(row.at.family);
+    let rung = &family.rungs[row.at.rung];
+    // Where a scene is read off is its own affair.
+    let kept = |key| match family.kind {
+        Kind::EqualSteps => key == "sample_every",
+        Kind::OwnSteps => key == "step" || key == "sample_every",
+    };
+    let mut changes: Vec<Change> =
+        rung.changes.iter().filter(|change| !kept(change.key)).cloned().collect();
+    if family.kind == Kind::EqualSteps {
+        let own = Scene::parse(name, text)?.timing();
+        let every = own.sample_every() as f64 * own.step() / rung.setting;
+        changes.push(Change::to("sample_every", (every.round().max(1.0) as u64).to_string()));
+    }
+    let text = changed(text, &changes);
+    let text = commented(&text, "integrator", &why(answer, row));
+    Scene::parse(name, &text)?;
+    Ok(Some(text))
+}
+
+fn why(answer: &Answer, row: &Row) -> String {
+    let error = row.error().unwrap_or(f64::NAN);
+    let mut lines = vec![
+        format!("Chosen by measurement: the cheapest that was run within {:e}.", answer.tolerance),
+        format!("What was asked: {}.", answer.heading),
+        format!("Its error is {error:.1e}, its work {} differentials.", row.work),
+        format!("Judged by {}.", answer.made),
+    ];
+    if let Some(second) = answer.runners_up().first() {
+        let error = second.error().unwrap_or(f64::NAN);
+        let (method, setting, work) = (second.method, &second.setting, second.work);
+        lines.push(format!("Next: {method}, {setting}, error {error:.1e}, work {work}."));
+    }
+    lines.join("\n")
+}
+
+/// Writes a text into a file.
+///
+/// # Errors
+/// [`ChooseError::Write`].
+pub fn emit(path: &Path, text: &str) -> Result<(), ChooseError> {
+    let failed = |source| WriteError { path: path.to_owned(), source };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
+    fs::write(path, text).map_err(failed)?;
+    Ok(())
+}

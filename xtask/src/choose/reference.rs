@@ -1,0 +1,200 @@
+//! The answer that rungs are judged by, made on the ladder itself, with its uncertainty.
+//!
+//! ```text
+//! equal steps    x(h) = x + c h^p + ...     d1 = |x(2h) - x(4h)|, d2 = |x(h) - x(2h)|
+//!                d1 / d2 within a third of 2^p:   x* = x(h) + (x(h) - x(2h)) / (2^p - 1)
+//!                                                 uncertainty |x*(h) - x*(2h)|
+//!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
+//! own steps      x* = x(tolerance / 10),          uncertainty |x* - x(tolerance)|
+//! ```
+//! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences that do not
+//! shrink prove nothing: their uncertainty is infinite.
+
+use std::cmp::Reverse;
+
+use stationary_integrators::Evaluation;
+
+use super::lab::{At, Lab};
+use super::ladder::Kind;
+use super::run::{Course, Failure, apart};
+
+/// The best answer so far.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The family that it is made by.
+    pub family: usize,
+    /// Its finest rung.
+    pub finest: usize,
+    /// Whether it is extrapolated to a step of zero.
+    pub extrapolated: Extrapolated,
+    /// The answer.
+    pub course: Course,
+    /// Its own error, relative to its scale.
+    pub uncertainty: f64,
+}
+
+/// Whether an order held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extrapolated {
+    /// By Richardson.
+    Yes,
+    /// The finest run as it is.
+    No,
+}
+
+/// How near the ratio of differences must be to the order's power, as a factor.
+const NEAR: f64 = 1.33;
+/// Below this ratio differences do not shrink.
+const SHRINKING: f64 = 1.5;
+
+/// The ladder's families in the order in which references within so much are made by them: first
+/// those without equations whose order fits, of which the one of the most stages errs the least.
+pub fn preferred(lab: &Lab, enough: f64) -> Vec<usize> {
+    let wanted: u32 = if enough > 1e-4 {
+        4
+    } else if enough > 1e-7 {
+        6
+    } else {
+        8
+    };
+    let mut families: Vec<usize> = (0..lab.ladder().families.len()).collect();
+    families.sort_by_key(|&place| {
+        let family = lab.family(place);
+        let solves = family.evaluation == Evaluation::Implicit;
+        let own = family.kind == Kind::OwnSteps && wanted < 8;
+        let work = Reverse((family.rungs[0].least_work, place));
+        (solves, family.order.abs_diff(wanted), own, Reverse(family.order), work)
+    });
+    families
+}
+
+/// A family on its way to a reference.
+struct Making {
+    family: usize,
+    finest: usize,
+    best: Option<Reference>,
+}
+
+impl Making {
+    fn new(lab: &Lab, family: usize, enough: f64) -> Self {
+        let first = match lab.family(family).kind {
+            Kind::EqualSteps => 0,
+            Kind::OwnSteps => (1.0 - enough.log10()).floor().max(1.0) as usize - 1,
+        };
+        Making { family, finest: first + 1, best: None }
+    }
+
+    /// The work of the next rung, where there is one.
+    fn next(&self, lab: &Lab) -> Option<u64> {
+        let at = At { family: self.family, rung: self.finest };
+        (self.finest < lab.family(self.family).rungs.len()).then(|| lab.predicted(at))
+    }
+
+    fn advance(&mut self, lab: &mut Lab) {
+        let next = Reference::at(lab, self.family, self.finest);
+        self.finest += 1;
+        let better = |next: &Reference| {
+            self.best.as_ref().is_none_or(|best| next.uncertainty <= best.uncertainty)
+        };
+        self.best = next.filter(better).or(self.best.take());
+    }
+
+    fn uncertainty(&self) -> f64 {
+        self.best.as_ref().map_or(f64::INFINITY, |best| best.uncertainty)
+    }
+}
+
+impl Reference {
+    /// The answer by one of these families, in turn the one whose next rung is the cheapest, until
+    /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where they
+    /// can do nothing.
+    pub fn make(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Self> {
+        let mut making: Vec<Making> =
+            families.iter().map(|&family| Making::new(lab, family, enough)).collect();
+        while !lab.late() && making.iter().all(|making| making.uncertainty() > enough) {
+            let left = making.iter_mut().filter_map(|making| Some((making.next(lab)?, making)));
+            let Some((_, cheapest)) = left.min_by_key(|(work, _)| *work) else { break };
+            cheapest.advance(lab);
+        }
+        let made = making.into_iter().filter_map(|making| making.best);
+        made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
+    }
+
+    /// The answer by one more rung; nothing where that is no better.
+    pub fn refined(&self, lab: &mut Lab) -> Option<Self> {
+        let finer = self.finest + 1;
+        if finer >= lab.family(self.family).rungs.len() || lab.late() {
+            return None;
+        }
+        Reference::at(lab, self.family, finer).filter(|new| new.uncertainty < self.uncertainty)
+    }
+
+    fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
+        let (kind, order) = (lab.family(family).kind, lab.family(family).order);
+        let mut course = |rung| lab.measure(At { family, rung }).outcome.clone().ok();
+        let middle = course(finest - 1);
+        let fine = course(finest)?;
+        let middle = middle?;
+        let scale = fine.scale;
+        let last = apart(&fine.values, &middle.values);
+        let reference = |course, extrapolated, error: f64| {
+            let uncertainty = if error.is_finite() { error / scale } else { f64::INFINITY };
+            Some(Reference { family, finest, extrapolated, course, uncertainty })
+        };
+        if middle.broken != fine.broken {
+            return reference(fine, Extrapolated::No, f64::INFINITY);
+        }
+        if kind == Kind::OwnSteps {
+            return reference(fine, Extrapolated::No, last);
+        }
+        if finest < 2 {
+            return None;
+        }
+        let coarse = course(finest - 2)?;
+        let ratio = apart(&middle.values, &coarse.values) / last;
+        let power = f64::from(1_u32 << order);
+        // Nothing differs where an observable is kept to rounding.
+        if last <= 1e-13 * scale {
+            return reference(fine, Extrapolated::No, last);
+        }
+        if ratio > power / NEAR && ratio < power * NEAR {
+            let weight = 1.0 / (power - 1.0);
+            let best = extrapolated(&middle.values, &fine.values, weight);
+            let before = extrapolated(&coarse.values, &middle.values, weight);
+            let error = apart(&best, &before);
+            return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
+        }
+        let error = if ratio < SHRINKING { f64::INFINITY } else { last / (ratio - 1.0).min(1.0) };
+        reference(fine, Extrapolated::No, error)
+    }
+
+    /// The error of a course, relative to the scale.
+    ///
+    /// # Errors
+    /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy is off by
+    /// half of the largest kinetic energy, or other rods break.
+    pub fn error(&self, course: &Course) -> Result<f64, Failure> {
+        let own = &self.course;
+        let pairs = course.energies.iter().zip(&own.energies);
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / own.kinetic;
+        if off > OFF {
+            let said = format!("its energy is off by {off:.1} times the largest kinetic energy");
+            return Err(Failure::WrongPhysics(said));
+        }
+        if course.broken != own.broken {
+            return Err(Failure::WrongPhysics("other rods break".to_owned()));
+        }
+        Ok(apart(&course.values, &own.values) / own.scale)
+    }
+}
+
+/// An energy that is off by this part of the largest kinetic energy belongs to another motion.
+const OFF: f64 = 0.5;
+
+/// `fine + weight (fine - coarse)` at every moment.
+fn extrapolated(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {
+    let moment = |(coarse, fine): (&Vec<f64>, &Vec<f64>)| {
+        coarse.iter().zip(fine).map(|(coarse, fine)| fine + weight * (fine - coarse)).collect()
+    };
+    coarse.iter().zip(fine).map(moment).collect()
+}

@@ -1,0 +1,202 @@
+//! The chooser on scenes whose answers are known.
+
+use std::time::Duration;
+
+use super::*;
+
+/// A planet on an ellipse about a heavy sun: e = 0.6, one year of 2 pi, three years.
+const PLANET: &str = r#"
+title = "A planet"
+dimension = 2
+integrator = "explicit-euler"
+step = 0.01
+horizon = 18.84
+newtonian_gravity = { constant = 1 }
+particles = [
+    { name = "sun", mass = 1, position = [0, 0], velocity = [0, -2e-6] },
+    { name = "planet", mass = 1e-6, position = [0.4, 0], velocity = [0, 2] },
+]
+"#;
+
+/// A bob on a rod.
+const PENDULUM: &str = r#"
+dimension = 2
+integrator = "rattle"
+step = 0.001
+horizon = 2
+uniform_gravity = { acceleration = [0, -9.81] }
+particles = [
+    { name = "hook", position = [0, 0], pinned = true },
+    { name = "bob", position = [1, 0], mass = 1 },
+]
+rods = [{ between = ["hook", "bob"] }]
+"#;
+
+fn question(observable: &str, tolerance: f64) -> Question {
+    let budget = Duration::from_secs(600);
+    Question { observable: observable.to_owned(), tolerance, budget, horizon: None }
+}
+
+fn asked(text: &str, question: &Question) -> (Answer, Lab) {
+    let mut lab = laboratory("a.toml", text, question).unwrap();
+    (answer(&mut lab, question.tolerance), lab)
+}
+
+#[test]
+fn the_choice_keeps_its_promise_by_a_far_better_reference() {
+    for text in [PLANET, PENDULUM] {
+        let observable = if text == PLANET { "position=planet" } else { "position=bob" };
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let (answer, mut lab) = asked(text, &question(observable, tolerance));
+            assert!(matches!(answer.verdict, Verdict::Chosen(_)), "{answer}");
+            let families = preferred(&lab, 1e-3 * tolerance);
+            let truth = refer(&mut lab, &families, 1e-3 * tolerance).unwrap();
+            assert!(truth.uncertainty <= 1e-3 * tolerance);
+            let at = answer.choice().unwrap().at;
+            let course = lab.measure(at).outcome.clone().unwrap();
+            let error = truth.error(&course).unwrap();
+            assert!(error <= tolerance, "{error:e}\n{answer}");
+        }
+    }
+}
+
+/// A planet on a circle, for a little less than a year.
+const CIRCLE: &str = r#"
+dimension = 2
+integrator = "explicit-euler"
+step = 0.01
+horizon = 6
+newtonian_gravity = { constant = 1 }
+particles = [
+    { name = "sun", mass = 1, position = [0, 0] },
+    { name = "planet", mass = 1e-6, position = [1, 0], velocity = [0, 1] },
+]
+"#;
+
+#[test]
+fn the_deterministic_columns_are_these() {
+    let (answer, _) = asked(CIRCLE, &question("position=planet", 1e-2));
+    let expected = "\
+method                       setting       work   error   verdict
+explicit-euler               step = 0.3    2.0e1          wrong physics: its energy is off by 0.9 times the largest kinetic energy
+symplectic-euler-drift-kick  step = 0.3    2.0e1  4.0e-1  misses it
+symplectic-euler-kick-drift  step = 0.3    2.0e1  2.1e-1  misses it
+stormer-verlet               step = 0.3    2.1e1  9.6e-2  misses it
+nystrom-4                    step = 0.3    6.0e1  1.3e-3  meets it
+blanes-moan-nystrom-4        step = 0.3    1.2e2  5.0e-6  meets it
+blanes-moan-nystrom-4        step = 0.15   2.4e2  1.6e-7  meets it
+blanes-moan-nystrom-4        step = 0.075  4.8e2  <1e-11  meets it
+";
+    assert_eq!(answer.table().to_string(), expected);
+    assert_eq!(answer.choice().unwrap().method, "nystrom-4");
+}
+
+#[test]
+fn no_rung_is_recommended_that_was_not_run() {
+    let (answer, lab) = asked(PLANET, &question("position=planet", 1e-2));
+    let at = answer.choice().unwrap().at;
+    assert!(lab.used().any(|(own, run)| own == at && run.outcome.is_ok()));
+    for row in answer.runners_up() {
+        assert!(row.work >= answer.choice().unwrap().work);
+    }
+}
+
+#[test]
+fn a_first_order_method_is_not_the_choice_for_four_digits() {
+    let (answer, _) = asked(PLANET, &question("position=planet", 1e-4));
+    let row = answer.choice().unwrap();
+    assert!(!row.method.contains("euler"), "{answer}");
+    assert!(answer.tolerances().iter().any(|line| line.starts_with("dormand-prince-853: ")));
+}
+
+#[test]
+fn the_emitted_scene_is_the_measured_run_and_says_why() {
+    for (text, observable) in [(PLANET, "position=planet"), (PENDULUM, "energy")] {
+        let question = question(observable, 1e-2);
+        let (answer, mut lab) = asked(text, &question);
+        let row = answer.choice().unwrap().clone();
+        let emitted = emitted("a.toml", text, &answer, &lab).unwrap().unwrap();
+        assert!(emitted.contains("# Chosen by measurement"), "{emitted}");
+        let scene = Scene::parse("b.toml", &emitted).unwrap();
+        assert_eq!(scene.stepping().name(), row.method);
+        // The motion is that of the measured run, wherever both are sampled.
+        let emitted = observable_of(&emitted, observable);
+        let run = Scene::parse("c.toml", &emitted).unwrap().run().unwrap();
+        let course = lab.measure(row.at).outcome.clone().unwrap();
+        let last = run.observed(run.times().len() - 1);
+        let measured = course.values.last().unwrap();
+        let off = last.iter().zip(measured).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= 1e-12 * course.scale, "{off:e}");
+    }
+}
+
+fn observable_of(text: &str, observable: &str) -> String {
+    observable::asked("a.toml", text, observable).unwrap()
+}
+
+#[test]
+fn a_budget_that_is_over_recommends_nothing_that_did_not_run() {
+    let budget = Duration::from_nanos(1);
+    let question = Question { budget, ..question("position=planet", 1e-3) };
+    let (answer, _) = asked(PLANET, &question);
+    assert!(answer.choice().is_none(), "{answer}");
+    assert!(!answer.to_string().contains("cheapest within"));
+}
+
+#[test]
+fn a_conserved_momentum_is_kept_by_the_coarsest_rung_that_is_another_motion_nowhere() {
+    let (answer, _) = asked(PLANET, &question("angular-momentum", 1e-3));
+    let row = answer.choice().unwrap();
+    assert!(matches!(row.judgement, Some(Judgement::Meets(_))));
+    // Far coarser steps keep it as well, to a planet that has left its orbit.
+    let mut wrong = answer.rows.iter().filter(|row| row.word().starts_with("wrong physics"));
+    assert!(wrong.next().is_some(), "{}", answer.table());
+}
+
+#[test]
+fn the_horizon_is_a_parameter() {
+    let question = Question { horizon: Some(1.0), ..question("position=planet", 1e-3) };
+    let (answer, _) = asked(PLANET, &question);
+    assert!(answer.heading.contains("up to 1 s"), "{}", answer.heading);
+}
+
+#[test]
+fn what_cannot_be_asked_is_answered_with_what_can() {
+    let refused = |question: &Question| {
+        laboratory("a.toml", PLANET, question).map(|_| ()).unwrap_err().to_string()
+    };
+    let unknown = refused(&question("energie", 1e-3));
+    assert!(
+        unknown.contains("`energie`") && unknown.contains("did you mean `energy`"),
+        "{unknown}"
+    );
+    let name = refused(&question("position=plant", 1e-3));
+    assert!(name.contains("did you mean `planet`"), "{name}");
+    for tolerance in [0.0, -1.0, f64::NAN, 1.0, f64::INFINITY] {
+        let said = refused(&question("energy", tolerance));
+        assert!(said.starts_with("a tolerance of"), "{said}");
+    }
+    let none = Question { budget: Duration::ZERO, ..question("energy", 1e-3) };
+    assert!(refused(&none).starts_with("a budget of"));
+    for horizon in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+        let said = refused(&Question { horizon: Some(horizon), ..question("energy", 1e-3) });
+        assert!(said.starts_with("a horizon of"), "{said}");
+    }
+    let missing = choose(Path::new("/nowhere/a.toml"), &question("energy", 1e-3)).unwrap_err();
+    assert!(missing.to_string().contains("/nowhere/a.toml"), "{missing}");
+}
+
+#[test]
+fn an_extrapolated_reference_is_no_worse_than_it_says() {
+    let mut lab = laboratory("a.toml", PLANET, &question("position=planet", 1e-1)).unwrap();
+    let family = |lab: &Lab, name: &str| {
+        lab.ladder().families.iter().position(|family| family.name == name).unwrap()
+    };
+    let verlet = family(&lab, "stormer-verlet");
+    let fine = Reference::make(&mut lab, &[verlet], 1e-5).unwrap();
+    assert_eq!(fine.extrapolated, Extrapolated::Yes);
+    let dormand = family(&lab, "dormand-prince-853");
+    let truth = Reference::make(&mut lab, &[dormand], 1e-9).unwrap();
+    let error = truth.error(&fine.course).unwrap();
+    assert!(error <= fine.uncertainty + truth.uncertainty, "{error:e} {:e}", fine.uncertainty);
+}
