@@ -2,9 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::{Parser, Subcommand};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use stationary_scene::Scene;
 use xtask::check_page::check_page;
 use xtask::choose::{Question, Verdict, choose, emit, emitted, picture, time};
@@ -217,9 +220,6 @@ fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Asks a run to end, when control-C is pressed.
-static STOP: AtomicBool = AtomicBool::new(false);
-
 fn run_file(
     file: &Path,
     out: &Path,
@@ -227,14 +227,14 @@ fn run_file(
     series: Series,
     quiet: bool,
 ) -> Result<ExitCode, Failure> {
-    // Who presses twice does not want to wait.
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into());
-        }
-    })?;
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // Who asks twice does not want to wait.
+        flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&stop))?;
+        flag::register(signal, Arc::clone(&stop))?;
+    }
     let progress = if quiet { Progress::Hidden } else { Progress::Shown };
-    let ending = run_job(&Job { file, out, start, series, progress, stop: &STOP })?;
+    let ending = run_job(&Job { file, out, start, series, progress, stop: &stop })?;
     if !quiet {
         println!("{}\n{}", ending.summary, out.display());
     }

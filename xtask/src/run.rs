@@ -167,7 +167,7 @@ struct Keeper<'a> {
     done: u64,
     last: Instant,
     wait: Duration,
-    /// A checkpoint was made since the run was asked to end.
+    /// A checkpoint was made, or could not be, since the run was asked to end.
     kept: bool,
 }
 
@@ -216,19 +216,25 @@ impl Watcher for Keeper<'_> {
         }
     }
 
-    fn keep(&mut self, checkpoint: &Checkpoint) {
+    fn keep(&mut self, checkpoint: Option<&Checkpoint>) {
         let begun = Instant::now();
-        let folder = self.path.parent().map_or(Ok(()), fs::create_dir_all);
-        let failed = match folder {
-            Ok(()) => checkpoint.write(self.path).err().map(|error| error.to_string()),
-            Err(error) => Some(error.to_string()),
+        let written = checkpoint.map(|checkpoint| {
+            self.path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|e| e.to_string())?;
+            checkpoint.write(self.path).map_err(|error| error.to_string())
+        });
+        let failed = match written {
+            None => Some("what contacts remember cannot be saved".to_owned()),
+            Some(written) => written.err(),
         };
         // A run goes on without checkpoints rather than not at all.
         if let Some(error) = failed {
             self.bar.suspend(|| eprintln!("no checkpoint: {error}"));
         }
         self.last = Instant::now();
-        self.wait = EVERY.max(begun.elapsed() * PART);
+        self.wait = match checkpoint {
+            Some(_) => EVERY.max(begun.elapsed() * PART),
+            None => Duration::MAX,
+        };
         self.kept = self.stop.load(Ordering::Relaxed);
     }
 }

@@ -65,12 +65,12 @@ impl Steps<'_> {
         }
     }
 
-    /// What the next steps depend on beside the state.
-    pub(crate) fn save(&self) -> Saved {
+    /// What the next steps depend on beside the state; what contacts remember is not to be had.
+    pub(crate) fn save(&self) -> Option<Saved> {
         match self {
-            Steps::Free(integrator) => integrator.save(),
-            Steps::Held(rattle) => rattle.save(),
-            Steps::Touching(_) | Steps::PlanarTouching(_) => Saved::default(),
+            Steps::Free(integrator) => Some(integrator.save()),
+            Steps::Held(rattle) => Some(rattle.save()),
+            Steps::Touching(_) | Steps::PlanarTouching(_) => None,
         }
     }
 
@@ -79,7 +79,9 @@ impl Steps<'_> {
         match self {
             Steps::Free(integrator) => integrator.load(saved),
             Steps::Held(rattle) => rattle.load(saved),
-            Steps::Touching(_) | Steps::PlanarTouching(_) => Ok(()),
+            Steps::Touching(_) | Steps::PlanarTouching(_) => {
+                Err(StepError::Saved("what contacts remember is not in it"))
+            }
         }
     }
 }

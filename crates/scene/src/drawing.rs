@@ -56,7 +56,8 @@ impl Scene {
     /// Faces: sides of boxes, what closed chains of points enclose, and the cells of nets.
     pub(crate) fn surface(&self) -> Vec<Face> {
         if self.bodies.is_empty() {
-            return self.cells();
+            let outside = self.faces.iter().map(|&corners| Face { corners, body: 0 });
+            return self.cells().into_iter().chain(outside).collect();
         }
         let mut first = self.bodies.len();
         let mut faces = Vec::new();

@@ -34,8 +34,9 @@ pub trait Watcher {
     /// Sees every step, and says what is to be done.
     fn stepped(&mut self, now: Progress<'_>) -> Wish;
 
-    /// Takes a checkpoint for which it has wished.
-    fn keep(&mut self, checkpoint: &Checkpoint);
+    /// Takes a checkpoint for which it has wished; `None` of a run whose method cannot say what it
+    /// remembers, such as that of bodies that touch.
+    fn keep(&mut self, checkpoint: Option<&Checkpoint>);
 }
 
 /// What is stepped: particles, bodies, or heat.
@@ -55,8 +56,8 @@ pub(crate) trait Moving {
     /// The error of a run of which this step failed.
     fn failed(&self, step: u64, time: f64, failure: StepFailure, run: Run) -> RunError;
 
-    /// What the method remembers.
-    fn save(&mut self) -> Saved;
+    /// What the method remembers; `None` of a method that cannot say it.
+    fn save(&mut self) -> Option<Saved>;
 
     /// Goes on from another state, with what the method remembered there.
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError>;
@@ -86,11 +87,7 @@ pub(crate) fn march<M: Moving>(
     }
     let mut wish = Wish::GoOn;
     for step in done + 1..=steps {
-        let before = (wish == Wish::Checkpoint).then(|| Before {
-            state: moving.state().clone(),
-            memory: moving.save(),
-            broken: moving.broken().to_vec(),
-        });
+        let before = (wish == Wish::Checkpoint).then(|| Before::of(&mut moving));
         match moving.step(h, time(step)) {
             Ok(stepped) => {
                 cost.add(&stepped.report);
@@ -112,11 +109,15 @@ pub(crate) fn march<M: Moving>(
         if due {
             moving.sample(time(step), &mut samples);
         }
-        if let Some(before) = before {
-            let after = moving.state().clone();
-            let checkpoint = Checkpoint { scene: *fingerprint, step, before, after, cost, samples };
-            watcher.keep(&checkpoint);
-            samples = checkpoint.samples;
+        match before {
+            Some(Some(before)) => {
+                let (scene, after) = (*fingerprint, moving.state().clone());
+                let checkpoint = Checkpoint { scene, step, before, after, cost, samples };
+                watcher.keep(Some(&checkpoint));
+                samples = checkpoint.samples;
+            }
+            Some(None) => watcher.keep(None),
+            None => {}
         }
         let q = &moving.state().q;
         wish = watcher.stepped(Progress { step, steps, time: time(step), q });
@@ -129,6 +130,13 @@ pub(crate) fn march<M: Moving>(
     }
     let broken = moving.broken().to_vec();
     Ok(Run { scene: scene.clone(), samples, broken, cost })
+}
+
+impl Before {
+    fn of(moving: &mut impl Moving) -> Option<Self> {
+        let memory = moving.save()?;
+        Some(Before { state: moving.state().clone(), memory, broken: moving.broken().to_vec() })
+    }
 }
 
 /// Takes the last step of a checkpoint once more, and returns its samples.

@@ -76,8 +76,19 @@ struct Data<'a> {
     /// The middle, from which positions count.
     origin: [f64; 3],
     positions: String,
+    /// What colours the vertices, where heat flows.
+    field: Option<Field>,
     chart_times: String,
     charts: Vec<Chart>,
+}
+
+/// A number a particle and a sample.
+#[derive(Serialize)]
+struct Field {
+    title: &'static str,
+    least: f64,
+    largest: f64,
+    values: String,
 }
 
 #[derive(Serialize)]
@@ -89,7 +100,7 @@ struct Units<'a> {
 /// Writes the page.
 pub(crate) fn write(run: &Run, out: &mut impl Write) -> io::Result<()> {
     let scene = &run.scene;
-    let samples = thinned(run.times().len(), NUMBERS / coordinates(run).max(1));
+    let samples = thinned(run.times().len(), NUMBERS / numbers(run).max(1));
     let (data, note) = if too_large(run) {
         let note = "This scene has more than a page can play. The tables and the files for ParaView \
                     have all of it.";
@@ -138,8 +149,10 @@ fn fill(out: &mut impl Write, template: &str, values: &[(&str, &str)]) -> io::Re
     Ok(())
 }
 
-fn coordinates(run: &Run) -> usize {
-    run.scene.dimension * run.scene.particles.len()
+/// Numbers of a sample.
+fn numbers(run: &Run) -> usize {
+    let each = run.scene.dimension + usize::from(run.scene.heat.is_some());
+    each * run.scene.particles.len()
 }
 
 fn too_large(run: &Run) -> bool {
@@ -196,8 +209,19 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         times: doubles(samples.iter().map(time)),
         origin,
         positions: singles(positions),
+        field: scene.heat.as_ref().map(|_| temperatures(run, samples)),
         chart_times: doubles(chart_samples.iter().map(time)),
         charts: charts(run).take(CHARTS).map(|chart| chart.encoded(&chart_samples)).collect(),
+    }
+}
+
+fn temperatures(run: &Run, samples: &[usize]) -> Field {
+    let all = || samples.iter().flat_map(|&sample| run.temperatures(sample).iter().copied());
+    Field {
+        title: "temperature",
+        least: all().fold(f64::INFINITY, f64::min),
+        largest: all().fold(f64::NEG_INFINITY, f64::max),
+        values: singles(all()),
     }
 }
 

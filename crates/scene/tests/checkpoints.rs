@@ -25,8 +25,8 @@ impl Watcher for StopsAfter {
         }
     }
 
-    fn keep(&mut self, checkpoint: &Checkpoint) {
-        self.kept = Some(checkpoint.clone());
+    fn keep(&mut self, checkpoint: Option<&Checkpoint>) {
+        self.kept = checkpoint.cloned();
     }
 }
 
@@ -56,7 +56,7 @@ impl Watcher for Patient {
         Wish::GoOn
     }
 
-    fn keep(&mut self, _: &Checkpoint) {}
+    fn keep(&mut self, _: Option<&Checkpoint>) {}
 }
 
 /// Every file of two runs has the same bytes.
@@ -211,6 +211,41 @@ fn bodies_resume_to_the_same_bits_with_every_method_with_and_without_joints() {
     ]";
     let held = Scene::parse("held", &format!("{plane}\n{joints}")).unwrap();
     assert_resumes(&held, &[2, 25], "plane-held");
+}
+
+#[test]
+fn solids_modes_impacts_and_heat_resume_to_the_same_bits() {
+    for (name, horizon) in [
+        ("cantilever", 20.0),
+        ("struck-bell", 20.0),
+        ("newtons-cradle", 400.0),
+        ("nine-ball-break", 400.0),
+        ("warm-sphere", 20.0),
+    ] {
+        let scene = shipped(name);
+        let scene = scene.clone().with_horizon(horizon * scene.timing().step()).unwrap();
+        let last = scene.timing().steps();
+        assert_resumes(&scene, &[2, last / 2, last], name);
+    }
+}
+
+#[test]
+fn what_contacts_of_bodies_remember_makes_no_checkpoint_and_says_so() {
+    struct Asks(Option<bool>);
+
+    impl Watcher for Asks {
+        fn stepped(&mut self, _: Progress<'_>) -> Wish {
+            if self.0.is_none() { Wish::Checkpoint } else { Wish::Stop }
+        }
+
+        fn keep(&mut self, checkpoint: Option<&Checkpoint>) {
+            self.0 = Some(checkpoint.is_some());
+        }
+    }
+
+    let mut asks = Asks(None);
+    shipped("box-stack").run_from(None, &mut asks).unwrap();
+    assert_eq!(asks.0, Some(false));
 }
 
 #[test]

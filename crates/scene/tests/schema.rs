@@ -89,6 +89,8 @@ fn the_schema_has_every_integrator_of_the_reader_and_no_other() {
                      particles = [{ name = \"a\", mass = 1, position = [0, 0] }]\n";
     let bodies = "dimension = 3\nstep = 1\nhorizon = 1\n\
                   bodies = [{ name = \"a\", mass = 1, box = [1, 1, 1], position = [0, 0, 0] }]\n";
+    let heat = "dimension = 1\nstep = 1\nhorizon = 1\n[heat]\nname = \"a\"\ndiffusivity = 1\n\
+                shape = { kind = \"bar\", size = [1], cells = [4] }\n";
     let knows = |scene: &str, word: &str| {
         let text = format!("integrator = \"{word}\"\n{scene}");
         match Scene::parse("a.toml", &text) {
@@ -98,7 +100,7 @@ fn the_schema_has_every_integrator_of_the_reader_and_no_other() {
     };
     assert!(!knows(particles, "velvet"));
     for word in words {
-        assert!(knows(particles, word) || knows(bodies, word), "{word}");
+        assert!([particles, bodies, heat].iter().any(|scene| knows(scene, word)), "{word}");
     }
 }
 
@@ -151,6 +153,12 @@ fn complaints(root: &Value, schema: &Value, document: &Value, place: &str) -> Ve
                 true
             }
             // With `properties`, above.
+            "additionalProperties" if rule.is_object() => {
+                for (key, value) in document.as_object().into_iter().flatten() {
+                    found.extend(below(rule, value, format!("{place}.{key}")));
+                }
+                true
+            }
             "additionalProperties" => *rule == Value::Bool(false),
             "required" => rule
                 .as_array()
@@ -158,6 +166,7 @@ fn complaints(root: &Value, schema: &Value, document: &Value, place: &str) -> Ve
                 .iter()
                 .all(|key| document.get(key.as_str().unwrap()).is_some()),
             "minimum" => number.is_none_or(|x| x >= bound()),
+            "maximum" => number.is_none_or(|x| x <= bound()),
             "exclusiveMinimum" => number.is_none_or(|x| x > bound()),
             "exclusiveMaximum" => number.is_none_or(|x| x < bound()),
             "minItems" => size(length).is_none_or(|n| n >= bound()),

@@ -103,7 +103,8 @@ const point = (x, y) => {
   tip.hidden = found < 0;
   if (found < 0) return;
   const at = ["x", "y", "z"].slice(0, motion.dimension).map((axis, c) => `${axis} ${shown(motion.points[3 * found + c])}`);
-  tip.textContent = `${data.names[found]}\n${at.join("  ")} ${data.units.length}`;
+  const value = data.field ? `\n${data.field.title} ${shown(motion.values[found])}` : "";
+  tip.textContent = `${data.names[found]}\n${at.join("  ")} ${data.units.length}${value}`;
   tip.style.left = `${Math.max(4, Math.min(x + 14, stage.width - tip.offsetWidth - 4))}px`;
   tip.style.top = `${Math.max(4, y - tip.offsetHeight - 10)}px`;
 };

@@ -18,6 +18,9 @@ const motion = {
   // Of each rod the time at which it breaks.
   lasts: new Float64Array(indices(data.rods).length / 2).fill(Infinity),
   points: new Float64Array(3 * data.names.length),
+  // A number a particle and a sample, and what it is now.
+  field: data.field && singles(data.field.values),
+  values: new Float64Array(data.names.length),
 };
 for (const [rod, time] of data.broken) motion.lasts[rod] = time;
 motion.start = motion.times[0];
@@ -50,6 +53,8 @@ const place = (t) => {
   for (let i = 0, k = 0; i < count; i++)
     for (let c = 0; c < dimension; c++, k++)
       points[3 * i + c] = data.origin[c] + (1 - part) * positions[a + k] + part * positions[b + k];
+  for (let i = 0; motion.field && i < count; i++)
+    motion.values[i] = (1 - part) * motion.field[sample * count + i] + part * motion.field[next * count + i];
 };
 
 // A number as a reader wants it.

@@ -61,6 +61,28 @@ const light = (a, b, c) => {
   return 0.55 + 0.5 * Math.max(0, lit);
 };
 
+// The colours of a field, from its least value to its largest: viridis.
+const RAMP = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map(hex);
+const shade = (value) => {
+  const { least, largest } = data.field;
+  const part = Math.max(0, Math.min(1, (value - least) / (largest - least || 1))) * (RAMP.length - 1);
+  const low = Math.min(RAMP.length - 2, Math.floor(part));
+  return RAMP[low].map((from, i) => from + (part - low) * (RAMP[low + 1][i] - from));
+};
+
+// What the colours mean, at the upper left.
+const drawScale = () => {
+  const { title, least, largest } = data.field;
+  const [x, y, width] = [18, 34, 140];
+  for (let k = 0; k < width; k++) {
+    pen.fillStyle = `rgb(${shade(least + ((largest - least) * k) / width).map(Math.round)})`;
+    pen.fillRect(x + k, y, 1.5, 10);
+  }
+  write(title, x, y - 8, stage.colours.ink);
+  write(shown(least), x, y + 26, stage.colours.soft);
+  write(shown(largest), x + width, y + 26, stage.colours.soft, "right");
+};
+
 // Faces, edges of bodies and springs, far ones first, so that the near ones cover them.
 const drawSolids = () => {
   const { x, y, near } = seen;
@@ -94,14 +116,17 @@ const drawSolids = () => {
     pen.lineTo(x[r], y[r]);
     pen.closePath();
     const part = spatial ? light(p, q, r) : 1;
-    const mixed = hex(colour(tint)).map((own, i) => Math.min(255, Math.round(part * (0.35 * own + 0.65 * base[i]))));
+    const own = data.field
+      ? shade((motion.values[p] + motion.values[q] + motion.values[r]) / 3)
+      : hex(colour(tint)).map((own, i) => 0.35 * own + 0.65 * base[i]);
+    const mixed = own.map((light) => Math.min(255, Math.round(part * light)));
     pen.fillStyle = pen.strokeStyle = `rgb(${mixed})`;
     pen.fill();
     // Neighbours would leave a hair between them.
     pen.lineWidth = 0.8;
     pen.stroke();
     if (!data.wired) continue;
-    [pen.strokeStyle, pen.lineWidth, pen.globalAlpha] = [stage.colours.ink, 0.7, 0.4];
+    [pen.strokeStyle, pen.lineWidth, pen.globalAlpha] = [stage.colours.ink, 0.7, data.field ? 0.12 : 0.4];
     pen.stroke();
     pen.globalAlpha = 1;
   }
@@ -266,10 +291,16 @@ const drawStage = () => {
   if (motion.faces.length) drawSolids();
   else {
     strokeLines(motion.springs, () => true, stage.colours.end, motion.springs.length > 4000 ? 0.8 : 1.2);
-    strokeLines(motion.edges, () => true, stage.colours.ink, 1.4);
+    for (let k = 0; data.field && k < motion.edges.length; k += 2) {
+      const ends = motion.edges.subarray(k, k + 2);
+      const own = shade(0.5 * (motion.values[ends[0]] + motion.values[ends[1]]));
+      strokeLines(ends, () => true, `rgb(${own.map(Math.round)})`, 5);
+    }
+    if (!data.field) strokeLines(motion.edges, () => true, stage.colours.ink, 1.4);
   }
   strokeLines(motion.rods, (rod) => now.time < motion.lasts[rod], stage.colours.ink, 2.6);
   drawMarks();
   drawNames();
   drawMeasure();
+  if (data.field) drawScale();
 };
