@@ -205,12 +205,20 @@ fn confirmed(
                 break;
             }
             lab.measure(at);
-            if agrees(lab, at) {
+            if agrees(lab, at) || rung > 0 && extrapolation_agrees(lab, at, reference, tolerance) {
                 return Confirmed::Yes;
             }
         }
     }
     Confirmed::No
+}
+
+/// Whether what another family's rungs lead to agrees with the reference, where they themselves are
+/// too coarse.
+fn extrapolation_agrees(lab: &mut Lab, at: At, reference: &Reference, tolerance: f64) -> bool {
+    let Some(other) = Reference::at(lab, at.family, at.rung) else { return false };
+    let apart = reference.error(&other.course);
+    other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance)
 }
 
 #[cfg(test)]

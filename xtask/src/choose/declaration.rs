@@ -55,8 +55,13 @@ fn one_changed(text: &str, change: &Change) -> String {
             let end = end.map_or(text.len(), |newline| value.span().end + newline + 1);
             replaced(text, start..end, "")
         }
-        // Before the first table, where the keys of the whole scene are.
-        (None, Some(new)) => format!("{} = {new}\n{text}", change.key),
+        (None, Some(new)) => {
+            // Where the keys of the whole scene are: below the method, or else above all.
+            let method = keys.iter().find(|(key, _)| key.get_ref() == "integrator");
+            let end = |at: usize| text[at..].find('\n').map_or(text.len(), |line| at + line + 1);
+            let at = method.map_or(0, |(_, value)| end(value.span().end));
+            replaced(text, at..at, &format!("{} = {new}\n", change.key))
+        }
         (None, None) => text.to_owned(),
     }
 }
@@ -98,6 +103,14 @@ mod tests {
     fn a_key_that_was_not_there_stands_before_every_table() {
         let text = changed("[units]\ntime = \"d\"\n", &[Change::to("tolerance", "1e-6")]);
         assert_eq!(text, "tolerance = 1e-6\n[units]\ntime = \"d\"\n");
+    }
+
+    #[test]
+    fn a_key_that_goes_with_the_method_stands_below_it() {
+        let text = "# why\nintegrator = \"bdf-5\" # stiff\nstep = 1\n";
+        let text = changed(text, &[Change::to("tolerance", "1e-6")]);
+        let expected = "# why\nintegrator = \"bdf-5\" # stiff\ntolerance = 1e-6\nstep = 1\n";
+        assert_eq!(text, expected);
     }
 
     #[test]

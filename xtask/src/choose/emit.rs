@@ -58,6 +58,24 @@ fn why(answer: &Answer, row: &Row) -> String {
         let (method, setting, work) = (second.method, &second.setting, second.work);
         lines.push(format!("Next: {method}, {setting}, error {error:.1e}, work {work}."));
     }
+    lines.iter().map(|line| wrapped(line)).collect::<Vec<_>>().join("\n")
+}
+
+/// Characters of a line of comment.
+const WIDTH: usize = 96;
+
+/// The words on lines of at most the width, where they are short enough for that.
+fn wrapped(text: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= WIDTH => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
     lines.join("\n")
 }
 

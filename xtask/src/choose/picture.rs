@@ -17,11 +17,11 @@ pub fn chart(answer: &Answer) -> Chart {
             names.push(row.method);
         }
     }
-    for name in names {
-        lines = lines.with(series(name, &answer.rows));
-    }
     let shown = answer.rows.iter().filter(|row| row.error().is_some()).map(|row| row.work as f64);
     let (least, most) = shown.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    for name in names {
+        lines = lines.with(series(name, &answer.rows, if least < most { least } else { 1.0 }));
+    }
     if least < most {
         let tolerance = answer.tolerance;
         lines = lines.curve("the tolerance", [(least, tolerance), (most, tolerance)]);
@@ -29,14 +29,15 @@ pub fn chart(answer: &Answer) -> Chart {
     lines.mark_front().into()
 }
 
-fn series(name: &str, rows: &[Row]) -> Series {
+/// A method's rungs; what failed at once is shown at the least work.
+fn series(name: &str, rows: &[Row], least: f64) -> Series {
     let own = || rows.iter().filter(|row| row.method == name);
     let points = own().filter_map(|row| Some((row.work as f64, row.error()?.max(ROUNDING))));
     let mut series = Series::new(name, points);
     for row in own() {
         if let Some(Judgement::Failed(failure)) = &row.judgement {
             let why = format!("{}: {failure}", row.setting);
-            series = series.failed(row.work.max(1) as f64, why);
+            series = series.failed((row.work as f64).max(least), why);
         }
     }
     series

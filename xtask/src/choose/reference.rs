@@ -129,7 +129,8 @@ impl Reference {
         Reference::at(lab, self.family, finer).filter(|new| new.uncertainty < self.uncertainty)
     }
 
-    fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
+    /// The answer by a family as its rungs up to this one give it.
+    pub fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
         let (kind, order) = (lab.family(family).kind, lab.family(family).order);
         let mut course = |rung| lab.measure(At { family, rung }).outcome.clone().ok();
         let middle = course(finest - 1);

@@ -42,7 +42,7 @@ const ASKED: [Asked; 5] = [
         short: 60_000.0,
         long: 200_000.0,
     },
-    Asked { scene: "pendulum-chain", observable: "position=j10", short: 0.6, long: 0.8 },
+    Asked { scene: "pendulum-chain", observable: "position=j10", short: 0.3, long: 0.8 },
     Asked { scene: "breaking-bridge", observable: "position=load", short: 0.1, long: 0.1 },
     Asked { scene: "thrown-racket", observable: "angular_velocity=racket", short: 2.0, long: 4.0 },
     Asked { scene: "heavy-top", observable: "position=top.1", short: 1.0, long: 2.0 },
