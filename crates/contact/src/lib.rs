@@ -36,7 +36,9 @@
 //! laws ([`ImpactLaw`]). Then, with the feature `3d`, shapes, colliders and the [`Detector`]; and
 //! times of impact, whose "never" is a proof, with the filter of a deforming mesh that rests on it
 //! ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to when
-//! ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]).
+//! ([`Impacting`]). Last, rigid bodies that touch ([`TouchingBodies`]): a contact packed for many
+//! visits, friction at one of them, islands, sweeps over an island, and impulses kept from step to
+//! step.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file and the detection behind it.
@@ -70,7 +72,18 @@ mod mesh_filter;
 mod gaps;
 mod penalty;
 mod impacting;
+#[cfg(feature = "3d")]
+mod rigid_contact;
+#[cfg(feature = "3d")]
 mod friction;
+#[cfg(feature = "3d")]
+mod islands;
+#[cfg(feature = "3d")]
+mod sweeps;
+#[cfg(feature = "3d")]
+mod exact_normals;
+#[cfg(feature = "3d")]
+mod last_impulses;
 #[cfg(feature = "3d")]
 mod touching_bodies;
 pub mod problems;
@@ -82,7 +95,6 @@ pub use contact_point::{ContactId, ContactPoint};
 #[cfg(feature = "3d")]
 pub use detection::{Detector, Overlap, gap_rows};
 pub use error::ContactError;
-pub use friction::{Frictional, Staggered};
 pub use gaps::{Balls, Inequality, Swept, Wall};
 pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
@@ -97,4 +109,4 @@ pub use rows::ContactRows;
 pub use shape::Shape;
 pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "3d")]
-pub use touching_bodies::{Bodies, TouchingBodies, TouchingReport};
+pub use touching_bodies::{Bodies, Settling, TouchingBodies, TouchingReport};
