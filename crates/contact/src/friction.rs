@@ -1,177 +1,178 @@
-//! Coulomb friction by staggered projections: normal impulses, then friction within their cones, by
-//! turns.
+//! Coulomb friction at one contact, by staggered projections: the normal impulse, then friction
+//! within what it allows, by turns.
 //!
 //! ```text
-//! normal     min 1/2 |v - v_f|_M^2,   dg v + bias >= 0         v_f with the friction impulses kept
-//! friction   min 1/2 |v|_M^2 over |beta_i| <= mu_i lambda_i      v with the normal impulses kept
-//! residual = max_i |beta_i - disc_i(beta_i - T_i v/d_i)| d_i     Coulomb's law, m/s
+//! lambda <- max(0, lambda - u_n/W_nn)                            the normal projection
+//! beta   <- beta - W_tt^-1 u_t               where that stays within |beta| <= mu lambda
+//!           disc(beta - u_t/d)               elsewhere
+//! off = |min(W_nn lambda, u_n)|,   off_t = |beta - disc(beta - u_t/d)| d            m/s
 //! ```
-//! `lambda` normal impulses (N s), `beta` friction impulses, two for each contact, `T` the rates of
-//! sliding, `disc_i` the nearest point of the disc of radius `mu_i lambda_i`, `d_i` a bound on the
-//! compliance across the normal. Each projection is convex; a point that both leave is Coulomb's
-//! law: friction opposes sliding, as far as the normal impulse lets it. One projection onto cones
-//! of both at once would instead lift what slides, by mu times its speed.
+//! `u` rates along the normal and the tangents (m/s), `W` their compliance (1/kg), `d` the largest
+//! eigenvalue of `W_tt`, `lambda` and `beta` impulses (N s), `disc` the nearest point of the disc
+//! of radius `mu lambda`. Each projection is convex and lowers the kinetic energy; a point that
+//! both leave is Coulomb's law: friction opposes sliding, as far as the normal impulse lets it. One
+//! projection onto the cone of both at once would instead lift what slides, by mu times its speed.
 //!
-//! The turns need not converge; they are bounded, and what is left of Coulomb's law is reported.
-//! The last projection is the normal one, so that gaps are kept however friction comes out. Kinetic
-//! energy does not grow by friction. Source: Kaufman, Sueda, James and Pai 2008 (staggered
-//! projections).
+//! `off` and `off_t` are how far the normal conditions and Coulomb's law are from being met; both
+//! are reported. Source: Kaufman, Sueda, James and Pai 2008 (staggered projections); Jean 1999 for
+//! the turns at one contact after another.
 
-use stationary_calculus::{SizeError, Vector};
+use crate::rigid_contact::{Compliance, RigidContact, Six};
 
-use crate::projection::{all, project_with};
-use crate::{ContactError, Impact};
+/// Turns at each visit.
+const TURNS: usize = 2;
 
-/// What the contacts' impulses came out as.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Staggered {
-    /// Normal impulse of each contact, N s.
-    pub normal: Vec<f64>,
-    /// Friction impulses, two for each contact, N s.
-    pub friction: Vec<f64>,
-    /// How far the normal conditions are from being met, m/s.
-    pub residual: f64,
-    /// How far Coulomb's law is from being met, m/s.
-    pub coulomb: f64,
-    /// Turns taken.
-    pub turns: usize,
-}
+impl RigidContact {
+    /// Changes the impulses of this contact to what the others leave to it; says by how much.
+    #[inline]
+    pub(crate) fn relax(&self, x: &mut [f64; 3], w: &mut [Six]) -> [f64; 3] {
+        let change = self.visit(w, |rates| self.stagger(rates, x));
+        x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
+        change
+    }
 
-/// Turns after which friction is taken as it is.
-const TURNS: usize = 60;
-/// Sweeps over the contacts in one friction projection.
-const SWEEPS: usize = 100;
-/// Changes of impulses, as velocities, relative to the largest relative velocity, that end both.
-pub(crate) const SETTLED: f64 = 1e-11;
-
-/// Contacts with friction: their normals, their tangents (two for each), and their coefficients.
-#[derive(Clone, Copy, Debug)]
-pub struct Frictional<'a> {
-    /// The normal rows.
-    pub normal: &'a Impact,
-    /// The rows of sliding, two for each contact.
-    pub tangent: &'a Impact,
-    /// How much of each gap is left, over the step: `dg v + bias >= 0`, m/s.
-    pub bias: &'a [f64],
-    /// The coefficients.
-    pub friction: &'a [f64],
-}
-
-impl Frictional<'_> {
-    /// Changes a velocity by normal and friction impulses, from a guess of the normal ones.
-    pub fn stagger(
-        &self,
-        guess: &[f64],
-        mut v: Vector<&mut [f64]>,
-    ) -> Result<Staggered, ContactError> {
-        self.check(guess)?;
-        let start = Vector(v.0.to_vec());
-        let mut beta = vec![0.0; self.tangent.len()];
-        let mut lambda = guess.to_vec();
-        let settled = SETTLED * self.speed(start.view());
-        let (mut turns, mut residual);
-        turns = 0;
-        let mut rubbed = f64::INFINITY;
-        loop {
-            let before = lambda;
-            v.copy_from(start.view());
-            push_all(self.tangent, &beta, v.view_mut());
-            let done = self.project(&before, v.view_mut())?;
-            (lambda, residual) = (done.0, done.1);
-            turns += 1;
-            let moved =
-                |(i, (a, b)): (usize, (&f64, &f64))| (a - b).abs() * self.normal.compliance(i);
-            let moved = lambda.iter().zip(&before).enumerate().map(moved).fold(0.0, f64::max);
-            let rubs = self.friction.iter().zip(&lambda).any(|(mu, l)| mu * l > 0.0);
-            if turns == TURNS || !rubs || moved.max(rubbed) <= settled {
-                break;
+    #[inline]
+    fn stagger(&self, [n, s, t]: [f64; 3], x: &[f64; 3]) -> [f64; 3] {
+        let compliance = &self.compliance;
+        let ([a, b], [xx, yy, xy]) = (compliance.coupling, compliance.tangent);
+        let [mut push, mut along, mut across] = [0.0; 3];
+        for _ in 0..TURNS {
+            let rate = n + (compliance.normal * push + a * along + b * across);
+            push = (x[0] + push - rate * compliance.normal_mass).max(0.0) - x[0];
+            let reach = self.friction * (x[0] + push);
+            if reach <= 0.0 {
+                (along, across) = (-x[1], -x[2]);
+                continue;
             }
-            rubbed = self.rub(&lambda, settled, &mut beta, v.view_mut());
+            let rates = [
+                s + (a * push + xx * along + xy * across),
+                t + (b * push + xy * along + yy * across),
+            ];
+            let [p, q] = self.rub([x[1] + along, x[2] + across], rates, reach);
+            (along, across) = (p - x[1], q - x[2]);
         }
-        let coulomb = (0..self.normal.len())
-            .map(|i| self.towards(i, &lambda, &beta, Vector(v.0)).1)
-            .fold(0.0, f64::max);
-        Ok(Staggered { normal: lambda, friction: beta, residual, coulomb, turns })
+        [push, along, across]
     }
 
-    fn check(&self, guess: &[f64]) -> Result<(), ContactError> {
-        let contacts = self.normal.len();
-        SizeError::check("the guessed impulses", contacts, guess.len())?;
-        SizeError::check("the biases", contacts, self.bias.len())?;
-        SizeError::check("the friction coefficients", contacts, self.friction.len())?;
-        SizeError::check("the rows of sliding", 2 * contacts, self.tangent.len())?;
-        match self.friction.iter().position(|mu| !(*mu >= 0.0 && mu.is_finite())) {
-            Some(contact) => Err(ContactError::Friction { contact, value: self.friction[contact] }),
-            None => Ok(()),
+    /// The friction within a disc of radius `reach`, from the rates of sliding.
+    #[inline]
+    fn rub(&self, beta: [f64; 2], [s, t]: [f64; 2], reach: f64) -> [f64; 2] {
+        let [xx, yy, xy] = self.compliance.tangent_mass;
+        let stuck = [beta[0] - (xx * s + xy * t), beta[1] - (xy * s + yy * t)];
+        if xx > 0.0 && stuck[0] * stuck[0] + stuck[1] * stuck[1] <= reach * reach {
+            return stuck;
         }
+        let slip = self.compliance.across_mass;
+        disc([beta[0] - s * slip, beta[1] - t * slip], reach)
     }
 
-    fn project(
-        &self,
-        guess: &[f64],
-        v: Vector<&mut [f64]>,
-    ) -> Result<(Vec<f64>, f64), ContactError> {
-        let done = project_with(self.normal, &all(self.normal.len()), self.bias, guess, v)?;
-        Ok((done.impulses, done.residual))
+    /// A change of impulses as the root of its energy, J^1/2.
+    #[inline]
+    pub(crate) fn root(&self, [n, s, t]: &[f64; 3]) -> [f64; 3] {
+        let [normal, across] = self.compliance.roots;
+        [normal * n, across * s, across * t]
     }
 
-    /// The fastest of the relative velocities, m/s.
-    fn speed(&self, v: Vector<&[f64]>) -> f64 {
-        let fastest = |impact: &Impact| {
-            (0..impact.len()).map(|i| impact.relative_velocity(i, v).abs()).fold(0.0, f64::max)
+    /// A change of impulses as a velocity, m/s.
+    #[inline]
+    pub(crate) fn speed(&self, [n, s, t]: &[f64; 3]) -> f64 {
+        let Compliance { normal, across, .. } = self.compliance;
+        (normal * n.abs()).max(across * s.abs().max(t.abs()))
+    }
+
+    /// How far the normal conditions and Coulomb's law are from being met, m/s.
+    #[inline]
+    pub(crate) fn residuals(&self, x: &[f64; 3], w: &[Six]) -> [f64; 2] {
+        let [n, s, t] = self.rates(w);
+        let Compliance { normal, across, across_mass, .. } = self.compliance;
+        let wanted = [x[1] - s * across_mass, x[2] - t * across_mass];
+        let [p, q] = disc(wanted, self.friction * x[0]);
+        let off = (x[1] - p).powi(2) + (x[2] - q).powi(2);
+        [(normal * x[0]).min(n).abs(), off.sqrt() * across]
+    }
+}
+
+/// The nearest point of a disc about zero.
+#[inline]
+fn disc([x, y]: [f64; 2], radius: f64) -> [f64; 2] {
+    let square = x * x + y * y;
+    if square <= radius * radius {
+        return [x, y];
+    }
+    let scale = radius / square.sqrt();
+    [x * scale, y * scale]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use stationary_calculus::{DiagonalMetric, Vector};
+    use stationary_rigid::Body;
+
+    use super::*;
+    use crate::rigid_contact::{Placed, scale};
+    use crate::{ContactId, ContactPoint, ContactRows, Impact, InverseMass, project};
+
+    /// A particle of 1 kg on a plane, after its impulses.
+    fn rub(friction: f64, v: [f64; 3]) -> ([f64; 3], [f64; 2]) {
+        let normal = Vector3::z();
+        let point = ContactPoint {
+            id: ContactId { colliders: [0, 1], parts: [0; 2], features: [0; 2] },
+            bodies: [None, Some(0)],
+            gap: 0.0,
+            normal,
+            points: [Vector3::zeros(); 2],
+            arms: [Vector3::zeros(); 2],
+            restitution: 0.0,
+            friction,
         };
-        fastest(self.normal).max(fastest(self.tangent))
+        let body = Body::new(1.0, [1.0; 3]).unwrap();
+        let velocity = [v[0], v[1], v[2], 0.0, 0.0, 0.0];
+        let q = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        let placed = [Placed::new(0, scale(&body), &q, &velocity)];
+        let contact = RigidContact::new(0, &point, 0.0, &placed).unwrap();
+        let (mut x, mut w) = ([0.0; 3], [[0.0; 6]; 2]);
+        contact.relax(&mut x, &mut w);
+        let [x1, y1, z1, ..] = placed[0].after(&w[0]);
+        ([x1, y1, z1], contact.residuals(&x, &w))
     }
 
-    /// The friction projection: contact after contact to the nearest point of its disc. Says how
-    /// far the last sweep still moved, m/s.
-    fn rub(
-        &self,
-        lambda: &[f64],
-        settled: f64,
-        beta: &mut [f64],
-        mut v: Vector<&mut [f64]>,
-    ) -> f64 {
-        let mut moved = f64::INFINITY;
-        for _ in 0..SWEEPS {
-            moved = 0.0_f64;
-            for i in 0..self.normal.len() {
-                let ([x, y], change) = self.towards(i, lambda, beta, Vector(v.0));
-                for (row, to) in [(2 * i, x), (2 * i + 1, y)] {
-                    self.tangent.push(row, to - beta[row], v.view_mut());
-                    beta[row] = to;
-                }
-                moved = moved.max(change);
-            }
-            if moved <= settled {
-                break;
-            }
+    #[test]
+    fn friction_takes_mu_times_the_normal_impulse_from_what_slides_and_all_from_what_sticks() {
+        let (v, [normal, coulomb]) = rub(0.5, [3.0, 4.0, -2.0]);
+        // The normal impulse is 2, friction 1 of the speed 5.
+        for (v, expected) in v.iter().zip([2.4, 3.2, 0.0]) {
+            assert!((v - expected).abs() < 1e-14);
         }
-        moved
+        assert!(normal < 1e-14 && coulomb < 1e-14, "{normal} {coulomb}");
+        let (v, [normal, coulomb]) = rub(0.5, [0.3, 0.4, -2.0]);
+        assert!(v.iter().all(|v| v.abs() < 1e-14), "{v:?}");
+        assert!(normal < 1e-14 && coulomb < 1e-14, "{normal} {coulomb}");
     }
 
-    /// Where a contact's friction wants to be, and how far off it is as a velocity.
-    fn towards(
-        &self,
-        i: usize,
-        lambda: &[f64],
-        beta: &[f64],
-        v: Vector<&[f64]>,
-    ) -> ([f64; 2], f64) {
-        let rows = [2 * i, 2 * i + 1];
-        let d = rows.iter().map(|&row| self.tangent.compliance(row)).sum::<f64>();
-        let wanted = rows.map(|row| beta[row] - self.tangent.relative_velocity(row, v) / d);
-        let reach = self.friction[i] * lambda[i];
-        let length = wanted[0].hypot(wanted[1]);
-        let scale = if length > reach { reach / length } else { 1.0 };
-        let wanted = wanted.map(|x| x * scale);
-        let off = (wanted[0] - beta[rows[0]]).hypot(wanted[1] - beta[rows[1]]);
-        (wanted, off * d)
+    /// The impulses (-mu, 1) lambda of one side of the cone stop approach across it: the rows of
+    /// the cone's sides, projected on at once, throw what slides upward at
+    /// mu (s - mu w)/(1 + mu^2).
+    #[test]
+    fn a_single_projection_onto_the_cone_lifts_what_slides_and_staggered_projections_do_not() {
+        let (mu, s, w) = (0.5, 3.0, 0.1);
+        let mass = InverseMass::of(&DiagonalMetric::new([1.0; 2]).unwrap()).unwrap();
+        let mut sides = ContactRows::new();
+        [-mu, mu].into_iter().for_each(|side| sides.push([(0, side), (1, 1.0)]));
+        let cone = Impact::new(sides, &mass, vec![0.0; 2]).unwrap();
+        let mut lifted = Vector([s, -w]);
+        project(&cone, lifted.view_mut()).unwrap();
+        let expected = mu * (s - mu * w) / (1.0 + mu * mu);
+        assert!((lifted.0[1] - expected).abs() < 1e-14 && expected > 1.0);
+        let (kept, _) = rub(mu, [s, 0.0, -w]);
+        assert!(kept[2].abs() < 1e-15 && (kept[0] - (s - mu * w)).abs() < 1e-14);
     }
-}
 
-fn push_all(impact: &Impact, impulses: &[f64], mut v: Vector<&mut [f64]>) {
-    for (contact, &impulse) in impulses.iter().enumerate() {
-        impact.push(contact, impulse, v.view_mut());
+    #[test]
+    fn what_separates_feels_nothing_and_what_only_touches_does_not_rub() {
+        for up in [0.0, 1.0] {
+            let (v, residuals) = rub(0.5, [3.0, 0.0, up]);
+            assert_eq!((v, residuals), ([3.0, 0.0, up], [0.0; 2]));
+        }
     }
 }

@@ -123,6 +123,7 @@ fn inverse(block: DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// Sets of things that belong together, joined pair by pair.
+#[derive(Debug, Default)]
 pub(crate) struct Groups {
     parent: Vec<usize>,
 }
@@ -130,6 +131,12 @@ pub(crate) struct Groups {
 impl Groups {
     pub(crate) fn new(n: usize) -> Self {
         Groups { parent: (0..n).collect() }
+    }
+
+    /// Parts everything again, in the same memory.
+    pub(crate) fn reset(&mut self, n: usize) {
+        self.parent.clear();
+        self.parent.extend(0..n);
     }
 
     /// The representative of a thing's group, the smallest of its members.

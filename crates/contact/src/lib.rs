@@ -38,8 +38,10 @@
 //! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
-//! when ([`Impacting`]); friction, and rigid bodies that touch ([`TouchingBodies`]). A [`World`] is
-//! the front door for scenes: bodies of either dimension, their shapes, and what happens.
+//! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension, their
+//! shapes, and what happens, solved exactly. Last, many bodies of space that touch
+//! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
+//! over an island, and impulses kept from step to step.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
@@ -91,7 +93,18 @@ mod mesh_filter;
 mod gaps;
 mod penalty;
 mod impacting;
+#[cfg(feature = "3d")]
+mod rigid_contact;
+#[cfg(feature = "3d")]
 mod friction;
+#[cfg(feature = "3d")]
+mod islands;
+#[cfg(feature = "3d")]
+mod sweeps;
+#[cfg(feature = "3d")]
+mod exact_normals;
+#[cfg(feature = "3d")]
+mod last_impulses;
 #[cfg(feature = "3d")]
 mod touching_bodies;
 #[cfg(any(feature = "2d", feature = "3d"))]
@@ -123,7 +136,6 @@ pub use detection::{DetectorIn, Overlap, gap_rows};
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use dimension::Dimension;
 pub use error::ContactError;
-pub use friction::{Frictional, Staggered};
 pub use gaps::{Balls, FixedBall, Inequality, Swept, Wall};
 pub use impact::Impact;
 pub use impacting::{Impacting, ImpactingReport, REST, When};
@@ -150,7 +162,7 @@ pub use shape::Shape;
 pub use spatial::Spatial;
 pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "3d")]
-pub use touching_bodies::{Bodies, TouchingBodies, TouchingReport};
+pub use touching_bodies::{Bodies, Settling, TouchingBodies, TouchingReport};
 #[cfg(feature = "2d")]
 pub use world::PlanarWorld;
 #[cfg(feature = "3d")]

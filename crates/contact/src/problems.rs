@@ -9,8 +9,15 @@
 //! | [`ball_in_corner`] | a ball flies into a right corner | each component turns back by c |
 //! | [`box_on_plane`] | a box lands on a hundred points at once | it stops, forces not unique |
 //! | [`listed_twice`] | a ball hits a wall that is listed twice | the wall counts once |
+//! | [`columns_of_boxes`], [`falling_boxes`] | boxes that stand or fall into a pile | they rest |
+
+#[cfg(feature = "3d")]
+mod boxes;
 
 use stationary_calculus::DiagonalMetric;
+
+#[cfg(feature = "3d")]
+pub use boxes::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
 
 use crate::{ContactError, ContactRows, Impact, InverseMass};
 

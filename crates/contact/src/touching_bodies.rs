@@ -3,27 +3,33 @@
 //! ```text
 //! v~ = v - h M^-1 dV                         the kick
 //! v  <- impact where g + h dg v~ < 0         restitution, on the velocity before the kick
-//! dg v + g/h >= 0,  friction                 the staggered projections
+//! dg v + g/h >= 0,  friction                 staggered projections, contact after contact
 //! (t, R, m) <- moved freely with v           translation straight, rotation keeps R m
 //! ```
 //! `v` velocities of bodies (m/s in world axes, rad/s in body axes). Gaps are linear over the step:
 //! what slides or rests keeps its gap to rounding; corners that turn overlap by order `h^2`, and a
 //! fifth of that is given back each step. Approach of the order of a kick is rest and has no
 //! restitution. A moving obstacle has infinite mass: contacts do not change its velocity, and the
-//! work that it does is reported. On an error the state is as it was. Source: notes 11.4, 11.5.1;
-//! Stewart and Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
+//! work that it does is reported. On an error the state is as it was.
+//!
+//! Impulses start from those of the last step, and each island of bodies that hang together is
+//! solved on its own, so that what rests is only looked at. Small islands without friction so far
+//! are projected exactly; else sweeps settle them, and take no memory once as many contacts have
+//! been met. How far the contact conditions are settled is a choice
+//! ([`Settling`]); what is left of them is reported. Source: notes 11.4, 11.5.1; Stewart and
+//! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{State, StepError};
 use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Poses, Rotation};
 
 use crate::error::check_finite;
-use crate::friction::SETTLED;
-use crate::projection::{all, project_with};
-use crate::{
-    ContactError, ContactId, ContactPoint, ContactRows, Detector, Frictional, Impact, ImpactLaw,
-    InverseMass, gap_rows,
-};
+use crate::exact_normals::Unpushed;
+use crate::islands::Islands;
+use crate::last_impulses::{LastImpulses, impulse};
+use crate::rigid_contact::{Placed, RigidContact, Six, scale};
+use crate::sweeps::{Island, Sweeps};
+use crate::{ContactError, ContactPoint, Detector, Impact, ImpactLaw, InverseMass, gap_rows};
 
 /// Bodies under a potential.
 pub type Bodies<P> = System<BodyMetric<Poses>, P, Poses>;
@@ -33,6 +39,12 @@ pub type Bodies<P> = System<BodyMetric<Poses>, P, Poses>;
 pub struct TouchingReport {
     /// Contact points within reach of the step.
     pub contacts: usize,
+    /// Islands of bodies that hang together by them.
+    pub islands: usize,
+    /// Islands solved by the exact projection without friction.
+    pub projected: usize,
+    /// Contacts relaxed, over all sweeps; none where everything rests as it did.
+    pub relaxed: usize,
     /// Passes of the impact law.
     pub impacts: usize,
     /// How far the normal conditions are from being met, m/s.
@@ -45,10 +57,30 @@ pub struct TouchingReport {
     pub work: f64,
 }
 
+/// How far the contact conditions of a step are settled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// Sweeps end where no contact changes a velocity by more than this, m/s; rounding ends them
+    /// in any case.
+    pub change: f64,
+    /// The most sweeps over an island in a step.
+    pub sweeps: usize,
+}
+
+impl Default for Settling {
+    fn default() -> Self {
+        Settling { change: 0.0, sweeps: 2_000 }
+    }
+}
+
 /// The part of an overlap that a step gives back.
 const GIVEN_BACK: f64 = 0.2;
 /// Gaps up to this part of a body's size are looked at even where nothing moves.
 const REACH: f64 = 1e-6;
+/// Changes of velocities relative to the fastest that are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Gaps relative to the farthest coordinate that are rounding: what moves no more rests.
+const GAPS: f64 = 2.0 * f64::EPSILON;
 
 /// Steps of bodies that touch.
 #[derive(Debug)]
@@ -58,20 +90,48 @@ pub struct TouchingBodies<'s, P> {
     mass: InverseMass,
     obstacles: Vec<usize>,
     law: ImpactLaw,
-    last: Vec<(ContactId, f64)>,
+    settling: Settling,
+    last: LastImpulses,
+    memory: Memory,
+}
+
+/// What a step writes before it is known to succeed.
+#[derive(Debug, Default)]
+struct Memory {
+    v: Vector<Vec<f64>>,
+    kick: Vector<Vec<f64>>,
+    dv: Covector<Vec<f64>>,
+    scales: Vec<Six>,
+    placed: Vec<Placed>,
+    contacts: Vec<RigidContact>,
+    bias: Vec<f64>,
+    islands: Islands,
+    x: Vec<[f64; 3]>,
+    sweeps: Sweeps,
+    next: State<Vec<f64>>,
 }
 
 impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// Bodies with these colliders.
     pub fn new(system: &'s Bodies<P>, detector: Detector) -> Result<Self, ContactError> {
-        let mass = InverseMass::of(system.metric())?;
+        let n = system.dim();
+        let zeros = || Vector(vec![0.0; n]);
+        let memory = Memory {
+            v: zeros(),
+            kick: zeros(),
+            dv: Covector(vec![0.0; n]),
+            scales: system.metric().bodies().iter().map(scale).collect(),
+            ..Memory::default()
+        };
         Ok(TouchingBodies {
             system,
             detector,
-            mass,
+            mass: InverseMass::of(system.metric())?,
             obstacles: Vec::new(),
             law: ImpactLaw::GeneralizedReflections,
-            last: Vec::new(),
+            settling: Settling::default(),
+            last: LastImpulses::default(),
+            memory,
         })
     }
 
@@ -82,6 +142,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
             return Err(SizeError { what: "an obstacle", expected: bodies, got }.into());
         }
         self.mass = self.mass.holding(obstacles.iter().flat_map(|&body| 6 * body..6 * body + 6));
+        obstacles.iter().for_each(|&body| self.memory.scales[body] = [0.0; 6]);
         self.obstacles = obstacles;
         Ok(self)
     }
@@ -89,6 +150,11 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// The same with another impact law.
     pub fn with_law(self, law: ImpactLaw) -> Self {
         TouchingBodies { law, ..self }
+    }
+
+    /// The same with contact conditions settled so far.
+    pub fn with_settling(self, settling: Settling) -> Self {
+        TouchingBodies { settling, ..self }
     }
 
     /// The detector, to look at contacts.
@@ -108,167 +174,178 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         let n = self.system.dim();
         SizeError::check("the momentum's components", n, state.p.components().len())?;
         check_finite("the momentum", state.p.components())?;
-        let mut before = self.velocity(&state.p);
-        let kick = self.kick(state, h);
-        let reach = self.reach(&before, &kick, h);
+        self.system.metric().sharp(state.p.view(), self.memory.v.view_mut());
+        self.kick(state, h);
+        let reach = self.reach(h);
         self.detector.detect(&state.q, reach)?;
         let contacts = self.detector.take_contacts();
-        let mut report = TouchingReport { contacts: contacts.len(), ..Default::default() };
-        report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
-        let solved = self.solve(&contacts, &state.q, &kick, h, &mut before, &mut report);
+        let stepped = self.step_with(&contacts, state, h);
         self.detector.put_back(contacts);
-        let lambda = solved?;
-        let next = self.moved(state, &before, h)?;
-        self.last = lambda;
-        *state = next;
+        let report = stepped?;
+        std::mem::swap(state, &mut self.memory.next);
         Ok(report)
     }
 
-    /// Turns the velocity before a step into that over it; the normal impulses by contact.
-    fn solve(
-        &self,
+    /// Solves the contacts and moves the next state.
+    fn step_with(
+        &mut self,
         contacts: &[ContactPoint],
-        q: &[f64],
-        kick: &Vector<Vec<f64>>,
+        state: &State<Vec<f64>>,
         h: f64,
-        v: &mut Vector<Vec<f64>>,
-        report: &mut TouchingReport,
-    ) -> Result<Vec<(ContactId, f64)>, ContactError> {
-        if contacts.is_empty() {
-            v.add_scaled(1.0, kick.view());
-            return Ok(Vec::new());
+    ) -> Result<TouchingReport, ContactError> {
+        let mut report = TouchingReport { contacts: contacts.len(), ..Default::default() };
+        report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
+        if contacts.iter().any(|contact| contact.restitution > 0.0) {
+            self.impacts(contacts, &state.q, h, &mut report)?;
         }
-        let rows = gap_rows(contacts, q);
-        self.impacts(contacts, &rows, kick, h, v, report)?;
+        let Memory { v, kick, .. } = &mut self.memory;
         v.add_scaled(1.0, kick.view());
-        self.rest(contacts, rows, q, h, v, report)
+        if !contacts.is_empty() {
+            self.rest(contacts, &state.q, h, &mut report)?;
+        }
+        self.move_freely(state, h)?;
+        self.last.keep(contacts, h, &self.memory.x);
+        Ok(report)
     }
 
     /// Impacts of what would close its gap in this step.
     fn impacts(
-        &self,
+        &mut self,
         contacts: &[ContactPoint],
-        rows: &ContactRows,
-        kick: &Vector<Vec<f64>>,
+        q: &[f64],
         h: f64,
-        v: &mut Vector<Vec<f64>>,
         report: &mut TouchingReport,
     ) -> Result<(), ContactError> {
-        let kicked = sum(v, kick);
-        let bounces = |&i: &usize| {
-            let by_kick = rows.along(i, kick.view()).abs();
-            let closes = contacts[i].gap + h * rows.along(i, kicked.view()) < 0.0;
-            closes && rows.along(i, v.view()) < -2.0 * by_kick && contacts[i].restitution > 0.0
+        let Memory { v, kick, .. } = &mut self.memory;
+        let rows = gap_rows(contacts, q);
+        let rate = |i: usize, v: &Vector<Vec<f64>>| rows.along(i, v.view());
+        let closes = |i: usize| contacts[i].gap + h * (rate(i, v) + rate(i, kick)) < 0.0;
+        let bounces = |i: usize| {
+            let fast = rate(i, v) < -2.0 * rate(i, kick).abs();
+            fast && contacts[i].restitution > 0.0 && closes(i)
         };
-        if !(0..contacts.len()).any(|i| bounces(&i)) {
+        if !(0..contacts.len()).any(bounces) {
             return Ok(());
         }
-        let closing: Vec<usize> = (0..contacts.len())
-            .filter(|&i| contacts[i].gap + h * rows.along(i, kicked.view()) < 0.0)
-            .collect();
-        let own = closing.iter().map(|i| if bounces(i) { contacts[*i].restitution } else { 0.0 });
-        let impact = Impact::new(rows.reordered(&closing), &self.mass, own.collect())?;
+        let closing: Vec<usize> = (0..contacts.len()).filter(|&i| closes(i)).collect();
+        let own = |&i: &usize| if bounces(i) { contacts[i].restitution } else { 0.0 };
+        let own = closing.iter().map(own).collect();
+        let impact = Impact::new(rows.reordered(&closing), &self.mass, own)?;
         report.impacts = self.law.apply(&impact, v.view_mut())?.passes;
         Ok(())
     }
 
-    /// Resting contact and friction; the normal impulses by contact.
+    /// Resting contact and friction.
     fn rest(
-        &self,
+        &mut self,
         contacts: &[ContactPoint],
-        rows: ContactRows,
         q: &[f64],
         h: f64,
-        v: &mut Vector<Vec<f64>>,
         report: &mut TouchingReport,
-    ) -> Result<Vec<(ContactId, f64)>, ContactError> {
-        let count = contacts.len();
-        let share = |gap: f64| if gap < 0.0 { GIVEN_BACK * gap } else { gap };
-        let bias: Vec<f64> = contacts.iter().map(|c| share(c.gap) / h).collect();
-        let normal = Impact::new(rows, &self.mass, vec![0.0; count])?;
-        let start = v.clone();
-        let done = project_with(&normal, &all(count), &bias, &self.guess(contacts), v.view_mut())?;
-        let mut pushes = done.impulses;
-        report.residual = done.residual;
-        // What does not slide needs no friction.
-        let rubs = |c: &&ContactPoint| c.friction > 0.0;
-        let slip = contacts.iter().filter(rubs).map(|c| c.sliding(q, v.view())).fold(0.0, f64::max);
-        report.coulomb = slip;
-        if slip > SETTLED * normal.approach(start.view()) {
-            let friction: Vec<f64> = contacts.iter().map(|c| c.friction).collect();
-            let mut sliding = ContactRows::new();
-            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut sliding));
-            let tangent = Impact::new(sliding, &self.mass, vec![0.0; 2 * count])?;
-            let frictional =
-                Frictional { normal: &normal, tangent: &tangent, bias: &bias, friction: &friction };
-            v.copy_from(start.view());
-            let done = frictional.stagger(&pushes, v.view_mut())?;
-            (report.residual, report.coulomb) = (done.residual, done.coulomb);
-            report.work = self.work(&tangent, &done.friction, v);
-            pushes = done.normal;
+    ) -> Result<(), ContactError> {
+        let memory = &mut self.memory;
+        let bodies = memory.scales.len();
+        let v = &memory.v.0;
+        let placed = |(body, &scale): (usize, &Six)| Placed::new(body, scale, q, v);
+        memory.placed.clear();
+        memory.placed.extend(memory.scales.iter().enumerate().map(placed));
+        memory.contacts.clear();
+        memory.bias.clear();
+        let mut fastest = 0.0_f64;
+        for (number, contact) in contacts.iter().enumerate() {
+            let share = if contact.gap < 0.0 { GIVEN_BACK } else { 1.0 };
+            let bias = share * contact.gap / h;
+            let packed = RigidContact::new(number, contact, bias, &memory.placed)?;
+            let [normal, first, second] = packed.offset;
+            let speed = (normal - bias).abs().max(first.abs()).max(second.abs());
+            fastest = fastest.max(speed);
+            memory.contacts.push(packed);
+            memory.bias.push(bias);
         }
-        report.work += self.work(&normal, &pushes, v);
-        Ok(contacts.iter().map(|contact| contact.id).zip(pushes).collect())
-    }
-
-    /// The normal impulses that the last step ended with. Both lists are sorted.
-    fn guess(&self, contacts: &[ContactPoint]) -> Vec<f64> {
-        let mut last = self.last.iter().peekable();
-        let of = |contact: &ContactPoint| {
-            while last.next_if(|(id, _)| *id < contact.id).is_some() {}
-            last.next_if(|(id, _)| *id == contact.id).map_or(0.0, |(_, lambda)| *lambda)
-        };
-        contacts.iter().map(of).collect()
-    }
-
-    /// The work that obstacles do by these impulses.
-    fn work(&self, impact: &Impact, impulses: &[f64], v: &Vector<Vec<f64>>) -> f64 {
-        if self.obstacles.is_empty() {
-            return 0.0;
+        self.last.guess(contacts, h, &mut memory.x);
+        let packed = &memory.contacts;
+        memory.islands.find(bodies, |i| packed[i].bodies, packed.len());
+        memory.sweeps.start(bodies, packed, &memory.x);
+        let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let rounding = (ROUNDING * fastest).max(GAPS * farthest / h);
+        let settled = self.settling.change.max(rounding);
+        let (v, bias) = (&memory.v.0, &memory.bias);
+        let unpushed = Unpushed { points: contacts, q, v, mass: &self.mass, bias };
+        for (members, of) in memory.islands.iter() {
+            let island = Island { contacts: members, bodies: of };
+            let (x, sweeps) = (&mut memory.x, &mut memory.sweeps);
+            let met = |left: &[f64; 2]| left.iter().all(|left| *left <= settled);
+            let smooth = |&i: &usize| packed[i].speed(&[0.0, x[i][1], x[i][2]]) <= settled;
+            let smooth = members.iter().all(smooth);
+            let mut left = sweeps.residuals(island, packed, x);
+            if !met(&left) && smooth && unpushed.project(island, packed, x, sweeps)? {
+                report.projected += 1;
+                left = sweeps.residuals(island, packed, x);
+            }
+            if !met(&left) {
+                let taken = sweeps.settle(island, packed, x, settled, self.settling.sweeps);
+                report.relaxed += taken * members.len();
+                left = sweeps.residuals(island, packed, x);
+            }
+            report.islands += 1;
+            report.residual = report.residual.max(left[0]);
+            report.coulomb = report.coulomb.max(left[1]);
         }
-        let power = |contact: usize| {
-            let held = impact.rows().row(contact).filter(|&(f, _)| self.mass.is_held(f));
-            held.map(|(freedom, value)| value * v.0[freedom]).sum::<f64>()
-        };
-        impulses.iter().enumerate().map(|(i, impulse)| -impulse * power(i)).sum()
+        for body in memory.islands.iter().flat_map(|(_, of)| of) {
+            let after = memory.placed[*body].after(&memory.sweeps.w[*body]);
+            memory.v.0[6 * body..][..6].copy_from_slice(&after);
+        }
+        report.work = self.work(contacts);
+        Ok(())
     }
 
-    fn velocity(&self, p: &Covector<Vec<f64>>) -> Vector<Vec<f64>> {
-        let mut v = Vector(vec![0.0; self.system.dim()]);
-        self.system.metric().sharp(p.view(), v.view_mut());
-        v
+    /// The work that obstacles do by the impulses.
+    fn work(&self, contacts: &[ContactPoint]) -> f64 {
+        let of = |(contact, x): (&ContactPoint, &[f64; 3])| -> f64 {
+            let on_second = impulse(contact, x);
+            let side = |k: usize, sign: f64| match contact.bodies[k] {
+                Some(body) if self.mass.is_held(6 * body) => {
+                    let velocity = self.memory.placed[body].velocity_at(&contact.arms[k]);
+                    -sign * on_second.dot(&velocity)
+                }
+                _ => 0.0,
+            };
+            side(0, -1.0) + side(1, 1.0)
+        };
+        match self.obstacles.is_empty() {
+            true => 0.0,
+            false => contacts.iter().zip(&self.memory.x).map(of).sum(),
+        }
     }
 
     /// The velocity that the potential gives in a step; none to obstacles.
-    fn kick(&self, state: &State<Vec<f64>>, h: f64) -> Vector<Vec<f64>> {
-        let mut dv = Covector(vec![0.0; self.system.dim()]);
+    fn kick(&mut self, state: &State<Vec<f64>>, h: f64) {
+        let Memory { dv, kick, .. } = &mut self.memory;
+        dv.0.fill(0.0);
         self.system.potential().add_differential(&state.q, dv.view_mut());
         for (freedom, dv) in dv.0.iter_mut().enumerate() {
             *dv *= if self.mass.is_held(freedom) { 0.0 } else { -h };
         }
-        self.velocity(&dv)
+        self.system.metric().sharp(dv.view(), kick.view_mut());
     }
 
     /// How far apart two bodies may be and still meet in a step.
-    fn reach(&self, v: &Vector<Vec<f64>>, kick: &Vector<Vec<f64>>, h: f64) -> f64 {
+    fn reach(&self, h: f64) -> f64 {
         let fastest = |(body, (v, kick)): (usize, (&[f64], &[f64]))| {
             let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
             let radius = self.detector.radius(body);
             let speed = |v: &[f64]| length(&v[..3]) + radius * length(&v[3..]);
             h * (speed(v) + speed(kick)) + REACH * radius
         };
+        let Memory { v, kick, .. } = &self.memory;
         let bodies = v.0.chunks_exact(6).zip(kick.0.chunks_exact(6)).enumerate();
         2.0 * bodies.map(fastest).fold(0.0, f64::max)
     }
 
-    /// The state a step later: centres straight, rotations free.
-    fn moved(
-        &self,
-        state: &State<Vec<f64>>,
-        v: &Vector<Vec<f64>>,
-        h: f64,
-    ) -> Result<State<Vec<f64>>, ContactError> {
-        let mut next = state.clone();
+    /// Writes the state a step later: centres straight, rotations free.
+    fn move_freely(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(), ContactError> {
+        let Memory { v, next, .. } = &mut self.memory;
+        next.clone_from(state);
         self.system.metric().flat(v.view(), next.p.view_mut());
         for (i, body) in self.system.metric().bodies().iter().enumerate() {
             let rotation: Rotation = Poses::pose(&state.q, i).rotation;
@@ -282,12 +359,6 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
         next.t = state.t + h;
-        Ok(next)
+        Ok(())
     }
-}
-
-fn sum(a: &Vector<Vec<f64>>, b: &Vector<Vec<f64>>) -> Vector<Vec<f64>> {
-    let mut sum = a.clone();
-    sum.add_scaled(1.0, b.view());
-    sum
 }

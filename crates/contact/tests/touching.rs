@@ -3,8 +3,9 @@
 #![cfg(feature = "3d")]
 
 use nalgebra::Vector3;
+use stationary_contact::problems::{columns_of_boxes, falling_boxes};
 use stationary_contact::{
-    Bodies, Collider, ContactError, Detector, Shape, TouchingBodies, TouchingReport,
+    Bodies, Collider, ContactError, Detector, Settling, Shape, TouchingBodies, TouchingReport,
 };
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -70,6 +71,45 @@ fn twenty_boxes_stand_for_ten_thousand_steps_and_drift_by_less_than_a_millionth_
     println!("drift {drift:e}, speed {speed:e}, {worst:?}");
     assert!(drift < 1e-6 && speed < 1e-9, "{drift} {speed}");
     assert!(worst.residual < 1e-10 && worst.coulomb < 1e-10 && worst.overlap < 1e-9, "{worst:?}");
+}
+
+#[test]
+fn columns_that_rest_are_only_looked_at() {
+    let boxes = columns_of_boxes(4, 10).unwrap();
+    let mut state = boxes.state.clone();
+    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector().unwrap()).unwrap();
+    bodies.step(&mut state, 1e-3).unwrap();
+    let (mut visits, mut worst) = (0, 0.0_f64);
+    for _ in 0..200 {
+        let report = bodies.step(&mut state, 1e-3).unwrap();
+        assert_eq!((report.islands, report.contacts), (4, 160));
+        visits += report.relaxed;
+        worst = worst.max(report.residual).max(report.coulomb);
+    }
+    println!("visits to 160 contacts in 200 steps: {visits}, residual {worst:e}");
+    assert!(visits <= 160 && worst < 1e-10, "{visits} {worst}");
+}
+
+#[test]
+fn a_falling_pile_comes_to_rest_and_its_conditions_are_settled_as_far_as_asked() {
+    let boxes = falling_boxes(27).unwrap();
+    let mut state = boxes.state.clone();
+    let settling = Settling { change: 1e-9, sweeps: 2_000 };
+    let bodies = TouchingBodies::new(&boxes.system, boxes.detector().unwrap()).unwrap();
+    let mut bodies = bodies.with_settling(settling);
+    let (start, mut resting) = (boxes.energy(&state), 0.0_f64);
+    for step in 0..1_000 {
+        let report = bodies.step(&mut state, 2e-3).unwrap();
+        if step >= 600 {
+            resting = resting.max(report.residual).max(report.coulomb);
+        }
+        assert!(boxes.energy(&state) < start, "{step}");
+    }
+    let speed =
+        state.p.0.chunks_exact(6).flat_map(|p| &p[..3]).fold(0.0_f64, |m, p| m.max(p.abs()));
+    println!("left at rest {resting:e}, speed {speed:e}");
+    // What one contact changes last, some of the others feel.
+    assert!(resting < 100.0 * settling.change && speed < 1e-6, "{resting} {speed}");
 }
 
 /// A block on an incline whose friction is mu: its speed after a second, and its largest gap.

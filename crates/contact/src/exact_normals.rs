@@ -1,0 +1,57 @@
+//! The normal impulses of a small island without friction, exactly: by active sets.
+//!
+//! ```text
+//! min 1/2 |v - v_f|^2 in the metric M,   dg v + bias >= 0,   beta = 0                  (11.5.1)
+//! ```
+//! What has just come to stand, and what has no friction, is solved by this at once, to rounding,
+//! where sweeps would pass momentum on from contact to contact. The cost grows with the cube of the
+//! contacts that push, so that larger islands are left to the sweeps. See [`crate::project`].
+
+use stationary_calculus::Vector;
+
+use crate::projection::{all, project_with};
+use crate::rigid_contact::RigidContact;
+use crate::sweeps::{Island, Sweeps};
+use crate::{ContactError, ContactPoint, ContactRows, Impact, InverseMass};
+
+/// Islands of more contacts are left to the sweeps.
+const CONTACTS: usize = 300;
+
+/// Bodies before any impulse of this step.
+pub(crate) struct Unpushed<'a> {
+    pub(crate) points: &'a [ContactPoint],
+    pub(crate) q: &'a [f64],
+    pub(crate) v: &'a [f64],
+    pub(crate) mass: &'a InverseMass,
+    /// How much of each gap is left, over the step, m/s.
+    pub(crate) bias: &'a [f64],
+}
+
+impl Unpushed<'_> {
+    /// Replaces the impulses of an island by those of the projection; says whether it did.
+    pub(crate) fn project(
+        &self,
+        island: Island,
+        packed: &[RigidContact],
+        x: &mut [[f64; 3]],
+        sweeps: &mut Sweeps,
+    ) -> Result<bool, ContactError> {
+        let members = island.contacts;
+        if members.len() > CONTACTS {
+            return Ok(false);
+        }
+        let mut rows = ContactRows::with_room(members.len(), 12 * members.len());
+        members.iter().for_each(|&i| self.points[i].push_row(self.q, &mut rows));
+        let impact = Impact::new(rows, self.mass, vec![0.0; members.len()])?;
+        let bias: Vec<f64> = members.iter().map(|&i| self.bias[i]).collect();
+        let guess: Vec<f64> = members.iter().map(|&i| x[i][0]).collect();
+        let mut v = Vector(self.v.to_vec());
+        let done = project_with(&impact, &all(members.len()), &bias, &guess, v.view_mut());
+        let Ok(done) = done else { return Ok(false) };
+        for (&i, push) in members.iter().zip(done.impulses) {
+            packed[i].push(&[push - x[i][0], -x[i][1], -x[i][2]], &mut sweeps.w);
+            x[i] = [push, 0.0, 0.0];
+        }
+        Ok(true)
+    }
+}

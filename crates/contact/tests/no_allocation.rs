@@ -1,0 +1,42 @@
+//! A step takes no memory once as many contacts have been met: counted by an allocator.
+
+#![cfg(feature = "3d")]
+
+use allocation_counter::measure;
+use nalgebra::Vector3;
+use stationary_contact::problems::{Boxes, falling_boxes};
+use stationary_contact::{Collider, Detector, Shape, TouchingBodies};
+use stationary_integrators::State;
+use stationary_rigid::{LieGroup, RigidMotion, Rotation};
+
+/// Boxes on a floor that is a box: the geometry library makes a list for each box on a half-space.
+fn detector(count: usize) -> Detector {
+    let cube = Shape::cuboid([0.5; 3]).unwrap();
+    let on_body = |body| Collider::on_body(body, cube.clone()).with_friction(0.5);
+    let mut colliders: Vec<_> = (0..count).map(on_body).collect();
+    let below = RigidMotion { translation: -Vector3::z(), rotation: Rotation::identity() };
+    let floor = Collider::fixed(below, Shape::cuboid([50.0, 50.0, 1.0]).unwrap());
+    colliders.push(floor.with_friction(0.5));
+    Detector::new(colliders, count).unwrap()
+}
+
+/// Allocations in the last of the steps, the second time that they are taken.
+fn allocations(boxes: &Boxes, steps: usize, last: usize) -> u64 {
+    let detector = detector(boxes.starts.len());
+    let mut bodies = TouchingBodies::new(&boxes.system, detector).unwrap();
+    let run = |bodies: &mut TouchingBodies<_>, state: &mut State<Vec<f64>>, steps: usize| {
+        (0..steps).map(|_| bodies.step(state, 2e-3).unwrap().relaxed).sum::<usize>()
+    };
+    run(&mut bodies, &mut boxes.state.clone(), steps);
+    let mut again = boxes.state.clone();
+    run(&mut bodies, &mut again, steps - last);
+    let mut visits = 0;
+    let used = measure(|| visits = run(&mut bodies, &mut again, last)).count_total;
+    assert!(visits > 0);
+    used
+}
+
+#[test]
+fn sweeps_take_no_memory_once_as_many_contacts_have_been_met() {
+    assert_eq!(allocations(&falling_boxes(8).unwrap(), 500, 40), 0);
+}
