@@ -93,6 +93,8 @@ mod mesh_filter;
 mod gaps;
 mod penalty;
 mod impacting;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod impact_rounds;
 #[cfg(feature = "3d")]
 mod rigid_contact;
 #[cfg(feature = "3d")]

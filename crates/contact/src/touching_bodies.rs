@@ -25,11 +25,12 @@ use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Po
 
 use crate::error::check_finite;
 use crate::exact_normals::Unpushed;
+use crate::impact_rounds::ImpactRounds;
 use crate::islands::Islands;
 use crate::last_impulses::{LastImpulses, impulse};
 use crate::rigid_contact::{Placed, RigidContact, Six, scale};
 use crate::sweeps::{Island, Sweeps};
-use crate::{ContactError, ContactPoint, Detector, Impact, ImpactLaw, InverseMass, gap_rows};
+use crate::{ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, gap_rows};
 
 /// Bodies under a potential.
 pub type Bodies<P> = System<BodyMetric<Poses>, P, Poses>;
@@ -218,21 +219,9 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     ) -> Result<(), ContactError> {
         let Memory { v, kick, .. } = &mut self.memory;
         let rows = gap_rows(contacts, q);
-        let rate = |i: usize, v: &Vector<Vec<f64>>| rows.along(i, v.view());
-        let closes = |i: usize| contacts[i].gap + h * (rate(i, v) + rate(i, kick)) < 0.0;
-        let bounces = |i: usize| {
-            let fast = rate(i, v) < -2.0 * rate(i, kick).abs();
-            fast && contacts[i].restitution > 0.0 && closes(i)
-        };
-        if !(0..contacts.len()).any(bounces) {
-            return Ok(());
-        }
-        let closing: Vec<usize> = (0..contacts.len()).filter(|&i| closes(i)).collect();
-        let own = |&i: &usize| if bounces(i) { contacts[i].restitution } else { 0.0 };
-        let own = closing.iter().map(own).collect();
-        let impact = Impact::new(rows.reordered(&closing), &self.mass, own)?;
-        report.impacts = self.law.apply(&impact, v.view_mut())?.passes;
-        Ok(())
+        let rounds = ImpactRounds { rows: &rows, mass: &self.mass, law: self.law, kick, h };
+        let (gap, restitution) = (|i: usize| contacts[i].gap, |i: usize| contacts[i].restitution);
+        rounds.apply(gap, restitution, v, |_, _, done, _| report.impacts += done.passes)
     }
 
     /// Resting contact and friction.

@@ -25,11 +25,12 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector
 use stationary_integrators::{State, StepError};
 
 use crate::error::check_finite;
+use crate::impact_rounds::ImpactRounds;
 use crate::projection::{all, project_with};
 use crate::row_friction::{RowFriction, SETTLED};
 use crate::{
-    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, Impact, ImpactLaw, InverseMass,
-    gap_rows,
+    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, Impact, ImpactLaw, ImpactReport,
+    InverseMass, gap_rows,
 };
 
 /// Bodies under a potential, in the plane or in space.
@@ -197,34 +198,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
         touches: &mut [Touch<G>],
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let mut closing: Vec<usize> = Vec::new();
-        // Each round adds a contact.
-        for _ in 0..touches.len() {
-            let kicked = sum(v, kick);
-            let hits = |&i: &usize| {
-                let gap = touches[i].contact.gap;
-                let by_kick = rows.along(i, kick.view()).abs();
-                gap + h * rows.along(i, kicked.view()) < 0.0
-                    && rows.along(i, v.view()) < -2.0 * by_kick
+        let rounds = ImpactRounds { rows, mass: &self.mass, law: self.law, kick, h };
+        let surfaces: Vec<[f64; 2]> =
+            touches.iter().map(|t| [t.contact.gap, t.contact.restitution]).collect();
+        let seen =
+            |impact: &Impact, closing: &[usize], done: &ImpactReport, v: &Vector<Vec<f64>>| {
+                report.impacts += done.passes;
+                for (&i, impulse) in closing.iter().zip(&done.impulses) {
+                    touches[i].impact += impulse;
+                }
+                report.work += self.work(impact, &done.impulses, v);
             };
-            let new: Vec<usize> =
-                (0..touches.len()).filter(|i| !closing.contains(i)).filter(hits).collect();
-            let bounces = |&i: &usize| touches[i].contact.restitution > 0.0;
-            if !new.iter().any(bounces) {
-                break;
-            }
-            closing.extend(new);
-            closing.sort_unstable();
-            let own = closing.iter().map(|&i| touches[i].contact.restitution);
-            let impact = Impact::new(rows.reordered(&closing), &self.mass, own.collect())?;
-            let done = self.law.apply(&impact, v.view_mut())?;
-            report.impacts += done.passes;
-            for (&i, impulse) in closing.iter().zip(&done.impulses) {
-                touches[i].impact += impulse;
-            }
-            report.work += self.work(&impact, &done.impulses, v);
-        }
-        Ok(())
+        rounds.apply(|i| surfaces[i][0], |i| surfaces[i][1], v, seen)
     }
 
     /// Resting contact and friction.
@@ -351,10 +336,4 @@ impl<G: Dimension, P: Potential> World<G, P> {
         next.t = state.t + h;
         Ok(next)
     }
-}
-
-fn sum(a: &Vector<Vec<f64>>, b: &Vector<Vec<f64>>) -> Vector<Vec<f64>> {
-    let mut sum = a.clone();
-    sum.add_scaled(1.0, b.view());
-    sum
 }

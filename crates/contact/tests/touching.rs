@@ -9,7 +9,7 @@ use stationary_contact::{
 };
 use stationary_integrators::State;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, Free, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 const G: f64 = 10.0;
@@ -235,4 +235,28 @@ fn bad_steps_leave_the_state() {
     state.p.0[3] = f64::NAN;
     assert!(matches!(bodies.step(&mut state, 1e-3), Err(ContactError::NonFinite { .. })));
     assert_eq!(state.q, start.q);
+}
+
+#[test]
+fn as_many_balls_leave_a_row_that_touches_as_arrive() {
+    for moving in 1..=3 {
+        let metric = BodyMetric::<Poses>::new(vec![Body::new(1.0, [0.1; 3]).unwrap(); 5]);
+        let motion = |k: usize| BodyMotion {
+            velocity: if k < moving { Vector3::x() } else { Vector3::zeros() },
+            ..still(at(k as f64, 0.0, 0.0))
+        };
+        let mut state = metric.state(&(0..5).map(motion).collect::<Vec<_>>()).unwrap();
+        let ball = Shape::ball(0.5).unwrap();
+        let on = |body| Collider::on_body(body, ball.clone()).with_restitution(1.0);
+        let detector = Detector::new((0..5).map(on).collect(), 5).unwrap();
+        let free = metric.under(Free { freedoms: 30 }).unwrap();
+        let mut touching = TouchingBodies::new(&free, detector).unwrap();
+        for _ in 0..100 {
+            touching.step(&mut state, 1e-3).unwrap();
+        }
+        for (ball, p) in state.p.0.chunks_exact(6).enumerate() {
+            let expected = if ball >= 5 - moving { 1.0 } else { 0.0 };
+            assert!((p[0] - expected).abs() < 1e-12, "{ball} {p:?}");
+        }
+    }
 }
