@@ -62,7 +62,11 @@ struct Data<'a> {
     followed: Vec<usize>,
     /// The radius of each followed particle's mark.
     sizes: Vec<f64>,
+    /// Its own radius, in the scene's units.
+    radii: Vec<f64>,
     pinned: Vec<usize>,
+    /// Centres and radii of what nothing enters.
+    balls: Vec<([f64; 3], f64)>,
     /// Pairs of particles; faces are three particles and a colour.
     springs: String,
     rods: String,
@@ -195,8 +199,11 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         floor: floor(run, samples),
         names: scene.particles.iter().map(|particle| particle.name.as_str()).collect(),
         sizes: sizes(run, &followed),
+        radii: followed.iter().map(|&particle| scene.particles[particle].radius).collect(),
         followed,
-        pinned: scene.pins().collect(),
+        // What is heated does not move.
+        pinned: scene.pins().filter(|_| scene.heat.is_none()).collect(),
+        balls: balls(run),
         springs: indices(scene.wires().flatten()),
         rods: indices(scene.rods.iter().flat_map(|rod| rod.ends)),
         edges: indices(scene.edges.iter().copied().flatten()),
@@ -213,6 +220,11 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         chart_times: doubles(chart_samples.iter().map(time)),
         charts: charts(run).take(CHARTS).map(|chart| chart.encoded(&chart_samples)).collect(),
     }
+}
+
+fn balls(run: &Run) -> Vec<([f64; 3], f64)> {
+    let fixed = run.scene.contact.iter().flat_map(|contact| &contact.balls);
+    fixed.map(|ball| (ball.centre, ball.radius)).collect()
 }
 
 fn temperatures(run: &Run, samples: &[usize]) -> Field {

@@ -89,7 +89,9 @@ pub(super) fn charts(run: &Run) -> impl Iterator<Item = Plan<'_>> {
         }),
         kind: Kind::Values,
     };
-    [drift, energies].into_iter().chain(observables(run))
+    // Heat has no energy of motion.
+    let energies = [drift, energies].into_iter().filter(|_| run.scene.heat.is_none());
+    energies.chain(observables(run))
 }
 
 fn observables(run: &Run) -> impl Iterator<Item = Plan<'_>> {

@@ -83,6 +83,25 @@ const drawScale = () => {
   write(shown(largest), x + width, y + 26, stage.colours.soft, "right");
 };
 
+// The canvas a unit of the scene, at a nearness to the eye.
+const magnified = (near) => {
+  const distance = EYE * camera.radius;
+  return camera.fit * camera.zoom * (spatial ? distance / Math.max(distance - near, 0.1 * distance) : 1);
+};
+
+// A ball, lit like faces.
+const drawBall = (x, y, radius, style) => {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  const lit = hex(style).map((own) => Math.min(255, Math.round(1.1 * own)));
+  const dark = hex(style).map((own) => Math.round(0.62 * own));
+  const shading = pen.createRadialGradient(x - 0.4 * radius, y - 0.5 * radius, 0.1 * radius, x, y, radius);
+  shading.addColorStop(0, `rgb(${lit})`);
+  shading.addColorStop(1, `rgb(${spatial ? dark : lit})`);
+  pen.fillStyle = shading;
+  pen.fill();
+};
+
 // Faces, edges of bodies and springs, far ones first, so that the near ones cover them.
 const drawSolids = () => {
   const { x, y, near } = seen;
@@ -97,12 +116,22 @@ const drawSolids = () => {
       pieces.push({ depth: 0.5 * (near[a] + near[b]) + lift, a, b, style, width });
     }
   };
-  line(edges, stage.colours.ink, 1.4);
+  if (!data.wired) line(edges, stage.colours.ink, 1.4);
+  else if (!data.field) line(edges, stage.colours.end, 0.5);
   line(motion.springs, stage.colours.end, 1.2);
+  const project = projector();
+  for (const [centre, radius] of data.balls) {
+    const [cx, cy, depth] = project(...centre);
+    pieces.push({ depth, ball: [cx, cy, radius * magnified(depth)] });
+  }
   if (spatial) pieces.sort((one, other) => one.depth - other.depth);
   const base = hex(stage.colours.face);
-  for (const { face, a, b, style, width } of pieces) {
+  for (const { face, ball, a, b, style, width } of pieces) {
     pen.beginPath();
+    if (ball) {
+      drawBall(...ball, stage.colours.face);
+      continue;
+    }
     if (face === undefined) {
       pen.moveTo(x[a], y[a]);
       pen.lineTo(x[b], y[b]);
@@ -207,9 +236,11 @@ const drawPaths = (project) => {
 const drawMarks = () => {
   const { x, y, near } = seen;
   const marks = data.pinned.map((particle) => ({ particle, pin: true }));
-  data.followed.forEach((particle, turnOf) => marks.push({ particle, turnOf, size: data.sizes[turnOf] }));
+  data.followed.forEach((particle, turnOf) => marks.push({ particle, turnOf }));
   if (spatial) marks.sort((one, other) => near[one.particle] - near[other.particle]);
-  for (const { particle, pin, turnOf, size } of marks) {
+  for (const { particle, pin, turnOf } of marks) {
+    const radius = pin || motion.dimension === 1 ? 0 : data.radii[turnOf] * magnified(near[particle]);
+    const size = Math.max(radius, radius > 0 ? 2 : data.sizes[turnOf]);
     pen.beginPath();
     if (pin) pen.rect(x[particle] - 4, y[particle] - 4, 8, 8);
     else pen.arc(x[particle], y[particle], size, 0, 2 * Math.PI);
@@ -288,7 +319,7 @@ const drawStage = () => {
   pen.lineJoin = pen.lineCap = "round";
   drawFloor(project);
   drawPaths(project);
-  if (motion.faces.length) drawSolids();
+  if (motion.faces.length || data.balls.length) drawSolids();
   else {
     strokeLines(motion.springs, () => true, stage.colours.end, motion.springs.length > 4000 ? 0.8 : 1.2);
     for (let k = 0; data.field && k < motion.edges.length; k += 2) {
