@@ -108,7 +108,8 @@ fn main() {
     let iterations = world.integration_parameters.num_solver_iterations;
     println!("{boxes} boxes, steps of {STEP} s; {SETTLING:?}; rapier's iterations {iterations}");
     println!(
-        "{:>5} {:>8} | {:>7} {:>7} {:>5} | {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>6} {:>9} {:>9}",
+        "{:>5} {:>8} | {:>7} {:>7} {:>5} | {:>8} {:>8} {:>8} \
+         | {:>8} {:>8} {:>8} | {:>6} {:>9} {:>9}",
         "t",
         "contacts",
         "ours",
@@ -154,7 +155,8 @@ fn main() {
         slow.append(&mut own);
         slower.append(&mut other);
         println!(
-            "{:5.2} {contacts:8} | {:7.3} {:7.3} {:5.2} | {residual:8.1e} {coulomb:8.1e} {closing:8.1e} \
+            "{:5.2} {contacts:8} | {:7.3} {:7.3} {:5.2} \
+             | {residual:8.1e} {coulomb:8.1e} {closing:8.1e} \
              | {overlap:8.1e} {sunk:8.1e} {:8} | {:6.3} {:9.1} {:9.1}",
             line as f64 * LINE as f64 * STEP,
             1e3 * a,

@@ -6,9 +6,9 @@
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance. Where no contact changes
 //! between open, sticking and sliding, a sweep is linear, and that is the method of minimal
-//! residuals; where the sweep's change grows, it goes back and starts afresh. The last sweep is taken as it is,
-//! so that no impulse pulls and no friction exceeds its reach. Source: Anderson 1965; Walker and Ni
-//! 2011.
+//! residuals; where the sweep's change grows, it goes back and starts afresh. The last sweep is
+//! taken as it is, so that no impulse pulls and no friction exceeds its reach. Source: Anderson
+//! 1965; Walker and Ni 2011.
 
 use nalgebra::{SMatrix, SVector};
 
