@@ -45,7 +45,7 @@ class Cholmod:
 
 
 class Pardiso:
-    """Positive definite, two nested dissections tried, no iterative refinement."""
+    """Positive definite, nested dissection, no iterative refinement."""
 
     def __init__(self, triangle):
         from pypardiso import PyPardisoSolver
@@ -55,7 +55,7 @@ class Pardiso:
             (triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape
         )
         self.solver = PyPardisoSolver(mtype=2)
-        for place, value in [(1, 1), (2, 3), (8, 0), (24, 1)]:
+        for place, value in [(1, 1), (2, 2), (8, 0)]:
             self.solver.set_iparm(place, value)
         self.solver.set_phase(12)
         self.solver._call_pardiso(self.rows, np.zeros((triangle.shape[0], 1)))

@@ -46,7 +46,7 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         check_equilibrium(metric, potential, q, tolerance)?;
         let stiffness = SymmetricMatrix::hessian(potential, q)?;
         let mass = SymmetricMatrix::mass(metric)?;
-        SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
+        check_mass(&mass)?;
         let pencil = SymmetricMatrix::analyse(n, |sink| {
             metric.add_matrix(sink);
             potential.add_hessian(q, sink);
@@ -144,6 +144,24 @@ fn check_equilibrium(
     let share = |i: &usize| (dv.0[*i] * a.0[*i]).abs();
     let freedom = (0..q.len()).max_by(|i, j| share(i).total_cmp(&share(j))).unwrap_or(0);
     Err(ModalError::NoEquilibrium { residual, freedom, tolerance })
+}
+
+/// Masses that are not positive, and pairs of freedoms whose products outweigh their squares: what no
+/// positive definite matrix has. The rest shows when the stiffness is shifted.
+fn check_mass(mass: &SymmetricMatrix) -> Result<(), ModalError> {
+    let starts = mass.column_starts();
+    let diagonal = |freedom: usize| mass.values()[starts[freedom] as usize];
+    for (j, ends) in starts.windows(2).enumerate() {
+        let below = ends[0] as usize + 1..ends[1] as usize;
+        let outweighed = |k: usize| {
+            let product = diagonal(j) * diagonal(mass.rows()[k] as usize);
+            mass.values()[k].powi(2) < product
+        };
+        if !(diagonal(j) > 0.0 && below.into_iter().all(outweighed)) {
+            return Err(ModalError::Mass(SparseError::NotPositiveDefinite { freedom: j }));
+        }
+    }
+    Ok(())
 }
 
 fn scale(stiffness: &SymmetricMatrix, mass: &SymmetricMatrix) -> f64 {

@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{
-    Covector, Metric, Potential, SizeError, SparseError, SymmetricMatrix, Vector,
+    Covector, Metric, Potential, SizeError, SparseCholesky, SparseError, SymmetricMatrix, Vector,
 };
 
 use crate::krylov::Krylov;
@@ -73,6 +73,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
             }
             refused = self.factor(smallest * GROWTH.powi(tried))?;
         }
+        let mass = self.mass().clone();
+        SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
         refused.map_err(ModalError::Stiffness)
     }
 
