@@ -102,9 +102,10 @@ pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 #[cfg(feature = "sparse")]
 pub use sparse::{
-    ConjugateGradient, ConjugateGradientReport, Inertia, IterativeSolver, JacobianEntries, Ladder, Ordering,
-    PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation, SparseError,
-    SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
+    ConjugateGradient, ConjugateGradientReport, Inertia, IterativeSolver, JacobianEntries, Ladder,
+    Ordering, PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation,
+    SparseError, SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver,
+    SymmetricMatrix,
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Flat, Space, System};

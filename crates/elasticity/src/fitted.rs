@@ -27,7 +27,10 @@ pub trait Fitted<const D: usize, const R: usize, const K: usize>: Material<D, R>
 
 impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M, N, D, R, Q> {
     /// The derivative of the energy by each parameter of the material.
-    pub fn energy_by_parameters<const K: usize>(&self, q: &[f64]) -> Result<[f64; K], ElasticityError>
+    pub fn energy_by_parameters<const K: usize>(
+        &self,
+        q: &[f64],
+    ) -> Result<[f64; K], ElasticityError>
     where
         M: Fitted<D, R, K>,
     {
@@ -89,7 +92,8 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
             let x = Self::corners(self.freedoms(), group, q);
             let u = Self::corners(&resting, group, v);
             for (gradients, weight) in group.gradients.iter().zip(&group.weights) {
-                let (f, rate) = (Self::deformation(&x, gradients), Self::deformation(&u, gradients));
+                let (f, rate) =
+                    (Self::deformation(&x, gradients), Self::deformation(&u, gradients));
                 for lane in 0..group.filled {
                     let of = |tensor: &[[crate::Lanes; D]; R]| {
                         tensor.map(|column| column.map(|entry| entry.0[lane]))
@@ -148,9 +152,7 @@ impl<const D: usize> Fitted<D, D, 2> for Linear<D> {
 
     fn density<N: Number>(parameters: &[N; 2], f: &[[N; D]; D]) -> N {
         let strain: [[N; D]; D] = std::array::from_fn(|k| {
-            std::array::from_fn(|l| {
-                (f[k][l] + f[l][k]) * 0.5 - if k == l { 1.0 } else { 0.0 }
-            })
+            std::array::from_fn(|l| (f[k][l] + f[l][k]) * 0.5 - if k == l { 1.0 } else { 0.0 })
         });
         quadratic(parameters, &strain)
     }

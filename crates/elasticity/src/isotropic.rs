@@ -113,9 +113,7 @@ impl<T: Real, const D: usize, const R: usize> PrincipalTangent<T, D, R> {
     ) -> Self {
         let frame = singular(f);
         let c = curvature(&frame.values);
-        let half = |sign: f64| {
-            pairs(|i, j| (c.flip[i][j] + c.twist[i][j] * sign) * 0.5)
-        };
+        let half = |sign: f64| pairs(|i, j| (c.flip[i][j] + c.twist[i][j] * sign) * 0.5);
         let tangent = PrincipalTangent {
             left: frame.left,
             right: frame.right,

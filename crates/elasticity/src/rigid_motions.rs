@@ -46,7 +46,13 @@ where
             let names = names.join(", ");
             let vertex = members[0];
             let piece = piece + 1;
-            return Err(ElasticityError::RigidMotions { piece, pieces: count, vertex, count: free, names });
+            return Err(ElasticityError::RigidMotions {
+                piece,
+                pieces: count,
+                vertex,
+                count: free,
+                names,
+            });
         }
     }
     Ok(())

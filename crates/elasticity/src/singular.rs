@@ -368,7 +368,13 @@ mod tests {
         let at = |lane: usize, k: usize, i: usize| match lane {
             0 => f64::from(u8::from(k == i)),
             1 => 1e100 * ((3 * k + i) as f64).sin(),
-            2 => if k == 1 { 0.0 } else { (k + 2 * i) as f64 },
+            2 => {
+                if k == 1 {
+                    0.0
+                } else {
+                    (k + 2 * i) as f64
+                }
+            }
             _ => 1e-90 * ((5 * k + 2 * i) as f64).cos(),
         };
         let lanes: [[Lanes; 3]; 3] = std::array::from_fn(|k| {
