@@ -115,7 +115,7 @@ const SERIES: f64 = 0.1716;
 #[inline(always)]
 fn log_of_one_and<T: Real>(y: T) -> T {
     let r = y * (y + T::splat(2.0)).reciprocal();
-    if r.any(|r| !(r.abs() < SERIES)) {
+    if r.any(|r| r.is_nan() || r.abs() >= SERIES) {
         let [log] = T::each(&[y], |[y]| [y.ln_1p()]);
         return log;
     }

@@ -226,8 +226,8 @@ impl<'a> RefillSink<'a> {
         let mut start = slot;
         for (d, &column) in columns.iter().enumerate().filter(|(_, column)| **column != FIXED) {
             let Some(&[begin, end]) = starts.get(column..column + 2) else { return false };
-            let mut at = start;
-            for (c, &row) in rows.iter().enumerate().filter(|(_, row)| **row != FIXED) {
+            let free = rows.iter().enumerate().filter(|(_, row)| **row != FIXED);
+            for (at, (c, &row)) in (start..).zip(free) {
                 if row >= column {
                     let here = (begin as usize..end as usize).contains(&at);
                     if !here || indices[at] as usize != row {
@@ -235,7 +235,6 @@ impl<'a> RefillSink<'a> {
                     }
                     Self::add_at(self.values, self.first, at, self.weight * entry(c, d));
                 }
-                at += 1;
             }
             start = (start + (end - begin) as usize).wrapping_sub(1);
         }
