@@ -4,7 +4,7 @@
 //! A += s B
 //! ```
 
-use crate::{Parts, Sink};
+use crate::{Parts, Sink, StencilHessian};
 
 /// Passes blocks on, multiplied.
 #[derive(Debug)]
@@ -32,6 +32,8 @@ impl<'a, S: Sink> Scaled<'a, S> {
 }
 
 impl<S: Sink> Sink for Scaled<'_, S> {
+    const READS_BOTH_TRIANGLES: bool = S::READS_BOTH_TRIANGLES;
+
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         self.scratch.clear();
         self.scratch.extend(block.iter().map(|entry| self.scale * entry));
@@ -42,10 +44,13 @@ impl<S: Sink> Sink for Scaled<'_, S> {
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        block: &StencilHessian<V, D>,
     ) {
-        let scale = self.scale;
-        self.sink.add_vertices(freedoms, |row, column| scale * entry(row, column));
+        let mut scaled = *block;
+        for entry in scaled.as_flattened_mut().as_flattened_mut().as_flattened_mut() {
+            *entry *= self.scale;
+        }
+        self.sink.add_vertices(freedoms, &scaled);
     }
 
     fn add_parts(&mut self, parts: &impl Parts) {

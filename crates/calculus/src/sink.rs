@@ -17,6 +17,10 @@ pub const FIXED: usize = usize::MAX;
 
 /// Takes dense blocks and adds them into a symmetric whole.
 pub trait Sink {
+    /// Whether the upper triangles of blocks between vertices are read at all: where they are not,
+    /// whoever computes blocks in bulk may leave them out.
+    const READS_BOTH_TRIANGLES: bool = true;
+
     /// Adds the symmetric `block`, k x k by columns, at `freedoms` (k of them, [`FIXED`] or below
     /// the dimension).
     ///
@@ -24,29 +28,16 @@ pub trait Sink {
     /// this crate compare the two.
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]);
 
-    /// Adds a symmetric block between `V` vertices of `D` freedoms each, [`FIXED`] where they are
-    /// held: `entry([a, c], [b, d])` in the row of component c of vertex a and the column of
-    /// component d of vertex b.
+    /// Adds a symmetric block between `V` vertices of `D` freedoms each, [`FIXED`] where they are held.
     ///
-    /// The same as [`Sink::add_symmetric`], which it falls back to; a sink that stores places needs
-    /// one for each pair of vertices instead of one for each entry. It may ask for any entry, or for
-    /// one of each symmetric pair only.
+    /// The same as [`Sink::add_symmetric`], which it falls back to; but a sink that stores places
+    /// needs one for each pair of vertices instead of one for each entry.
     #[inline]
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        block: &StencilHessian<V, D>,
     ) {
-        let mut block: StencilHessian<V, D> = [[[[0.0; D]; V]; D]; V];
-        for (b, columns) in block.iter_mut().enumerate() {
-            for (d, column) in columns.iter_mut().enumerate() {
-                for (a, rows) in column.iter_mut().enumerate() {
-                    for (c, row) in rows.iter_mut().enumerate() {
-                        *row = entry([a, c], [b, d]);
-                    }
-                }
-            }
-        }
         let block = block.as_flattened().as_flattened().as_flattened();
         self.add_symmetric(freedoms.as_flattened(), block);
     }

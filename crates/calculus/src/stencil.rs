@@ -133,7 +133,7 @@ impl<S: Stencil<V, D>, const V: usize, const D: usize> Potential for Stencils<S,
                     if vertex < self.free { D * vertex + c } else { FIXED }
                 })
             });
-            hessian.add_vertices(&freedoms, |[a, c], [b, d]| block[b][d][a][c]);
+            hessian.add_vertices(&freedoms, &block);
         }
     }
 }

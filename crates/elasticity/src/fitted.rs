@@ -137,7 +137,7 @@ impl<const D: usize, const R: usize> Fitted<D, R, 2> for SaintVenantKirchhoff<R>
         for (k, column) in strain.iter_mut().enumerate() {
             column[k] -= 1.0;
             for entry in column {
-                *entry = *entry * 0.5;
+                *entry *= 0.5;
             }
         }
         quadratic(parameters, &strain)

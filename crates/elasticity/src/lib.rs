@@ -31,10 +31,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Reading order: [`Spring`] and nets of them; measures of stretch; the pair of numbers of an
-//! isotropic material; what a [`Material`] is, and six of them; shape functions; which coordinates
-//! move ([`Freedoms`]); the [`Solid`], which sums its elements; bending; mass, loads, damping;
-//! statics with supports and reactions; stress at the nodes.
+//! Reading order: [`Spring`], nets of them and [`Dampers`] between vertices; measures of stretch; the
+//! pair of numbers of an isotropic material; what a [`Material`] is, and six of them; shape functions;
+//! which coordinates move ([`Freedoms`]); the [`Solid`], which sums its elements, in parts on several
+//! threads if told to; what it answers to the parameters of its material; bending; mass, loads,
+//! damping; statics with supports and reactions; stress at the nodes.
 //!
 //! The crate gives potentials, forces and metrics; it knows nothing of time.
 
@@ -43,6 +44,7 @@
 mod error;
 mod spring;
 mod net;
+mod damper;
 mod measure;
 mod lame;
 mod lanes;
@@ -76,6 +78,7 @@ pub mod problems;
 pub use automatic::{AutomaticMaterial, Density};
 pub use boundary::{curved_boundary, straight_boundary};
 pub use corotated::FixedCorotated;
+pub use damper::{Damper, Dampers};
 pub use error::{ElasticityError, SpringError};
 pub use fitted::Fitted;
 pub use freedoms::{Freedoms, Held};

@@ -115,15 +115,20 @@ const SERIES: f64 = 0.1716;
 #[inline(always)]
 fn log_of_one_and<T: Real>(y: T) -> T {
     let r = y * (y + T::splat(2.0)).reciprocal();
-    if r.any(|r| !(r.abs() < SERIES)) {
+    if r.any(|r| r.is_nan() || r.abs() >= SERIES) {
         let [log] = T::each(&[y], |[y]| [y.ln_1p()]);
         return log;
     }
-    let square = r * r;
-    let mut sum = T::splat(1.0 / 21.0);
-    for odd in [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
-        sum = sum.multiply_add(square, T::splat(1.0 / odd));
-    }
+    // The terms in pairs, pairs of pairs, and so on: a sum one by one would wait for itself.
+    let t = r * r;
+    let [square, fourth] = [t * t, (t * t) * (t * t)];
+    let pair = |k: usize| {
+        let term = |k: usize| T::splat(1.0 / (2 * k + 1) as f64);
+        term(k + 1).multiply_add(t, term(k))
+    };
+    let last = square.multiply_add(T::splat(1.0 / 21.0), pair(8));
+    let high = last.multiply_add(fourth, pair(6).multiply_add(square, pair(4)));
+    let sum = high.multiply_add(fourth, pair(2).multiply_add(square, pair(0)));
     (r + r) * sum
 }
 

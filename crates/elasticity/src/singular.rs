@@ -120,15 +120,15 @@ pub(crate) fn singular<T: Real, const D: usize, const R: usize>(
 impl<T: Real, const D: usize, const R: usize> Singular<T, D, R> {
     #[inline(always)]
     fn normalize(&mut self) {
-        if self.values.iter().all(|value| value.all(|s| !(s <= f64::MIN_POSITIVE))) {
+        if self.values.iter().any(|value| value.any(|s| s <= f64::MIN_POSITIVE)) {
+            self.normalize_degenerate();
+        } else {
             for k in 0..R {
                 let inverse = self.values[k].reciprocal();
                 for entry in &mut self.left[k] {
                     *entry = *entry * inverse;
                 }
             }
-        } else {
-            self.normalize_degenerate();
         }
         if D != R {
             return;
@@ -164,7 +164,7 @@ impl<T: Real, const D: usize, const R: usize> Singular<T, D, R> {
             let values = self.values.map(|value| value.lane(lane));
             let mut left = self.left.map(|column| column.map(|entry| entry.lane(lane)));
             for k in 0..R {
-                if !(values[k] <= f64::MIN_POSITIVE) {
+                if values[k] > f64::MIN_POSITIVE || values[k].is_nan() {
                     left[k] = left[k].map(|x| x / values[k]);
                 }
             }

@@ -10,12 +10,14 @@
 //!
 //! Four elements are computed side by side, in the order of the mesh, and summed in that order: the
 //! same bits in every run and on any number of threads ([`Solid::in_parts`]). The node of the lowest
-//! freedoms is the origin of its element and takes what the others leave, so that forces of an element
+//! number is the origin of its element and takes what the others leave, so that forces of an element
 //! add up to zero to the last bit and a translation costs none. Elements that are turned inside out
 //! keep whatever energy the material gives them; they are listed by [`Solid::inverted`]. Source: notes
 //! 12.1, 13.2, 13.3.
 
-use stationary_calculus::{Covector, Curvature, Parts, Potential, Sink, in_parts, side_by_side};
+use stationary_calculus::{
+    Covector, Curvature, Parts, Potential, Sink, StencilHessian, in_parts, side_by_side,
+};
 
 use crate::division::Division;
 use crate::lanes::LANES;
@@ -40,7 +42,7 @@ const ROW: usize = 256;
 /// Four elements side by side.
 #[derive(Clone, Debug)]
 pub(crate) struct Group<const N: usize, const R: usize, const Q: usize> {
-    /// What stands for each node, lane by lane, ascending.
+    /// What stands for each node, lane by lane, in the order of their numbers.
     pub(crate) nodes: [[u32; N]; LANES],
     /// How many of the lanes are elements; the others repeat the last one, without weight.
     pub(crate) filled: usize,
@@ -294,39 +296,61 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         lanes: &LaneHessian<N, D>,
         sink: &mut impl Sink,
     ) {
+        let mut block: StencilHessian<N, D> = [[[[0.0; D]; N]; D]; N];
         for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
-            let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
-            sink.add_vertices(&freedoms, |row, column| entry(lanes, lane, row, column));
+            of_lane(lanes, lane, &mut block);
+            if reads_both(sink) {
+                mirror(&mut block);
+            }
+            sink.add_vertices(&nodes.map(|node| self.freedoms.freedoms(node)), &block);
         }
     }
 
     /// The lower triangle of the Hessians of four elements.
     #[inline(always)]
-    fn hessian_of(&self, group: &Group<N, R, Q>, x: &[[Lanes; D]; N]) -> LaneHessian<N, D> {
-        let mut hessian = [[[[Lanes::default(); D]; D]; N]; N];
+    fn fill_hessian(
+        &self,
+        group: &Group<N, R, Q>,
+        x: &[[Lanes; D]; N],
+        hessian: &mut LaneHessian<N, D>,
+    ) {
+        begin::<N, D, Q>(hessian);
         for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
             let f = Self::deformation(x, gradients);
             if self.curvature == Curvature::Exact || self.material.is_semidefinite(&f) {
-                accumulate(&mut hessian, &self.material.tangent(&f, weight), gradients);
+                let tangent = self.material.tangent(&f, weight);
+                accumulate::<_, N, D, R, Q>(hessian, &tangent, gradients);
             } else {
-                accumulate(&mut hessian, &self.material.semidefinite(&f, weight), gradients);
+                let tangent = self.material.semidefinite(&f, weight);
+                accumulate::<_, N, D, R, Q>(hessian, &tangent, gradients);
             }
         }
-        complete(&mut hessian);
-        hessian
+        complete(hessian);
     }
 }
 
 /// Blocks `[b][a][d][c]` of four elements, a >= b: rows of node a, columns of node b.
 pub(crate) type LaneHessian<const N: usize, const D: usize> = [[[[Lanes; D]; D]; N]; N];
 
-/// Adds the lower triangle of the blocks between the nodes after the first.
+/// Makes room for the sum over the points; a single point needs none.
+#[inline(always)]
+pub(crate) fn begin<const N: usize, const D: usize, const Q: usize>(
+    hessian: &mut LaneHessian<N, D>,
+) {
+    if Q > 1 {
+        *hessian = [[[[Lanes::default(); D]; D]; N]; N];
+    }
+}
+
+/// Adds the lower triangle of the blocks between the nodes after the first; sets it where there is
+/// only one point.
 #[inline(always)]
 pub(crate) fn accumulate<
     A: Tangent<Lanes, D, R>,
     const N: usize,
     const D: usize,
     const R: usize,
+    const Q: usize,
 >(
     hessian: &mut LaneHessian<N, D>,
     tangent: &A,
@@ -341,7 +365,11 @@ pub(crate) fn accumulate<
             let block = tangent.block(&nodes[a], &nodes[b]);
             for d in 0..D {
                 for c in 0..D {
-                    hessian[b][a][d][c] += block[d][c];
+                    if Q == 1 {
+                        hessian[b][a][d][c] = block[d][c];
+                    } else {
+                        hessian[b][a][d][c] += block[d][c];
+                    }
                 }
             }
         }
@@ -368,16 +396,40 @@ pub(crate) fn complete<const N: usize, const D: usize>(hessian: &mut LaneHessian
     }
 }
 
-/// An entry of the matrix of one of four elements, of which the lower triangle is there.
+/// The matrix of one of four elements: its lower triangle, and what else is there.
 #[inline(always)]
-fn entry<const N: usize, const D: usize>(
+fn of_lane<const N: usize, const D: usize>(
     lanes: &LaneHessian<N, D>,
     lane: usize,
-    [a, c]: [usize; 2],
-    [b, d]: [usize; 2],
-) -> f64 {
-    let below = a > b || (a == b && c >= d);
-    if below { lanes[b][a][d][c].0[lane] } else { lanes[a][b][c][d].0[lane] }
+    hessian: &mut StencilHessian<N, D>,
+) {
+    for b in 0..N {
+        for d in 0..D {
+            for a in b..N {
+                for c in 0..D {
+                    hessian[b][d][a][c] = lanes[b][a][d][c].0[lane];
+                }
+            }
+        }
+    }
+}
+
+fn reads_both<S: Sink>(_: &S) -> bool {
+    S::READS_BOTH_TRIANGLES
+}
+
+/// Fills the upper triangle from the lower one: exactly symmetric.
+#[inline(always)]
+fn mirror<const N: usize, const D: usize>(hessian: &mut StencilHessian<N, D>) {
+    for b in 0..N {
+        for d in 0..D {
+            for a in 0..=b {
+                for c in 0..if a == b { d } else { D } {
+                    hessian[b][d][a][c] = hessian[a][c][b][d];
+                }
+            }
+        }
+    }
 }
 
 /// The leader of a node's piece; the way to it is shortened.
@@ -389,8 +441,8 @@ fn leading(leader: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
-/// The nodes of an element by ascending freedoms, so that its matrix has its lower triangle where the
-/// whole one has it.
+/// The nodes of an element by their numbers, in whose order freedoms are numbered too: its matrix has
+/// its lower triangle where the whole one has it.
 struct Order<const N: usize> {
     starts: [u32; N],
     places: [usize; N],
@@ -399,7 +451,7 @@ struct Order<const N: usize> {
 impl<const N: usize> Order<N> {
     fn of<const D: usize>(nodes: &[usize; N], freedoms: &Freedoms<D>) -> Self {
         let mut places: [usize; N] = std::array::from_fn(|a| a);
-        places.sort_by_key(|&a| freedoms.start(nodes[a]));
+        places.sort_by_key(|&a| nodes[a]);
         Order { starts: places.map(|a| freedoms.start(nodes[a])), places }
     }
 }
@@ -445,9 +497,13 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     Hessians<'_, M, N, D, R, Q>
 {
     #[inline(always)]
-    fn add(&self, group: &Group<N, R, Q>, sink: &mut impl Sink) {
-        let x = Solid::<M, N, D, R, Q>::corners(&self.solid.freedoms, group, self.q);
-        self.solid.scatter(group, &self.solid.hessian_of(group, &x), sink);
+    fn add_all<'b>(&self, groups: impl Iterator<Item = &'b Group<N, R, Q>>, sink: &mut impl Sink) {
+        let mut hessian = [[[[Lanes::default(); D]; D]; N]; N];
+        for group in groups {
+            let x = Solid::<M, N, D, R, Q>::corners(&self.solid.freedoms, group, self.q);
+            self.solid.fill_hessian(group, &x, &mut hessian);
+            self.solid.scatter(group, &hessian, sink);
+        }
     }
 }
 
@@ -459,15 +515,12 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     fn visit(&self, part: usize, sink: &mut impl Sink) {
-        for &group in self.solid.division.groups(part) {
-            self.add(&self.solid.groups[group as usize], sink);
-        }
+        let groups = self.solid.division.groups(part).iter();
+        self.add_all(groups.map(|&group| &self.solid.groups[group as usize]), sink);
     }
 
     fn visit_all(&self, sink: &mut impl Sink) {
-        for group in &self.solid.groups {
-            self.add(group, sink);
-        }
+        self.add_all(self.solid.groups.iter(), sink);
     }
 }
 

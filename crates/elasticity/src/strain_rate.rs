@@ -16,7 +16,7 @@
 use stationary_calculus::{Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector};
 
 use crate::material::hookean_block;
-use crate::solid::{accumulate, complete};
+use crate::solid::{accumulate, begin, complete};
 use crate::tensor::{apply, dot, outer_gram, product, scaled, shifted, trace};
 use crate::{
     ElasticityError, Freedoms, Lame, Lanes, Material, Real, SaintVenantKirchhoff, Solid, Tangent,
@@ -87,14 +87,15 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
         let q = &q[..self.dim()];
+        let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
         for group in &self.body.groups {
             let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
-            let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
+            begin::<N, D, Q>(&mut lanes);
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
                 let f = Body::<N, D, R, Q>::deformation(&x, gradients);
                 let pair = [weight * self.pair().lambda(), weight * self.pair().mu()];
                 let viscosity = Viscosity { spread: outer_gram(&f), f, pair };
-                accumulate(&mut lanes, &viscosity, gradients);
+                accumulate::<_, N, D, R, Q>(&mut lanes, &viscosity, gradients);
             }
             complete(&mut lanes);
             self.body.scatter(group, &lanes, damping);

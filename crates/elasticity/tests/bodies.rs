@@ -523,7 +523,7 @@ fn iteration_brings_a_body_to_rest_where_the_factor_does() {
         let (mut q, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
         let statics = Statics { solves, ..Statics::default() };
         let rest = statics.solve(&mut body, &load, &metric, places, &mut q).unwrap();
-        assert!(rest.iterations() < 12, "{}", rest.iterations());
+        assert!(rest.iterations() < 25, "{}", rest.iterations());
         q
     });
     let still = freedoms.gathered(&mesh.nodes()).unwrap();

@@ -105,7 +105,7 @@ fn a_matrix_of_other_parts_is_refused_and_a_scaled_one_is_filled() {
     // Rayleigh's damping passes a multiple of the same blocks on.
     let v = vec![0.0; q.len()];
     for body in [body, halves] {
-        let damping = Rayleigh::new([0.0, 0.25], &metric, &body).unwrap();
+        let damping = Rayleigh::new([0.0, 0.25], metric.clone(), &body).unwrap();
         let direct = SymmetricMatrix::hessian(&body, &q).unwrap();
         let mut matrix = SymmetricMatrix::analyse(q.len(), |sink| {
             damping.add_damping(0.0, &q, Vector(&v), sink);

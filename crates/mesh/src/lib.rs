@@ -65,6 +65,7 @@ mod quadratic;
 mod generators;
 #[cfg(feature = "obj")]
 mod obj;
+mod vtk;
 
 pub use components::Components;
 pub use edges::{Adjacency, Edges};
@@ -90,3 +91,4 @@ pub use quadrature::simplex_quadrature;
 pub use quality::Quality;
 pub use refinement::MOST_SIMPLICES;
 pub use simplex::Simplex;
+pub use vtk::{VtkField, write_vtk};

@@ -17,7 +17,7 @@ use faer::{MatMut, MatRef, Par};
 use crate::sparse::conjugate_gradient::{column, column_mut};
 use crate::sparse::visit::Corner;
 use crate::sparse::{SparseError, SymmetricMatrix};
-use crate::{FIXED, Sink};
+use crate::{FIXED, Sink, StencilHessian};
 
 /// The factors of the blocks.
 #[derive(Clone, Debug)]
@@ -147,7 +147,7 @@ impl Sink for Joined {
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        _entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        _block: &StencilHessian<V, D>,
     ) {
         for corner in freedoms.iter().filter_map(|freedoms| Corner::of(freedoms)) {
             if corner.count > 1 {
@@ -197,12 +197,12 @@ impl Sink for Blocks<'_> {
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        block: &StencilHessian<V, D>,
     ) {
         for (a, freedoms) in freedoms.iter().enumerate() {
             for (d, &j) in freedoms.iter().enumerate() {
                 for (c, &i) in freedoms.iter().enumerate() {
-                    self.add(i, j, entry([a, c], [a, d]));
+                    self.add(i, j, block[a][d][a][c]);
                 }
             }
         }
@@ -241,18 +241,19 @@ mod tests {
 
     #[test]
     fn the_blocks_of_vertices_are_inverted_and_what_is_between_them_is_not_seen() {
-        let entry = |[a, c]: [usize; 2], [b, d]: [usize; 2]| {
-            if a == b { [[4.0, 1.0], [1.0, 3.0]][c][d] } else { 0.5 }
-        };
+        let own = [[4.0, 1.0], [1.0, 3.0]];
+        let block: StencilHessian<2, 2> = std::array::from_fn(|b| {
+            own.map(|column| std::array::from_fn(|a| if a == b { column } else { [0.5; 2] }))
+        });
         // A vertex of freedoms 1 and 2, one of freedom 3 alone, and freedom 0 by itself.
         let visit = |sink: &mut dyn FnMut(&[[usize; 2]; 2])| sink(&[[1, 2], [FIXED, 3]]);
         let mut jacobi = BlockJacobi::analyse(4, |sink| {
-            visit(&mut |freedoms| sink.add_vertices(freedoms, entry));
+            visit(&mut |freedoms| sink.add_vertices(freedoms, &block));
         });
         jacobi
             .factor(|sink| {
                 sink.add_symmetric(&[0, 1], &[2.0, 7.0, 7.0, 0.0]);
-                visit(&mut |freedoms| sink.add_vertices(freedoms, entry));
+                visit(&mut |freedoms| sink.add_vertices(freedoms, &block));
             })
             .unwrap();
         let mut x = [2.0, 5.0, 4.0, 6.0];
@@ -261,18 +262,18 @@ mod tests {
             assert!((x - exact).abs() < 1e-15, "{x}");
         }
         let mut matrix = SymmetricMatrix::analyse(4, |sink| {
-            visit(&mut |freedoms| sink.add_vertices(freedoms, entry));
+            visit(&mut |freedoms| sink.add_vertices(freedoms, &block));
             sink.add_symmetric(&[0, 1], &[0.0; 4]);
         })
         .unwrap();
         matrix
             .refill(|sink| {
-                visit(&mut |freedoms| sink.add_vertices(freedoms, entry));
+                visit(&mut |freedoms| sink.add_vertices(freedoms, &block));
                 sink.add_symmetric(&[0, 1], &[2.0, 7.0, 7.0, 0.0]);
             })
             .unwrap();
         let mut of_matrix = BlockJacobi::analyse(4, |sink| {
-            visit(&mut |freedoms| sink.add_vertices(freedoms, entry));
+            visit(&mut |freedoms| sink.add_vertices(freedoms, &block));
         });
         of_matrix.factor_of(&matrix).unwrap();
         assert_eq!(of_matrix.entries, jacobi.entries);
@@ -280,11 +281,11 @@ mod tests {
 
     #[test]
     fn a_block_that_is_not_positive_is_refused_by_freedom() {
-        let mut jacobi = BlockJacobi::analyse(2, |sink| sink.add_vertices(&[[0, 1]], |_, _| 1.0));
-        let all = |entry: f64| move |_: [usize; 2], _: [usize; 2]| entry;
-        let error = jacobi.factor(|sink| sink.add_vertices(&[[0, 1]], all(1.0))).unwrap_err();
+        let all = |entry: f64| [[[[entry; 2]]; 2]];
+        let mut jacobi = BlockJacobi::analyse(2, |sink| sink.add_vertices(&[[0, 1]], &all(1.0)));
+        let error = jacobi.factor(|sink| sink.add_vertices(&[[0, 1]], &all(1.0))).unwrap_err();
         assert_eq!(error, SparseError::NotPositiveDefinite { freedom: 1 });
-        let error = jacobi.factor(|sink| sink.add_vertices(&[[0, 1]], all(f64::NAN))).unwrap_err();
+        let error = jacobi.factor(|sink| sink.add_vertices(&[[0, 1]], &all(f64::NAN))).unwrap_err();
         assert_eq!(error, SparseError::NonFinite);
     }
 }

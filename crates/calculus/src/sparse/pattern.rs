@@ -280,7 +280,8 @@ mod tests {
     fn a_block_between_vertices_has_a_slot_for_each_pair() {
         let mut sink = PatternSink::new(6).unwrap();
         // The first vertex is 4, 5; the second 1, 2; the third is held in part, the fourth wholly.
-        sink.add_vertices(&[[4, 5], [1, 2], [FIXED, 3], [FIXED; 2]], |_, _| 1.0);
+        let block = [[[[1.0; 2]; 4]; 2]; 4];
+        sink.add_vertices(&[[4, 5], [1, 2], [FIXED, 3], [FIXED; 2]], &block);
         let pattern = sink.pattern().unwrap();
         assert_eq!(pattern.columns.col_ptr(), [0, 1, 6, 10, 13, 15, 16]);
         assert_eq!(pattern.columns.row_idx()[1..10], [1, 2, 3, 4, 5, 2, 3, 4, 5]);
@@ -288,7 +289,7 @@ mod tests {
         assert_eq!(pattern.visits[0].slots, [13, 4, 11, none, 1, 3, none, held, none, none]);
         // Freedom 2 comes along wherever freedom 1 of its vertex is coupled.
         let mut sink = PatternSink::new(3).unwrap();
-        sink.add_vertices(&[[1, 2]], |_, _| 1.0);
+        sink.add_vertices(&[[1, 2]], &[[[[1.0; 2]]; 2]]);
         sink.add_symmetric(&[0, 1], &[1.0; 4]);
         assert_eq!(sink.pattern().unwrap().columns.row_idx(), [0, 1, 2, 1, 2, 2]);
     }
@@ -306,7 +307,7 @@ mod tests {
         let error = pattern_of(2, &[&[0], &[]]).unwrap_err();
         assert_eq!(error, SparseError::BlockSize { block: 1, entries: 0, freedoms: 0 });
         let mut sink = PatternSink::new(4).unwrap();
-        sink.add_vertices(&[[0, 1], [1, 2]], |_, _| 1.0);
+        sink.add_vertices(&[[0, 1], [1, 2]], &[[[[1.0; 2]; 2]; 2]; 2]);
         let error = sink.pattern().unwrap_err();
         assert_eq!(error, SparseError::RepeatedFreedom { block: 0, freedom: 1 });
     }

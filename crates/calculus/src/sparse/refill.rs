@@ -132,7 +132,7 @@ impl<'a> RefillSink<'a> {
         &mut self,
         slots: &[u32],
         freedoms: &[[usize; D]; V],
-        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        block: &StencilHessian<V, D>,
     ) -> bool {
         let starts = self.pattern.columns.col_ptr();
         let mut lengths = [0; V];
@@ -150,56 +150,22 @@ impl<'a> RefillSink<'a> {
             lengths[a] = (end - start) as usize;
             place += V - a;
         }
-        let mut slots = slots.iter().map(|&slot| slot as usize);
+        let (weight, first, values) = (self.weight, self.first, &mut *self.values);
+        let mut slots = slots.iter().map(|&slot| (slot as usize).wrapping_sub(first));
         for b in 0..V {
             for a in b..V {
-                let Some(slot) = slots.next() else { return false };
+                let Some(at) = slots.next() else { return false };
                 if a == b {
-                    self.add_corner::<D>(slot, lengths[b], |c, d| entry([a, c], [b, d]));
+                    add_corner(values, at, lengths[b], weight, |d| &block[b][d][b]);
                 } else if freedoms[a][0] > freedoms[b][0] {
-                    self.add_block::<D>(slot, lengths[b], |c, d| entry([a, c], [b, d]));
+                    add_block(values, at, lengths[b], weight, |d| &block[b][d][a]);
                 } else {
-                    self.add_block::<D>(slot, lengths[a], |c, d| entry([a, d], [b, c]));
+                    let mirrored = mirrored(block, a, b);
+                    add_block(values, at, lengths[a], weight, |d| &mirrored[d]);
                 }
             }
         }
         true
-    }
-
-    /// Adds a D x D block below the diagonal, whose first column has this length.
-    #[inline(always)]
-    fn add_block<const D: usize>(
-        &mut self,
-        slot: usize,
-        length: usize,
-        entry: impl Fn(usize, usize) -> f64,
-    ) {
-        let mut at = slot.wrapping_sub(self.first);
-        for d in 0..D {
-            let Some(column) = self.values.get_mut(at..at.wrapping_add(D)) else { return };
-            for (c, value) in column.iter_mut().enumerate() {
-                *value += self.weight * entry(c, d);
-            }
-            at = at.wrapping_add(length - d - 1);
-        }
-    }
-
-    /// Adds the lower triangle of a D x D block on the diagonal.
-    #[inline(always)]
-    fn add_corner<const D: usize>(
-        &mut self,
-        slot: usize,
-        length: usize,
-        entry: impl Fn(usize, usize) -> f64,
-    ) {
-        let mut at = slot.wrapping_sub(self.first);
-        for d in 0..D {
-            let Some(column) = self.values.get_mut(at..at.wrapping_add(D - d)) else { return };
-            for (c, value) in column.iter_mut().enumerate() {
-                *value += self.weight * entry(d + c, d);
-            }
-            at = at.wrapping_add(length - d);
-        }
     }
 
     /// A block between vertices of `D` coordinates, some of them held; false where they are not the
@@ -260,8 +226,8 @@ impl<'a> RefillSink<'a> {
         let mut start = slot;
         for (d, &column) in columns.iter().enumerate().filter(|(_, column)| **column != FIXED) {
             let Some(&[begin, end]) = starts.get(column..column + 2) else { return false };
-            let mut at = start;
-            for (c, &row) in rows.iter().enumerate().filter(|(_, row)| **row != FIXED) {
+            let free = rows.iter().enumerate().filter(|(_, row)| **row != FIXED);
+            for (at, (c, &row)) in (start..).zip(free) {
                 if row >= column {
                     let here = (begin as usize..end as usize).contains(&at);
                     if !here || indices[at] as usize != row {
@@ -269,11 +235,58 @@ impl<'a> RefillSink<'a> {
                     }
                     Self::add_at(self.values, self.first, at, self.weight * entry(c, d));
                 }
-                at += 1;
             }
             start = (start + (end - begin) as usize).wrapping_sub(1);
         }
         true
+    }
+}
+
+/// Adds a D x D block below the diagonal by its columns, of which the first starts at `at` in a column
+/// of this length. What is another part's has no place among the values.
+#[inline(always)]
+fn add_block<'a, const D: usize>(
+    values: &mut [f64],
+    mut at: usize,
+    length: usize,
+    weight: f64,
+    column: impl Fn(usize) -> &'a [f64; D],
+) {
+    for d in 0..D {
+        let place = values.get_mut(at..at.wrapping_add(D));
+        let Some(sums) = place.and_then(|place| place.first_chunk_mut::<D>()) else { return };
+        let column = column(d);
+        for c in 0..D {
+            sums[c] += weight * column[c];
+        }
+        at = at.wrapping_add(length - d - 1);
+    }
+}
+
+/// The block of the rows of vertex b and the columns of vertex a, out of the lower triangle.
+fn mirrored<const V: usize, const D: usize>(
+    block: &StencilHessian<V, D>,
+    a: usize,
+    b: usize,
+) -> [[f64; D]; D] {
+    std::array::from_fn(|d| std::array::from_fn(|c| block[b][c][a][d]))
+}
+
+/// Adds the lower triangle of a D x D block on the diagonal.
+#[inline(always)]
+fn add_corner<'a, const D: usize>(
+    values: &mut [f64],
+    mut at: usize,
+    length: usize,
+    weight: f64,
+    column: impl Fn(usize) -> &'a [f64; D],
+) {
+    for d in 0..D {
+        let Some(sums) = values.get_mut(at..at.wrapping_add(D - d)) else { return };
+        for (sum, entry) in sums.iter_mut().zip(&column(d)[d..]) {
+            *sum += weight * entry;
+        }
+        at = at.wrapping_add(length - d);
     }
 }
 
@@ -282,6 +295,8 @@ fn first_free(freedoms: &[usize]) -> usize {
 }
 
 impl Sink for RefillSink<'_> {
+    const READS_BOTH_TRIANGLES: bool = false;
+
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         let k = freedoms.len();
@@ -304,26 +319,18 @@ impl Sink for RefillSink<'_> {
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        block: &StencilHessian<V, D>,
     ) {
-        let added = match self.next_shape() {
-            Some(Shape::Vertices { count, dimension }) if count == V && dimension == D => {
-                let slots = self.next_slots(V * (V + 1) / 2);
-                slots.is_some_and(|slots| {
-                    self.add_whole(slots, freedoms, &entry)
-                        || self.add_held(slots, D, freedoms.as_flattened(), |i, j| {
-                            entry([i / D, i % D], [j / D, j % D])
-                        })
-                })
-            }
-            Some(Shape::Freedoms) => {
-                let block = all_entries::<V, D>(&entry);
-                let block = block.as_flattened().as_flattened().as_flattened();
-                self.add_freedoms(freedoms.as_flattened(), block)
-            }
-            _ => false,
-        };
-        if added { self.done() } else { self.refuse() }
+        let shape = self.next_shape();
+        if shape == Some(Shape::Vertices { count: V, dimension: D })
+            && let Some((slots, rest)) = self.slots.split_at_checked(V * (V + 1) / 2)
+            && self.add_whole(slots, freedoms, block)
+        {
+            self.slots = rest;
+            return self.done();
+        }
+        let block = block.as_flattened().as_flattened().as_flattened();
+        self.add_symmetric(freedoms.as_flattened(), block);
     }
 
     fn add_parts(&mut self, parts: &impl Parts) {
@@ -359,21 +366,4 @@ impl Sink for RefillSink<'_> {
             }
         }
     }
-}
-
-#[cold]
-fn all_entries<const V: usize, const D: usize>(
-    entry: &impl Fn([usize; 2], [usize; 2]) -> f64,
-) -> StencilHessian<V, D> {
-    let mut block = [[[[0.0; D]; V]; D]; V];
-    for (b, columns) in block.iter_mut().enumerate() {
-        for (d, column) in columns.iter_mut().enumerate() {
-            for (a, rows) in column.iter_mut().enumerate() {
-                for (c, row) in rows.iter_mut().enumerate() {
-                    *row = entry([a, c], [b, d]);
-                }
-            }
-        }
-    }
-    block
 }

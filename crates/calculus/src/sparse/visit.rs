@@ -11,7 +11,7 @@
 
 use crate::sparse::SparseError;
 use crate::sparse::pattern::Pattern;
-use crate::{FIXED, Parts, Sink};
+use crate::{FIXED, Parts, Sink, StencilHessian};
 
 /// A slot that is none: a fixed freedom has no place.
 pub(crate) const NOWHERE: u32 = u32::MAX;
@@ -156,6 +156,8 @@ impl PatternSink {
 }
 
 impl Sink for PatternSink {
+    const READS_BOTH_TRIANGLES: bool = false;
+
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         self.check(freedoms, block.len());
         self.add_freedoms(freedoms);
@@ -164,7 +166,7 @@ impl Sink for PatternSink {
     fn add_vertices<const V: usize, const D: usize>(
         &mut self,
         freedoms: &[[usize; D]; V],
-        _entry: impl Fn([usize; 2], [usize; 2]) -> f64,
+        _block: &StencilHessian<V, D>,
     ) {
         let all = freedoms.as_flattened();
         self.check(all, all.len() * all.len());
