@@ -41,8 +41,8 @@ fn ours(boxes: &Boxes, state: &State<Vec<f64>>) -> Quality {
 }
 
 fn rapier(boxes: &Boxes, can_sleep: bool) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
-    let mut world = PhysicsWorld::default();
-    world.gravity = Vector::Z * -GRAVITY;
+    let gravity = Vector::Z * -GRAVITY;
+    let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
     world.integration_parameters.dt = STEP;
     let floor = ColliderBuilder::cuboid(100.0, 100.0, 1.0).translation(Vector::Z * -1.0);
     world.insert(RigidBodyBuilder::fixed(), floor.friction(FRICTION));

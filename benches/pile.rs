@@ -29,8 +29,8 @@ const LINE: usize = 250;
 const SETTLING: Settling = Settling { change: 1e-5, sweeps: 60 };
 
 fn rapier(starts: &[RigidMotion]) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
-    let mut world = PhysicsWorld::default();
-    world.gravity = Vector::Z * -GRAVITY;
+    let gravity = Vector::Z * -GRAVITY;
+    let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
     world.integration_parameters.dt = STEP;
     let floor = ColliderBuilder::cuboid(1000.0, 1000.0, 1.0).translation(Vector::Z * -1.0);
     world.insert(RigidBodyBuilder::fixed(), floor.friction(FRICTION));

@@ -204,13 +204,13 @@ const LOOK: u64 = 64;
 impl Watcher for Keeper<'_> {
     fn stepped(&mut self, now: Step<'_>) -> Wish {
         self.done = now.step;
-        if now.step % self.move_every == 0 {
+        if now.step.is_multiple_of(self.move_every) {
             self.bar.set_position(now.step);
         }
         if self.stop.load(Ordering::Relaxed) {
             return if self.kept { Wish::Stop } else { Wish::Checkpoint };
         }
-        match now.step % LOOK == 0 && self.last.elapsed() > self.wait {
+        match now.step.is_multiple_of(LOOK) && self.last.elapsed() > self.wait {
             true => Wish::Checkpoint,
             false => Wish::GoOn,
         }

@@ -90,8 +90,9 @@ mod tests {
                 }
             });
             for (part, ends) in bounds.windows(2).enumerate() {
-                for k in 2 * ends[0]..2 * ends[1] {
-                    assert_eq!(values[k], 100 * (part + 1) + k, "{bounds:?}");
+                let own = 2 * ends[0]..2 * ends[1];
+                for (k, value) in own.clone().zip(&values[own]) {
+                    assert_eq!(*value, 100 * (part + 1) + k, "{bounds:?}");
                 }
             }
             assert_eq!(values[12], 0);

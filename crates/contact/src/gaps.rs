@@ -157,7 +157,7 @@ impl<const D: usize> Balls<D> {
     }
 
     /// From the centre of a fixed ball, and how far.
-    fn from_fixed(&self, q: &[f64], ball: usize, fixed: &FixedBall<D>) -> ([f64; D], f64) {
+    fn away_from_fixed(&self, q: &[f64], ball: usize, fixed: &FixedBall<D>) -> ([f64; D], f64) {
         let d: [f64; D] = std::array::from_fn(|k| q[D * ball + k] - fixed.centre[k]);
         (d, norm(&d))
     }
@@ -197,7 +197,7 @@ impl<const D: usize> Swept for Balls<D> {
         let (_, past_walls) = lowest.split_at_mut(walls);
         let (singles, pairs) = past_walls.split_at_mut(self.radii.len() * self.fixed.len());
         for ((ball, fixed), lowest) in self.against_fixed().zip(singles) {
-            let (d, _) = self.from_fixed(q, ball, fixed);
+            let (d, _) = self.away_from_fixed(q, ball, fixed);
             let s = std::array::from_fn(|k| displacement.0[D * ball + k]);
             if let Some(nearest) = shortest_between(&d, &s) {
                 *lowest = lowest.min(nearest - (self.radii[ball] + fixed.radius));
@@ -232,7 +232,7 @@ impl<const D: usize> Constraint for Balls<D> {
             distance - (self.radii[a] + self.radii[b])
         });
         let fixed = self.against_fixed().map(|(ball, fixed)| {
-            let (_, distance) = self.from_fixed(q, ball, fixed);
+            let (_, distance) = self.away_from_fixed(q, ball, fixed);
             distance - (self.radii[ball] + fixed.radius)
         });
         g.iter_mut().zip(walls.chain(fixed).chain(pairs)).for_each(|(g, value)| *g = value);
@@ -245,7 +245,7 @@ impl<const D: usize> Constraint for Balls<D> {
             row += 1;
         }
         for (ball, fixed) in self.against_fixed() {
-            let (d, distance) = self.from_fixed(q, ball, fixed);
+            let (d, distance) = self.away_from_fixed(q, ball, fixed);
             (0..D).for_each(|k| rows.add(row, D * ball + k, d[k] / distance));
             row += 1;
         }
@@ -261,7 +261,7 @@ impl<const D: usize> Constraint for Balls<D> {
         let lambda = &lambda[self.radii.len() * self.walls.len()..];
         let (singles, pairs) = lambda.split_at(self.radii.len() * self.fixed.len());
         for ((ball, fixed), &lambda) in self.against_fixed().zip(singles) {
-            let (d, distance) = self.from_fixed(q, ball, fixed);
+            let (d, distance) = self.away_from_fixed(q, ball, fixed);
             let freedoms: [usize; D] = std::array::from_fn(|k| D * ball + k);
             let block: Vec<f64> =
                 (0..D * D).map(|at| bent(&d, distance, lambda, at % D, at / D)).collect();

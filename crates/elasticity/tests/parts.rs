@@ -126,7 +126,7 @@ fn the_hessians_places_take_less_than_a_third_of_what_it_takes_itself() {
     for body in [body.clone(), body.in_parts(2)] {
         let matrix = SymmetricMatrix::hessian(&body, &q).unwrap();
         let entries = matrix.rows().len() * (size_of::<f64>() + size_of::<u32>());
-        let itself = entries + matrix.column_starts().len() * size_of::<u32>();
+        let itself = entries + size_of_val(matrix.column_starts());
         let ratio = matrix.bytes() as f64 / itself as f64;
         assert!(1.2 < ratio && ratio < 1.3, "{ratio}");
     }

@@ -328,7 +328,7 @@ impl<'de> Deserialize<'de> for NumberOrVector {
 #[derive(Clone, Debug)]
 pub(crate) enum ObservableDeclaration {
     Word(String),
-    About(ObservableTable),
+    About(Box<ObservableTable>),
 }
 
 /// `{ position = "a" }`, `{ velocity = "a" }`, `{ distance = ["a", "b"] }` or
@@ -363,7 +363,7 @@ impl<'de> Deserialize<'de> for ObservableDeclaration {
                 map: A,
             ) -> Result<ObservableDeclaration, A::Error> {
                 let table = ObservableTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(ObservableDeclaration::About(table))
+                Ok(ObservableDeclaration::About(Box::new(table)))
             }
         }
         deserializer.deserialize_any(WordOrTable)
