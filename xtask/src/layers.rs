@@ -58,8 +58,10 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     (
         "scene",
         &[
+            Always("base64"),
             Always("nalgebra"),
             Always("serde"),
+            Always("serde_json"),
             Always("toml"),
             Always("thiserror"),
             Always("strsim"),
