@@ -1,7 +1,7 @@
 //! The impacts of a step: what closes its gap, and what that brings to close.
 //!
 //! ```text
-//! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, rounding)
+//! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, still)
 //! ```
 //! `g` gaps (m), `v` the velocity before the kick `k` (m/s), `h` the step (s). Approach of the order of
 //! a kick is rest and has no restitution. A contact that an impact brings to approach takes part in it:
@@ -12,8 +12,9 @@ use stationary_calculus::Vector;
 
 use crate::{ContactError, ContactRows, Impact, ImpactLaw, ImpactReport, InverseMass};
 
-/// Approach below this part of the largest velocity is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Approach below this part of the largest velocity or kick is rest: gaps have rounding of their
+/// own, which a short step turns into velocity.
+const STILL: f64 = 1e-9;
 
 /// Contacts about to be stepped over.
 pub(crate) struct ImpactRounds<'a> {
@@ -38,7 +39,8 @@ impl ImpactRounds<'_> {
         let mut closing: Vec<usize> = Vec::new();
         // Each round adds a contact.
         for _ in 0..count {
-            let still = ROUNDING * v.0.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
+            let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            let still = STILL * (fastest(v) + fastest(self.kick));
             let hits = |&i: &usize| {
                 let (own, by_kick) =
                     (self.rows.along(i, v.view()), self.rows.along(i, self.kick.view()));

@@ -134,3 +134,12 @@ fn a_polygon_stays_where_it_is_drawn_and_nothing_else_goes_without_a_position() 
     let error = Scene::parse("a.toml", &box_text).unwrap_err().to_string();
     assert!(error.contains("`it` needs a `position`"), "{error}");
 }
+
+#[test]
+fn the_falling_box_lands_and_everything_comes_to_rest() {
+    let run = shipped("box-stack").run().unwrap_or_else(|error| panic!("{error}"));
+    let kinetic = run.kinetic_energies();
+    assert!(kinetic.iter().any(|energy| *energy > 5.0), "it falls");
+    assert!(kinetic[kinetic.len() - 1] < 1e-9, "{:e}", kinetic[kinetic.len() - 1]);
+    assert!(run.energies().windows(2).all(|pair| pair[1] < pair[0] + 1e-2), "nothing gains energy");
+}
