@@ -54,13 +54,11 @@ impl Steps<'_> {
             }
             Steps::Touching(touching) => {
                 let met = touching.step(state, h)?;
-                let report = StepReport { differentials: 1, ..StepReport::default() };
-                Ok(Stepped { impacts: met.impacts, last_impact: state.t, ..Stepped::done(report) })
+                Ok(Stepped::met(met.impacts, state.t))
             }
             Steps::PlanarTouching(world) => {
                 let met = world.step(state, h)?;
-                let report = StepReport { differentials: 1, ..StepReport::default() };
-                Ok(Stepped { impacts: met.impacts, last_impact: state.t, ..Stepped::done(report) })
+                Ok(Stepped::met(met.impacts, state.t))
             }
         }
     }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 
-use crate::run::{BrokenRod, Samples};
+use crate::run::{BrokenRod, Impacts, Samples};
 use crate::{AssemblyError, Scene, WriteError, limits};
 use bytes::{Fnv, Reader, Writer};
 
@@ -242,7 +242,7 @@ impl Samples {
             out.numbers(numbers)?;
         }
         out.count(impacts.len() as u64)?;
-        for &(time, count) in impacts {
+        for &Impacts { time, count } in impacts {
             out.number(time)?;
             out.count(count as u64)?;
         }
@@ -258,8 +258,9 @@ impl Samples {
         let (times, positions, kinetic) = (from.numbers()?, from.numbers()?, from.numbers()?);
         let (potential, temperatures) = (from.numbers()?, from.numbers()?);
         let (heat, observed) = (from.numbers()?, from.numbers()?);
-        let impacts = (0..from.length(16)?)
-            .map(|_| Some((from.number()?, usize::try_from(from.count()?).ok()?)));
+        let impacts = (0..from.length(16)?).map(|_| {
+            Some(Impacts { time: from.number()?, count: usize::try_from(from.count()?).ok()? })
+        });
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
         let mut vectors = || Some(from.numbers()?.as_chunks::<3>().0.to_vec());
         let (linear, angular) = (vectors()?, vectors()?);

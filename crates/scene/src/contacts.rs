@@ -12,7 +12,7 @@ use stationary_contact::{Balls, ContactError, FixedBall, ImpactLaw, Inequality, 
 use crate::declaration::{ContactDeclaration, Declaration};
 use crate::diagnostic::{Checked, at};
 use crate::system::{Vertices, leading};
-use crate::{Fault, Motion, Scene, check};
+use crate::{Fault, Motion, Particle, Scene, check, limits};
 
 /// How the things of a scene touch.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,8 +106,13 @@ impl Scene {
         Ok(Some(Inequality(Balls::<D>::new(radii, walls)?.with_fixed(fixed)?)))
     }
 
-    /// The first particle that overlaps something at the start.
+    /// An error where more may touch than can be looked at, or a particle starts inside of something.
     pub(crate) fn check_apart(&self) -> Result<(), Fault> {
+        let pairs = self.pairs();
+        if pairs > limits::PAIRS {
+            let what = "pairs that may touch";
+            return Err(Fault::TooMany { what, count: pairs, limit: limits::PAIRS });
+        }
         match self.dimension {
             1 => self.check_apart_in::<1>(),
             2 => self.check_apart_in::<2>(),
@@ -115,10 +120,21 @@ impl Scene {
         }
     }
 
+    /// How many pairs of particles, and of particles and what is fixed, may touch.
+    fn pairs(&self) -> u64 {
+        let Some(contact) = &self.contact else { return 0 };
+        let count = |of: fn(&&Particle) -> bool| self.particles.iter().filter(of).count() as u64;
+        let free = count(|p| p.motion != Motion::Pinned);
+        let round = count(|p| p.motion != Motion::Pinned && p.radius > 0.0);
+        let pins = count(|p| p.motion == Motion::Pinned && p.radius > 0.0);
+        let fixed = (contact.walls.len() + contact.balls.len()) as u64 + pins;
+        free.saturating_mul(fixed.saturating_add(round))
+    }
+
     fn check_apart_in<const D: usize>(&self) -> Result<(), Fault> {
         /// Overlap that is rounding, relative to where things are.
         const ROUNDING: f64 = 1e-12;
-        let gaps = self.gaps::<D>().map_err(|error| Fault::Solid(error.to_string()))?;
+        let gaps = self.gaps::<D>().map_err(|error| Fault::Shape(error.to_string()))?;
         let Some(gaps) = gaps else { return Ok(()) };
         let vertices = Vertices::new(self);
         let place = |&particle: &usize| leading::<D>(self.particles[particle].position);

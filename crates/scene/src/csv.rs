@@ -3,7 +3,8 @@
 //! ```text
 //! trajectory.csv     time, particle, x, y, z      a row for each sample and particle
 //! observables.csv    time, then the columns of each observable, a row for each sample
-//! events.csv         time, the ends of a rod that broke, the tension that broke it
+//! events.csv         time, the ends of a rod that broke, the tension that broke it;
+//!                    or time, how often the law of impact was applied in that step
 //! ```
 
 use std::fs::File;
@@ -11,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use crate::error::COORDINATES;
-use crate::{Run, WriteError};
+use crate::{Impacts, Run, WriteError};
 
 /// Writes a file, all of it or an error.
 pub(crate) fn write_file(
@@ -66,7 +67,7 @@ pub(crate) fn observables(run: &Run, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// Every rod that broke.
-pub(crate) fn events(run: &Run, out: &mut impl Write) -> io::Result<()> {
+pub(crate) fn broken_rods(run: &Run, out: &mut impl Write) -> io::Result<()> {
     let (scene, units) = (run.scene(), run.scene().units());
     let headings = [format!("time [{}]", units.time), format!("tension [{}]", units.force())];
     let [time, tension] = headings.map(|heading| quoted(&heading));
@@ -74,6 +75,15 @@ pub(crate) fn events(run: &Run, out: &mut impl Write) -> io::Result<()> {
     for broken in run.broken() {
         let [a, b] = scene.rods()[broken.rod].ends.map(|end| &scene.particles()[end].name);
         writeln!(out, "{:?},{a},{b},{:?}", broken.time, broken.tension)?;
+    }
+    Ok(())
+}
+
+/// Every step in which things met.
+pub(crate) fn impacts(run: &Run, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "{},impacts", quoted(&format!("time [{}]", run.scene().units().time)))?;
+    for Impacts { time, count } in run.impacts() {
+        writeln!(out, "{time:?},{count}")?;
     }
     Ok(())
 }

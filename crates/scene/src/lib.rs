@@ -181,7 +181,7 @@ pub use march::{Watcher, Wish};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
 pub use rods::Rod;
-pub use run::{BrokenRod, Progress, Run};
+pub use run::{BrokenRod, Impacts, Progress, Run};
 pub use scene::{Gravity, Scene, Timing};
 pub use shape::Simplices;
 pub use solids::{ElasticBody, ElasticMaterial};

@@ -16,7 +16,7 @@ use crate::checkpoint::{Before, Checkpoint, CheckpointError};
 use crate::error::StepFailure;
 use crate::run::{BrokenRod, Progress, Run, Samples};
 use crate::stepper::Stepped;
-use crate::{RunError, Scene};
+use crate::{RunError, Scene, limits};
 
 /// What a watcher wishes after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,9 +91,8 @@ pub(crate) fn march<M: Moving>(
         match moving.step(h, time(step)) {
             Ok(stepped) => {
                 cost.add(&stepped.report);
-                if stepped.impacts > 0 {
-                    samples.impacts.push((stepped.last_impact, stepped.impacts));
-                }
+                let room = samples.impacts.len() < limits::IMPACTS;
+                samples.impacts.extend(stepped.impacts.filter(|_| room));
             }
             Err(failure) => {
                 let from = time(step - 1);

@@ -42,6 +42,15 @@ pub struct BrokenRod {
     pub tension: f64,
 }
 
+/// The impacts of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impacts {
+    /// The last moment in the step at which things met; the step's end where it is not known.
+    pub time: f64,
+    /// How often the law of impact was applied.
+    pub count: usize,
+}
+
 /// Samples in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Samples {
@@ -55,8 +64,8 @@ pub(crate) struct Samples {
     /// A number a vertex of a scene of heat, sample after sample, and the heat of each sample.
     pub(crate) temperatures: Vec<f64>,
     pub(crate) heat: Vec<f64>,
-    /// In each step in which things met the last moment at which they did, and how often.
-    pub(crate) impacts: Vec<(f64, usize)>,
+    /// Of each step in which things met, in the order of time.
+    pub(crate) impacts: Vec<Impacts>,
     /// As many numbers a sample as the observables have columns.
     pub(crate) observed: Vec<f64>,
     pub(crate) columns: usize,
@@ -339,8 +348,8 @@ impl Run {
         self.samples.temperatures.get(n * sample..n * (sample + 1)).unwrap_or_default()
     }
 
-    /// In each step in which things met the last moment at which they did, and how often they met.
-    pub fn impacts(&self) -> &[(f64, usize)] {
+    /// Of each step in which things met, at most [`limits::IMPACTS`](crate::limits::IMPACTS) of them.
+    pub fn impacts(&self) -> &[Impacts] {
         &self.samples.impacts
     }
 
@@ -381,7 +390,7 @@ impl Run {
     /// | file | |
     /// | --- | --- |
     /// | `trajectory.csv`, `observables.csv` | every sample |
-    /// | `events.csv` | rods that broke, where rods can |
+    /// | `events.csv` | rods that broke, where rods can; impacts, where things touch |
     /// | `summary.txt` | the summary |
     /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
     /// | `player.html` | a page that plays the motion |
@@ -392,7 +401,10 @@ impl Run {
         write_file(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
         write_file(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
         if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
-            write_file(&folder.join("events.csv"), |out| csv::events(self, out))?;
+            write_file(&folder.join("events.csv"), |out| csv::broken_rods(self, out))?;
+        }
+        if self.scene.contact.is_some() {
+            write_file(&folder.join("events.csv"), |out| csv::impacts(self, out))?;
         }
         write_file(&folder.join("summary.txt"), |out| write!(out, "{}", self.summary()))?;
         write_file(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))?;

@@ -83,15 +83,15 @@ pub(crate) struct Shape {
     dimension: usize,
 }
 
-/// What a shape's `kind` may say: the name, the dimension of its simplices, and how many numbers
-/// `size` and `cells` have.
+/// What a word of `kind` means.
 #[derive(Clone, Copy)]
 struct Kind {
     make: fn(&[f64], &[usize]) -> Result<Shape, MeshError>,
-    /// How many vertices there will be.
+    /// How many vertices there will be, or a little more.
     count: fn(&[u64]) -> u64,
     /// The least dimension of a scene that it fits into.
     dimension: usize,
+    /// How many numbers `size` and `cells` have.
     numbers: [usize; 2],
     /// What `size` is.
     size: &'static str,

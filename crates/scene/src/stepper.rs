@@ -14,7 +14,7 @@ use stationary_integrators::{
 
 use crate::error::StepFailure;
 use crate::linear_modes::{LinearModes, Moving};
-use crate::run::BrokenRod;
+use crate::run::{BrokenRod, Impacts};
 use crate::stepping::{Adaptive, Constrained, Stepping};
 use crate::system::{ScenePotential, SceneProblem};
 use crate::{AssemblyError, Scene, SceneContact};
@@ -59,14 +59,19 @@ pub(crate) struct Stepped {
     pub(crate) report: StepReport,
     /// The rod that broke; its place is that among the rods that were left.
     pub(crate) broken: Option<BrokenRod>,
-    /// How often things met, and when they did for the last time.
-    pub(crate) impacts: usize,
-    pub(crate) last_impact: f64,
+    pub(crate) impacts: Option<Impacts>,
 }
 
 impl Stepped {
     pub(crate) fn done(report: StepReport) -> Self {
-        Stepped { report, broken: None, impacts: 0, last_impact: 0.0 }
+        Stepped { report, broken: None, impacts: None }
+    }
+
+    /// A step in which the law of impact was applied so often, the last time at this one.
+    pub(crate) fn met(count: usize, time: f64) -> Self {
+        let report = StepReport { differentials: 1, ..StepReport::default() };
+        let impacts = (count > 0).then_some(Impacts { time, count });
+        Stepped { impacts, ..Stepped::done(report) }
     }
 }
 
@@ -143,8 +148,7 @@ impl<'s, const D: usize> Stepper<'s, D> {
             }
             Stepper::Impacting(impacting) => {
                 let met = impacting.step(state, h)?;
-                let report = StepReport { differentials: 1, ..StepReport::default() };
-                Ok(Stepped { impacts: met.impacts, last_impact: met.last_impact, ..done(report) })
+                Ok(Stepped::met(met.impacts, met.last_impact))
             }
             Stepper::LinearModes(moving, metric) => {
                 moving.at(to, *metric, state)?;

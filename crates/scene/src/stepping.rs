@@ -182,6 +182,10 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
 }
 
 impl Scene {
+    fn mode_numbers(&self, modes: usize) -> u64 {
+        (self.freedoms() as u64).saturating_mul(modes as u64)
+    }
+
     /// An error where the scene's method cannot step what the scene has.
     pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
         let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
@@ -208,6 +212,10 @@ impl Scene {
             }
             Stepping::Adaptive { .. } if rods => {
                 refused("rods", "name a method of equal steps, such as `rattle`")
+            }
+            Stepping::LinearModes { count } if self.mode_numbers(count) > limits::MODE_NUMBERS => {
+                let (what, count) = ("numbers of modes", self.mode_numbers(count));
+                Err(Fault::TooMany { what, count, limit: limits::MODE_NUMBERS })
             }
             Stepping::LinearModes { .. } if rods || drag => {
                 refused("rods or drag", "name a method of equal steps")

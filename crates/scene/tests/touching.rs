@@ -1,6 +1,6 @@
 //! Contact in scenes: particles of a size, walls, fixed balls, and the law of impact.
 
-use stationary_scene::{Run, Scene};
+use stationary_scene::{Impacts, Run, Scene};
 
 fn shipped(name: &str) -> Scene {
     let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/");
@@ -29,7 +29,7 @@ fn a_ball_rebounds_to_the_square_of_the_restitution() {
     let at = |time: f64| run.times().iter().position(|t| (t - time).abs() < 1e-9).unwrap();
     let height = run.positions(at(0.75))[0] - 0.5;
     assert!((height - 0.25 * 1.25).abs() < 1e-12, "{height}");
-    let (time, count) = run.impacts()[0];
+    let Impacts { time, count } = run.impacts()[0];
     assert!((time - 0.5).abs() < 1e-9 && count == 1, "{time} {count}");
 }
 
