@@ -278,3 +278,43 @@ fn meshes_are_looked_for_in_the_scenes_folder_and_nowhere_else() {
     assert!(error.contains("not in the folder"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn a_free_solid_that_tumbles_and_rings_keeps_its_momenta() {
+    for (dimension, shape) in [(2, "rectangle"), (3, "box")] {
+        let (size, cells) =
+            if dimension == 2 { ("[1, 0.3]", "[6, 2]") } else { ("[1, 0.3, 0.2]", "[6, 2, 2]") };
+        let vector =
+            |x: &str| if dimension == 2 { format!("[{x}]") } else { format!("[{x}, 0.3]") };
+        let section = if dimension == 2 { "thickness = 0.1" } else { "" };
+        let text = format!(
+            "dimension = {dimension}\nintegrator = \"stormer-verlet\"\nstep = 0.0002\nhorizon = 0.5\n\
+             sample_every = 50\n[[solids]]\nname = \"it\"\n{section}\ndensity = 1000\nyoung = 1e6\n\
+             poisson = 0.3\nmaterial = \"fixed-corotated\"\n\
+             shape = {{ kind = \"{shape}\", size = {size}, cells = {cells}, origin = {} }}\n\
+             velocity = {}\nstruck = {{ at = {}, radius = 0.4, velocity = {} }}\n",
+            vector("2, 1"),
+            vector("1, 0.5"),
+            vector("3, 1.3"),
+            vector("0, 4"),
+        );
+        let run = scene(&text).run().unwrap();
+        let strayed = |of: &[[f64; 3]]| {
+            let far = |p: &[f64; 3]| (0..3).map(|c| (p[c] - of[0][c]).abs()).fold(0.0, f64::max);
+            of.iter().map(far).fold(0.0, f64::max)
+        };
+        let [linear, angular] = run.momentum_scales();
+        assert!(strayed(run.linear_momenta()) < 1e-12 * linear, "{shape}");
+        assert!(strayed(run.angular_momenta()) < 1e-12 * angular, "{shape}");
+        assert!(drift(&run) < 1e-2, "{shape}: {:e}", drift(&run));
+    }
+}
+
+#[test]
+fn modes_that_would_not_fit_into_memory_are_refused_before_they_are_sought() {
+    let text = format!("{HEAD}{BEAM}")
+        .replace("\"stormer-verlet\"", "\"linear-modes\"\nmodes = 1000")
+        .replace("cells = [10, 2]", "cells = [700, 700]");
+    let error = Scene::parse("a.toml", &text).unwrap_err().to_string();
+    assert!(error.contains("numbers of modes"), "{error}");
+}

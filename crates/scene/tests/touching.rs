@@ -114,3 +114,29 @@ fn contact_that_cannot_be_is_refused_where_it_says_so() {
     let error = Scene::parse("a.toml", text).unwrap_err().to_string();
     assert!(error.contains("cannot step what touches: name `stormer-verlet`"), "{error}");
 }
+
+#[test]
+fn impacts_are_written_down_with_their_time() {
+    let folder = std::env::temp_dir().join(format!("stationary-impacts-{}", std::process::id()));
+    let run = ball("restitution = 0.5", 0.01).run().unwrap();
+    run.write(&folder).unwrap();
+    let events = std::fs::read_to_string(folder.join("events.csv")).unwrap();
+    let mut lines = events.lines();
+    assert_eq!(lines.next(), Some("time [s],impacts"));
+    assert_eq!(lines.count(), run.impacts().len());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn more_pairs_than_can_be_looked_at_are_refused_before_they_are_listed() {
+    let mut text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+                    [contact]\nrestitution = 1\n"
+        .to_owned();
+    for k in 0..3000 {
+        text += &format!(
+            "[[particles]]\nname = \"p{k}\"\nmass = 1\nradius = 0.1\nposition = [{k}, 0]\n"
+        );
+    }
+    let error = Scene::parse("a.toml", &text).unwrap_err().to_string();
+    assert!(error.contains("pairs that may touch"), "{error}");
+}

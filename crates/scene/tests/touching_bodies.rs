@@ -143,3 +143,27 @@ fn the_falling_box_lands_and_everything_comes_to_rest() {
     assert!(kinetic[kinetic.len() - 1] < 1e-9, "{:e}", kinetic[kinetic.len() - 1]);
     assert!(run.energies().windows(2).all(|pair| pair[1] < pair[0] + 1e-2), "nothing gains energy");
 }
+
+#[test]
+fn a_polygon_has_the_moment_of_its_parts() {
+    let moment = |corners: &str| {
+        let text = format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+             bodies = [{{ name = \"it\", mass = 6, polygon = {corners} }}]\n"
+        );
+        Scene::parse("polygon.toml", &text).unwrap().bodies()[0].moments[2]
+    };
+    // A rectangle of 3 x 2 is a box of m/12 (9 + 4), whichever way round it is drawn.
+    for corners in ["[[1, 1], [4, 1], [4, 3], [1, 3]]", "[[1, 3], [4, 3], [4, 1], [1, 1]]"] {
+        assert!((moment(corners) - 6.5).abs() < 1e-13, "{}", moment(corners));
+    }
+    // An L of a 2 x 1 and a 1 x 1 rectangle, 2 kg a square: centres (1, 1/2) and (1/2, 3/2), the whole's
+    // (5/6, 5/6); each by the parallel-axis rule.
+    let part = |mass: f64, sides: [f64; 2], centre: [f64; 2]| {
+        let off = (centre[0] - 5.0 / 6.0).powi(2) + (centre[1] - 5.0 / 6.0).powi(2);
+        mass * ((sides[0] * sides[0] + sides[1] * sides[1]) / 12.0 + off)
+    };
+    let expected = part(4.0, [2.0, 1.0], [1.0, 0.5]) + part(2.0, [1.0, 1.0], [0.5, 1.5]);
+    let l = moment("[[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]");
+    assert!((l - expected).abs() < 1e-13, "{l} and {expected}");
+}

@@ -202,12 +202,12 @@ impl<A: Product> LinOp<f64> for Operator<'_, A> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::{Covector, DiagonalMetric, FIXED, HessianSolver, Sink, SparseSolver};
 
     /// Springs between neighbours in a row, the first to a wall.
-    struct Row(Vec<f64>);
+    pub(crate) struct Row(pub(crate) Vec<f64>);
 
     impl Potential for Row {
         fn dim(&self) -> usize {
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    fn row(n: usize) -> (DiagonalMetric<Vec<f64>>, Row, Vec<f64>) {
+    pub(crate) fn row(n: usize) -> (DiagonalMetric<Vec<f64>>, Row, Vec<f64>) {
         let metric = DiagonalMetric::new(vec![1.0; n]).unwrap();
         let springs = Row((0..n).map(|i| 1.0 + (i % 7) as f64).collect());
         (metric, springs, (0..n).map(|i| (i as f64).cos()).collect())

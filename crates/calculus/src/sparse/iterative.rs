@@ -101,34 +101,12 @@ impl HessianSolver for IterativeSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Covector, DiagonalMetric, FIXED, Sink, SparseSolver};
-
-    /// Springs between neighbours in a row, the first to a wall.
-    struct Row(Vec<f64>);
-
-    impl Potential for Row {
-        fn dim(&self) -> usize {
-            self.0.len()
-        }
-
-        fn energy(&self, _: &[f64]) -> f64 {
-            0.0
-        }
-
-        fn add_differential(&self, _: &[f64], _: Covector<&mut [f64]>) {}
-
-        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
-            for (i, &k) in self.0.iter().enumerate() {
-                hessian.add_symmetric(&[i.checked_sub(1).unwrap_or(FIXED), i], &[k, -k, -k, k]);
-            }
-        }
-    }
+    use crate::SparseSolver;
+    use crate::sparse::conjugate_gradient::tests::row;
 
     #[test]
     fn the_iteration_solves_what_the_factor_solves() {
-        let metric = DiagonalMetric::new(vec![1.0; 100]).unwrap();
-        let mut springs = Row((0..100).map(|i| 1.0 + (i % 7) as f64).collect());
-        let r: Vec<f64> = (0..100).map(|i| (i as f64).cos()).collect();
+        let (metric, mut springs, r) = row(100);
         let method = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
         let mut iterative = IterativeSolver::new(method, &metric, &springs, &[]).unwrap();
         let mut direct = SparseSolver::new(&metric, &springs, &[]).unwrap();
