@@ -26,7 +26,7 @@ fn right_hand_side<M: Metric, P: Potential, const N: usize>(
 ) {
     let (q, p) = y.split_at(N);
     let (dq, dp) = dy.split_at_mut(N);
-    dp.fill(0.0);
+    dp.fill(-0.0);
     problem.system.potential().add_differential(q, Covector(&mut *dp));
     dp.iter_mut().for_each(|x| *x = -*x);
     problem.system.metric().sharp(Covector(p), Vector(dq));

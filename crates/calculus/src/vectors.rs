@@ -124,10 +124,11 @@ macro_rules! linear_object {
                 self.0.as_mut()
             }
 
-            /// Sets every component to zero.
+            /// Sets every component to minus zero, to which a sum may be added without being rounded
+            /// or waited for: x + (-0.0) is x, and a compiler knows.
             #[inline]
             pub fn clear(&mut self) {
-                self.0.as_mut().fill(0.0);
+                self.0.as_mut().fill(-0.0);
             }
 
             /// Adds `scale` times an object of the same kind and length.

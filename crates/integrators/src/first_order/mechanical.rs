@@ -52,7 +52,7 @@ impl<M: Metric, P: Potential, F: Force> VectorField for MechanicalField<'_, M, P
         let (q, p) = y.split_at(n);
         let (dq, dp) = f.split_at_mut(n);
         self.system.metric().sharp(Covector(p), Vector(&mut *dq));
-        dp.fill(0.0);
+        dp.fill(-0.0);
         self.system.potential().add_differential(q, Covector(&mut *dp));
         dp.iter_mut().for_each(|dp| *dp = -*dp);
         self.force.add_force(t, q, Vector(dq), Covector(dp));
