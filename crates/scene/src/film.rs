@@ -38,6 +38,7 @@ const POINTS: usize = 10_000;
 pub(crate) struct Film<'a> {
     run: &'a Run,
     samples: Vec<usize>,
+    walls: Vec<[[f64; 2]; 4]>,
     /// `None` where the scene's size is not finite.
     sheet: Option<Sheet<'a>>,
 }
@@ -53,11 +54,12 @@ impl<'a> Film<'a> {
             .flat_map(|&sample| all.clone().map(move |particle| at(sample, particle)));
         let moving = run.scene.moving(SPOTS);
         let paths = moving.iter().flat_map(|&p| (0..run.times().len()).map(move |i| at(i, p)));
-        let points = moments.chain(paths);
+        let walls = axes.of_walls(run);
+        let points = moments.chain(paths).chain(walls.iter().copied().flatten());
         let inner = WIDTH - 2.0 * GAP;
         let sheet = Extent::of(points)
             .map(|extent| Sheet::new(run, axes, extent, [GAP; 2], inner, FLATTEST..=TALLEST));
-        Film { run, samples, sheet }
+        Film { run, samples, walls, sheet }
     }
 
     fn frame_height(&self) -> f64 {
@@ -81,6 +83,7 @@ impl<'a> Film<'a> {
         writeln!(f, "<rect class=\"frame\" {frame}/>")?;
         let moving = self.run.scene.moving(SPOTS);
         let before = place.checked_sub(1).map_or(sample, |before| self.samples[before]);
+        sheet.walls(f, &self.walls)?;
         sheet.faces(f, sample)?;
         sheet.paths(f, before..=sample, &moving, POINTS)?;
         sheet.lines(f, sample, "end")?;

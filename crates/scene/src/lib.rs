@@ -164,6 +164,7 @@ mod player;
 mod projection;
 mod sheet;
 mod vtk;
+mod walls;
 
 pub mod limits;
 pub mod problems;

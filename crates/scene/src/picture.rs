@@ -30,6 +30,7 @@ const NAMES: usize = 40;
 #[derive(Debug)]
 pub(crate) struct Picture<'a> {
     run: &'a Run,
+    walls: Vec<[[f64; 2]; 4]>,
     /// `None` where the scene's size is not finite.
     sheet: Option<Sheet<'a>>,
     height: f64,
@@ -43,11 +44,13 @@ impl<'a> Picture<'a> {
             Axes::Graph => 0.5 * TALLEST..=0.5 * TALLEST,
             Axes::Seen(_) => FLATTEST..=TALLEST,
         };
-        let sheet = Extent::of(everything(run, axes)).map(|extent| {
+        let walls = axes.of_walls(run);
+        let points = everything(run, axes).chain(walls.iter().copied().flatten());
+        let sheet = Extent::of(points).map(|extent| {
             Sheet::new(run, axes, extent, [MARGIN, HEADER], WIDTH - 2.0 * MARGIN, heights)
         });
         let height = HEADER + sheet.as_ref().map_or(FLATTEST, |sheet| sheet.height) + FOOTER;
-        Picture { run, sheet, height }
+        Picture { run, walls, sheet, height }
     }
 
     fn samples(&self) -> usize {
@@ -56,6 +59,7 @@ impl<'a> Picture<'a> {
 
     /// Springs and rods at the start and at the end; a rod that broke is missing there.
     fn links(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
+        sheet.walls(f, &self.walls)?;
         sheet.lines(f, 0, "start")?;
         sheet.faces(f, self.samples() - 1)?;
         sheet.lines(f, self.samples() - 1, "end")

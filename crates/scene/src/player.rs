@@ -56,7 +56,7 @@ struct Data<'a> {
     dimension: usize,
     units: Units<'a>,
     view: [f64; 3],
-    /// The height of a floor, where the scene has a downward direction.
+    /// The height of a floor, where the scene has a downward direction and no walls.
     floor: Option<f64>,
     names: Vec<&'a str>,
     followed: Vec<usize>,
@@ -67,6 +67,8 @@ struct Data<'a> {
     pinned: Vec<usize>,
     /// Centres and radii of what nothing enters.
     balls: Vec<([f64; 3], f64)>,
+    /// Corners of what is drawn of walls, which nothing enters either.
+    walls: Vec<[[f64; 3]; 4]>,
     /// Pairs of particles; faces are three particles and a colour.
     springs: String,
     rods: String,
@@ -204,6 +206,7 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         // What is heated does not move.
         pinned: scene.pins().filter(|_| scene.heat.is_none()).collect(),
         balls: balls(run),
+        walls: run.walls(),
         springs: indices(scene.wires().flatten()),
         rods: indices(scene.rods.iter().flat_map(|rod| rod.ends)),
         edges: indices(scene.edges.iter().copied().flatten()),
@@ -253,7 +256,8 @@ fn middle(run: &Run, samples: &[usize]) -> [f64; 3] {
 /// Just below everything, where gravity points down the third axis.
 fn floor(run: &Run, samples: &[usize]) -> Option<f64> {
     let [x, y, z] = run.scene.gravity.acceleration?;
-    if run.scene.dimension < 3 || z >= 0.0 || x.hypot(y) > -0.1 * z {
+    let walls = run.scene.contact.iter().any(|contact| !contact.walls.is_empty());
+    if run.scene.dimension < 3 || z >= 0.0 || x.hypot(y) > -0.1 * z || walls {
         return None;
     }
     let heights =

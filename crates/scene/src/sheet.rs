@@ -31,6 +31,16 @@ impl Axes {
         }
     }
 
+    /// Where the corners of walls are on paper, in the scene's units.
+    pub(crate) fn of_walls(&self, run: &Run) -> Vec<[[f64; 2]; 4]> {
+        match self {
+            Axes::Graph => Vec::new(),
+            Axes::Seen(projection) => {
+                run.walls().into_iter().map(|wall| wall.map(|x| projection.of(x))).collect()
+            }
+        }
+    }
+
     /// Where a particle is on paper, in the scene's units.
     pub(crate) fn of_particle(&self, run: &Run, sample: usize, particle: usize) -> [f64; 2] {
         let x = run.position(sample, particle);
@@ -81,11 +91,24 @@ impl<'a> Sheet<'a> {
 
     /// Where a particle is on paper.
     pub(crate) fn spot(&self, sample: usize, particle: usize) -> [f64; 2] {
-        let x = self.axes.of_particle(self.run, sample, particle);
+        self.on_paper(self.axes.of_particle(self.run, sample, particle))
+    }
+
+    fn on_paper(&self, x: [f64; 2]) -> [f64; 2] {
         [
             self.centre[0] + self.scale[0] * (x[0] - self.middle[0]),
             self.centre[1] - self.scale[1] * (x[1] - self.middle[1]),
         ]
+    }
+
+    /// What nothing enters.
+    pub(crate) fn walls(&self, f: &mut fmt::Formatter<'_>, walls: &[[[f64; 2]; 4]]) -> fmt::Result {
+        for corners in walls {
+            let [a, b, c, d] = corners.map(|corner| self.on_paper(corner));
+            write!(f, "<path class=\"wall\" d=\"M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
+            writeln!(f, "L{:.1} {:.1}L{:.1} {:.1}Z\"/>", c[0], c[1], d[0], d[1])?;
+        }
+        Ok(())
     }
 
     /// Springs, edges of bodies, and the rods that are left.
@@ -195,6 +218,7 @@ pub(crate) fn styles(f: &mut fmt::Formatter<'_>) -> fmt::Result {
     writeln!(f, ".start{{stroke:var(--start)}}.end{{stroke:var(--end)}}")?;
     writeln!(f, ".bar{{stroke:var(--soft);stroke-width:1.4}}.pin{{fill:var(--ink)}}")?;
     writeln!(f, ".frame{{fill:none;stroke:var(--start)}}.face{{fill:var(--c0);opacity:.16}}")?;
+    writeln!(f, ".wall{{fill:var(--start);opacity:.5}}")?;
     writeln!(f, ".first{{fill:var(--paper);stroke-width:1.4}}.ink{{stroke:var(--ink)}}")?;
     writeln!(f, ".last{{fill:var(--ink);stroke:var(--paper);stroke-width:1.4}}")?;
     for i in 0..COLOURS.len() {

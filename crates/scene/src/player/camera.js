@@ -34,7 +34,7 @@ const projector = () => {
 const everything = () => {
   const { count, times } = motion;
   const stride = Math.max(1, Math.ceil((count * times.length) / 30000));
-  const found = [];
+  const found = data.walls.flat();
   for (let k = 0; k < count * times.length; k += stride) {
     const [sample, particle] = [Math.floor(k / count), k % count];
     found.push([0, 1, 2].map((axis) => sampled(sample, particle, axis)));

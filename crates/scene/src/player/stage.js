@@ -161,6 +161,20 @@ const drawSolids = () => {
   }
 };
 
+// What nothing enters, behind everything else.
+const drawWalls = (project) => {
+  pen.fillStyle = stage.colours.line;
+  pen.strokeStyle = stage.colours.soft;
+  pen.lineWidth = 0.8;
+  for (const corners of data.walls) {
+    pen.beginPath();
+    for (const corner of corners) pen.lineTo(...project(...corner).slice(0, 2));
+    pen.closePath();
+    pen.fill();
+    pen.stroke();
+  }
+};
+
 // A floor below a scene that has a downward direction, with the shadow of its lines.
 const drawFloor = (project) => {
   if (!spatial || data.floor === null) return;
@@ -318,6 +332,7 @@ const drawStage = () => {
   const project = look();
   pen.lineJoin = pen.lineCap = "round";
   drawFloor(project);
+  drawWalls(project);
   drawPaths(project);
   if (motion.faces.length || data.balls.length) drawSolids();
   else {
