@@ -20,6 +20,7 @@
 //! the trend: Gustafsson, ACM Transactions on Mathematical Software 20 (1994) 496-517.
 
 mod coefficients;
+mod last_step;
 
 use stationary_calculus::Storage;
 
@@ -33,6 +34,7 @@ use super::{
 use crate::integrator::zeros;
 use crate::{Damping, Evaluation};
 use coefficients::*;
+use last_step::{LastStep, Polynomial};
 
 /// What is known of the method.
 pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
@@ -72,29 +74,10 @@ pub struct DormandPrince853<F, C> {
     work: Work,
     /// f at the moment.
     f: C,
-    last: Last<C>,
+    last: LastStep<C>,
     stage: C,
     next: C,
     errors: [C; 2],
-}
-
-/// The last step, as far as its polynomial needs it.
-#[derive(Clone, Debug)]
-struct Last<C> {
-    begin: Option<f64>,
-    h: f64,
-    polynomial: Polynomial,
-    /// Stages 1 to 13; once the polynomial is known, stages 2 to 4 hold 14 to 16.
-    k: [C; 13],
-    y: C,
-    dense: [C; 7],
-}
-
-/// Whether the polynomial of the last step was computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Polynomial {
-    Known,
-    Unknown,
 }
 
 impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
@@ -114,14 +97,7 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
             before: 0.0,
             work: Work::default(),
             f: zero.clone(),
-            last: Last {
-                begin: None,
-                h: 0.0,
-                polynomial: Polynomial::Unknown,
-                k: std::array::from_fn(|_| zero.clone()),
-                y: zero.clone(),
-                dense: std::array::from_fn(|_| zero.clone()),
-            },
+            last: LastStep::new(&zero),
             stage: zero.clone(),
             next: zero.clone(),
             errors: [zero.clone(), zero],
@@ -221,42 +197,6 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         if self.last.h * self.last.h * df > STABILITY * STABILITY * dy {
             self.work.stiff += 1;
         }
-    }
-
-    /// The polynomial of the last step.
-    fn look_inside(&mut self, begin: f64) {
-        let Last { h, k, y, dense, .. } = &mut self.last;
-        let (h, y) = (*h, y.as_ref());
-        macro_rules! stages {
-            ($($s:literal into $place:literal $row:ident $at:expr;)+) => {$(
-                combine(self.stage.as_mut(), y, h, &$row, k, $at);
-                let t = begin + C[$s - 1] * h;
-                self.field.evaluate(t, self.stage.as_ref(), k[$place - 1].as_mut());
-            )+};
-        }
-        stages! {
-            14 into 2 A14 [1, 7, 8, 9, 10, 11, 12, 13];
-            15 into 3 A15 [1, 6, 7, 8, 11, 12, 13, 2];
-            16 into 4 A16 [1, 6, 7, 8, 9, 13, 2, 3];
-        }
-        self.work.evaluations += 3;
-        for (i, (y, next)) in y.iter().zip(self.moment.y.as_ref()).enumerate() {
-            let step = next - y;
-            let bend = h * k[0].as_ref()[i] - step;
-            dense[0].as_mut()[i] = step;
-            dense[1].as_mut()[i] = bend;
-            dense[2].as_mut()[i] = step - h * k[12].as_ref()[i] - bend;
-        }
-        let at = [1, 6, 7, 8, 9, 10, 11, 12, 13, 2, 3, 4];
-        for (dense, row) in dense[3..].iter_mut().zip([&D4, &D5, &D6, &D7]) {
-            dense.as_mut().fill(0.0);
-            for (d, s) in row.iter().zip(at) {
-                for (dense, k) in dense.as_mut().iter_mut().zip(k[s - 1].as_ref()) {
-                    *dense += h * d * k;
-                }
-            }
-        }
-        self.last.polynomial = Polynomial::Known;
     }
 }
 
@@ -360,17 +300,9 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for DormandPrince853<F, C> {
             y.copy_from_slice(self.moment.y.as_ref());
             return Ok(());
         };
-        if self.last.polynomial == Polynomial::Unknown {
-            self.look_inside(begin);
-        }
-        let x = (t - begin) / self.last.h;
-        let rest = 1.0 - x;
-        let d = self.last.dense.each_ref().map(C::as_ref);
-        for (i, (y, start)) in y.iter_mut().zip(self.last.y.as_ref()).enumerate() {
-            let inner = d[4][i] + rest * (d[5][i] + x * d[6][i]);
-            let middle = d[2][i] + rest * (d[3][i] + x * inner);
-            *y = start + x * (d[0][i] + rest * (d[1][i] + x * middle));
-        }
+        let DormandPrince853 { field, last, stage, moment, work, .. } = self;
+        work.evaluations += last.complete(field, begin, moment.y.as_ref(), stage.as_mut());
+        last.at((t - begin) / last.h, y);
         Ok(())
     }
 
