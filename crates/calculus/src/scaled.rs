@@ -32,8 +32,6 @@ impl<'a, S: Sink> Scaled<'a, S> {
 }
 
 impl<S: Sink> Sink for Scaled<'_, S> {
-    const READS_BOTH_TRIANGLES: bool = S::READS_BOTH_TRIANGLES;
-
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         self.scratch.clear();
         self.scratch.extend(block.iter().map(|entry| self.scale * entry));
@@ -51,6 +49,16 @@ impl<S: Sink> Sink for Scaled<'_, S> {
             *entry *= self.scale;
         }
         self.sink.add_vertices(freedoms, &scaled);
+    }
+
+    #[inline]
+    fn add_lower<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
+        let scale = self.scale;
+        self.sink.add_lower(freedoms, |b, d, a| column(b, d, a).map(|entry| scale * entry));
     }
 
     fn add_parts(&mut self, parts: &impl Parts) {

@@ -6,8 +6,9 @@
 //! A potential knows its blocks, a sink what becomes of them: a dense matrix ([`DenseSink`]), a
 //! product with a vector without any matrix ([`ProductSink`]), a sparsity pattern or stored values
 //! (feature `sparse`). No sink ever sees the selection matrices. Blocks between whole vertices
-//! ([`Sink::add_vertices`]) are stored with less, and blocks that come in [`Parts`] are computed side
-//! by side.
+//! ([`Sink::add_vertices`]) are stored with less, those of which the lower triangle lies somewhere
+//! ([`Sink::add_lower`]) need not be written out, and blocks that come in [`Parts`] are computed
+//! side by side.
 
 use crate::StencilHessian;
 use crate::parts::{Parts, in_parts};
@@ -17,10 +18,6 @@ pub const FIXED: usize = usize::MAX;
 
 /// Takes dense blocks and adds them into a symmetric whole.
 pub trait Sink {
-    /// Whether the upper triangles of blocks between vertices are read at all: where they are not,
-    /// whoever computes blocks in bulk may leave them out.
-    const READS_BOTH_TRIANGLES: bool = true;
-
     /// Adds the symmetric `block`, k x k by columns, at `freedoms` (k of them, [`FIXED`] or below
     /// the dimension).
     ///
@@ -28,7 +25,8 @@ pub trait Sink {
     /// this crate compare the two.
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]);
 
-    /// Adds a symmetric block between `V` vertices of `D` freedoms each, [`FIXED`] where they are held.
+    /// Adds a symmetric block between `V` vertices of `D` freedoms each, [`FIXED`] where they are
+    /// held.
     ///
     /// The same as [`Sink::add_symmetric`], which it falls back to; but a sink that stores places
     /// needs one for each pair of vertices instead of one for each entry.
@@ -42,8 +40,22 @@ pub trait Sink {
         self.add_symmetric(freedoms.as_flattened(), block);
     }
 
-    /// Adds the blocks of all parts: one part after the other, or side by side where the sink can be
-    /// divided. Either way the sums are the same to the last bit.
+    /// Adds a symmetric block between vertices out of its lower triangle: `column(b, d, a)` is what
+    /// column d of vertex b has in the rows of vertex a, asked for where a >= b.
+    ///
+    /// The same as [`Sink::add_vertices`], which it falls back to; but a sink that reads each entry
+    /// once reads it where it lies.
+    #[inline]
+    fn add_lower<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
+        self.add_vertices(freedoms, &from_lower(column));
+    }
+
+    /// Adds the blocks of all parts: one part after the other, or side by side where the sink can
+    /// be divided. Either way the sums are the same to the last bit.
     #[inline]
     fn add_parts(&mut self, parts: &impl Parts)
     where
@@ -51,6 +63,31 @@ pub trait Sink {
     {
         parts.visit_all(self);
     }
+}
+
+/// The block whose lower triangle is known: symmetric to the last bit.
+#[inline]
+pub(crate) fn from_lower<const V: usize, const D: usize>(
+    column: impl Fn(usize, usize, usize) -> [f64; D],
+) -> StencilHessian<V, D> {
+    let mut block = [[[[0.0; D]; V]; D]; V];
+    for b in 0..V {
+        for d in 0..D {
+            for a in b..V {
+                block[b][d][a] = column(b, d, a);
+            }
+        }
+    }
+    for b in 0..V {
+        for d in 0..D {
+            for a in 0..=b {
+                for c in 0..if a == b { d } else { D } {
+                    block[b][d][a][c] = block[a][c][b][d];
+                }
+            }
+        }
+    }
+    block
 }
 
 /// Adds `scale` times what it is given into a dense n x n matrix by columns, both triangles.
@@ -138,6 +175,24 @@ mod tests {
         let mut sink = DenseSink::new(1.0, 2, &mut values).unwrap();
         sink.add_symmetric(&[1, FIXED, 0], &[4.0, 9.0, 2.0, 9.0, 9.0, 9.0, 2.0, 9.0, 3.0]);
         assert_eq!(values, [3.0, 2.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn a_lower_triangle_is_half_of_a_whole_block() {
+        let entry = |i: usize, j: usize| (1 + i.min(j) + 10 * i.max(j)) as f64;
+        let column = |b: usize, d: usize, a: usize| {
+            assert!(a >= b, "only the lower triangle is asked for");
+            std::array::from_fn(|c| {
+                if a == b && c < d { f64::NAN } else { entry(2 * a + c, 2 * b + d) }
+            })
+        };
+        let mut values = [0.0; 36];
+        let mut sink = DenseSink::new(1.0, 6, &mut values).unwrap();
+        sink.add_lower(&[[4, 5], [0, 1], [2, 3]], column);
+        let place = |freedom: usize| (freedom + 2) % 6;
+        for (k, value) in values.iter().enumerate() {
+            assert_eq!(*value, entry(place(k % 6), place(k / 6)));
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@
 use stationary_calculus::FIXED;
 
 use crate::Freedoms;
-use crate::solid::Group;
+use crate::group::Group;
 
 /// Parts of a body, or the whole of it.
 #[derive(Clone, Debug)]

@@ -13,6 +13,7 @@
 use num_dual::{Dual64, HyperDual64};
 use stationary_calculus::Number;
 
+use crate::group::deformation;
 use crate::{ElasticityError, Material, SaintVenantKirchhoff, Solid};
 use crate::{Linear, NeoHookean};
 
@@ -89,11 +90,10 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
     {
         let resting = self.freedoms().resting();
         for group in &self.groups {
-            let x = Self::corners(self.freedoms(), group, q);
-            let u = Self::corners(&resting, group, v);
+            let x = group.corners(self.freedoms(), q);
+            let u = group.corners(&resting, v);
             for (gradients, weight) in group.gradients.iter().zip(&group.weights) {
-                let (f, rate) =
-                    (Self::deformation(&x, gradients), Self::deformation(&u, gradients));
+                let (f, rate) = (deformation(&x, gradients), deformation(&u, gradients));
                 for lane in 0..group.filled {
                     let of = |tensor: &[[crate::Lanes; D]; R]| {
                         tensor.map(|column| column.map(|entry| entry.0[lane]))

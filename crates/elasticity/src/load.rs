@@ -10,7 +10,7 @@
 
 use stationary_calculus::{Covector, Potential, Sink};
 
-use crate::shape::{jacobian, points};
+use crate::shape::{jacobian, visit_points};
 use crate::{ElasticityError, Elements, Freedoms, Reference};
 
 /// Constant forces at the vertices.
@@ -80,8 +80,8 @@ impl<const D: usize> DeadLoad<D> {
         }
         let rule = F::rule(4 * F::DEGREE);
         let mut forces = vec![[0.0; D]; mesh.count()];
-        let all = points::<F, N, R, Q, G>(mesh, &rule)?;
-        for (element, points) in mesh.elements().iter().zip(&all) {
+        visit_points::<F, N, R, Q, G>(mesh, &rule, |number, points| {
+            let element = &mesh.elements()[number];
             let nodes = mesh.corners(element);
             for ((l, _), point) in rule.iter().zip(points) {
                 let functions = F::functions(l);
@@ -94,7 +94,7 @@ impl<const D: usize> DeadLoad<D> {
                     }
                 }
             }
-        }
+        })?;
         DeadLoad::new(freedoms, forces)
     }
 

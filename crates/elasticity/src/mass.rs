@@ -18,7 +18,7 @@
 use stationary_calculus::{DiagonalMetric, FIXED, Sink, SparseMetric, SymmetricMatrix};
 use stationary_mesh::Places;
 
-use crate::shape::points;
+use crate::shape::{Point, visit_points};
 use crate::{ElasticityError, Elements, Freedoms, Reference};
 
 /// The consistent mass: sparse.
@@ -124,7 +124,7 @@ where
     // Curved elements have a Jacobian of degree R (degree - 1) more.
     let rule = F::rule(2 * F::DEGREE + R * (F::DEGREE - 1));
     let functions: Vec<[f64; N]> = rule.iter().map(|(l, _)| F::functions(l)).collect();
-    let of_element = |points: &Vec<crate::shape::Point<N, R>>| {
+    let of_element = |points: &[Point<N, R>]| {
         let mut mass = [[0.0; N]; N];
         for (n, point) in functions.iter().zip(points) {
             let weight = density * section * point.size;
@@ -141,5 +141,7 @@ where
         }
         mass
     };
-    Ok(points::<F, N, R, Q, G>(mesh, &rule)?.iter().map(of_element).collect())
+    let mut masses = Vec::with_capacity(mesh.elements().len());
+    visit_points::<F, N, R, Q, G>(mesh, &rule, |_, points| masses.push(of_element(points)))?;
+    Ok(masses)
 }

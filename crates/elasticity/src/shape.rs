@@ -133,30 +133,33 @@ fn in_own_frame<const G: usize, const R: usize>(columns: &[[f64; G]; R]) -> [[f6
     map
 }
 
-/// The points of all elements, or an error that lists the elements that are flat or inside out.
-pub(crate) fn points<F, const N: usize, const R: usize, const Q: usize, const G: usize>(
+/// Shows the points of each element, by its number; an error lists the elements that are flat or
+/// inside out, of which nothing may come. One element's points are kept at a time: a rule may have
+/// dozens.
+pub(crate) fn visit_points<F, const N: usize, const R: usize, const Q: usize, const G: usize>(
     mesh: &impl Elements<G, N>,
     rule: &[([f64; R], f64)],
-) -> Result<Vec<Vec<Point<N, R>>>, ElasticityError>
+    mut see: impl FnMut(usize, &[Point<N, R>]),
+) -> Result<(), ElasticityError>
 where
     F: Reference<N, R, Q>,
 {
     let (mut flat, mut inverted) = (Vec::new(), Vec::new());
-    let mut all = Vec::with_capacity(mesh.elements().len());
+    let mut points = Vec::with_capacity(rule.len());
     for (number, element) in mesh.elements().iter().enumerate() {
         let nodes = mesh.corners(element);
-        let at = |(l, weight): &([f64; R], f64)| {
+        points.clear();
+        points.extend(rule.iter().map(|(l, weight)| {
             let Point { gradients, size } = point::<F, N, R, Q, G>(&nodes, l);
             Point { gradients, size: size * weight }
-        };
-        let points: Vec<_> = rule.iter().map(at).collect();
+        }));
         // A NaN is flat as well: nothing may come of it.
         if points.iter().any(|point| point.size < 0.0) {
             inverted.push(number);
         } else if !points.iter().all(|point| point.size > 0.0) {
             flat.push(number);
         }
-        all.push(points);
+        see(number, &points);
     }
     if !inverted.is_empty() {
         return Err(MeshError::Inverted(Places(inverted)).into());
@@ -164,5 +167,5 @@ where
     if !flat.is_empty() {
         return Err(MeshError::Degenerate(Places(flat)).into());
     }
-    Ok(all)
+    Ok(())
 }

@@ -15,8 +15,9 @@
 
 use stationary_calculus::{Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector};
 
+use crate::group::deformation;
+use crate::lane_hessian::{accumulate, begin, complete};
 use crate::material::hookean_block;
-use crate::solid::{accumulate, begin, complete};
 use crate::tensor::{apply, dot, outer_gram, product, scaled, shifted, trace};
 use crate::{
     ElasticityError, Freedoms, Lame, Lanes, Material, Real, SaintVenantKirchhoff, Solid, Tangent,
@@ -64,8 +65,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
         let n = self.dim();
         let (q, v, f) = (&q[..n], &v.0[..n], &mut f.0[..n]);
         for group in &self.body.groups {
-            let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
-            let u = Body::<N, D, R, Q>::corners(&self.resting, group, v);
+            let x = group.corners(self.body.freedoms(), q);
+            let u = group.corners(&self.resting, v);
             let mut forces = [[Lanes::default(); D]; N];
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
                 let stress = self.stress(&x, &u, gradients, weight);
@@ -89,10 +90,10 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
         let q = &q[..self.dim()];
         let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
         for group in &self.body.groups {
-            let x = Body::<N, D, R, Q>::corners(self.body.freedoms(), group, q);
+            let x = group.corners(self.body.freedoms(), q);
             begin::<N, D, Q>(&mut lanes);
             for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
-                let f = Body::<N, D, R, Q>::deformation(&x, gradients);
+                let f = deformation(&x, gradients);
                 let pair = [weight * self.pair().lambda(), weight * self.pair().mu()];
                 let viscosity = Viscosity { spread: outer_gram(&f), f, pair };
                 accumulate::<_, N, D, R, Q>(&mut lanes, &viscosity, gradients);
@@ -113,8 +114,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<
         gradients: &[[Lanes; R]; N],
         weight: Lanes,
     ) -> [[Lanes; D]; R] {
-        let f = Body::<N, D, R, Q>::deformation(x, gradients);
-        let rate = Body::<N, D, R, Q>::deformation(u, gradients);
+        let f = deformation(x, gradients);
+        let rate = deformation(u, gradients);
         let strain: [[Lanes; R]; R] = std::array::from_fn(|k| {
             std::array::from_fn(|l| (dot(&f[k], &rate[l]) + dot(&f[l], &rate[k])) * 0.5)
         });

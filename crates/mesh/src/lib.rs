@@ -33,7 +33,7 @@
 //! components, manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`],
 //! [`ClosedSurface`]) with the exact signs that they rest on; shapes of simplices ([`Quality`],
 //! refinement; [`IntrinsicSurface`], known by edge lengths); curved elements ([`Quadratic`]);
-//! generators; and files, behind the feature `obj`.
+//! generators; and files: Gmsh's MSH, VTK, and OBJ behind the feature `obj`.
 //!
 //! Every list comes in the order of vertex numbers, so that the same mesh gives the same answer
 //! everywhere. The crate knows nothing of mass, time or materials.
@@ -63,6 +63,7 @@ mod refinement;
 mod quadrature;
 mod quadratic;
 mod generators;
+mod msh;
 #[cfg(feature = "obj")]
 mod obj;
 mod vtk;
@@ -82,6 +83,7 @@ pub use intrinsic_surface::{IntrinsicSurface, Side};
 pub use measure::measure;
 pub use mesh::{Mesh, Part};
 pub use moments::Moments;
+pub use msh::{Msh, MshError, parse_msh, read_msh};
 #[cfg(feature = "obj")]
 pub use obj::{ObjError, parse_obj, read_obj};
 pub use obtuse_boundary::Split;

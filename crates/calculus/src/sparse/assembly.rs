@@ -163,7 +163,7 @@ pub(crate) fn add_product(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DenseSink, FIXED, ProductSink};
+    use crate::{DenseSink, FIXED, ProductSink, Scaled, StencilHessian};
     use proptest::prelude::*;
 
     /// Blocks as a list of freedoms and symmetric entries.
@@ -241,6 +241,44 @@ mod tests {
         assert_eq!(changed(vec![(vec![0, 1], vec![2.0])]), block(0));
         matrix.refill(|sink| visit(&blocks, sink)).unwrap();
         assert_eq!(matrix.values(), values);
+    }
+
+    #[test]
+    fn a_lower_triangle_is_added_where_its_whole_block_is() {
+        // Vertices out of order; one held in part, one wholly; one whose freedoms are apart.
+        let all =
+            [[[4, 5], [0, 1], [2, 3]], [[2, 3], [FIXED, 6], [FIXED; 2]], [[2, 3], [7, 9], [4, 5]]];
+        let entry = |i: usize, j: usize| (1 + i.min(j) + 7 * i.max(j)) as f64;
+        let block: StencilHessian<3, 2> = std::array::from_fn(|b| {
+            std::array::from_fn(|d| {
+                std::array::from_fn(|a| std::array::from_fn(|c| entry(2 * a + c, 2 * b + d)))
+            })
+        });
+        let column = |b: usize, d: usize, a: usize| {
+            assert!(a >= b, "only the lower triangle is asked for");
+            block[b][d][a]
+        };
+        let lower = |sink: &mut RefillSink| {
+            all.iter().for_each(|freedoms| sink.add_lower(freedoms, column));
+        };
+        let whole = |sink: &mut RefillSink| {
+            all.iter().for_each(|freedoms| sink.add_vertices(freedoms, &block));
+        };
+        let mut matrix = SymmetricMatrix::analyse(10, |sink| {
+            all.iter().for_each(|freedoms| sink.add_lower(freedoms, column));
+        })
+        .unwrap();
+        matrix.refill(|sink| whole(sink.weighted(-2.0))).unwrap();
+        let expected = matrix.values().to_vec();
+        assert!(expected.iter().any(|value| *value != 0.0));
+        matrix.refill(|sink| lower(sink.weighted(-2.0))).unwrap();
+        assert_eq!(matrix.values(), expected);
+        let doubled = matrix.refill(|sink| {
+            let mut scaled = Scaled::new(-2.0, sink);
+            all.iter().for_each(|freedoms| scaled.add_lower(freedoms, column));
+        });
+        doubled.unwrap();
+        assert_eq!(matrix.values(), expected);
     }
 
     #[test]

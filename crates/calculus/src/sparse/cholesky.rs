@@ -154,9 +154,8 @@ impl SparseCholesky {
         &self.pattern
     }
 
-    /// How many numbers the factor has.
-    pub fn factor_len(&self) -> usize {
-        self.factor.len()
+    pub(crate) fn numbers(&self) -> &[f64] {
+        &self.factor
     }
 
     /// The freedom that is eliminated at the given place.

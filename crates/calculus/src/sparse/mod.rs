@@ -24,6 +24,7 @@ mod refill;
 mod scratch;
 mod solver;
 mod visit;
+mod work;
 
 pub use assembly::SymmetricMatrix;
 pub(crate) use blocked_lu::BlockedLu;

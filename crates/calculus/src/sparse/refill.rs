@@ -8,6 +8,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::parts::in_parts;
+use crate::sink::from_lower;
 use crate::sparse::pattern::{Pattern, Visit};
 use crate::sparse::visit::{Corner, MIXED, NOWHERE, Run, Shape, stored};
 use crate::{FIXED, Parts, Sink, StencilHessian};
@@ -125,14 +126,14 @@ impl<'a> RefillSink<'a> {
         true
     }
 
-    /// A block between vertices that are all wholly free; false where they are not, or not the
-    /// recorded ones, and then nothing has been added.
+    /// A block between vertices that are all wholly free, by its lower triangle; false where they are
+    /// not, or not the recorded ones, and then nothing has been added.
     #[inline(always)]
     fn add_whole<const V: usize, const D: usize>(
         &mut self,
         slots: &[u32],
         freedoms: &[[usize; D]; V],
-        block: &StencilHessian<V, D>,
+        column: &impl Fn(usize, usize, usize) -> [f64; D],
     ) -> bool {
         let starts = self.pattern.columns.col_ptr();
         let mut lengths = [0; V];
@@ -156,16 +157,30 @@ impl<'a> RefillSink<'a> {
             for a in b..V {
                 let Some(at) = slots.next() else { return false };
                 if a == b {
-                    add_corner(values, at, lengths[b], weight, |d| &block[b][d][b]);
+                    add_corner(values, at, lengths[b], weight, |d| column(b, d, b));
                 } else if freedoms[a][0] > freedoms[b][0] {
-                    add_block(values, at, lengths[b], weight, |d| &block[b][d][a]);
+                    add_block(values, at, lengths[b], weight, |d| column(b, d, a));
                 } else {
-                    let mirrored = mirrored(block, a, b);
-                    add_block(values, at, lengths[a], weight, |d| &mirrored[d]);
+                    let columns: [[f64; D]; D] = std::array::from_fn(|d| column(b, d, a));
+                    let row = |d: usize| columns.map(|column| column[d]);
+                    add_block(values, at, lengths[a], weight, row);
                 }
             }
         }
         true
+    }
+
+    /// A block between vertices of which some are held, or that was recorded by its freedoms.
+    #[cold]
+    #[inline(never)]
+    fn add_written_out<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
+        let block: StencilHessian<V, D> = from_lower(column);
+        let block = block.as_flattened().as_flattened().as_flattened();
+        self.add_symmetric(freedoms.as_flattened(), block);
     }
 
     /// A block between vertices of `D` coordinates, some of them held; false where they are not the
@@ -245,12 +260,12 @@ impl<'a> RefillSink<'a> {
 /// Adds a D x D block below the diagonal by its columns, of which the first starts at `at` in a column
 /// of this length. What is another part's has no place among the values.
 #[inline(always)]
-fn add_block<'a, const D: usize>(
+fn add_block<const D: usize>(
     values: &mut [f64],
     mut at: usize,
     length: usize,
     weight: f64,
-    column: impl Fn(usize) -> &'a [f64; D],
+    column: impl Fn(usize) -> [f64; D],
 ) {
     for d in 0..D {
         let place = values.get_mut(at..at.wrapping_add(D));
@@ -263,23 +278,14 @@ fn add_block<'a, const D: usize>(
     }
 }
 
-/// The block of the rows of vertex b and the columns of vertex a, out of the lower triangle.
-fn mirrored<const V: usize, const D: usize>(
-    block: &StencilHessian<V, D>,
-    a: usize,
-    b: usize,
-) -> [[f64; D]; D] {
-    std::array::from_fn(|d| std::array::from_fn(|c| block[b][c][a][d]))
-}
-
 /// Adds the lower triangle of a D x D block on the diagonal.
 #[inline(always)]
-fn add_corner<'a, const D: usize>(
+fn add_corner<const D: usize>(
     values: &mut [f64],
     mut at: usize,
     length: usize,
     weight: f64,
-    column: impl Fn(usize) -> &'a [f64; D],
+    column: impl Fn(usize) -> [f64; D],
 ) {
     for d in 0..D {
         let Some(sums) = values.get_mut(at..at.wrapping_add(D - d)) else { return };
@@ -295,8 +301,6 @@ fn first_free(freedoms: &[usize]) -> usize {
 }
 
 impl Sink for RefillSink<'_> {
-    const READS_BOTH_TRIANGLES: bool = false;
-
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         let k = freedoms.len();
@@ -321,16 +325,24 @@ impl Sink for RefillSink<'_> {
         freedoms: &[[usize; D]; V],
         block: &StencilHessian<V, D>,
     ) {
+        self.add_lower(freedoms, |b, d, a| block[b][d][a]);
+    }
+
+    #[inline(always)]
+    fn add_lower<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
         let shape = self.next_shape();
         if shape == Some(Shape::Vertices { count: V, dimension: D })
             && let Some((slots, rest)) = self.slots.split_at_checked(V * (V + 1) / 2)
-            && self.add_whole(slots, freedoms, block)
+            && self.add_whole(slots, freedoms, &column)
         {
             self.slots = rest;
             return self.done();
         }
-        let block = block.as_flattened().as_flattened().as_flattened();
-        self.add_symmetric(freedoms.as_flattened(), block);
+        self.add_written_out(freedoms, column);
     }
 
     fn add_parts(&mut self, parts: &impl Parts) {

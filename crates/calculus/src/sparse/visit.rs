@@ -147,27 +147,7 @@ impl PatternSink {
         record.stream.extend(freedoms.iter().map(|&freedom| stored(freedom)));
     }
 
-    pub(crate) fn pattern(self) -> Result<Pattern, SparseError> {
-        match self.error {
-            Some(error) => Err(error),
-            None => Pattern::new(&self.joined, self.records),
-        }
-    }
-}
-
-impl Sink for PatternSink {
-    const READS_BOTH_TRIANGLES: bool = false;
-
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        self.check(freedoms, block.len());
-        self.add_freedoms(freedoms);
-    }
-
-    fn add_vertices<const V: usize, const D: usize>(
-        &mut self,
-        freedoms: &[[usize; D]; V],
-        _block: &StencilHessian<V, D>,
-    ) {
+    fn add_corners<const V: usize, const D: usize>(&mut self, freedoms: &[[usize; D]; V]) {
         let all = freedoms.as_flattened();
         self.check(all, all.len() * all.len());
         let corners = freedoms.map(|freedoms| Corner::of(&freedoms));
@@ -180,6 +160,36 @@ impl Sink for PatternSink {
         }
         let record = self.record(Shape::Vertices { count: V, dimension: D });
         record.corners.extend(corners.iter().flatten());
+    }
+
+    pub(crate) fn pattern(self) -> Result<Pattern, SparseError> {
+        match self.error {
+            Some(error) => Err(error),
+            None => Pattern::new(&self.joined, self.records),
+        }
+    }
+}
+
+impl Sink for PatternSink {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        self.check(freedoms, block.len());
+        self.add_freedoms(freedoms);
+    }
+
+    fn add_vertices<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        _block: &StencilHessian<V, D>,
+    ) {
+        self.add_corners(freedoms);
+    }
+
+    fn add_lower<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        _column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
+        self.add_corners(freedoms);
     }
 
     fn add_parts(&mut self, parts: &impl Parts) {

@@ -1,0 +1,246 @@
+//! Where loaded bodies come to rest, and what is refused.
+
+use nalgebra::Vector3;
+use stationary_calculus::{ConjugateGradient, Curvature, Newton, Ordering, assert_derivatives};
+use stationary_elasticity::{
+    DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearTetrahedron,
+    LinearTriangle, NeoHookean, SaintVenantKirchhoff, Solid, Solves, Statics, averaged_stress,
+    lumped_mass,
+};
+use stationary_mesh::{Mesh, cuboid};
+
+fn lame() -> Lame<3> {
+    Lame::from_young_poisson(2e4, 0.3).unwrap()
+}
+
+/// A bar of cells along x, its left end held, with the boundary of its right end.
+struct Clamped {
+    mesh: Mesh<3, 4>,
+    freedoms: Freedoms<3>,
+}
+
+fn clamped(cells: usize) -> Clamped {
+    let mesh = cuboid([2.0, 1.0, 1.0], [2 * cells, cells, cells]).unwrap();
+    let held: Vec<Held> = (0..mesh.count())
+        .filter(|&vertex| mesh.vertices()[vertex].x == 0.0)
+        .flat_map(|vertex| {
+            let x = mesh.vertices()[vertex];
+            // Free to thin, but neither to shift nor to turn.
+            let all = [true, x.y == 0.0, x.z == 0.0];
+            (0..3).filter(move |&c| all[c]).map(move |component| Held {
+                vertex,
+                component,
+                place: x[component],
+            })
+        })
+        .collect();
+    let freedoms = Freedoms::new(mesh.count(), &held).unwrap();
+    Clamped { mesh, freedoms }
+}
+
+fn end_face(mesh: &Mesh<3, 4>) -> Mesh<3, 3> {
+    let facets = mesh.boundary_facets();
+    let at_end = |facet: &[usize; 3]| facet.iter().all(|&v| mesh.vertices()[v].x == 2.0);
+    Mesh::new(mesh.vertices().to_vec(), facets.into_iter().filter(at_end).collect()).unwrap()
+}
+
+#[test]
+fn a_pulled_bar_stretches_uniformly_and_its_support_pulls_back() {
+    let Clamped { mesh, freedoms } = clamped(2);
+    let pull = 3e3;
+    let load = DeadLoad::traction(LinearTriangle, &end_face(&mesh), 1.0, &freedoms, |_, n| {
+        assert_eq!(*n, [1.0, 0.0, 0.0]);
+        n.map(|n| pull * n)
+    })
+    .unwrap();
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1e3, 1.0], &freedoms).unwrap();
+    let rubber = SaintVenantKirchhoff::new(lame());
+    let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+    let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+    let statics = Statics { steps: 3, ..Statics::default() };
+    let places = freedoms.places().to_vec();
+    let rest = statics.solve(&mut solid, &load, &metric, &places, &mut q).unwrap();
+    let positions = freedoms.positions(&q).unwrap();
+    // Uniaxial: E s (s^2 - 1)/2 = pull per area at rest.
+    let stretch = positions.iter().map(|x| x[0]).fold(0.0, f64::max) / 2.0;
+    let force = 2e4 * stretch * 0.5 * (stretch * stretch - 1.0);
+    assert!((force / pull - 1.0).abs() < 1e-12, "{stretch}");
+    let thinned = positions.iter().map(|x| x[1]).fold(0.0, f64::max);
+    let expected = (1.0 - 0.3 * (stretch * stretch - 1.0)).sqrt();
+    assert!((thinned - expected).abs() < 1e-12);
+    let along: f64 = freedoms
+        .held()
+        .iter()
+        .zip(&rest.reactions)
+        .filter(|((_, component), _)| *component == 0)
+        .map(|(_, force)| force)
+        .sum();
+    assert!((along + pull).abs() < 1e-8, "{along}");
+    // Stress: the pull over the area that is left.
+    let stress = averaged_stress(LinearTetrahedron, &mesh, &rubber, &positions).unwrap();
+    for sigma in stress {
+        assert!((sigma[0][0] * thinned * thinned / pull - 1.0).abs() < 1e-11);
+        assert!(sigma[1][1].abs() < 1e-8 && sigma[0][1].abs() < 1e-8);
+    }
+    assert!(rest.iterations() < 20 && rest.steps.len() == 3);
+}
+
+#[test]
+fn supports_that_move_carry_the_body_along() {
+    let Clamped { mesh, freedoms } = clamped(1);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1e3, 1.0], &freedoms).unwrap();
+    let rubber = NeoHookean::new(lame()).unwrap();
+    let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+    let none = DeadLoad::new(&freedoms, vec![[0.0; 3]; mesh.count()]).unwrap();
+    let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+    let moved: Vec<f64> = freedoms.places().iter().map(|place| place + 0.25).collect();
+    let statics = Statics { steps: 2, ..Statics::default() };
+    let rest = statics.solve(&mut solid, &none, &metric, &moved, &mut q).unwrap();
+    for (x, rest) in solid.freedoms().positions(&q).unwrap().iter().zip(mesh.nodes()) {
+        assert!((0..3).all(|c| (x[c] - rest[c] - 0.25).abs() < 1e-12));
+    }
+    assert!(rest.reactions.iter().all(|f| f.abs() < 1e-8));
+}
+
+#[test]
+fn a_weight_is_borne_by_the_supports() {
+    let Clamped { mesh, freedoms } = clamped(2);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let mut solid =
+        Solid::new(LinearTetrahedron, &mesh, 1.0, Linear::new(lame()), freedoms.clone()).unwrap();
+    let weight =
+        DeadLoad::body(LinearTetrahedron, &mesh, 1.0, &freedoms, |_| [0.0, 0.0, -9.81]).unwrap();
+    let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+    let before = q.clone();
+    let places = freedoms.places().to_vec();
+    let rest = Statics::default().solve(&mut solid, &weight, &metric, &places, &mut q).unwrap();
+    let up: f64 = freedoms
+        .held()
+        .iter()
+        .zip(&rest.reactions)
+        .filter(|((_, c), _)| *c == 2)
+        .map(|(_, f)| f)
+        .sum();
+    assert!((up - 2.0 * 9.81).abs() < 1e-9, "{up}");
+    assert_ne!(q, before);
+    let double = weight.plus(&weight).unwrap();
+    assert_eq!(double, weight.scaled(2.0));
+    assert_derivatives(&(&solid, &weight), &q);
+}
+
+#[test]
+fn bodies_that_may_move_as_a_whole_are_refused_by_name() {
+    let mesh = cuboid([1.0, 1.0, 1.0], [1, 1, 1]).unwrap();
+    let hold = |held: &[(usize, usize)]| {
+        let held: Vec<Held> = held
+            .iter()
+            .map(|&(vertex, component)| Held {
+                vertex,
+                component,
+                place: mesh.vertices()[vertex][component],
+            })
+            .collect();
+        let freedoms = Freedoms::<3>::new(mesh.count(), &held).unwrap();
+        let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+        let rubber = SaintVenantKirchhoff::new(lame());
+        let mut solid =
+            Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let none = DeadLoad::new(&freedoms, vec![[0.0; 3]; mesh.count()]).unwrap();
+        let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+        let places = freedoms.places().to_vec();
+        Statics::default().solve(&mut solid, &none, &metric, &places, &mut q).unwrap_err()
+    };
+    let ElasticityError::RigidMotions { count, names, .. } = hold(&[]) else { panic!() };
+    assert_eq!((count, names.split(", ").count()), (6, 6));
+    let corner = (0..8).find(|&v| mesh.vertices()[v] == Vector3::zeros()).unwrap();
+    let along = (0..8).find(|&v| mesh.vertices()[v] == Vector3::x()).unwrap();
+    let pinned = [(corner, 0), (corner, 1), (corner, 2), (along, 1), (along, 2)];
+    let error = hold(&pinned);
+    // It still turns about the edge along x, which is no axis through the middle.
+    assert_eq!(error.to_string(), "1 rigid motions are free: others that are not along an axis");
+    let floor: Vec<(usize, usize)> =
+        (0..8).filter(|&v| mesh.vertices()[v].z == 0.0).map(|v| (v, 2)).collect();
+    let error = hold(&floor).to_string();
+    assert_eq!(error, "3 rigid motions are free: translation x, translation y, rotation about z");
+}
+
+#[test]
+fn a_load_without_an_equilibrium_is_an_error_that_changes_nothing() {
+    let Clamped { mesh, freedoms } = clamped(1);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let rubber = SaintVenantKirchhoff::new(lame());
+    let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+    let load =
+        DeadLoad::body(LinearTetrahedron, &mesh, 1.0, &freedoms, |_| [1e9, 0.0, 0.0]).unwrap();
+    let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+    let (before, places) = (q.clone(), freedoms.places().to_vec());
+    let moved: Vec<f64> = places.iter().map(|p| p + 1.0).collect();
+    let newton = Newton { iterations: 2, tolerance: 0.0 };
+    let hasty = Statics { newton, ..Statics::default() };
+    let error = hasty.solve(&mut solid, &load, &metric, &moved, &mut q).unwrap_err();
+    assert!(matches!(error, ElasticityError::Statics { step: 1, steps: 1, .. }), "{error}");
+    assert_eq!((q, solid.freedoms().places().to_vec()), (before, places.clone()));
+    let none = Statics { steps: 0, ..hasty };
+    let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+    let error = none.solve(&mut solid, &load, &metric, &places, &mut q).unwrap_err();
+    assert_eq!(error, ElasticityError::NoSteps);
+}
+
+#[test]
+fn every_piece_of_a_body_needs_its_own_supports() {
+    let one = cuboid([1.0; 3], [1; 3]).unwrap();
+    let apart: Vec<_> = one.vertices().iter().map(|x| x + Vector3::x() * 3.0).collect();
+    let vertices = [one.vertices(), &apart].concat();
+    let second = one.simplices().iter().map(|nodes| nodes.map(|node| node + 8));
+    let both = one.simplices().iter().copied().chain(second).collect();
+    let mesh = Mesh::new(vertices, both).unwrap();
+    let clamp = |vertices: std::ops::Range<usize>, components: usize| -> Vec<Held> {
+        let all = vertices.flat_map(|v| (0..components).map(move |c| (v, c)));
+        let place =
+            |(v, c): (usize, usize)| Held { vertex: v, component: c, place: mesh.vertices()[v][c] };
+        all.map(place).collect()
+    };
+    let solve = |held: &[Held]| {
+        let freedoms = Freedoms::<3>::new(mesh.count(), held).unwrap();
+        let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+        let rubber = SaintVenantKirchhoff::new(lame());
+        let mut solid =
+            Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let none = DeadLoad::new(&freedoms, vec![[0.0; 3]; mesh.count()]).unwrap();
+        let (mut q, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
+        Statics::default().solve(&mut solid, &none, &metric, places, &mut q)
+    };
+    // One piece held twice over does nothing for the other.
+    let error = solve(&clamp(0..8, 3)).unwrap_err().to_string();
+    assert!(error.starts_with("6 rigid motions are free: translation x, "), "{error}");
+    assert!(error.ends_with("; piece 2 of 2, that of vertex 8"), "{error}");
+    let error = solve(&[clamp(0..4, 3), clamp(8..16, 1)].concat()).unwrap_err().to_string();
+    let names = "3 rigid motions are free: translation y, translation z, rotation about x";
+    assert_eq!(error, format!("{names}; piece 2 of 2, that of vertex 8"));
+    solve(&[clamp(0..4, 3), clamp(8..12, 3)].concat()).unwrap();
+}
+
+#[test]
+fn iteration_brings_a_body_to_rest_where_the_factor_does() {
+    let Clamped { mesh, freedoms } = clamped(3);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let rubber = NeoHookean::new(lame()).unwrap();
+    let load =
+        DeadLoad::body(LinearTetrahedron, &mesh, 1.0, &freedoms, |_| [0.0, 0.0, -150.0]).unwrap();
+    let method = ConjugateGradient { tolerance: 1e-10, iterations: 2000 };
+    let orders = [Ordering::MinimumDegree, Ordering::NestedDissection].map(Solves::Factor);
+    let rests = [orders[0], orders[1], Solves::Iterate(method)].map(|solves| {
+        let body = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let mut body = body.with_curvature(Curvature::Semidefinite);
+        let (mut q, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
+        let statics = Statics { solves, ..Statics::default() };
+        let rest = statics.solve(&mut body, &load, &metric, places, &mut q).unwrap();
+        assert!(rest.iterations() < 25, "{}", rest.iterations());
+        q
+    });
+    let still = freedoms.gathered(&mesh.nodes()).unwrap();
+    assert!(rests[0].iter().zip(&still).any(|(a, b)| (a - b).abs() > 0.1), "it moves");
+    for (a, b) in rests[0].iter().zip(&rests[2]).chain(rests[0].iter().zip(&rests[1])) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+}
