@@ -1,96 +1,145 @@
 //! Elements of a solid: energy, differential and Hessian of 52,728 linear tetrahedra.
 //!
-//! `cargo bench --bench solid` prints nanoseconds an element on one thread, the median of many
-//! runs, on the mesh and the configuration of a reference in C++ with Eigen that was run beside it:
-//! a bar of 52 x 13 x 13 cells of six tetrahedra, bent and stretched. The Hessian goes into the
-//! fixed pattern of its sparse lower triangle.
+//! `cargo bench -p stationary-benches --bench solid` prints nanoseconds an element on one thread,
+//! the least of many runs, on the mesh and the configuration of a reference in C++ with Eigen that
+//! was run beside it: a bar of 52 x 13 x 13 cells of six tetrahedra, bent and stretched. The
+//! Hessian goes into the fixed pattern of its sparse lower triangle. Then ratios of runs taken in
+//! turn: materials, the projection to positive semidefinite, two threads.
+
+mod in_turn;
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use stationary_calculus::{Covector, Curvature, Potential, Sink, SymmetricMatrix};
 use stationary_elasticity::{
-    FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean, SaintVenantKirchhoff,
-    Solid,
+    Elements, FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean,
+    SaintVenantKirchhoff, Solid,
 };
 use stationary_mesh::{Mesh, cuboid};
 
-const RUNS: usize = 31;
+const RUNS: usize = 61;
 
-/// Nanoseconds an element: the median of the runs.
-fn median(elements: usize, mut run: impl FnMut()) -> f64 {
-    let mut times: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    1e9 * times[RUNS / 2] / elements as f64
+/// Nanoseconds an element: the least of the runs.
+fn least(elements: usize, mut run: impl FnMut()) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    1e9 * (0..RUNS).map(time).fold(f64::INFINITY, f64::min) / elements as f64
 }
 
-/// Takes blocks and does next to nothing with them.
+/// Takes blocks and adds up what they hold.
 struct Nowhere(f64);
 
 impl Sink for Nowhere {
-    #[inline(always)]
     fn add_symmetric(&mut self, _freedoms: &[usize], block: &[f64]) {
-        self.0 += block[0] + block[79];
+        self.0 += block.iter().sum::<f64>();
+    }
+
+    #[inline(always)]
+    fn add_lower<const V: usize, const D: usize>(
+        &mut self,
+        _freedoms: &[[usize; D]; V],
+        column: impl Fn(usize, usize, usize) -> [f64; D],
+    ) {
+        for b in 0..V {
+            for d in 0..D {
+                for a in b..V {
+                    self.0 += column(b, d, a).iter().sum::<f64>();
+                }
+            }
+        }
     }
 }
 
-fn report(name: &str, mesh: &Mesh<3, 4>, material: impl Material<3, 3>) {
-    let freedoms = Freedoms::<3>::free(mesh.vertices().len()).expect("few vertices");
-    let solid =
-        Solid::new(LinearTetrahedron, mesh, 1.0, material, freedoms).expect("a mesh without flaws");
-    let q: Vec<f64> = mesh
-        .vertices()
-        .iter()
-        .flat_map(|x| {
-            [
-                x.x * 1.05 + 0.02 * (3.0 * x.y).sin(),
-                x.y + 0.05 * (2.0 * x.x).sin(),
-                x.z * 0.98 + 0.03 * x.x * x.y,
-            ]
-        })
-        .collect();
-    let mut dv = vec![0.0; q.len()];
-    let n = mesh.simplices().len();
-    let energy = median(n, || {
-        black_box(solid.energy(black_box(&q)));
-    });
-    let differential = median(n, || {
-        dv.fill(0.0);
-        solid.add_differential(black_box(&q), Covector(&mut dv));
-        black_box(&dv);
-    });
-    let mut matrix =
-        SymmetricMatrix::analyse(q.len(), |sink| solid.add_hessian(&q, sink)).expect("a pattern");
-    let hessian = median(n, || {
-        matrix.refill(|sink| solid.add_hessian(black_box(&q), sink)).expect("the same blocks");
-        black_box(matrix.values());
-    });
-    let blocks = |solid: &Solid<_, 4, 3, 3, 1>| {
-        median(n, || {
-            let mut sink = Nowhere(0.0);
-            solid.add_hessian(black_box(&q), &mut sink);
-            black_box(sink.0);
-        })
-    };
-    let alone = blocks(&solid);
-    let projected = blocks(&solid.clone().with_curvature(Curvature::Semidefinite));
-    println!(
-        "{name:24} {energy:8.1} {differential:12.1} {hessian:8.1} {alone:10.1} {projected:12.1}"
-    );
+type Body<M> = Solid<M, 4, 3, 3, 1>;
+
+/// What is timed: a body, a configuration, and where its derivatives go.
+struct Bench<M> {
+    solid: Body<M>,
+    q: Vec<f64>,
+    dv: Vec<f64>,
+    matrix: SymmetricMatrix,
+}
+
+impl<M: Material<3, 3>> Bench<M> {
+    fn new(mesh: &Mesh<3, 4>, material: M, parts: usize) -> Self {
+        let freedoms = Freedoms::<3>::free(mesh.vertices().len()).expect("few vertices");
+        let solid = Solid::new(LinearTetrahedron, mesh, 1.0, material, freedoms);
+        let solid = solid.expect("a mesh without flaws").in_parts(parts);
+        let place = |[x, y, z]: [f64; 3]| {
+            [x * 1.05 + 0.02 * (3.0 * y).sin(), y + 0.05 * (2.0 * x).sin(), z * 0.98 + 0.03 * x * y]
+        };
+        let q: Vec<f64> = mesh.nodes().into_iter().flat_map(place).collect();
+        let matrix = SymmetricMatrix::analyse(q.len(), |sink| solid.add_hessian(&q, sink));
+        Bench { solid, dv: vec![0.0; q.len()], q, matrix: matrix.expect("a pattern") }
+    }
+
+    fn with_curvature(self, curvature: Curvature) -> Self {
+        Bench { solid: self.solid.with_curvature(curvature), ..self }
+    }
+
+    fn energy(&mut self) {
+        black_box(self.solid.energy(black_box(&self.q)));
+    }
+
+    fn differential(&mut self) {
+        self.dv.fill(0.0);
+        self.solid.add_differential(black_box(&self.q), Covector(&mut self.dv));
+        black_box(&self.dv);
+    }
+
+    fn hessian(&mut self) {
+        let filled = self.matrix.refill(|sink| self.solid.add_hessian(black_box(&self.q), sink));
+        filled.expect("the same blocks");
+        black_box(self.matrix.values());
+    }
+
+    /// The elements' Hessians without the matrix that they belong into.
+    fn blocks(&mut self) {
+        let mut sink = Nowhere(0.0);
+        self.solid.add_hessian(black_box(&self.q), &mut sink);
+        black_box(sink.0);
+    }
+
+    fn report(&mut self, name: &str) {
+        let n = self.solid.elements();
+        let numbers = [
+            least(n, || self.energy()),
+            least(n, || self.differential()),
+            least(n, || self.hessian()),
+            least(n, || self.blocks()),
+        ];
+        let [energy, differential, hessian, blocks] = numbers;
+        println!("{name:24} {energy:8.1} {differential:12.1} {hessian:8.1} {blocks:12.1}");
+    }
 }
 
 fn main() {
     let mesh = cuboid([4.0, 1.0, 1.0], [52, 13, 13]).expect("a bar");
     let lame = Lame::<3>::from_young_poisson(1e6, 0.3).expect("rubber");
+    let (quadratic, rubber) = (SaintVenantKirchhoff::new(lame), NeoHookean::new(lame));
+    let (rubber, corotated) = (rubber.expect("rubber"), FixedCorotated::new(lame).expect("rubber"));
     println!("{} elements, ns an element", mesh.simplices().len());
-    println!("material                   energy differential  Hessian   its blocks   projected");
-    report("Saint Venant-Kirchhoff", &mesh, SaintVenantKirchhoff::new(lame));
-    report("neo-Hookean", &mesh, NeoHookean::new(lame).expect("rubber"));
-    report("fixed corotated", &mesh, FixedCorotated::new(lame).expect("rubber"));
+    println!("material                   energy differential  Hessian   its blocks");
+    let mut one = Bench::new(&mesh, quadratic, 1);
+    one.report("Saint Venant-Kirchhoff");
+    Bench::new(&mesh, rubber, 1).report("neo-Hookean");
+    Bench::new(&mesh, corotated, 1).report("fixed corotated");
+
+    println!("\nratios, median of pairs (quartiles)");
+    let mut other = Bench::new(&mesh, rubber, 1);
+    in_turn::ratio("energy, neo-Hookean / quadratic", || other.energy(), || one.energy());
+    in_turn::ratio("differential", || other.differential(), || one.differential());
+    in_turn::ratio("Hessian", || other.hessian(), || one.hessian());
+    let mut projected = Bench::new(&mesh, quadratic, 1).with_curvature(Curvature::Semidefinite);
+    in_turn::ratio("blocks, projected / exact", || projected.blocks(), || one.blocks());
+    let mut projected = Bench::new(&mesh, rubber, 1).with_curvature(Curvature::Semidefinite);
+    in_turn::ratio("the same, neo-Hookean", || projected.blocks(), || other.blocks());
+    let mut two = Bench::new(&mesh, quadratic, 2);
+    in_turn::ratio("energy, one part / two on two threads", || one.energy(), || two.energy());
+    in_turn::ratio("differential", || one.differential(), || two.differential());
+    in_turn::ratio("Hessian", || one.hessian(), || two.hessian());
 }

@@ -67,6 +67,7 @@ pub trait Sink {
 
 /// The block whose lower triangle is known: symmetric to the last bit.
 #[inline]
+#[expect(clippy::needless_range_loop, reason = "blocks are written by their indices")]
 pub(crate) fn from_lower<const V: usize, const D: usize>(
     column: impl Fn(usize, usize, usize) -> [f64; D],
 ) -> StencilHessian<V, D> {

@@ -52,8 +52,9 @@
 //! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
 //!
-//! A `shape` has a `kind` with its `size` and its `cells`, or is the surface in an OBJ `file` beside the
-//! scene's. It starts at its `origin` and runs along `across` and `up`.
+//! A `shape` has a `kind` with its `size` and its `cells`, or is what a `file` beside the scene's holds:
+//! the surface of an OBJ file, or the tetrahedra of Gmsh's MSH file, or its triangles where it has no
+//! tetrahedra. It starts at its `origin` and runs along `across` and `up`.
 //!
 //! | kind | size | cells | dimensions |
 //! | --- | --- | --- | --- |
@@ -127,6 +128,7 @@ mod contacts;
 mod declaration;
 mod heat;
 mod joints;
+mod mesh_file;
 mod nets;
 mod observable;
 mod particles;

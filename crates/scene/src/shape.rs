@@ -1,4 +1,4 @@
-//! Shapes: meshes from a word and some numbers, or from an OBJ file, laid into the scene.
+//! Shapes: meshes from a word and some numbers, or from a file, laid into the scene.
 //!
 //! ```text
 //! x = origin + X across + Y up + Z (across x up)         X Y Z the shape's own coordinates
@@ -10,18 +10,17 @@
 //! `front` and `back` (Y), what is in several of them by hyphens between, as `top-left`; `rim` is the
 //! boundary of a sheet.
 
-use std::path::{Component, Path};
+use std::path::Path;
 
 use nalgebra::{SVector, Vector3};
 use stationary_mesh::{
-    Diagonals, Mesh, MeshError, Simplex, ball, bar, cuboid, disc, icosphere, read_obj, rectangle,
-    torus,
+    Diagonals, Mesh, MeshError, Simplex, ball, bar, cuboid, disc, icosphere, rectangle, torus,
 };
 use toml::Spanned;
 
 use crate::declaration::{Components, ShapeDeclaration};
 use crate::diagnostic::{Checked, at};
-use crate::source::shortened;
+use crate::mesh_file::loaded;
 use crate::{Fault, check, limits};
 
 /// The simplices of a shape, by the numbers of their vertices.
@@ -268,40 +267,6 @@ fn generated(
     (of.make)(&lengths, &numbers).map_err(|error| at(cells.span(), Fault::Shape(error.to_string())))
 }
 
-/// The surface in an OBJ file beside the scene's.
-fn loaded(dimension: usize, folder: Option<&Path>, file: &Spanned<String>) -> Checked<Shape> {
-    let fault = |fault| at(file.span(), fault);
-    if dimension != 3 {
-        return Err(fault(Fault::ShapeDimension { kind: "file".to_owned(), dimension }));
-    }
-    let name = Path::new(file.get_ref());
-    let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
-    let Some(folder) = folder.filter(|_| inside && !file.get_ref().is_empty()) else {
-        return Err(fault(Fault::OutsideFolder(shortened(file.get_ref()))));
-    };
-    let path = folder.join(name);
-    let failed = |why: String| fault(Fault::MeshFile { file: shortened(file.get_ref()), why });
-    let real = |path: &Path| path.canonicalize().map_err(|error| failed(error.to_string()));
-    if !real(&path)?.starts_with(real(if folder == Path::new("") {
-        Path::new(".")
-    } else {
-        folder
-    })?) {
-        return Err(fault(Fault::OutsideFolder(shortened(file.get_ref()))));
-    }
-    let bytes = path.metadata().map_err(|error| failed(error.to_string()))?;
-    if !bytes.is_file() || bytes.len() > limits::MESH_BYTES {
-        return Err(failed(format!("it is no file of at most {} bytes", limits::MESH_BYTES)));
-    }
-    let mesh = read_obj(&path).map_err(|error| failed(error.to_string()))?;
-    if mesh.vertices().len() as u64 > limits::PARTICLES {
-        let count = mesh.vertices().len() as u64;
-        return Err(fault(Fault::TooMany { what: "particles", count, limit: limits::PARTICLES }));
-    }
-    let whole = mesh.check_referenced().and_then(|()| mesh.check_nondegenerate());
-    whole.and_then(|()| sheet(&mesh)).map_err(|error| failed(error.to_string()))
-}
-
 /// A vertex of a mesh as a point in space.
 fn in_space<const D: usize>(x: &SVector<f64, D>) -> Vector3<f64> {
     Vector3::from_fn(|c, _| x.as_slice().get(c).copied().unwrap_or(0.0))
@@ -333,7 +298,7 @@ fn outlined(mesh: &Mesh<1, 2>) -> Shape {
     Shape { edges: segments.clone(), ..bare(mesh, Simplices::Segments(segments)) }
 }
 
-fn sheet<const D: usize>(mesh: &Mesh<D, 3>) -> Result<Shape, MeshError> {
+pub(crate) fn sheet<const D: usize>(mesh: &Mesh<D, 3>) -> Result<Shape, MeshError> {
     let triangles = mesh.simplices().to_vec();
     let mut shape = bare(mesh, Simplices::Triangles(triangles.clone()));
     shape.edges = mesh.edges().ends;
@@ -344,7 +309,7 @@ fn sheet<const D: usize>(mesh: &Mesh<D, 3>) -> Result<Shape, MeshError> {
     Ok(shape)
 }
 
-fn block(mesh: &Mesh<3, 4>) -> Result<Shape, MeshError> {
+pub(crate) fn block(mesh: &Mesh<3, 4>) -> Result<Shape, MeshError> {
     let faces = mesh.boundary_facets();
     let skin = Mesh::new(mesh.vertices().to_vec(), faces.clone())?;
     let bare = bare(mesh, Simplices::Tetrahedra(mesh.simplices().to_vec()));

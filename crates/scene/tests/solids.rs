@@ -1,7 +1,7 @@
 //! Elastic bodies in scenes: their mass, their rest, how they swing, and what their file may not say.
 
 use stationary_calculus::{Covector, Potential};
-use stationary_scene::{Run, Scene, Stepping};
+use stationary_scene::{Motion, Run, Scene, Stepping};
 
 const HEAD: &str = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.0001\nhorizon = 0.1\n";
 
@@ -276,6 +276,59 @@ fn meshes_are_looked_for_in_the_scenes_folder_and_nowhere_else() {
     }
     let error = Scene::parse("a.toml", &text("one.obj")).unwrap_err().to_string();
     assert!(error.contains("not in the folder"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_mesh_of_gmshs_is_a_block_in_space_or_a_sheet_in_the_plane() {
+    let folder = std::env::temp_dir().join(format!("stationary-gmsh-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let msh = |elements: &str| {
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 9 9 9\n2 0 0 0\n3 1 0 0\n4 0 1 0\n\
+             5 0 0 1\n$EndNodes\n$Elements\n{elements}\n$EndElements\n"
+        )
+    };
+    // With a triangle on its surface and a point that belongs to neither.
+    let block = msh("3\n1 15 0 1\n2 2 0 2 3 4\n3 4 0 2 3 4 5");
+    std::fs::write(folder.join("block.msh"), &block).unwrap();
+    std::fs::write(folder.join("sheet.MSH"), msh("1\n1 2 2 0 1 2 3 4")).unwrap();
+    std::fs::write(folder.join("upright.msh"), msh("1\n1 2 2 0 1 2 3 5")).unwrap();
+    std::fs::write(folder.join("turned.msh"), msh("1\n1 2 2 0 1 2 4 3")).unwrap();
+    std::fs::write(folder.join("curved.msh"), msh("1\n1 8 0 2 3 4")).unwrap();
+    std::fs::write(folder.join("hexahedra.msh"), block.replace("3 4 0", "3 5 0")).unwrap();
+    let read = |dimension: usize, file: &str| {
+        let section = if file == "block.msh" { "" } else { "thickness = 0.1\n" };
+        let text = format!(
+            "dimension = {dimension}\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+             [[solids]]\nname = \"it\"\n{section}density = 12\nyoung = 1\n\
+             shape = {{ file = \"{file}\" }}\n"
+        );
+        let path = folder.join("scene.toml");
+        std::fs::write(&path, text).unwrap();
+        Scene::read(&path).map_err(|error| error.to_string())
+    };
+    let block = read(3, "block.msh").unwrap();
+    let masses = block.particles().iter().map(|particle| match particle.motion {
+        Motion::Free { mass, .. } => mass,
+        _ => f64::NAN,
+    });
+    assert!((masses.sum::<f64>() - 2.0).abs() < 1e-15);
+    assert_eq!(block.faces().len(), 4);
+    assert_eq!(read(2, "sheet.MSH").unwrap().particles().len(), 3);
+    assert_eq!(read(3, "upright.msh").unwrap().particles().len(), 3);
+    for (dimension, file, message) in [
+        (1, "sheet.MSH", "does not fit into a scene of dimension 1"),
+        (2, "block.msh", "its tetrahedra do not fit into the plane"),
+        (2, "upright.msh", "its triangles are not in the plane z = 0"),
+        (2, "turned.msh", "simplices turned inside out: 0"),
+        (3, "curved.msh", "there are no simplices"),
+        (3, "hexahedra.msh", "line 16: elements of type 5 are not read"),
+        (3, "none.msh", "`none.msh`: "),
+    ] {
+        let error = read(dimension, file).expect_err(file);
+        assert!(error.contains(message), "{error}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
