@@ -188,8 +188,8 @@ enum Confirmed {
     Alone,
 }
 
-/// Work that is spent on another kind's agreement, in runs of all that was run before: of a run that
-/// agrees, and of runs that lead to where it is.
+/// Work that is spent on another kind's agreement, in runs of all that was run before: of a run
+/// that agrees, and of runs that lead to where it is.
 const PATIENCE: u64 = 4;
 
 /// How near a run of another kind must come to a reference: what it is to rule out is that the

@@ -4,9 +4,10 @@
 //! wall        normal . (x - at) >= r              ball        |x - at| >= r + radius
 //! particles   |x_i - x_j| >= r_i + r_j            r the `radius` of a particle, none of a point
 //! ```
-//! `restitution` is separating over approaching speed; `friction` acts between bodies alone. A `law`
-//! says what happens where several contacts meet, and for particles `when` says at which moment. Or
-//! particles overlap a little, and springs of a `stiffness` k push them apart: `V = k/2 min(gap, 0)^2`.
+//! `restitution` is separating over approaching speed; `friction` acts between bodies alone. A
+//! `law` says what happens where several contacts meet, and for particles `when` says at which
+//! moment. Or particles overlap a little, and springs of a `stiffness` k push them apart, with the
+//! energy `k/2 min(gap, 0)^2`.
 
 use stationary_contact::{
     Balls, ContactError, FixedBall, ImpactLaw, Inequality, OneSidedPenalty, Wall, When,
@@ -137,7 +138,8 @@ impl Scene {
         Ok(Some(Inequality(Balls::<D>::new(radii, walls)?.with_fixed(fixed)?)))
     }
 
-    /// An error where more may touch than can be looked at, or a particle starts inside of something.
+    /// An error where more may touch than can be looked at, or a particle starts inside of
+    /// something.
     pub(crate) fn check_apart(&self) -> Result<(), Fault> {
         let pairs = self.pairs();
         if pairs > limits::PAIRS {

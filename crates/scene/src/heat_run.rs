@@ -4,8 +4,8 @@
 //! H = int f,   V = 1/2 int |grad f|^2          content of heat, Dirichlet energy             (15.1)
 //! f(t) = f* + sum_i v_i exp(-alpha lambda_i t) <v_i, M (f(0) - f*)>          by N modes     (15.2)
 //! ```
-//! `f*` what the held temperatures come to in the end, zero where nothing is held: then the constant
-//! is among the modes, besides N others.
+//! `f*` what the held temperatures come to in the end, zero where nothing is held: then the
+//! constant is among the modes, besides N others.
 
 use nalgebra::SVector;
 use stationary_calculus::{DiagonalMetric, Potential};

@@ -198,8 +198,8 @@ impl<'a> Climb<'a> {
         own.kind == Kind::EqualSteps && least.is_some_and(|least| least > FAR * best as f64)
     }
 
-    /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones that
-    /// of the simplest model.
+    /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones
+    /// that of the simplest model.
     fn settle(&mut self) -> Option<At> {
         let meeting = self.lab.used().filter(|(at, _)| {
             let said = judge(self.lab, &self.reference, self.tolerance, *at);
@@ -277,8 +277,8 @@ impl<'a> Climb<'a> {
         steps && moments > 1 && now > then / SAME && now < then * SAME
     }
 
-    /// Whether a family of the same or a higher order has a smaller error for the same work, as far as
-    /// both were run.
+    /// Whether a family of the same or a higher order has a smaller error for the same work, as far
+    /// as both were run.
     fn outdone(&self, at: At, error: f64) -> bool {
         let family = self.lab.family(at.family);
         let work = self.lab.predicted(at) as f64;

@@ -13,9 +13,9 @@ use super::ladder::Kind;
 
 /// The scene's own text with the choice filled in; nothing where nothing is recommended.
 ///
-/// Equal steps are sampled as often in time as the scene was. A method that chooses its own steps, or
-/// needs none, is read off where the scene was, which moves none of its steps. Rigid bodies and point
-/// masses that stand for others are asked for what was asked, the only places that they have.
+/// Equal steps are sampled as often in time as the scene was. A method that chooses its own steps,
+/// or needs none, is read off where the scene was, which moves none of its steps. Rigid bodies and
+/// point masses that stand for others are asked for what was asked, the only places that they have.
 ///
 /// # Errors
 /// [`ChooseError::Scene`] where the choice does not fit the scene's own horizon.

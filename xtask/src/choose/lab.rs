@@ -35,8 +35,8 @@ impl Lab {
         Lab { ladder, runs, used, spent: 0, deadline, most_work: u64::MAX }
     }
 
-    /// The same, where a question may spend so much counted work at most: a bound that is the same on
-    /// every machine.
+    /// The same, where a question may spend so much counted work at most: a bound that is the same
+    /// on every machine.
     pub fn bounded(self, most_work: u64) -> Self {
         Lab { most_work, ..self }
     }

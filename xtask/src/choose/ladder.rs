@@ -6,8 +6,8 @@
 //! modes          N = 2^k              k = 0, 1, ...     in closed form
 //! ```
 //! `T` the horizon. All of it is data: a [`Rung`] is what to say otherwise in the text of a
-//! [`Model`], and a [`Family`] is a row of rungs of one kind. Whether a model allows a kind is asked of
-//! the scene itself, by parsing.
+//! [`Model`], and a [`Family`] is a row of rungs of one kind. Whether a model allows a kind is
+//! asked of the scene itself, by parsing.
 
 use stationary_integrators::Evaluation;
 use stationary_scene::Scene;
@@ -205,8 +205,8 @@ const FEW: usize = 32;
 
 impl Model {
     /// What a Hessian with its factorization and its solves counts, in differentials: as many as
-    /// there are freedoms where it is full, as a difference quotient would; four times their root where
-    /// it is sparse, as the fill of a net's factor grows.
+    /// there are freedoms where it is full, as a difference quotient would; four times their root
+    /// where it is sparse, as the fill of a net's factor grows.
     pub fn hessian_work(&self) -> u64 {
         let n = self.scene.freedoms();
         if n <= FEW { n as u64 } else { (4.0 * (n as f64).sqrt()).round() as u64 }

@@ -8,8 +8,8 @@
 //! points     M at c with v: every place of a body moves as its centre does
 //! ```
 //! A spring of touch lasts an n-th of the horizon T, n = 100, 1000, ..., of the lightest mass m.
-//! Each is a scene's text that can be run, and what is asked for is asked of it. The scene itself is
-//! what all are judged by: where its own mesh is too coarse, that is not found out here.
+//! Each is a scene's text that can be run, and what is asked for is asked of it. The scene itself
+//! is what all are judged by: where its own mesh is too coarse, that is not found out here.
 
 use std::f64::consts::PI;
 

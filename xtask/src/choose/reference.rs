@@ -6,7 +6,7 @@
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
 //!                two rungs alone                  x* = x(h),  uncertainty d2
-//! own steps      x* = x(tolerance / 10),          uncertainty |x* - x(tolerance)|
+//! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences that do not
 //! shrink prove nothing: their uncertainty is infinite.
@@ -129,8 +129,8 @@ impl Making {
 
 impl Reference {
     /// The answer by one of these families, in turn the one that has the least work left, until
-    /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where they
-    /// can do nothing.
+    /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where
+    /// they can do nothing.
     pub fn make(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Self> {
         let mut making: Vec<Making> =
             families.iter().map(|&family| Making::new(lab, family, enough)).collect();
@@ -206,7 +206,8 @@ impl Reference {
     ///
     /// # Errors
     /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy changes by
-    /// half of the largest kinetic energy more or less, or other rods break.
+    /// half of the largest kinetic energy too much or too little, or other rods break;
+    /// [`Failure::Unstable`] where it changes by far more.
     pub fn error(&self, course: &Course) -> Result<f64, Failure> {
         let own = &self.course;
         let change = |energies: &[f64], k: usize| energies[k] - energies[0];
@@ -215,8 +216,13 @@ impl Reference {
         let off = apart.fold(0.0, f64::max) / own.of_energies();
         // Heat has none: its Dirichlet energy is of the mesh.
         if off > OFF && own.kinetic > 0.0 {
-            let said = format!("its energy is off by {off:.1} times the largest kinetic energy");
-            return Err(Failure::WrongPhysics(said));
+            let said = |off: String| {
+                format!("its energy is off by {off} times the largest kinetic energy")
+            };
+            return Err(match off > BEYOND {
+                true => Failure::Unstable(said(format!("{off:.0e}"))),
+                false => Failure::WrongPhysics(said(format!("{off:.1}"))),
+            });
         }
         let whole = course.values.len() == own.values.len();
         if whole && course.broken != own.broken || !own.broken.starts_with(&course.broken) {
@@ -240,6 +246,8 @@ impl Reference {
 
 /// An energy that is off by this part of the largest kinetic energy belongs to another motion.
 const OFF: f64 = 0.5;
+/// An energy that is off by more grows without bounds.
+const BEYOND: f64 = 10.0;
 
 /// `fine + weight (fine - coarse)` at every moment.
 fn extrapolated(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {

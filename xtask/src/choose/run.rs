@@ -3,10 +3,10 @@
 //! ```text
 //! work = n (max(steps, differentials + energies) + w Hessians)
 //! ```
-//! `w` the work of a Hessian in differentials ([`Model::hessian_work`]), `n` the elements of a model
-//! where they differ in size. Work is counted and so the same on every machine; the wall time stands
-//! beside it. A run that is judged is stopped at the first moment at which it certainly misses: its
-//! error is the largest of all moments.
+//! `w` the work of a Hessian in differentials ([`Model::hessian_work`]), `n` the elements of a
+//! model where they differ in size. Work is counted and so the same on every machine; the wall time
+//! stands beside it. A run that is judged is stopped at the first moment at which it certainly
+//! misses: its error is the largest of all moments.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -223,8 +223,8 @@ fn course(run: &Run, samples: usize) -> Course {
 }
 
 impl Course {
-    /// What errors of the energy are relative to: the largest kinetic energy, or where nothing moves,
-    /// the largest energy.
+    /// What errors of the energy are relative to: the largest kinetic energy, or where nothing
+    /// moves, the largest energy.
     pub fn of_energies(&self) -> f64 {
         let largest = self.energies.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         if self.kinetic > NOTHING * largest { self.kinetic } else { largest.max(f64::MIN_POSITIVE) }

@@ -4,10 +4,10 @@
 //! M = sum m_i,   c = sum m_i x_i / M,   v = sum p_i / M,   r_i = x_i - c
 //! I = sum m_i (|r_i|^2 - r_i r_i^T) = R diag(I_1, I_2, I_3) R^T,   w = R^T I^-1 sum r_i x p_i
 //! ```
-//! `x_i` where vertex i starts, after what hangs has come to rest. Pinned vertices have no mass here:
-//! pinned at one place a body turns about it, pinned at several it stays where it is. A point mass lies
-//! where the observed vertex does, and has the velocity of the centre: under a uniform weight that is
-//! how the centre moves, too.
+//! `x_i` where vertex i starts, after what hangs has come to rest. Pinned vertices have no mass
+//! here: pinned at one place a body turns about it, pinned at several it stays where it is. A point
+//! mass lies where the observed vertex does, and has the velocity of the centre: under a uniform
+//! weight that is how the centre moves, too.
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use stationary_scene::{Motion, Observable, Scene};
@@ -203,8 +203,9 @@ fn lumps(scene: &Scene) -> Option<Vec<Lump>> {
     });
     let bodies = scene.bodies().iter().enumerate().map(|(index, body)| {
         let part = (body.mass, body.position.into(), body.mass * Vector3::from(body.velocity));
-        let carried = |particle: &&usize| {
-            matches!(scene.particles()[**particle].motion, Motion::Carried { body, .. } if body == index)
+        let carried = |particle: &&usize| match scene.particles()[**particle].motion {
+            Motion::Carried { body, .. } => body == index,
+            _ => false,
         };
         let place = |particle: &usize| (*particle, scene.particles()[*particle].position.into());
         let observed = asked.iter().filter(carried).map(place).collect();

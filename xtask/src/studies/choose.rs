@@ -1,8 +1,8 @@
 //! The chooser against exhaustive search, on the scenes that ship with the crate.
 //!
 //! For each scene and tolerance the question is asked as a user would ask it; then every rung of
-//! the ladder that could be cheaper is run as well, and all are judged by a reference that is far better
-//! than the one the chooser made for itself.
+//! the ladder that could be cheaper is run as well, and all are judged by a reference that is far
+//! better than the one the chooser made for itself.
 
 use std::fs;
 use std::path::Path;
@@ -267,8 +267,8 @@ fn conclusion(all: &Cases) -> String {
     format!(
         "{} shipped scenes, four tolerances each: in {same} of {} pairs the chooser names the very \
          rung that running the whole ladder finds to be the cheapest, or one that costs the same. \
-         Choosing takes {middle:.1} times the work of the choice in the middle, at most ten times in \
-         {ten} pairs, and {most:.0} times at the worst, its own reference and its confirmation \
+         Choosing takes {middle:.1} times the work of the choice in the middle, at most ten times \
+         in {ten} pairs, and {most:.0} times at the worst, its own reference and its confirmation \
          included: the most where a simple model will do, for only the scene itself can show \
          that.{unknown}",
         all.scenes,
@@ -295,7 +295,9 @@ fn work(cases: &[Case]) -> Lines {
 
 fn effort(cases: &[Case]) -> Lines {
     let x = Axis::log("tolerance", "");
-    let y = Axis::linear("work of choosing / work of the choice", "");
+    let y = Axis::log("work of choosing / work of the choice", "");
     let lines = Lines::new("Work of choosing", x, y);
+    let ends = [TOLERANCES[TOLERANCES.len() - 1], TOLERANCES[0]];
+    let lines = lines.curve("ten runs of the choice", ends.map(|tolerance| (tolerance, TEN)));
     by_scene(cases, lines, |case| (case.tolerance, case.effort))
 }
