@@ -9,6 +9,7 @@
 //! Work is counted; wall time stands beside it and decides nothing but whether the budget is over.
 
 mod answer;
+mod candidate;
 mod climb;
 mod declaration;
 mod emit;
@@ -16,10 +17,12 @@ mod error;
 mod exhaustive;
 mod lab;
 mod ladder;
+mod model;
 mod observable;
 mod picture;
 mod reference;
 mod run;
+mod surrogate;
 mod time;
 
 use std::fs;
@@ -30,6 +33,7 @@ use stationary_integrators::Evaluation;
 use stationary_scene::Scene;
 
 pub use answer::{Answer, Row, Verdict};
+use climb::rungs_to_go;
 pub use climb::{Climb, Judgement, judge};
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
@@ -37,9 +41,10 @@ pub use error::ChooseError;
 pub use exhaustive::{Found, exhaustive};
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
+pub use model::{Model, Sight};
 pub use picture::picture;
 pub use reference::{Extrapolated, Reference, preferred};
-pub use run::{Course, Failure, Measured, relative_to};
+pub use run::{Course, End, Failure, Measured, Trial, relative_to};
 pub use time::time;
 
 /// What is asked.
@@ -95,10 +100,10 @@ pub fn choose(file: &Path, question: &Question) -> Result<(Answer, Lab), ChooseE
 /// [`ChooseError`].
 pub fn laboratory(name: &str, text: &str, question: &Question) -> Result<Lab, ChooseError> {
     question.check()?;
-    Scene::parse(name, text)?;
+    Scene::parse_at(name, text)?;
     let text = observable::asked(name, text, &question.observable)?;
     let (text, scene) = match question.horizon {
-        None => (text.clone(), Scene::parse(name, &text)?),
+        None => (text.clone(), Scene::parse_at(name, &text)?),
         Some(horizon) => {
             // A step that certainly divides the horizon; rungs bring their own.
             let changes = [
@@ -107,7 +112,7 @@ pub fn laboratory(name: &str, text: &str, question: &Question) -> Result<Lab, Ch
                 Change::without("sample_every"),
             ];
             let text = changed(&text, &changes);
-            (text.clone(), Scene::parse(name, &text)?)
+            (text.clone(), Scene::parse_at(name, &text)?)
         }
     };
     let ladder = Ladder::of(name, &text, &scene)?;
@@ -142,15 +147,22 @@ pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
     Answer::of(lab, reference, tolerance, verdict)
 }
 
-/// A reference by the family that fits best, beside one that chooses its own steps; by what else
-/// there is where they come to none.
+/// A reference by the family that fits best, beside one that chooses its own steps and the cheapest
+/// there are; by what else there is where they come to none.
 pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference> {
-    let own = |family: &&usize| {
-        let family = lab.family(**family);
-        family.kind == Kind::OwnSteps && family.evaluation == Evaluation::Explicit
+    let explicit = |family: &usize, kind: Kind| {
+        let family = lab.family(*family);
+        family.kind == kind && family.evaluation == Evaluation::Explicit
     };
     let mut best = families[..1].to_vec();
-    best.extend(families[1..].iter().find(own));
+    best.extend(families.iter().find(|family| explicit(family, Kind::OwnSteps)));
+    let steps = families.iter().filter(|family| explicit(family, Kind::EqualSteps));
+    let mut cheap: Vec<usize> =
+        steps.copied().filter(|&family| lab.family(family).order == CHEAP_ORDER).collect();
+    cheap.sort_by_key(|&family| (lab.family(family).rungs[0].least_work, family));
+    best.extend(cheap.into_iter().take(CHEAP));
+    best.sort_unstable();
+    best.dedup();
     let made = Reference::make(lab, &best, enough);
     if made.as_ref().is_some_and(|made| made.uncertainty <= enough / ENOUGH * BARELY) {
         return made;
@@ -160,6 +172,10 @@ pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference
     let made = made.into_iter().chain(Reference::make(lab, &others, enough));
     made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
 }
+
+/// The order of the cheap families that references are tried with, and how many of them.
+const CHEAP_ORDER: u32 = 2;
+const CHEAP: usize = 2;
 
 /// Families that are tried where the best come to no reference.
 const TRIED: usize = 2;
@@ -172,17 +188,22 @@ enum Confirmed {
     Alone,
 }
 
-/// Work that is spent on another kind's agreement, in runs of all that was run before.
-const PATIENCE: u64 = 8;
+/// Work that is spent on another kind's agreement, in runs of all that was run before: of a run
+/// that agrees, and of runs that lead to where it is.
+const PATIENCE: u64 = 4;
 
-/// Looks for a run of another family within the tolerance of the reference, and makes one where
-/// there is none.
+/// How near a run of another kind must come to a reference: what it is to rule out is that the
+/// reference is of another motion. How uncertain it is, its own runs say.
+const NEAR: f64 = 0.1;
+
+/// Looks for a run of another family near the reference, and makes one where there is none.
 fn confirmed(
     lab: &mut Lab,
     reference: &Reference,
     tolerance: f64,
     families: &[usize],
 ) -> Confirmed {
+    let tolerance = tolerance.max(NEAR);
     let agrees = |lab: &Lab, at: At| {
         let said = judge(lab, reference, tolerance, at);
         matches!(said, Some(Judgement::Meets(_)))
@@ -197,20 +218,46 @@ fn confirmed(
     if others.is_empty() {
         return Confirmed::Alone;
     }
+    // The cheapest run that may agree, again and again: each rules out a rung.
+    while !lab.late() {
+        let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
+        let cheapest = next.min_by_key(|&at| (lab.predicted(at), at));
+        let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
+            break;
+        };
+        let most_error = tolerance + reference.uncertainty;
+        lab.attempt(at, &Trial { reference, most_error, most_work: u64::MAX });
+        if agrees(lab, at) {
+            return Confirmed::Yes;
+        }
+    }
     for family in others {
-        let tried = run.iter().filter(|at| at.family == family).map(|at| at.rung + 1).max();
-        for rung in tried.unwrap_or(0)..lab.family(family).rungs.len() {
+        for rung in 1..lab.family(family).rungs.len() {
             let at = At { family, rung };
-            if lab.late() || lab.predicted(at) > most {
+            if lab.late() || !lab.affords(at) || lab.predicted(at) > most {
                 break;
             }
-            lab.measure(at);
-            if agrees(lab, at) || rung > 0 && extrapolation_agrees(lab, at, reference, tolerance) {
+            if extrapolation_agrees(lab, at, reference, tolerance) {
                 return Confirmed::Yes;
             }
         }
     }
     Confirmed::No
+}
+
+/// The next rung of a family that may agree with the reference.
+fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<At> {
+    let last = lab.used().filter(|(at, _)| at.family == family).map(|(at, _)| at).last();
+    let rung = match last {
+        None => 0,
+        Some(at) => match judge(lab, reference, tolerance, at)? {
+            Judgement::Misses(error) | Judgement::Unclear(error) => {
+                at.rung + rungs_to_go(lab.family(family), tolerance, error)
+            }
+            _ => at.rung + 1,
+        },
+    };
+    (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
 }
 
 /// Whether what another family's rungs lead to agrees with the reference, where they themselves are
@@ -221,5 +268,7 @@ fn extrapolation_agrees(lab: &mut Lab, at: At, reference: &Reference, tolerance:
     other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance)
 }
 
+#[cfg(test)]
+mod model_tests;
 #[cfg(test)]
 mod tests;

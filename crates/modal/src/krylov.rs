@@ -36,6 +36,7 @@ pub(crate) struct Krylov<'a> {
     /// Orthonormal vectors that every other is kept orthogonal to.
     locked: &'a [f64],
     random: SplitMix64,
+    solves: u64,
 }
 
 /// Vectors, orthonormal in the mass, that span the largest theta.
@@ -47,7 +48,12 @@ impl<'a> Krylov<'a> {
         mass: &'a SymmetricMatrix,
         locked: &'a [f64],
     ) -> Self {
-        Krylov { cholesky, mass, locked, random: SplitMix64::new(14) }
+        Krylov { cholesky, mass, locked, random: SplitMix64::new(14), solves: 0 }
+    }
+
+    /// How many right sides were solved for.
+    pub(crate) fn solves(&self) -> u64 {
+        self.solves
     }
 
     /// The vectors of the `count` largest theta.
@@ -66,6 +72,7 @@ impl<'a> Krylov<'a> {
                 basis.extend_from_slice(&block);
                 let mut next = mass_times(self.mass, &block);
                 self.cholesky.solve(&mut next);
+                self.solves += (next.len() / n) as u64;
                 project_out(self.mass, self.locked, &mut next);
                 let share = project_out(self.mass, &basis, &mut next);
                 projected = bordered(projected, &share, old, block.len() / n);

@@ -26,6 +26,7 @@ pub struct Linearized<'a, M, P> {
     pencil: SymmetricMatrix,
     cholesky: SparseCholesky,
     scale: f64,
+    factorizations: u64,
 }
 
 impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
@@ -58,7 +59,17 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         // Many solves follow: a smaller factor is worth its search.
         let cholesky = SparseCholesky::analyse_by(&pencil, Ordering::Smaller)?;
         let q = q.to_vec();
-        Ok(Linearized { metric, potential, q, stiffness, mass, pencil, cholesky, scale })
+        Ok(Linearized {
+            metric,
+            potential,
+            q,
+            stiffness,
+            mass,
+            pencil,
+            cholesky,
+            scale,
+            factorizations: 0,
+        })
     }
 
     /// The number of freedoms n.
@@ -107,7 +118,13 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// Factors `H + delta M`; the inner error says why it is not positive definite.
     pub(crate) fn factor(&mut self, delta: f64) -> Result<Result<(), SparseError>, ModalError> {
         self.fill(delta, 1.0)?;
+        self.factorizations += 1;
         Ok(self.cholesky.factor(&self.pencil))
+    }
+
+    /// How many matrices were factored so far.
+    pub(crate) fn factorizations(&self) -> u64 {
+        self.factorizations
     }
 
     /// The factor made last, and the mass.
@@ -121,6 +138,7 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// Where `mu` is so close to an eigenvalue that the count cannot be trusted.
     pub fn count_below(&mut self, mu: f64) -> Result<usize, ModalError> {
         self.fill(-mu, 1.0)?;
+        self.factorizations += 1;
         Ok(SparseInertia::new(&self.cholesky)?.count(&self.pencil)?.negative)
     }
 }

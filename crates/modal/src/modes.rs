@@ -24,6 +24,8 @@ pub struct Modes {
     columns: Vec<f64>,
     residuals: Vec<f64>,
     complete_below: f64,
+    factorizations: u64,
+    solves: u64,
 }
 
 /// Shifts that are tried before the stiffness is given up.
@@ -47,15 +49,20 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         if count == 0 || count > there {
             return Err(ModalError::Count { asked: count, there });
         }
-        let mut searched = count;
+        let (mut searched, mut solves) = (count, 0);
+        let before = self.factorizations();
         for _ in 0..SEARCHES {
             self.shift()?;
             let (cholesky, mass) = self.factored();
-            let basis = Krylov::new(cholesky, mass, &rigid.columns).largest(searched)?;
+            let mut krylov = Krylov::new(cholesky, mass, &rigid.columns);
+            let basis = krylov.largest(searched)?;
+            solves += krylov.solves();
             let mut modes = self.rayleigh_ritz(&basis)?;
             let there_below = self.certify(&mut modes, rigid)?;
             if there_below <= modes.len() {
                 modes.truncate(count);
+                modes.factorizations = self.factorizations() - before;
+                modes.solves = solves;
                 return Ok(modes);
             }
             searched = there_below.min(there);
@@ -95,8 +102,15 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         dense::add_product(n, &mut columns, 1.0, basis, weights.as_slice());
         columns.chunks_exact_mut(n).for_each(orient);
         let values = order.iter().map(|&i| pairs.eigenvalues[i]).collect();
-        let mut modes =
-            Modes { n, values, columns, residuals: vec![0.0; k], complete_below: f64::NAN };
+        let mut modes = Modes {
+            n,
+            values,
+            columns,
+            residuals: vec![0.0; k],
+            complete_below: f64::NAN,
+            factorizations: 0,
+            solves: 0,
+        };
         for i in 0..k {
             modes.residuals[i] = self.residual(modes.values[i], modes.column(i))?;
         }
@@ -197,6 +211,16 @@ impl Modes {
     /// not examined.
     pub fn complete_below(&self) -> f64 {
         self.complete_below
+    }
+
+    /// How many matrices were factored to find them.
+    pub fn factorizations(&self) -> u64 {
+        self.factorizations
+    }
+
+    /// How many right sides were solved for with the factors.
+    pub fn solves(&self) -> u64 {
+        self.solves
     }
 
     /// The same modes after the rigid motions, as modes of lambda zero.

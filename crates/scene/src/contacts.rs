@@ -4,10 +4,14 @@
 //! wall        normal . (x - at) >= r              ball        |x - at| >= r + radius
 //! particles   |x_i - x_j| >= r_i + r_j            r the `radius` of a particle, none of a point
 //! ```
-//! `restitution` is separating over approaching speed; `friction` acts between bodies alone. A `law`
-//! says what happens where several contacts meet, and for particles `when` says at which moment.
+//! `restitution` is separating over approaching speed; `friction` acts between bodies alone. A
+//! `law` says what happens where several contacts meet, and for particles `when` says at which
+//! moment. Or particles overlap a little, and springs of a `stiffness` k push them apart, with the
+//! energy `k/2 min(gap, 0)^2`.
 
-use stationary_contact::{Balls, ContactError, FixedBall, ImpactLaw, Inequality, Wall, When};
+use stationary_contact::{
+    Balls, ContactError, FixedBall, ImpactLaw, Inequality, OneSidedPenalty, Wall, When,
+};
 
 use crate::declaration::{ContactDeclaration, Declaration};
 use crate::diagnostic::{Checked, at};
@@ -25,6 +29,8 @@ pub struct SceneContact {
     pub law: ImpactLaw,
     /// At which moment particles are given impulses.
     pub when: When,
+    /// The stiffness of springs that push particles apart, instead of impulses.
+    pub stiffness: Option<f64>,
     /// Half-spaces that nothing enters: what is on the side of the normal is free.
     pub walls: Vec<Wall<3>>,
     /// Balls that nothing enters and nothing moves.
@@ -36,7 +42,8 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Optio
     let Some(contact) = &declared.contact else {
         return Ok(None);
     };
-    let ContactDeclaration { restitution, friction, law, when, walls, balls } = contact;
+    let ContactDeclaration { restitution, friction, law, when, walls, balls, .. } = contact;
+    let stiffness = stiffness(declared, contact)?;
     let restitution = match restitution {
         Some(given) => {
             let value = check::finite("the restitution", given)?;
@@ -83,10 +90,35 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Optio
         Ok(FixedBall { centre, radius: check::positive("the radius", &ball.radius)? })
     });
     let balls = balls.collect::<Checked<_>>()?;
-    Ok(Some(SceneContact { restitution, friction, law, when, walls, balls }))
+    Ok(Some(SceneContact { restitution, friction, law, when, stiffness, walls, balls }))
+}
+
+/// The stiffness that is declared, where nothing is that only impulses have.
+fn stiffness(declared: &Declaration, contact: &ContactDeclaration) -> Checked<Option<f64>> {
+    let Some(given) = &contact.stiffness else {
+        return Ok(None);
+    };
+    let words = [("law", &contact.law), ("when", &contact.when)];
+    let of_impulses = words.into_iter().find_map(|(key, word)| Some((key, word.as_ref()?.span())));
+    let restitution = contact.restitution.as_ref().map(|c| ("restitution", c.span()));
+    match of_impulses.or(restitution) {
+        _ if !declared.bodies.is_empty() => Err(at(given.span(), Fault::StiffnessOfBodies)),
+        Some((key, place)) => Err(at(place, Fault::ImpulseOfSprings(key))),
+        None => check::positive("the stiffness", given).map(Some),
+    }
 }
 
 impl Scene {
+    /// The springs between particles that overlap, where they touch by springs.
+    pub(crate) fn penalty<const D: usize>(
+        &self,
+    ) -> Result<Option<OneSidedPenalty<Balls<D>>>, ContactError> {
+        match (self.contact.as_ref().and_then(|contact| contact.stiffness), self.gaps()?) {
+            (Some(stiffness), Some(gaps)) => Ok(Some(OneSidedPenalty::new(gaps, stiffness)?)),
+            _ => Ok(None),
+        }
+    }
+
     /// The gaps between the particles of a scene with contact, and to what is fixed.
     pub(crate) fn gaps<const D: usize>(
         &self,
@@ -106,7 +138,8 @@ impl Scene {
         Ok(Some(Inequality(Balls::<D>::new(radii, walls)?.with_fixed(fixed)?)))
     }
 
-    /// An error where more may touch than can be looked at, or a particle starts inside of something.
+    /// An error where more may touch than can be looked at, or a particle starts inside of
+    /// something.
     pub(crate) fn check_apart(&self) -> Result<(), Fault> {
         let pairs = self.pairs();
         if pairs > limits::PAIRS {

@@ -96,6 +96,7 @@ pub(crate) struct ContactDeclaration {
     pub(crate) friction: Option<Spanned<Number>>,
     pub(crate) law: Option<Spanned<String>>,
     pub(crate) when: Option<Spanned<String>>,
+    pub(crate) stiffness: Option<Spanned<Number>>,
     pub(crate) walls: Option<Vec<WallDeclaration>>,
     pub(crate) balls: Option<Vec<FixedBallDeclaration>>,
 }

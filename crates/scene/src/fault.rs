@@ -266,6 +266,12 @@ pub enum Fault {
         "the moment of impact can be chosen for particles only; bodies turn back before they overlap"
     )]
     WhenOfBodies,
+    /// Bodies touch by impulses.
+    #[error("only particles touch by springs; leave out the `stiffness`")]
+    StiffnessOfBodies,
+    /// Springs know no impulses.
+    #[error("particles that touch by springs have no `{0}`: a spring gives back what it took")]
+    ImpulseOfSprings(&'static str),
     /// Things that overlap before anything has moved.
     #[error("`{name}` starts inside of something, {depth:e} deep")]
     Overlap {

@@ -1,14 +1,21 @@
-//! A run of heat: step after step to the horizon, on the lumped mass.
+//! A run of heat: step after step to the horizon, or by its modes, on the lumped mass.
 //!
 //! ```text
 //! H = int f,   V = 1/2 int |grad f|^2          content of heat, Dirichlet energy             (15.1)
+//! f(t) = f* + sum_i v_i exp(-alpha lambda_i t) <v_i, M (f(0) - f*)>          by N modes     (15.2)
 //! ```
+//! `f*` what the held temperatures come to in the end, zero where nothing is held: then the
+//! constant is among the modes, besides N others.
 
 use nalgebra::SVector;
 use stationary_calculus::{DiagonalMetric, Potential};
 use stationary_integrators::{Saved, State, StepReport};
-use stationary_laplacian::{Dirichlet, Domain, Elements, Heat, LaplacianError};
+use stationary_laplacian::{
+    Dirichlet, Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic,
+    lowest_modes,
+};
 use stationary_mesh::Mesh;
+use stationary_modal::Modes;
 
 use crate::checkpoint::{Before, CheckpointError};
 use crate::error::StepFailure;
@@ -73,9 +80,6 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        let Stepping::Heat(method) = self.stepping else {
-            return Err(AssemblyError::Heat.into());
-        };
         let held: Vec<(usize, f64)> =
             (0..body.held.len()).filter(|&v| body.held[v]).map(|v| (v, body.start[v])).collect();
         let made = || -> Result<_, LaplacianError> {
@@ -85,12 +89,32 @@ impl Scene {
             Ok((shares, domain, mass, f))
         };
         let (shares, domain, mass, f) = made().map_err(AssemblyError::from)?;
-        let h = self.timing.stepping().step();
-        let heat = Heat::new(&mass, domain.dirichlet(), method, body.diffusivity, h);
-        let heat = heat.map_err(AssemblyError::from)?;
         let state = State::new(f, Vec::new());
-        let flow = Flow { scene: self, shares: shares.masses(), domain: &domain, heat, state };
-        march(self, flow, checkpoint, watcher)
+        let (shares, alpha) = (shares.masses(), body.diffusivity);
+        let (domain, mass) = (&domain, &mass);
+        match self.stepping {
+            Stepping::Heat(method) => {
+                let h = self.timing.stepping().step();
+                let heat = Heat::new(mass, domain.dirichlet(), method, alpha, h);
+                let heat = heat.map_err(AssemblyError::from)?;
+                let implicit = method != HeatMethod::ExplicitEuler;
+                let prepared = StepReport { hessians: implicit.into(), ..StepReport::default() };
+                // A solve with the factor counts as a differential.
+                let step =
+                    StepReport { differentials: 1 + u32::from(implicit), ..StepReport::default() };
+                let way = Way::Steps(heat, step);
+                let flow = Flow { scene: self, shares, domain, way, prepared, state };
+                march(self, flow, checkpoint, watcher)
+            }
+            Stepping::LinearModes { count } => {
+                let known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
+                let exact = known.flow(mass, alpha, &state.q).map_err(AssemblyError::from)?;
+                let (way, prepared) = (Way::Modes(exact, &known.steady), known.prepared());
+                let flow = Flow { scene: self, shares, domain, way, prepared, state };
+                march(self, flow, checkpoint, watcher)
+            }
+            _ => Err(AssemblyError::Heat.into()),
+        }
     }
 }
 
@@ -100,8 +124,53 @@ struct Flow<'a, const K: usize> {
     /// The length, area or volume that belongs to each vertex.
     shares: &'a [f64],
     domain: &'a Domain<K>,
-    heat: Heat<'a, DiagonalMetric<Vec<f64>>, Dirichlet<K>>,
+    way: Way<'a, K>,
+    prepared: StepReport,
     state: State<Vec<f64>>,
+}
+
+/// How heat is moved.
+enum Way<'a, const K: usize> {
+    /// In steps, each of which counts this.
+    Steps(Heat<'a, DiagonalMetric<Vec<f64>>, Dirichlet<K>>, StepReport),
+    /// In closed form, about what it comes to in the end.
+    Modes(ExactHeat<'a>, &'a [f64]),
+}
+
+/// The lowest modes of a domain, and what it comes to in the end.
+struct Spectrum {
+    modes: Modes,
+    steady: Vec<f64>,
+}
+
+impl Spectrum {
+    /// The constant, where nothing is held, and `count` others.
+    fn of<const K: usize>(
+        domain: &Domain<K>,
+        mass: &DiagonalMetric<Vec<f64>>,
+        count: usize,
+    ) -> Result<Self, LaplacianError> {
+        let held = domain.dim() < domain.elements().vertices();
+        let steady =
+            if held { domain.on_freedoms(&harmonic(domain)?)? } else { vec![0.0; domain.dim()] };
+        let constant = usize::from(!held);
+        Ok(Spectrum { modes: lowest_modes(domain, mass, count + constant)?, steady })
+    }
+
+    fn prepared(&self) -> StepReport {
+        let (solves, hessians) = (self.modes.solves() as u32, self.modes.factorizations() as u32);
+        StepReport { differentials: solves, hessians, ..StepReport::default() }
+    }
+
+    fn flow(
+        &self,
+        mass: &DiagonalMetric<Vec<f64>>,
+        alpha: f64,
+        start: &[f64],
+    ) -> Result<ExactHeat<'_>, LaplacianError> {
+        let off: Vec<f64> = start.iter().zip(&self.steady).map(|(f, end)| f - end).collect();
+        ExactHeat::new(&self.modes, mass, alpha, &off)
+    }
 }
 
 impl<const K: usize> Moving for Flow<'_, K> {
@@ -110,9 +179,23 @@ impl<const K: usize> Moving for Flow<'_, K> {
     }
 
     fn step(&mut self, _: f64, to: f64) -> Result<Stepped, StepFailure> {
-        self.heat.step(&mut self.state.q)?;
+        let report = match &mut self.way {
+            Way::Steps(heat, report) => {
+                heat.step(&mut self.state.q)?;
+                *report
+            }
+            Way::Modes(exact, steady) => {
+                self.state.q = exact.at(to)?;
+                self.state.q.iter_mut().zip(*steady).for_each(|(f, end)| *f += end);
+                StepReport::default()
+            }
+        };
         self.state.t = to;
-        Ok(Stepped::done(StepReport { differentials: 1, ..StepReport::default() }))
+        Ok(Stepped::done(report))
+    }
+
+    fn prepared(&self) -> StepReport {
+        self.prepared
     }
 
     fn sample(&mut self, time: f64, samples: &mut Samples) {

@@ -42,7 +42,7 @@
 //! | `[uniform_gravity]` | `acceleration` | a vector |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
 //! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its velocity; for `newmark`, `generalized-alpha` and methods that choose their own steps |
-//! | `[contact]` | `restitution`, `friction`, `law`, `when`, `walls`, `balls` | what has a radius touches: see below |
+//! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
 //! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
@@ -73,7 +73,8 @@
 //! In `[contact]` the `restitution` is separating over approaching speed, `law` one of
 //! [`stationary_contact::ImpactLaw`] and, for particles, `when` one of [`stationary_contact::When`];
 //! `walls = [{ normal, at }]` and `balls = [{ at, radius }]` are what nothing enters. Particles that
-//! touch take `"stormer-verlet"`.
+//! touch take `"stormer-verlet"`; with a `stiffness` they are pushed apart by springs instead of
+//! impulses, and take any explicit method.
 //!
 //! A scene has particles or bodies, not both. Bodies whose `velocity` is missing move as their joints
 //! have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"` in the

@@ -9,11 +9,12 @@
 //! too large for its modes.
 
 use stationary_calculus::{Covector, Metric, SymmetricMatrix, Vector};
-use stationary_integrators::State;
+use stationary_integrators::{State, StepReport};
 use stationary_modal::{Linearized, ModalError, Modes, Motion, RigidMotions};
 
+use crate::rest::{self, Rest};
 use crate::system::SceneProblem;
-use crate::{AssemblyError, Scene, Stepping, rest};
+use crate::{AssemblyError, Scene, Stepping};
 
 /// The modes of a scene and its start among them.
 #[derive(Debug)]
@@ -23,6 +24,7 @@ pub(crate) struct LinearModes {
     mass: SymmetricMatrix,
     displacement: Vector<Vec<f64>>,
     velocity: Vector<Vec<f64>>,
+    prepared: StepReport,
 }
 
 impl Scene {
@@ -36,7 +38,7 @@ impl Scene {
         };
         let (system, initial) = (&problem.system, &problem.initial);
         let (metric, potential) = (system.metric(), system.potential());
-        let (rest, tolerance) = rest::rest(problem)?;
+        let Rest { q: rest, tolerance, newton } = rest::rest(problem)?;
         // The factor is for a tolerance that differs in its last digit.
         let mut near_rest = Linearized::at(metric, potential, &rest, 2.0 * tolerance)?;
         let rigid = RigidMotions::of_points::<D>(&near_rest, &rest)?;
@@ -45,11 +47,23 @@ impl Scene {
         let mut velocity = Vector(vec![0.0; rest.len()]);
         metric.sharp(initial.p.view(), velocity.view_mut());
         let mass = near_rest.mass().clone();
-        Ok(Some(LinearModes { rest, modes, mass, displacement: Vector(displacement), velocity }))
+        let prepared = StepReport {
+            differentials: newton.residuals + modes.solves() as u32,
+            hessians: newton.iterations + modes.factorizations() as u32,
+            energies: newton.energies,
+            ..StepReport::default()
+        };
+        let displacement = Vector(displacement);
+        Ok(Some(LinearModes { rest, modes, mass, displacement, velocity, prepared }))
     }
 }
 
 impl LinearModes {
+    /// What the rest and the modes took: a solve with a factor counts as a differential.
+    pub(crate) fn prepared(&self) -> StepReport {
+        self.prepared
+    }
+
     /// The motion from the start.
     pub(crate) fn motion(&self) -> Result<Moving<'_>, AssemblyError> {
         let (d, v) = (self.displacement.view(), self.velocity.view());

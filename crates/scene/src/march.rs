@@ -10,7 +10,7 @@
 
 use std::cell::LazyCell;
 
-use stationary_integrators::{Cost, Saved, State};
+use stationary_integrators::{Cost, Saved, State, StepReport};
 
 use crate::checkpoint::{Before, Checkpoint, CheckpointError};
 use crate::error::StepFailure;
@@ -46,6 +46,11 @@ pub(crate) trait Moving {
 
     /// Moves by a step of length `h` to the time `to`, or stays as it is.
     fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure>;
+
+    /// What was computed before the first step.
+    fn prepared(&self) -> StepReport {
+        StepReport::default()
+    }
 
     /// Adds a sample of where it is.
     fn sample(&mut self, time: f64, samples: &mut Samples);
@@ -83,7 +88,13 @@ pub(crate) fn march<M: Moving>(
             cost = checkpoint.cost;
             samples = resume(scene, &mut moving, checkpoint)?;
         }
-        None => moving.sample(0.0, &mut samples),
+        None => {
+            let prepared = moving.prepared();
+            cost.differentials = prepared.differentials.into();
+            cost.hessians = prepared.hessians.into();
+            cost.energies = prepared.energies.into();
+            moving.sample(0.0, &mut samples);
+        }
     }
     let mut wish = Wish::GoOn;
     for step in done + 1..=steps {
@@ -118,8 +129,9 @@ pub(crate) fn march<M: Moving>(
             Some(None) => watcher.keep(None),
             None => {}
         }
-        let q = &moving.state().q;
-        wish = watcher.stepped(Progress { step, steps, time: time(step), q });
+        let (q, now) = (&moving.state().q, time(step));
+        let observed = samples.last_observed();
+        wish = watcher.stepped(Progress { step, steps, time: now, q, cost, observed });
         if wish == Wish::Stop {
             if !due {
                 moving.sample(time(step), &mut samples);

@@ -1,6 +1,6 @@
 //! What the particles of a scene do in a step: move, and tell the recorder what their rods felt.
 
-use stationary_integrators::{Saved, State};
+use stationary_integrators::{Saved, State, StepReport};
 
 use crate::RunError;
 use crate::checkpoint::{Before, CheckpointError};
@@ -14,6 +14,7 @@ pub(crate) struct Particles<'a, const D: usize> {
     pub(crate) state: State<Vec<f64>>,
     pub(crate) stepper: Stepper<'a, D>,
     pub(crate) recorder: Recorder<'a, D>,
+    pub(crate) prepared: StepReport,
 }
 
 impl<const D: usize> Moving for Particles<'_, D> {
@@ -26,6 +27,10 @@ impl<const D: usize> Moving for Particles<'_, D> {
         self.state.t = to;
         self.recorder.feel(self.stepper.multipliers(), stepped.broken);
         Ok(stepped)
+    }
+
+    fn prepared(&self) -> StepReport {
+        self.prepared
     }
 
     fn sample(&mut self, _: f64, samples: &mut Samples) {

@@ -6,16 +6,22 @@
 //! `lambda` the largest eigenvalue of `M^-1 H`, |q| the scene's size, m its mass: below that the
 //! differential is rounding. Source: notes 4.4.
 
-use stationary_calculus::{Equilibrium, Newton, SparseSolver};
+use stationary_calculus::{Equilibrium, Newton, NewtonReport, SparseSolver};
 use stationary_modal::Linearized;
 
 use crate::AssemblyError;
 use crate::system::SceneProblem;
 
-/// Where a problem comes to rest from its start, and the size of the differential that is rounding.
-pub(crate) fn rest<const D: usize>(
-    problem: &SceneProblem<D>,
-) -> Result<(Vec<f64>, f64), AssemblyError> {
+/// Where a scene comes to rest.
+pub(crate) struct Rest {
+    pub(crate) q: Vec<f64>,
+    /// The size of the differential that is rounding.
+    pub(crate) tolerance: f64,
+    pub(crate) newton: NewtonReport,
+}
+
+/// Where a problem comes to rest from its start.
+pub(crate) fn rest<const D: usize>(problem: &SceneProblem<D>) -> Result<Rest, AssemblyError> {
     let (metric, potential) = (problem.system.metric(), problem.system.potential());
     let mut q = problem.initial.q.clone();
     let mass: f64 = metric.masses().iter().sum::<f64>() / D as f64;
@@ -23,6 +29,6 @@ pub(crate) fn rest<const D: usize>(
     let tolerance = f64::EPSILON * scale * problem.scale * mass.sqrt();
     let newton = Newton { tolerance, ..Newton::default() };
     let solver = SparseSolver::new(metric, potential, &q)?;
-    Equilibrium::new(metric, potential, solver, newton)?.find(&mut q)?;
-    Ok((q, tolerance))
+    let report = Equilibrium::new(metric, potential, solver, newton)?.find(&mut q)?;
+    Ok(Rest { q, tolerance, newton: report.newton })
 }

@@ -75,6 +75,11 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
+    /// The observables of the last sample.
+    pub(crate) fn last_observed(&self) -> &[f64] {
+        &self.observed[self.observed.len().saturating_sub(self.columns)..]
+    }
+
     /// Adds a moment, with what rounding in its momenta scales with.
     pub(crate) fn push(&mut self, scene: &Scene, t: f64, moment: &Moment<'_>, scales: [f64; 2]) {
         let d = scene.dimension;
@@ -106,6 +111,10 @@ pub struct Progress<'a> {
     /// The configuration: D numbers for each particle that is free; of a body in the plane place and
     /// angle, in space place and quaternion.
     pub q: &'a [f64],
+    /// What was computed so far.
+    pub cost: Cost,
+    /// The observables at the last sample, a number for each heading.
+    pub observed: &'a [f64],
 }
 
 impl Scene {
@@ -159,7 +168,8 @@ impl Scene {
         let recorder = Recorder::new(self, &problem);
         let mut state = problem.initial.clone();
         stepper.start(&mut state)?;
-        march(self, Particles { state, stepper, recorder }, checkpoint, watcher)
+        let prepared = ground.prepared();
+        march(self, Particles { state, stepper, recorder, prepared }, checkpoint, watcher)
     }
 }
 

@@ -107,6 +107,13 @@ impl Scene {
         Scene::parse_in(None, name, text)
     }
 
+    /// The scene that a text describes, as if it stood in the file of this path: meshes are those
+    /// beside it.
+    pub fn parse_at(path: impl AsRef<Path>, text: &str) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse_in(path.parent(), &path.display().to_string(), text)
+    }
+
     fn parse_in(folder: Option<&Path>, name: &str, text: &str) -> Result<Scene, SceneError> {
         let bytes = text.len() as u64;
         if bytes > limits::FILE_BYTES {
@@ -119,7 +126,7 @@ impl Scene {
     /// The scene that a file describes.
     pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         let path = path.as_ref();
-        Scene::parse_in(path.parent(), &path.display().to_string(), &source::read(path)?)
+        Scene::parse_at(path, &source::read(path)?)
     }
 
     /// The scene that a text describes, once `change` has been made to its declarations.

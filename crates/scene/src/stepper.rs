@@ -41,7 +41,14 @@ pub(crate) struct Ground<const D: usize> {
 
 impl<const D: usize> Ground<D> {
     pub(crate) fn new(scene: &Scene, problem: &SceneProblem<D>) -> Result<Self, AssemblyError> {
-        Ok(Ground { modes: scene.linear_modes(problem)?, gaps: scene.gaps()? })
+        let springs = scene.contact().is_some_and(|contact| contact.stiffness.is_some());
+        let gaps = if springs { None } else { scene.gaps()? };
+        Ok(Ground { modes: scene.linear_modes(problem)?, gaps })
+    }
+
+    /// What making it took.
+    pub(crate) fn prepared(&self) -> StepReport {
+        self.modes.as_ref().map(LinearModes::prepared).unwrap_or_default()
     }
 }
 
@@ -67,9 +74,10 @@ impl Stepped {
         Stepped { report, broken: None, impacts: None }
     }
 
-    /// A step in which the law of impact was applied so often, the last time at this one.
+    /// A step in which the law of impact was applied so often, the last time at this one. To apply it
+    /// counts as a differential.
     pub(crate) fn met(count: usize, time: f64) -> Self {
-        let report = StepReport { differentials: 1, ..StepReport::default() };
+        let report = StepReport { differentials: 1 + count as u32, ..StepReport::default() };
         let impacts = (count > 0).then_some(Impacts { time, count });
         Stepped { impacts, ..Stepped::done(report) }
     }

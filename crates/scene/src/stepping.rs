@@ -34,9 +34,10 @@ pub enum Stepping {
     },
     /// Rods held by their forces.
     Constrained(Constrained),
-    /// The lowest modes about the place where the scene comes to rest, in closed form.
+    /// The lowest modes about the place where the scene comes to rest, in closed form; of heat about
+    /// what it comes to in the end.
     LinearModes {
-        /// How many, besides rigid motions.
+        /// How many, besides rigid motions and the constant.
         count: usize,
     },
     /// Heat, in equal steps.
@@ -150,7 +151,7 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
     let heat = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
     let in_space = !declared.bodies.is_empty() && dimension == 3;
     let all: Vec<_> = match &declared.heat {
-        Some(_) => heat.to_vec(),
+        Some(_) => heat.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect(),
         None if in_space => bodies.collect(),
         None => particles.collect(),
     };
@@ -193,14 +194,26 @@ impl Scene {
         if !self.bodies.is_empty() {
             return self.check_bodies();
         }
-        if self.heat.is_some() != matches!(self.stepping, Stepping::Heat(_)) {
+        let of_heat = match self.stepping {
+            Stepping::Heat(_) => true,
+            Stepping::LinearModes { .. } => self.heat.is_some(),
+            _ => false,
+        };
+        if self.heat.is_some() != of_heat {
             return Err(Fault::MethodOfAnother(self.stepping.name().to_owned()));
         }
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
-        if self.contact.is_some() {
+        if let Some(contact) = &self.contact {
             return match self.stepping {
                 _ if drag || rods => refused("contact with rods or drag", "leave one of them out"),
+                _ if contact.stiffness.is_some() => match self.stepping {
+                    Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
+                        Ok(())
+                    }
+                    Stepping::Adaptive { method: Adaptive::DormandPrince853, .. } => Ok(()),
+                    _ => refused("what touches by springs", "name an explicit method"),
+                },
                 Stepping::Equal(Method::StormerVerlet) => Ok(()),
                 _ => refused("what touches", "name `stormer-verlet`"),
             };

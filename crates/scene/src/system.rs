@@ -1,7 +1,7 @@
 //! The mechanical system of a scene: only what the scene names is built.
 //!
 //! ```text
-//! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs + elastic bodies
+//! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs + elastic bodies + touch
 //! ```
 //! Particles that are free come first, in the scene's order, D freedoms each; pinned ones have no
 //! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while it is
@@ -11,6 +11,7 @@ use stationary_calculus::{
     Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
 };
 use stationary_constraints::Rods;
+use stationary_contact::{Balls, OneSidedPenalty};
 use stationary_elasticity::Spring;
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{
@@ -20,13 +21,14 @@ use stationary_integrators::{
 use crate::elastic::ElasticBodies;
 use crate::{AssemblyError, Motion, Scene, rest};
 
-/// The potential of a scene. Its springs and elastic bodies may be none.
+/// The potential of a scene. Its springs, elastic bodies and springs of touch may be none.
 #[derive(Clone, Debug)]
 pub struct ScenePotential<const D: usize> {
     parts: Parts<D>,
 }
 
-type Parts<const D: usize> = (Weight<D>, Stencils<Spring, 2, D>, ElasticBodies);
+type Parts<const D: usize> = (Weight<D>, Springs<D>, ElasticBodies);
+type Springs<const D: usize> = (Stencils<Spring, 2, D>, Option<OneSidedPenalty<Balls<D>>>);
 type Weight<const D: usize> = (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>);
 
 /// A scene as a problem: a system, where it starts, and for how long.
@@ -131,7 +133,8 @@ impl Scene {
             .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
         let springs = Stencils::new(free.len(), pinned.iter().map(position).collect(), springs)?;
         let elastic = self.elastic_bodies::<D>(&vertices)?;
-        let potential = ScenePotential { parts: ((uniform, newtonian), springs, elastic) };
+        let potential =
+            ScenePotential { parts: ((uniform, newtonian), (springs, self.penalty()?), elastic) };
         let q = match self.hung.as_slice() {
             [] => free.iter().flat_map(position).collect(),
             _ => self.hanging::<D>(&vertices)?,
@@ -154,7 +157,7 @@ impl Scene {
         for &particle in &self.hung {
             held.particles[particle].motion = Motion::Pinned;
         }
-        let (x, _) = rest::rest(&held.problem::<D>()?)?;
+        let x = rest::rest(&held.problem::<D>()?)?.q;
         let of_held = Vertices::new(&held);
         let place = |&particle: &usize| {
             let vertex = of_held.of_particle[particle];

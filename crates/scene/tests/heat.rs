@@ -85,3 +85,29 @@ fn heat_that_cannot_be_is_refused_where_it_says_so() {
     );
     refused("temperature = \"plate.middle\"", "position = \"plate.middle\"", "not of such a scene");
 }
+
+#[test]
+fn the_modes_of_a_plate_are_what_small_steps_come_to() {
+    let coarse = PLATE.replace("[10, 4]", "[6, 3]").replace("horizon = 5", "horizon = 0.2");
+    let steps = coarse.replace("implicit-euler", "crank-nicolson").replace("0.01", "0.0001");
+    let truth = scene(&steps.replace("sample_every = 10", "sample_every = 1000")).run().unwrap();
+    let by_modes = |count: usize| {
+        let method = format!("\"linear-modes\"\nmodes = {count}");
+        let run = scene(&coarse.replace("\"implicit-euler\"", &method)).run().unwrap();
+        assert!(run.cost().hessians > 0, "the search for modes is counted");
+        let [f, g] = [run.temperatures(2), truth.temperatures(2)];
+        let off = f.iter().zip(g).map(|(f, g)| (f - g).abs()).fold(0.0, f64::max);
+        assert_eq!((run.times()[2], f.len()), (0.2, g.len()));
+        off
+    };
+    // 7 x 4 vertices, 8 of them held.
+    assert!(by_modes(20) < 1e-5, "{:e}", by_modes(20));
+    assert!(by_modes(1) > 10.0 * by_modes(20) && by_modes(1) < 0.5, "{:e}", by_modes(1));
+}
+
+#[test]
+fn a_plate_has_no_more_modes_than_freedoms() {
+    let text = PLATE.replace("\"implicit-euler\"", "\"linear-modes\"\nmodes = 200");
+    let error = scene(&text).run().expect_err("200 modes").to_string();
+    assert!(error.contains("200"), "{error}");
+}

@@ -140,3 +140,36 @@ fn more_pairs_than_can_be_looked_at_are_refused_before_they_are_listed() {
     let error = Scene::parse("a.toml", &text).unwrap_err().to_string();
     assert!(error.contains("pairs that may touch"), "{error}");
 }
+
+#[test]
+fn a_ball_on_a_stiff_spring_rebounds_like_a_ball_that_gets_impulses() {
+    let height = |contact: &str| {
+        let run = ball(contact, 1e-5).run().unwrap();
+        assert!(drift(&run) < 1e-2, "{contact}: {:e}", drift(&run));
+        run.positions(run.times().len() - 1)[0]
+    };
+    let impulse = height("restitution = 1");
+    let off = |stiffness: &str| (height(&format!("stiffness = {stiffness}")) - impulse).abs();
+    // It is late by the time of touch, pi sqrt(m/k), and at its highest where it should be: g/2 of that
+    // time squared is missing, a tenth at ten times the stiffness.
+    let [soft, stiff] = [off("2e4"), off("2e5")];
+    assert!((soft / 4.9e-3 - 1.0).abs() < 0.1, "{soft:e}");
+    assert!(soft > 7.0 * stiff && soft < 14.0 * stiff, "{soft:e} {stiff:e}");
+}
+
+#[test]
+fn springs_of_touch_have_nothing_of_impulses() {
+    let refused = |contact: &str, said: &str| {
+        let text = format!(
+            "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+             particles = [{{ name = \"ball\", mass = 2, radius = 0.5, position = [1.75] }}]\n\
+             [contact]\n{contact}\nwalls = [{{ normal = [1], at = [0] }}]\n"
+        );
+        let error = Scene::parse("ball.toml", &text).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    };
+    refused("stiffness = 1\nlaw = \"jacobi\"", "no `law`");
+    refused("stiffness = 1\nwhen = \"at-the-instant\"", "no `when`");
+    refused("restitution = 1\nstiffness = 1", "no `restitution`");
+    refused("stiffness = 0", "the stiffness is 0");
+}

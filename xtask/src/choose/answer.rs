@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use stationary_calculus::{Cell, Column, Table};
-use stationary_scene::{Observable, Scene};
+use stationary_scene::Observable;
 
 use super::climb::{Judgement, judge};
 use super::lab::{At, Lab};
@@ -31,14 +31,16 @@ pub enum Verdict {
 pub struct Row {
     /// Its place.
     pub at: At,
-    /// The method.
-    pub method: &'static str,
-    /// `step = 0.5` or `tolerance = 1e-3`.
+    /// The method, and the model where that is not the scene itself.
+    pub method: String,
+    /// `step = 0.5`, `tolerance = 1e-3` or `modes = 4`.
     pub setting: String,
     /// Counted work.
     pub work: u64,
     /// Wall time of the one run.
     pub wall: Duration,
+    /// The last moment to which it was run.
+    pub moment: usize,
     /// What the reference says of it; nothing where there is none.
     pub judgement: Option<Judgement>,
 }
@@ -130,7 +132,7 @@ impl Answer {
         for row in &self.rows {
             let error: Cell = row.error().map_or("".into(), Cell::from);
             table.push([
-                row.method.into(),
+                row.method.as_str().into(),
                 row.setting.as_str().into(),
                 (row.work as f64).into(),
                 error,
@@ -141,21 +143,37 @@ impl Answer {
         table
     }
 
-    /// Which tolerance to set for this true error: for each method that takes one, what was
-    /// measured.
+    /// Which tolerance to set for this true error: for each method that takes one, the loosest that
+    /// was run and keeps to it, and what others gave.
     pub fn tolerances(&self) -> Vec<String> {
         let own: Vec<&Row> =
             self.rows.iter().filter(|row| row.setting.starts_with("tol")).collect();
-        let mut names: Vec<&str> = own.iter().map(|row| row.method).collect();
+        let mut names: Vec<&str> = own.iter().map(|row| row.method.as_str()).collect();
         names.sort_unstable();
         names.dedup();
-        let line = |name: &str| {
-            let rows = own.iter().filter(|row| row.method == name);
-            let said =
-                rows.filter_map(|row| Some(format!("{} gives {:.1e}", row.value(), row.error()?)));
-            format!("{name}: {}", said.collect::<Vec<_>>().join(", "))
+        names.into_iter().map(|name| self.advice(name, &own)).collect()
+    }
+
+    fn advice(&self, name: &str, rows: &[&Row]) -> String {
+        let of_name = || rows.iter().filter(|row| row.method == name);
+        let gave = |row: &Row| {
+            let beyond = if row.moment < MOMENTS as usize { "more than " } else { "" };
+            Some(format!("{} gives {beyond}{:.1e}", row.value(), row.error()?))
         };
-        names.into_iter().map(line).collect()
+        // Rows are sorted by work: the loosest tolerance first.
+        let keeps = of_name().find(|row| matches!(row.judgement, Some(Judgement::Meets(_))));
+        let others = of_name().filter(|row| keeps.is_none_or(|keeps| keeps.at != row.at));
+        let others: Vec<String> = others.filter_map(|row| gave(row)).collect();
+        let others =
+            if others.is_empty() { String::new() } else { format!(" ({})", others.join(", ")) };
+        let asked = self.tolerance;
+        match keeps.and_then(|row| Some((row.value(), row.error()?))) {
+            Some((set, error)) => format!(
+                "for a true error of at most {asked:e}, {name} needs `tolerance = {set}`: it gives \
+                 {error:.1e}{others}"
+            ),
+            None => format!("no tolerance that {name} was run with keeps to {asked:e}{others}"),
+        }
     }
 }
 
@@ -178,8 +196,12 @@ impl Row {
     pub fn word(&self) -> String {
         match &self.judgement {
             Some(Judgement::Meets(_)) => "meets it".to_owned(),
+            Some(Judgement::Misses(_)) if self.moment < MOMENTS as usize => {
+                format!("misses it, stopped at {} of {MOMENTS}", self.moment)
+            }
             Some(Judgement::Misses(_)) => "misses it".to_owned(),
             Some(Judgement::Unclear(_)) => "too close to tell".to_owned(),
+            Some(Judgement::Dearer) => "dearer than the choice".to_owned(),
             Some(Judgement::Failed(failure)) => failure.to_string(),
             None => "not judged".to_owned(),
         }
@@ -191,10 +213,11 @@ fn rows(lab: &Lab, reference: Option<&Reference>, tolerance: f64) -> Vec<Row> {
         .used()
         .map(|(at, run)| Row {
             at,
-            method: lab.family(at.family).name,
+            method: lab.family(at.family).name.clone(),
             setting: setting(lab, at),
             work: run.work,
             wall: run.wall,
+            moment: run.course.values.len().saturating_sub(1),
             judgement: reference.and_then(|reference| judge(lab, reference, tolerance, at)),
         })
         .collect();
@@ -208,18 +231,19 @@ fn setting(lab: &Lab, at: At) -> String {
     match family.kind {
         Kind::EqualSteps => format!("step = {value}"),
         Kind::OwnSteps => format!("tolerance = {value:e}"),
+        Kind::Modes => format!("modes = {value}"),
     }
 }
 
 fn heading(lab: &Lab, reference: Option<&Reference>) -> String {
     let ladder = lab.ladder();
-    let Ok(scene) = Scene::parse(&ladder.name, &ladder.text) else { return ladder.name.clone() };
+    let scene = &ladder.written().scene;
     let observable = scene.observables().first().copied().unwrap_or(Observable::Energy);
     let scale = reference.map_or(String::new(), |r| format!(" ({:.3e})", r.course.scale));
     format!(
         "{}: {}, relative to {}{scale}, at {MOMENTS} moments up to {} {}",
         scene.title(),
-        observable.headings(&scene).join(", "),
+        observable.headings(scene).join(", "),
         relative_to(&observable),
         scene.timing().horizon(),
         scene.units().time,
@@ -236,7 +260,7 @@ fn made(lab: &Lab, reference: &Reference) -> String {
         .used()
         .filter(|(at, _)| at.family != reference.family)
         .filter_map(|(at, run)| {
-            let error = reference.error(run.outcome.as_ref().ok()?).ok()?;
+            let error = reference.error(run.whole()?).ok()?;
             Some((error, at))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -283,7 +307,7 @@ impl fmt::Display for Answer {
             }
         }
         for line in self.tolerances() {
-            writeln!(f, "true error of {line}")?;
+            writeln!(f, "{line}")?;
         }
         writeln!(f, "reference: {}", self.made)?;
         match self.choice() {
@@ -300,7 +324,7 @@ impl fmt::Display for Answer {
 fn shown(rows: &[&Row]) -> String {
     let cells = |row: &&Row| {
         vec![
-            row.method.to_owned(),
+            row.method.clone(),
             row.setting.clone(),
             row.error().map_or("-".to_owned(), |error| format!("{error:.1e}")),
             row.work.to_string(),

@@ -6,16 +6,21 @@
 //!    misses the tolerance is followed by the next that can meet it, were the family's order one
 //!    better than it is; a family ends where that rung would be dearer than the choice.
 //!    It ends as well where a family of the same or a higher order did better for the same work: it
-//!    will also do so with finer steps.
+//!    will also do so with finer steps. Of families of one order up to 2, or of one that solve
+//!    equations, only the cheapest is tried, unless that comes near to the choice.
 //! 3. A rung that meets it is the new choice where it is cheaper, and coarser ones are tried.
 //!
+//! Every run is stopped at the first moment at which it misses, or costs more than the choice.
 //! A rung whose error is nearer to the tolerance than the reference is certain is not decided: the
 //! reference is refined where the rung would be the choice, and else it counts as missing.
 
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::lab::{At, Lab};
-use super::ladder::Kind;
+use super::ladder::{Family, Kind};
 use super::reference::Reference;
-use super::run::Failure;
+use super::run::{End, Failure, Measured, Trial};
 
 /// What the reference says of a rung.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +29,10 @@ pub enum Judgement {
     Meets(f64),
     /// Its error, which may or may not be within the tolerance.
     Unclear(f64),
-    /// Its error, which is certainly beyond the tolerance.
+    /// Its error, which is certainly beyond the tolerance: at the moment at which it was stopped.
     Misses(f64),
+    /// It was stopped where it cost more than the choice.
+    Dearer,
     /// There is no error to speak of.
     Failed(Failure),
 }
@@ -42,6 +49,8 @@ pub struct Climb<'a> {
     /// Refinements of the reference that are left.
     refinements: u32,
     best: Option<(At, u64)>,
+    /// Models whose own error is beyond the tolerance.
+    lost: BTreeSet<usize>,
 }
 
 /// Rungs below the finest that would be cheaper, where a family is tried first.
@@ -51,31 +60,68 @@ const SAME: f64 = 1.1;
 /// An error above this says little of the next rung's.
 const SATURATED: f64 = 0.3;
 /// How often the reference is refined for a rung that is too close to tell.
-const REFINEMENTS: u32 = 2;
+const REFINEMENTS: u32 = 1;
+/// A family that would need so much more work than the choice speaks for others of its order.
+const FAR: f64 = 4.0;
+/// Modes that are tried first.
+const FIRST_MODES: usize = 3;
 
 /// What is judged of a rung that was run.
 pub fn judge(lab: &Lab, reference: &Reference, tolerance: f64, at: At) -> Option<Judgement> {
-    let (_, run) = lab.used().find(|(own, _)| *own == at)?;
+    let run = lab.seen(at)?;
+    if let End::Failed(failure) = &run.end {
+        return Some(Judgement::Failed(failure.clone()));
+    }
+    let error = match reference.error(&run.course) {
+        Ok(error) => error,
+        Err(failure) => return Some(Judgement::Failed(failure)),
+    };
     let own = At { family: reference.family, rung: reference.finest };
-    let error = run.outcome.as_ref().map_err(Clone::clone);
-    Some(match error.and_then(|course| reference.error(course)) {
+    let (least, most) = (error - reference.uncertainty, error + reference.uncertainty);
+    Some(match run.end {
+        _ if least > tolerance => Judgement::Misses(error),
+        End::Cut => Judgement::Dearer,
         // What the reference is made of is as wrong as it is uncertain.
-        Ok(error)
-            if at == own && error < reference.uncertainty && reference.uncertainty <= tolerance =>
-        {
+        _ if at == own && error < reference.uncertainty && reference.uncertainty <= tolerance => {
             Judgement::Meets(reference.uncertainty)
         }
-        Err(failure) => Judgement::Failed(failure),
-        Ok(error) if error + reference.uncertainty <= tolerance => Judgement::Meets(error),
-        Ok(error) if error - reference.uncertainty > tolerance => Judgement::Misses(error),
-        Ok(error) => Judgement::Unclear(error),
+        _ if most <= tolerance => Judgement::Meets(error),
+        _ => Judgement::Unclear(error),
     })
+}
+
+/// Rungs that are left at least, if the error shrinks by a power that is one better than known.
+pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
+    if error > SATURATED || error <= tolerance {
+        return 1;
+    }
+    let per_rung = match family.kind {
+        Kind::EqualSteps => f64::from(family.order + 1) * 2_f64.log10(),
+        Kind::OwnSteps => 1.5,
+        Kind::Modes => return 2,
+    };
+    ((error / tolerance).log10() / per_rung).ceil().max(1.0) as usize
+}
+
+/// What families have in common that likely fail and do well together.
+type Sort = (usize, Kind, u32, bool);
+
+fn sort(family: &Family) -> Sort {
+    let solves = family.evaluation == stationary_integrators::Evaluation::Implicit;
+    (family.model, family.kind, family.order, solves)
 }
 
 impl<'a> Climb<'a> {
     /// A search that has run nothing but the reference.
     pub fn new(lab: &'a mut Lab, reference: Reference, tolerance: f64) -> Self {
-        Climb { lab, reference, tolerance, refinements: REFINEMENTS, best: None }
+        Climb {
+            lab,
+            reference,
+            tolerance,
+            refinements: REFINEMENTS,
+            best: None,
+            lost: BTreeSet::new(),
+        }
     }
 
     /// Searches, and returns the cheapest rung that was run and meets the tolerance.
@@ -84,26 +130,82 @@ impl<'a> Climb<'a> {
         self.take_over(own);
         let mut others: Vec<usize> = (0..self.lab.ladder().families.len()).collect();
         others.retain(|&family| family != own);
-        // Which is best is not known; what likely is makes all others cheaper to rule out.
+        // Simple models first. Which method is best is not known; what likely is makes all others
+        // cheaper to rule out.
         let likely = 2.0 - self.tolerance.log10();
         others.sort_by_key(|&family| {
             let family = self.lab.family(family);
             let off = (f64::from(family.order) - likely).abs();
-            ((10.0 * off) as u64, family.rungs[0].least_work)
+            let simple = self.lab.ladder().model(family).simplicity();
+            (Reverse(simple), family.model, (10.0 * off) as u64, family.rungs[0].least_work)
         });
+        let mut hopeless: BTreeMap<Sort, bool> = BTreeMap::new();
         for family in others {
+            let of = sort(self.lab.family(family));
+            if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.0) {
+                continue;
+            }
             self.try_family(family);
+            // At high orders the constants differ by more than the orders.
+            hopeless.insert(of, (of.2 <= 2 || of.3) && self.is_far(family));
         }
+        self.answer_own_tolerance();
         self.settle()
     }
 
-    /// The cheapest of all that meets the tolerance, by the reference as it is now.
+    /// A scene that names a tolerance asks which one to name, cheap or not.
+    fn answer_own_tolerance(&mut self) {
+        let ladder = self.lab.ladder();
+        let name = ladder.written().scene.stepping().name();
+        let own = |family: &Family| family.converges() && family.name == name;
+        let Some(family) = ladder.families.iter().position(own) else { return };
+        if self.lab.family(family).kind != Kind::OwnSteps {
+            return;
+        }
+        for rung in self.first(family)..self.lab.family(family).rungs.len() {
+            let at = At { family, rung };
+            if self.lab.late() || !self.lab.affords(at) {
+                return;
+            }
+            self.lab.measure(at);
+            if matches!(self.said(at), Judgement::Meets(_)) {
+                return;
+            }
+        }
+    }
+
+    /// The rung at which a family of own steps is tried first.
+    fn first(&self, family: usize) -> usize {
+        let decades = (-self.tolerance.log10()).round().max(2.0) as usize - 2;
+        decades.min(self.lab.family(family).rungs.len() - 1)
+    }
+
+    /// Whether a family that was tried would need far more work than the choice.
+    fn is_far(&self, family: usize) -> bool {
+        let Some((_, best)) = self.best else { return false };
+        let own = self.lab.family(family);
+        let needs = self.lab.used().filter(|(at, _)| at.family == family).filter_map(
+            |(at, run)| match self.said(at) {
+                Judgement::Meets(_) => Some(run.work as f64),
+                Judgement::Misses(error) | Judgement::Unclear(error) => {
+                    let power = f64::from(own.order.max(1));
+                    Some(run.expected() as f64 * (error / self.tolerance).powf(1.0 / power))
+                }
+                Judgement::Dearer | Judgement::Failed(_) => None,
+            },
+        );
+        let least = needs.reduce(f64::min);
+        own.kind == Kind::EqualSteps && least.is_some_and(|least| least > FAR * best as f64)
+    }
+
+    /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones
+    /// that of the simplest model.
     fn settle(&mut self) -> Option<At> {
         let meeting = self.lab.used().filter(|(at, _)| {
             let said = judge(self.lab, &self.reference, self.tolerance, *at);
             matches!(said, Some(Judgement::Meets(_)))
         });
-        meeting.min_by_key(|(_, run)| run.work).map(|(at, _)| at)
+        meeting.min_by_key(|(at, run)| (run.work, Reverse(self.simplicity(*at)))).map(|(at, _)| at)
     }
 
     /// What was run for the reference is judged, and its family climbed on to the first rung that
@@ -131,75 +233,106 @@ impl<'a> Climb<'a> {
         let Some(finest) = (0..rungs).rev().find(cheaper) else { return };
         let first = match self.lab.family(family).kind {
             Kind::EqualSteps => finest.saturating_sub(BELOW),
-            Kind::OwnSteps => (-self.tolerance.log10()).round().max(2.0) as usize - 2,
+            Kind::OwnSteps => self.first(family),
+            Kind::Modes => FIRST_MODES,
         };
         self.ascend(At { family, rung: first.min(rungs - 1) });
     }
 
     /// Tries a rung and finer ones, to the first that meets the tolerance.
     fn ascend(&mut self, mut at: At) {
+        let mut before = None;
         while at.rung < self.lab.family(at.family).rungs.len() && self.pays(at) {
-            if self.lab.late() {
+            if self.lab.late() || !self.lab.affords(at) {
                 return;
             }
             match self.judged(at) {
                 Judgement::Meets(_) => return self.descend(at),
                 Judgement::Misses(error) | Judgement::Unclear(error) => {
-                    if self.outdone(at, error) {
+                    let still = self.is_still(at, before);
+                    if still {
+                        self.lost.insert(self.lab.family(at.family).model);
+                    }
+                    if still || self.outdone(at, error) {
                         return;
                     }
-                    at.rung += self.rungs_to_go(at, error);
+                    before = Some(at);
+                    at.rung += rungs_to_go(self.lab.family(at.family), self.tolerance, error);
                 }
+                Judgement::Dearer => return,
                 Judgement::Failed(_) if self.outdone(at, f64::INFINITY) => return,
                 Judgement::Failed(_) => at.rung += 1,
             }
         }
     }
 
-    /// Whether a family of the same or a higher order has a smaller error for the same work.
+    /// Whether finer steps change nothing any more: what is left is the model's error.
+    fn is_still(&self, at: At, before: Option<At>) -> bool {
+        let seen = |at: At| self.lab.seen(at).map(|run| &run.course);
+        let (Some(fine), Some(coarse)) = (seen(at), before.and_then(seen)) else { return false };
+        let moments = fine.values.len().min(coarse.values.len());
+        let [now, then] = [fine, coarse].map(|course| self.reference.error_until(course, moments));
+        let family = self.lab.family(at.family);
+        let steps = !family.converges() && family.kind != Kind::Modes;
+        steps && moments > 1 && now > then / SAME && now < then * SAME
+    }
+
+    /// Whether a family of the same or a higher order has a smaller error for the same work, as far
+    /// as both were run.
     fn outdone(&self, at: At, error: f64) -> bool {
-        let order = self.lab.family(at.family).order;
+        let family = self.lab.family(at.family);
         let work = self.lab.predicted(at) as f64;
+        let moments = self.lab.seen(at).map_or(0, |run| run.course.values.len());
         self.lab.used().any(|(other, run)| {
-            let family = self.lab.family(other.family);
-            let no_dearer = run.work as f64 <= SAME * work;
-            let known = || run.outcome.as_ref().ok().and_then(|c| self.reference.error(c).ok());
-            let comparable = family.kind == Kind::EqualSteps && family.order >= order;
-            let better = |own: f64| own < error && own < SATURATED;
-            other.family != at.family && comparable && no_dearer && known().is_some_and(better)
+            let other_family = self.lab.family(other.family);
+            let no_dearer = run.expected() as f64 <= SAME * work;
+            let comparable = other_family.kind == Kind::EqualSteps
+                && family.kind != Kind::Modes
+                && other_family.model == family.model
+                && other_family.order >= family.order;
+            // What was stopped may have failed later on, as this one did.
+            let judged = error.is_finite() || run.end == End::Whole;
+            let better = |own: f64| judged && own < error && own < SATURATED;
+            other.family != at.family
+                && comparable
+                && no_dearer
+                && self.error_until(run, moments).is_some_and(better)
         })
+    }
+
+    /// The error of a run over its first moments, where it has so many.
+    fn error_until(&self, run: &Measured, moments: usize) -> Option<f64> {
+        let enough = !matches!(run.end, End::Failed(_)) && run.course.values.len() >= moments;
+        enough.then(|| self.reference.error_until(&run.course, moments))
     }
 
     /// Tries coarser rungs than one that meets the tolerance, while they do.
     fn descend(&mut self, mut at: At) {
         while at.rung > 0 && !self.lab.late() {
             at.rung -= 1;
-            if !matches!(self.judged(at), Judgement::Meets(_)) {
+            if !self.pays(at) || !matches!(self.judged(at), Judgement::Meets(_)) {
                 return;
             }
         }
     }
 
-    /// Whether the rung would be cheaper than the choice.
-    fn pays(&self, at: At) -> bool {
-        self.best.is_none_or(|(_, work)| self.lab.predicted(at) < work)
+    fn simplicity(&self, at: At) -> u32 {
+        let ladder = self.lab.ladder();
+        ladder.model(&ladder.families[at.family]).simplicity()
     }
 
-    /// Rungs that are left at least, if the error shrinks by a power that is one better than known.
-    fn rungs_to_go(&self, at: At, error: f64) -> usize {
-        if error > SATURATED || error <= self.tolerance {
-            return 1;
+    /// Whether the rung would be cheaper than the choice, or as cheap by a simpler model.
+    fn pays(&self, at: At) -> bool {
+        let Some((best, work)) = self.best else { return true };
+        let predicted = self.lab.predicted(at);
+        match self.simplicity(at) > self.simplicity(best) {
+            true => predicted <= work,
+            false => SAME * (predicted as f64) < work as f64,
         }
-        let family = self.lab.family(at.family);
-        let per_rung = match family.kind {
-            Kind::EqualSteps => f64::from(family.order + 1) * 2_f64.log10(),
-            Kind::OwnSteps => 1.5,
-        };
-        ((error / self.tolerance).log10() / per_rung).ceil().max(1.0) as usize
     }
 
     fn judged(&mut self, at: At) -> Judgement {
-        let work = self.lab.measure(at).work;
+        let work = self.attempted(at);
         let mut said = self.said(at);
         while matches!(said, Judgement::Unclear(_)) && self.refinements > 0 && self.pays(at) {
             self.refinements -= 1;
@@ -207,11 +340,26 @@ impl<'a> Climb<'a> {
             self.reference = finer;
             said = self.said(at);
         }
-        let cheaper = self.best.is_none_or(|(_, best)| work < best);
-        if matches!(said, Judgement::Meets(_)) && cheaper {
+        let better = self.best.is_none_or(|(best, least)| {
+            work < least || work == least && self.simplicity(at) > self.simplicity(best)
+        });
+        if matches!(said, Judgement::Meets(_)) && better {
             self.best = Some((at, work));
         }
         said
+    }
+
+    /// Runs a rung as long as it may be the choice, and returns its work.
+    fn attempted(&mut self, at: At) -> u64 {
+        let trial = Trial {
+            reference: &self.reference,
+            most_error: self.tolerance + self.reference.uncertainty,
+            most_work: self.best.map_or(u64::MAX, |(_, work)| work),
+        };
+        if self.lab.seen(at).is_some_and(|run| run.end == End::Whole) {
+            return self.lab.measure(at).work;
+        }
+        self.lab.attempt(at, &trial).work
     }
 
     fn said(&self, at: At) -> Judgement {

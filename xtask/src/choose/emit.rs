@@ -13,8 +13,9 @@ use super::ladder::Kind;
 
 /// The scene's own text with the choice filled in; nothing where nothing is recommended.
 ///
-/// Equal steps are sampled as often in time as the scene was. A method that chooses its own steps
-/// is read off where the scene was, which moves none of its steps.
+/// Equal steps are sampled as often in time as the scene was. A method that chooses its own steps,
+/// or needs none, is read off where the scene was, which moves none of its steps. Rigid bodies and
+/// point masses that stand for others are asked for what was asked, the only places that they have.
 ///
 /// # Errors
 /// [`ChooseError::Scene`] where the choice does not fit the scene's own horizon.
@@ -30,18 +31,21 @@ pub fn emitted(
     // Where a scene is read off is its own affair.
     let kept = |key| match family.kind {
         Kind::EqualSteps => key == "sample_every",
-        Kind::OwnSteps => key == "step" || key == "sample_every",
+        Kind::OwnSteps | Kind::Modes => key == "step" || key == "sample_every",
     };
+    let model = lab.ladder().model(family);
+    let seen = model.seen(text);
+    let text = seen.as_deref().unwrap_or(&model.text);
     let mut changes: Vec<Change> =
         rung.changes.iter().filter(|change| !kept(change.key)).cloned().collect();
     if family.kind == Kind::EqualSteps {
-        let own = Scene::parse(name, text)?.timing();
+        let own = Scene::parse_at(name, text)?.timing();
         let every = own.sample_every() as f64 * own.step() / rung.setting;
         changes.push(Change::to("sample_every", (every.round().max(1.0) as u64).to_string()));
     }
     let text = changed(text, &changes);
     let text = commented(&text, "integrator", &why(answer, row));
-    Scene::parse(name, &text)?;
+    Scene::parse_at(name, &text)?;
     Ok(Some(text))
 }
 
@@ -55,7 +59,7 @@ fn why(answer: &Answer, row: &Row) -> String {
     ];
     if let Some(second) = answer.runners_up().first() {
         let error = second.error().unwrap_or(f64::NAN);
-        let (method, setting, work) = (second.method, &second.setting, second.work);
+        let (method, setting, work) = (&second.method, &second.setting, second.work);
         lines.push(format!("Next: {method}, {setting}, error {error:.1e}, work {work}."));
     }
     lines.iter().map(|line| wrapped(line)).collect::<Vec<_>>().join("\n")

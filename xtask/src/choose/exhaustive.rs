@@ -1,8 +1,10 @@
 //! Every rung that could be cheaper than a choice, run: what the search is measured against.
+//!
+//! A run ends where it misses, or costs more than the choice: neither can be the cheapest.
 
 use super::lab::{At, Lab};
-use super::ladder::Kind;
 use super::reference::Reference;
+use super::run::{End, Trial};
 
 /// A rung, its work and its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,16 +26,16 @@ pub fn exhaustive(lab: &mut Lab, truth: &Reference, tolerance: f64, most: u64) -
             let at = At { family, rung };
             // Half of what a rung likely takes is less than any run of equal steps took.
             let own = lab.family(family);
-            if own.kind == Kind::EqualSteps && own.rungs[rung].least_work / 2 > most {
+            if own.rungs[rung].least_work / 2 > most {
                 break;
             }
-            let run = lab.measure(at);
+            let run = lab
+                .attempt(at, &Trial { reference: truth, most_error: tolerance, most_work: most });
             let work = run.work;
-            let course = run.outcome.clone();
-            if work > most && course.is_ok() {
+            if work > most && !matches!(run.end, End::Failed(_)) {
                 break;
             }
-            let Ok(Ok(error)) = course.map(|course| truth.error(&course)) else { continue };
+            let Some(Ok(error)) = run.whole().map(|course| truth.error(course)) else { continue };
             if error <= tolerance && best.is_none_or(|best| work < best.work) {
                 best = Some(Found { at, work, error });
             }

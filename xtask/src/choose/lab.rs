@@ -1,10 +1,10 @@
 //! What was run so far, and what it cost: no rung is run twice, none is judged that was not run.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use super::ladder::{Family, Kind, Ladder};
-use super::run::{Measured, measure};
+use super::run::{Measured, Trial, measure};
 
 /// A rung's place: its family and its place in that, from coarse to fine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,15 +19,26 @@ pub struct At {
 #[derive(Debug)]
 pub struct Lab {
     ladder: Ladder,
+    /// The longest run of each rung.
     runs: BTreeMap<At, Measured>,
-    used: BTreeSet<At>,
+    /// What the question has seen of them.
+    used: BTreeMap<At, Measured>,
+    spent: u64,
     deadline: Instant,
+    most_work: u64,
 }
 
 impl Lab {
     /// Nothing measured yet; runs end at the deadline.
     pub fn new(ladder: Ladder, deadline: Instant) -> Self {
-        Lab { ladder, runs: BTreeMap::new(), used: BTreeSet::new(), deadline }
+        let (runs, used) = (BTreeMap::new(), BTreeMap::new());
+        Lab { ladder, runs, used, spent: 0, deadline, most_work: u64::MAX }
+    }
+
+    /// The same, where a question may spend so much counted work at most: a bound that is the same
+    /// on every machine.
+    pub fn bounded(self, most_work: u64) -> Self {
+        Lab { most_work, ..self }
     }
 
     /// The ladder.
@@ -44,28 +55,60 @@ impl Lab {
     /// again, in counted work, without running them again.
     pub fn forget(&mut self) {
         self.used.clear();
+        self.spent = 0;
     }
 
-    /// The rung's run, which is made where it is missing.
+    /// The rung's run to its end, which is made where it is missing.
     pub fn measure(&mut self, at: At) -> &Measured {
-        self.used.insert(at);
-        let rung = &self.ladder.families[at.family].rungs[at.rung];
-        self.runs.entry(at).or_insert_with(|| measure(&self.ladder, rung, self.deadline))
+        self.run(at, None)
+    }
+
+    /// The rung's run, to the moment at which the trial is lost; where that was seen already, as it
+    /// was seen.
+    pub fn attempt(&mut self, at: At, trial: &Trial<'_>) -> &Measured {
+        self.run(at, Some(trial))
+    }
+
+    fn run(&mut self, at: At, trial: Option<&Trial<'_>>) -> &Measured {
+        let enough = |seen: &Measured| seen.seen_by(trial).is_some();
+        if !self.used.get(&at).is_some_and(enough) {
+            let family = &self.ladder.families[at.family];
+            let (rung, model) = (&family.rungs[at.rung], self.ladder.model(family));
+            let seen = self.runs.get(&at).and_then(|run| run.seen_by(trial));
+            let seen = seen.unwrap_or_else(|| {
+                let run = measure(&self.ladder.name, model, rung, trial, self.deadline);
+                self.runs.insert(at, run.clone());
+                run
+            });
+            self.spent += seen.work;
+            self.used.insert(at, seen);
+        }
+        &self.used[&at]
+    }
+
+    /// What the question has seen of a rung.
+    pub fn seen(&self, at: At) -> Option<&Measured> {
+        self.used.get(&at)
     }
 
     /// What was asked so far, in the order of places.
     pub fn used(&self) -> impl Iterator<Item = (At, &Measured)> {
-        self.used.iter().filter_map(|at| Some((*at, self.runs.get(at)?)))
+        self.used.iter().map(|(at, run)| (*at, run))
     }
 
     /// The counted work of all that was asked.
     pub fn spent(&self) -> u64 {
-        self.used().map(|(_, run)| run.work).sum()
+        self.spent
     }
 
-    /// Whether the time is over.
+    /// Whether the time is over, or the work that may be done.
     pub fn late(&self) -> bool {
-        Instant::now() >= self.deadline
+        self.spent >= self.most_work || Instant::now() >= self.deadline
+    }
+
+    /// Whether there is work left for a rung.
+    pub fn affords(&self, at: At) -> bool {
+        self.predicted(at) <= self.most_work - self.spent.min(self.most_work)
     }
 
     /// The work that a rung will take: its own where it was run, else by the nearest of its family
@@ -76,7 +119,7 @@ impl Lab {
         let least = family.rungs[at.rung].least_work;
         let nearest = self
             .used()
-            .filter(|(other, run)| other.family == at.family && run.outcome.is_ok())
+            .filter(|(other, run)| other.family == at.family && run.expected() > 0)
             .min_by_key(|(other, _)| other.rung.abs_diff(at.rung));
         let Some((other, run)) = nearest else {
             return (least as f64 * self.least_excess(family, at.rung)).min(1e18) as u64;
@@ -85,8 +128,10 @@ impl Lab {
             Kind::EqualSteps => 2.0,
             // The error of a step is its power order + 1, and proportional to the tolerance.
             Kind::OwnSteps => 10_f64.powf(1.0 / f64::from(family.order + 1)),
+            // The factor is made once; a few more vectors cost little beside it.
+            Kind::Modes => 1.0,
         };
-        let grown = run.work as f64 * f64::powi(ratio, at.rung as i32 - other.rung as i32);
+        let grown = run.expected() as f64 * f64::powi(ratio, at.rung as i32 - other.rung as i32);
         least.max(grown as u64)
     }
 
@@ -96,7 +141,7 @@ impl Lab {
         let alike = || {
             self.used().filter(|(at, run)| {
                 let family = self.family(at.family);
-                run.outcome.is_ok()
+                run.expected() > 0
                     && family.kind == like.kind
                     && family.evaluation == like.evaluation
             })
@@ -105,7 +150,7 @@ impl Lab {
         let excess =
             alike().filter(|(at, _)| Some(at.rung.abs_diff(rung)) == nearest).map(|(at, run)| {
                 let least = self.family(at.family).rungs[at.rung].least_work;
-                run.work as f64 / least.max(1) as f64
+                run.expected() as f64 / least.max(1) as f64
             });
         let least = excess.fold(f64::INFINITY, f64::min);
         if least.is_finite() { least.max(1.0) } else { 1.0 }

@@ -19,7 +19,7 @@ use super::declaration::{Change, changed};
 pub fn asked(name: &str, text: &str, observable: &str) -> Result<String, ChooseError> {
     let declared = declared(observable);
     let text = changed(text, &[Change::to("observables", format!("[{declared}]"))]);
-    let scene = Scene::parse(name, &text).map_err(|error| ChooseError::Observable {
+    let scene = Scene::parse_at(name, &text).map_err(|error| ChooseError::Observable {
         asked: observable.to_owned(),
         reason: error.to_string(),
     })?;

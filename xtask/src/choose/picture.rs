@@ -13,8 +13,8 @@ pub fn chart(answer: &Answer) -> Chart {
     let mut lines = Lines::new("", work, Axis::log("error", ""));
     let mut names: Vec<&str> = Vec::new();
     for row in &answer.rows {
-        if !names.contains(&row.method) {
-            names.push(row.method);
+        if !names.contains(&row.method.as_str()) {
+            names.push(&row.method);
         }
     }
     let shown = answer.rows.iter().filter(|row| row.error().is_some()).map(|row| row.work as f64);

@@ -5,7 +5,8 @@
 //!                d1 / d2 within a third of 2^p:   x* = x(h) + (x(h) - x(2h)) / (2^p - 1)
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
-//! own steps      x* = x(tolerance / 10),          uncertainty |x* - x(tolerance)|
+//!                two rungs alone                  x* = x(h),  uncertainty d2
+//! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences that do not
 //! shrink prove nothing: their uncertainty is infinite.
@@ -16,7 +17,7 @@ use stationary_integrators::Evaluation;
 
 use super::lab::{At, Lab};
 use super::ladder::Kind;
-use super::run::{Course, Failure, apart};
+use super::run::{Course, Failure, apart, distance};
 
 /// The best answer so far.
 #[derive(Clone, Debug)]
@@ -44,6 +45,8 @@ pub enum Extrapolated {
 
 /// How near the ratio of differences must be to the order's power, as a factor.
 const NEAR: f64 = 1.33;
+/// An uncertainty above this says little of the next one.
+const SATURATED: f64 = 0.3;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
 
@@ -58,6 +61,7 @@ pub fn preferred(lab: &Lab, enough: f64) -> Vec<usize> {
         8
     };
     let mut families: Vec<usize> = (0..lab.ladder().families.len()).collect();
+    families.retain(|&family| lab.family(family).converges());
     families.sort_by_key(|&place| {
         let family = lab.family(place);
         let solves = family.evaluation == Evaluation::Implicit;
@@ -78,21 +82,40 @@ struct Making {
 impl Making {
     fn new(lab: &Lab, family: usize, enough: f64) -> Self {
         let first = match lab.family(family).kind {
-            Kind::EqualSteps => 0,
+            Kind::EqualSteps | Kind::Modes => 0,
             Kind::OwnSteps => (1.0 - enough.log10()).floor().max(1.0) as usize - 1,
         };
         Making { family, finest: first + 1, best: None }
     }
 
+    /// The work that is left, where there is a next rung: to that, and to as many more as its order
+    /// asks for where it is known how far there is to go.
+    fn left(&self, lab: &Lab, enough: f64) -> Option<f64> {
+        let next = self.next(lab)? as f64;
+        let family = lab.family(self.family);
+        let (shrinks, grows) = match family.kind {
+            Kind::OwnSteps => (10.0, 10_f64.powf(1.0 / f64::from(family.order + 1))),
+            Kind::EqualSteps | Kind::Modes => (2_f64.powi(family.order as i32), 2.0),
+        };
+        let far = self.uncertainty().min(SATURATED) / enough;
+        // Where nothing is known yet, the next one may do.
+        let rungs = if self.best.is_some() { far.ln() / f64::ln(shrinks) } else { 1.0 };
+        Some((0..rungs.ceil().max(1.0) as i32).map(|rung| next * f64::powi(grows, rung)).sum())
+    }
+
     /// The work of the next rung, where there is one.
     fn next(&self, lab: &Lab) -> Option<u64> {
         let at = At { family: self.family, rung: self.finest };
-        (self.finest < lab.family(self.family).rungs.len()).then(|| lab.predicted(at))
+        let there = self.finest < lab.family(self.family).rungs.len() && lab.affords(at);
+        there.then(|| lab.predicted(at))
     }
 
     fn advance(&mut self, lab: &mut Lab) {
         let next = Reference::at(lab, self.family, self.finest);
-        self.finest += 1;
+        let hopeless = next.as_ref().is_none_or(|next| next.uncertainty > SATURATED);
+        // A decade of tolerance costs little.
+        let own = lab.family(self.family).kind == Kind::OwnSteps;
+        self.finest += if own && hopeless { 2 } else { 1 };
         let better = |next: &Reference| {
             self.best.as_ref().is_none_or(|best| next.uncertainty <= best.uncertainty)
         };
@@ -105,15 +128,16 @@ impl Making {
 }
 
 impl Reference {
-    /// The answer by one of these families, in turn the one whose next rung is the cheapest, until
-    /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where they
-    /// can do nothing.
+    /// The answer by one of these families, in turn the one that has the least work left, until
+    /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where
+    /// they can do nothing.
     pub fn make(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Self> {
         let mut making: Vec<Making> =
             families.iter().map(|&family| Making::new(lab, family, enough)).collect();
         while !lab.late() && making.iter().all(|making| making.uncertainty() > enough) {
-            let left = making.iter_mut().filter_map(|making| Some((making.next(lab)?, making)));
-            let Some((_, cheapest)) = left.min_by_key(|(work, _)| *work) else { break };
+            let left = making.iter_mut();
+            let left = left.filter_map(|making| Some((making.left(lab, enough)?, making)));
+            let Some((_, cheapest)) = left.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
             cheapest.advance(lab);
         }
         let made = making.into_iter().filter_map(|making| making.best);
@@ -123,7 +147,8 @@ impl Reference {
     /// The answer by one more rung; nothing where that is no better.
     pub fn refined(&self, lab: &mut Lab) -> Option<Self> {
         let finer = self.finest + 1;
-        if finer >= lab.family(self.family).rungs.len() || lab.late() {
+        let at = At { family: self.family, rung: finer };
+        if finer >= lab.family(self.family).rungs.len() || lab.late() || !lab.affords(at) {
             return None;
         }
         Reference::at(lab, self.family, finer).filter(|new| new.uncertainty < self.uncertainty)
@@ -132,8 +157,13 @@ impl Reference {
     /// The answer by a family as its rungs up to this one give it.
     pub fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
         let (kind, order) = (lab.family(family).kind, lab.family(family).order);
-        let mut course = |rung| lab.measure(At { family, rung }).outcome.clone().ok();
-        let middle = course(finest - 1);
+        let known = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
+        let before = match kind {
+            Kind::OwnSteps => (0..finest).rev().find(known).unwrap_or(finest - 1),
+            Kind::EqualSteps | Kind::Modes => finest - 1,
+        };
+        let mut course = |rung| lab.measure(At { family, rung }).whole().cloned();
+        let middle = course(before);
         let fine = course(finest)?;
         let middle = middle?;
         let scale = fine.scale;
@@ -149,7 +179,10 @@ impl Reference {
             return reference(fine, Extrapolated::No, last);
         }
         if finest < 2 {
-            return None;
+            // Whoever has nothing to compare with must show that differences shrink.
+            let alone = lab.ladder().families.iter().filter(|f| f.converges()).count() == 1;
+            let uncertainty = if alone { f64::INFINITY } else { last };
+            return reference(fine, Extrapolated::No, uncertainty);
         }
         let coarse = course(finest - 2)?;
         let ratio = apart(&middle.values, &coarse.values) / last;
@@ -169,28 +202,52 @@ impl Reference {
         reference(fine, Extrapolated::No, error)
     }
 
-    /// The error of a course, relative to the scale.
+    /// The error of a course as far as it goes, relative to the scale.
     ///
     /// # Errors
-    /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy is off by
-    /// half of the largest kinetic energy, or other rods break.
+    /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy changes by
+    /// half of the largest kinetic energy too much or too little, or other rods break;
+    /// [`Failure::Unstable`] where it changes by far more.
     pub fn error(&self, course: &Course) -> Result<f64, Failure> {
         let own = &self.course;
-        let pairs = course.energies.iter().zip(&own.energies);
-        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / own.kinetic;
-        if off > OFF {
-            let said = format!("its energy is off by {off:.1} times the largest kinetic energy");
-            return Err(Failure::WrongPhysics(said));
+        let change = |energies: &[f64], k: usize| energies[k] - energies[0];
+        let moments = 0..course.energies.len().min(own.energies.len());
+        let apart = moments.map(|k| (change(&course.energies, k) - change(&own.energies, k)).abs());
+        let off = apart.fold(0.0, f64::max) / own.of_energies();
+        // Heat has none: its Dirichlet energy is of the mesh.
+        if off > OFF && own.kinetic > 0.0 {
+            let said = |off: String| {
+                format!("its energy is off by {off} times the largest kinetic energy")
+            };
+            return Err(match off > BEYOND {
+                true => Failure::Unstable(said(format!("{off:.0e}"))),
+                false => Failure::WrongPhysics(said(format!("{off:.1}"))),
+            });
         }
-        if course.broken != own.broken {
+        let whole = course.values.len() == own.values.len();
+        if whole && course.broken != own.broken || !own.broken.starts_with(&course.broken) {
             return Err(Failure::WrongPhysics("other rods break".to_owned()));
         }
-        Ok(apart(&course.values, &own.values) / own.scale)
+        Ok(self.error_until(course, course.values.len()))
+    }
+
+    /// The largest error of the first so many moments of a course, relative to the scale.
+    pub fn error_until(&self, course: &Course, moments: usize) -> f64 {
+        let values = course.values.iter().take(moments).enumerate();
+        values.map(|(k, observed)| self.error_at(k, observed)).fold(0.0, f64::max)
+    }
+
+    /// The error at a moment, relative to the scale.
+    pub fn error_at(&self, moment: usize, observed: &[f64]) -> f64 {
+        let own = &self.course;
+        own.values.get(moment).map_or(0.0, |values| distance(observed, values) / own.scale)
     }
 }
 
 /// An energy that is off by this part of the largest kinetic energy belongs to another motion.
 const OFF: f64 = 0.5;
+/// An energy that is off by more grows without bounds.
+const BEYOND: f64 = 10.0;
 
 /// `fine + weight (fine - coarse)` at every moment.
 fn extrapolated(coarse: &[Vec<f64>], fine: &[Vec<f64>], weight: f64) -> Vec<Vec<f64>> {

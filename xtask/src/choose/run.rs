@@ -1,10 +1,12 @@
 //! A rung that was run: what it cost, and what its observable did, or how it failed.
 //!
 //! ```text
-//! work = max(steps, differentials + energies) + w Hessians
+//! work = n (max(steps, differentials + energies) + w Hessians)
 //! ```
-//! `w` the work of a Hessian in differentials ([`Ladder::hessian_work`]). Work is counted and so
-//! the same on every machine; the wall time stands beside it.
+//! `w` the work of a Hessian in differentials ([`Model::hessian_work`]), `n` the elements of a
+//! model where they differ in size. Work is counted and so the same on every machine; the wall time
+//! stands beside it. A run that is judged is stopped at the first moment at which it certainly
+//! misses: its error is the largest of all moments.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -13,10 +15,13 @@ use std::time::{Duration, Instant};
 use stationary_integrators::{Cost, StepError};
 use stationary_scene::{Observable, Run, RunError, Scene, StepFailure};
 
-use super::ladder::{Ladder, Rung};
+use super::declaration::changed;
+use super::ladder::{MOMENTS, Rung};
+use super::model::Model;
+use super::reference::Reference;
 
 /// What an observable did in a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
     /// The observable's numbers at each moment, the start first.
     pub values: Vec<Vec<f64>>,
@@ -54,60 +59,180 @@ impl fmt::Display for Failure {
     }
 }
 
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// At the horizon.
+    Whole,
+    /// At a moment at which it was known to be of no use.
+    Cut,
+    /// It failed.
+    Failed(Failure),
+}
+
 /// A rung that was run.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// Counted work.
     pub work: u64,
+    /// Counted work at each moment of the course.
+    pub works: Vec<u64>,
     /// Wall time of the run, once.
     pub wall: Duration,
-    /// What happened.
-    pub outcome: Result<Course, Failure>,
+    /// What happened, as far as it went.
+    pub course: Course,
+    /// How it ended.
+    pub end: End,
 }
+
+/// What a run is stopped by as soon as it shows at a moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<'r> {
+    /// What it is judged by.
+    pub reference: &'r Reference,
+    /// An error above this is one too many.
+    pub most_error: f64,
+    /// Work above this is too much.
+    pub most_work: u64,
+}
+
+impl Trial<'_> {
+    fn is_lost(&self, moment: usize, observed: &[f64], work: u64) -> bool {
+        let error = self.reference.error_at(moment, observed);
+        work > self.most_work || error.is_nan() || error > self.most_error
+    }
+}
+
+impl Measured {
+    /// The course of a run that came to its end.
+    pub fn whole(&self) -> Option<&Course> {
+        (self.end == End::Whole).then_some(&self.course)
+    }
+
+    /// The work that it takes to its end: its own, or what it took so far in proportion; zero where
+    /// it failed.
+    pub fn expected(&self) -> u64 {
+        match (&self.end, self.works.len().saturating_sub(1) as u64) {
+            (End::Whole, _) => self.work,
+            (End::Cut, moments) if moments > 0 => self.work * MOMENTS / moments,
+            _ => 0,
+        }
+    }
+
+    /// The same run, stopped where a trial stops it; `None` where that cannot be said, since it was
+    /// cut before.
+    pub fn seen_by(&self, trial: Option<&Trial<'_>>) -> Option<Measured> {
+        let values = &self.course.values;
+        let lost = trial.and_then(|trial| {
+            let lost = |&k: &usize| trial.is_lost(k, &values[k], self.works[k]);
+            (1..values.len()).find(lost)
+        });
+        match lost {
+            Some(last) => Some(self.until(last)),
+            None if self.end == End::Cut => None,
+            None => Some(self.clone()),
+        }
+    }
+
+    fn until(&self, last: usize) -> Measured {
+        let mut part = self.clone();
+        part.works.truncate(last + 1);
+        part.course.values.truncate(last + 1);
+        part.course.energies.truncate(last + 1);
+        part.work = self.works[last];
+        part.end = End::Cut;
+        part
+    }
+}
+
+/// Below this part of the energy, a kinetic energy is rounding.
+const NOTHING: f64 = 1e-9;
 
 /// Steps between two looks at the clock.
 const LOOK: u64 = 256;
 
-/// Runs the scene as the rung says, until the deadline at most.
-pub fn measure(ladder: &Ladder, rung: &Rung, deadline: Instant) -> Measured {
+/// Runs a model as the rung says, until the deadline or the moment at which the trial is lost.
+pub fn measure(
+    name: &str,
+    model: &Model,
+    rung: &Rung,
+    trial: Option<&Trial<'_>>,
+    deadline: Instant,
+) -> Measured {
     let start = Instant::now();
-    let scene = match Scene::parse(&ladder.name, &ladder.text(rung)) {
+    let scene = match Scene::parse_at(name, &changed(&model.text, &rung.changes)) {
         Ok(scene) => scene,
         Err(error) => {
-            let outcome = Err(Failure::NotConverged(first_line(&error.to_string())));
-            return Measured { work: 0, wall: start.elapsed(), outcome };
+            let end = End::Failed(Failure::NotConverged(first_line(&error.to_string())));
+            let course = Course::default();
+            return Measured { work: 0, works: Vec::new(), wall: start.elapsed(), course, end };
         }
     };
+    let (every, hessian) = (scene.timing().sample_every(), model.hessian_work());
+    let work = |cost: Cost| model.pieces * counted(cost, hessian);
+    let (mut works, mut end) = (vec![0], End::Whole);
     let run = scene.run_watched(|now| {
         let late = now.step % LOOK == 0 && Instant::now() >= deadline;
-        if late { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if late {
+            end = End::Failed(Failure::OutOfBudget);
+            return ControlFlow::Break(());
+        }
+        if now.step % every == 0 {
+            works.push(work(now.cost));
+            let lost =
+                |trial: &Trial<'_>| trial.is_lost(works.len() - 1, now.observed, work(now.cost));
+            if now.step < now.steps && trial.is_some_and(lost) {
+                end = End::Cut;
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
     });
     let wall = start.elapsed();
-    let work = |run: Option<&Run>| run.map_or(0, |run| work(run.cost(), ladder.hessian_work));
-    match run {
-        Ok(run) if run.cost().steps < scene.timing().steps() => {
-            Measured { work: work(Some(&run)), wall, outcome: Err(Failure::OutOfBudget) }
+    let (partial, failed) = match &run {
+        Ok(run) => (Some(run), None),
+        Err(error) => (error.partial(), Some(failure(error))),
+    };
+    let course = partial.map(|run| course(run, works.len())).unwrap_or_default();
+    works.truncate(course.values.len());
+    let end = match failed {
+        Some(failure) => End::Failed(failure),
+        None if !course.is_finite() => {
+            End::Failed(Failure::Unstable("the observable is not finite".to_owned()))
         }
-        Ok(run) => Measured { work: work(Some(&run)), wall, outcome: course(&run) },
-        Err(error) => Measured { work: work(error.partial()), wall, outcome: Err(failure(&error)) },
-    }
+        None => end,
+    };
+    let work = partial.map_or(0, |run| work(run.cost()));
+    Measured { work, works, wall, course, end }
 }
 
-fn work(cost: Cost, hessian_work: u64) -> u64 {
+fn counted(cost: Cost, hessian_work: u64) -> u64 {
     cost.steps.max(cost.differentials + cost.energies) + hessian_work * cost.hessians
 }
 
-fn course(run: &Run) -> Result<Course, Failure> {
-    let samples = 0..run.times().len();
-    let values: Vec<Vec<f64>> = samples.map(|sample| run.observed(sample).to_vec()).collect();
-    let energies = run.energies();
-    if !values.iter().flatten().chain(&energies).all(|x| x.is_finite()) {
-        return Err(Failure::Unstable("the observable is not finite".to_owned()));
-    }
+/// What was observed at the first so many samples: a run that failed has another one where it did.
+fn course(run: &Run, samples: usize) -> Course {
+    let samples = samples.min(run.times().len());
+    let values: Vec<Vec<f64>> = (0..samples).map(|sample| run.observed(sample).to_vec()).collect();
+    let mut energies = run.energies();
+    energies.truncate(samples);
     let kinetic = run.kinetic_energies().iter().copied().fold(0.0, f64::max);
     let broken = run.broken().iter().map(|broken| broken.rod).collect();
     let scale = scale(run, &values, kinetic);
-    Ok(Course { values, energies, kinetic, broken, scale })
+    Course { values, energies, kinetic, broken, scale }
+}
+
+impl Course {
+    /// What errors of the energy are relative to: the largest kinetic energy, or where nothing
+    /// moves, the largest energy.
+    pub fn of_energies(&self) -> f64 {
+        let largest = self.energies.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        if self.kinetic > NOTHING * largest { self.kinetic } else { largest.max(f64::MIN_POSITIVE) }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.values.iter().flatten().chain(&self.energies).all(|x| x.is_finite())
+    }
 }
 
 /// What an observable's errors are relative to, in words and as a number: for energies the largest

@@ -1,0 +1,280 @@
+//! The models of a scene: itself, and ever simpler ones that a question may get by with.
+//!
+//! ```text
+//! cells      every shape with a half, a quarter, ... of its cells
+//! contact    impulses at another moment, or by another law;  springs,  k = m (pi n/T)^2
+//! rigid      M = sum m_i,  c = sum m_i x_i / M,  I = sum m_i (|r|^2 - r r^T),  r = x_i - c
+//!            v = sum p_i / M,  w = I^-1 sum r x p_i                 a body for each elastic one
+//! points     M at c with v: every place of a body moves as its centre does
+//! ```
+//! A spring of touch lasts an n-th of the horizon T, n = 100, 1000, ..., of the lightest mass m.
+//! Each is a scene's text that can be run, and what is asked for is asked of it. The scene itself
+//! is what all are judged by: where its own mesh is too coarse, that is not found out here.
+
+use std::f64::consts::PI;
+
+use stationary_scene::{Motion, Observable, Scene};
+use toml::{Table, Value};
+
+use super::surrogate;
+
+/// What a model makes of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sight {
+    /// Itself.
+    AsWritten,
+    /// Shapes of fewer cells: so many halvings.
+    Halved(u32),
+    /// Another word in `[contact]`.
+    Contact {
+        /// `when` or `law`.
+        key: &'static str,
+        /// What it says.
+        word: &'static str,
+    },
+    /// Springs instead of impulses that are elastic.
+    Springs {
+        /// Force per depth.
+        stiffness: f64,
+    },
+    /// Rigid bodies for elastic ones.
+    Rigid,
+    /// Point masses for bodies.
+    Points,
+}
+
+/// A way to see a scene.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// What it makes of the scene.
+    pub sight: Sight,
+    /// In words, such as `with 10 x 1 cells`; none of the scene itself.
+    pub words: String,
+    /// The scene's text, seen so.
+    pub text: String,
+    /// The scene, seen so.
+    pub scene: Scene,
+    /// Elements or bodies, of a scene that has models of several sizes; else one.
+    pub pieces: u64,
+}
+
+/// Halvings of cells that are tried.
+const HALVINGS: u32 = 4;
+/// How near a place must be to another to be the same, relative to the scene.
+const SAME: f64 = 1e-9;
+
+impl Model {
+    /// The scene itself, and then its models from the finest to the simplest.
+    pub fn all(name: &str, text: &str, scene: &Scene) -> Vec<Model> {
+        let written = Model::new(Sight::AsWritten, String::new(), text.to_owned(), scene.clone());
+        let mut models = vec![written];
+        let Ok(table) = toml::from_str::<Table>(text) else { return models };
+        for halvings in 1..=HALVINGS {
+            models.extend(halved(name, &table, scene, halvings));
+        }
+        models.extend(other_contacts(name, &table, scene));
+        models.extend(springs(name, &table, scene));
+        for sight in [Sight::Rigid, Sight::Points] {
+            models.extend(simplified(name, &table, scene, sight));
+        }
+        let written = models[0].pieces;
+        if models.iter().all(|model| model.pieces == written) {
+            models.iter_mut().for_each(|model| model.pieces = 1);
+        }
+        models
+    }
+
+    fn new(sight: Sight, words: String, text: String, scene: Scene) -> Self {
+        let elements = scene.solids().iter().map(|solid| solid.simplices.len());
+        let heated = scene.heat().map(|body| body.simplices.len());
+        let pieces = elements.chain(heated).sum::<usize>().max(scene.bodies().len()).max(1) as u64;
+        Model { sight, words, text, scene, pieces }
+    }
+
+    /// How much simpler than the scene itself: of runs that cost the same, the simplest is chosen.
+    pub fn simplicity(&self) -> u32 {
+        match self.sight {
+            Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. } => 0,
+            Sight::Halved(halvings) => halvings,
+            Sight::Rigid => HALVINGS + 1,
+            Sight::Points => HALVINGS + 2,
+        }
+    }
+
+    /// Another text of the scene seen so, where it can be: with more observables, or comments.
+    pub fn seen(&self, text: &str) -> Option<String> {
+        match self.sight {
+            Sight::AsWritten => Some(text.to_owned()),
+            Sight::Halved(halvings) => {
+                written(&with_fewer_cells(&toml::from_str(text).ok()?, halvings)?)
+            }
+            Sight::Contact { key, word } => {
+                written(&with_contact(&toml::from_str(text).ok()?, key, word)?)
+            }
+            Sight::Springs { stiffness } => {
+                written(&with_springs(&toml::from_str(text).ok()?, stiffness)?)
+            }
+            // Their bodies have no other places than the observed ones.
+            Sight::Rigid | Sight::Points => None,
+        }
+    }
+}
+
+fn written(table: &Table) -> Option<String> {
+    toml::to_string(table).ok()
+}
+
+fn parsed(name: &str, table: &Table) -> Option<(String, Scene)> {
+    let text = written(table)?;
+    let scene = Scene::parse_at(name, &text).ok()?;
+    Some((text, scene))
+}
+
+/// The particles that the first observable is about.
+pub(super) fn observed(scene: &Scene) -> Vec<usize> {
+    match scene.observables().first() {
+        Some(
+            Observable::Position(particle)
+            | Observable::Velocity(particle)
+            | Observable::Temperature(particle),
+        ) => vec![*particle],
+        Some(Observable::Distance(pair)) => pair.to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+/// The scene with shapes of fewer cells, where these have the observed places too.
+fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Model> {
+    let fewer = with_fewer_cells(table, halvings)?;
+    let (text, coarse) = parsed(name, &fewer)?;
+    let place =
+        |scene: &Scene, particle: usize| scene.particles().get(particle).map(|p| p.position);
+    let size =
+        scene.particles().iter().flat_map(|p| p.position).fold(0.0, |a: f64, x| a.max(x.abs()));
+    let (ours, theirs) = (observed(scene), observed(&coarse));
+    let same = ours.iter().zip(&theirs).all(|(&a, &b)| {
+        let (Some(a), Some(b)) = (place(scene, a), place(&coarse, b)) else { return false };
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size)
+    });
+    let words = format!("with {} cells", cells_of(&fewer));
+    same.then(|| Model::new(Sight::Halved(halvings), words, text, coarse))
+}
+
+/// The tables of shapes.
+fn shapes(table: &mut Table) -> Vec<&mut Table> {
+    let mut found = Vec::new();
+    for (key, value) in table.iter_mut() {
+        let owners = match (key.as_str(), value) {
+            ("solids", Value::Array(all)) => all.as_mut_slice(),
+            ("heat", one) => std::slice::from_mut(one),
+            _ => continue,
+        };
+        let shapes = owners.iter_mut().filter_map(|owner| owner.get_mut("shape")?.as_table_mut());
+        found.extend(shapes);
+    }
+    found
+}
+
+/// The cells of all shapes halved so often, where each has cells and one can be halved.
+fn with_fewer_cells(table: &Table, halvings: u32) -> Option<Table> {
+    let mut fewer = table.clone();
+    for shape in shapes(&mut fewer) {
+        let levels = matches!(shape.get("kind")?.as_str()?, "ball" | "sphere");
+        let Some(Value::Array(cells)) = shape.get_mut("cells") else { return None };
+        for cell in cells {
+            let count = cell.as_integer()?;
+            let coarse = match levels {
+                true => count - i64::from(halvings),
+                false if count == 1 => 1,
+                false => count >> halvings,
+            };
+            let whole = levels || count == 1 || coarse << halvings == count;
+            if !whole || coarse < i64::from(!levels) {
+                return None;
+            }
+            *cell = Value::Integer(coarse);
+        }
+    }
+    (fewer != *table).then_some(fewer)
+}
+
+/// The cells of the shapes in words: `20 x 2`.
+fn cells_of(table: &Table) -> String {
+    let mut table = table.clone();
+    let cells = |shape: &mut Table| {
+        let cells = shape.get("cells")?.as_array()?;
+        Some(cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x "))
+    };
+    shapes(&mut table).into_iter().filter_map(cells).collect::<Vec<_>>().join(" and ")
+}
+
+/// Impulses at other moments, of particles, and by other laws.
+fn other_contacts(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
+    let Some(contact) = scene.contact() else { return Vec::new() };
+    let moments = stationary_contact::When::ALL.iter().filter(|when| **when != contact.when);
+    let moments = moments.map(|when| ("when", when.name()));
+    let laws = stationary_contact::ImpactLaw::ALL.iter().filter(|law| **law != contact.law);
+    let laws = laws.map(|law| ("law", law.facts().name));
+    let seen = |(key, word): (&'static str, &'static str)| {
+        let (text, scene) = parsed(name, &with_contact(table, key, word)?)?;
+        let words = format!("by `{word}`");
+        Some(Model::new(Sight::Contact { key, word }, words, text, scene))
+    };
+    moments.chain(laws).filter_map(seen).collect()
+}
+
+/// Horizons in the time of a touch, of the springs that are tried.
+const TOUCHES: [f64; 3] = [1e2, 1e3, 1e4];
+
+/// Springs for impulses of particles that give back what they took.
+fn springs(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
+    let elastic = scene.contact().is_some_and(|contact| contact.restitution == 1.0);
+    let masses = scene.particles().iter().filter_map(|particle| match particle.motion {
+        Motion::Free { mass, .. } => Some(mass),
+        _ => None,
+    });
+    let Some(mass) = masses.reduce(f64::min).filter(|_| elastic) else { return Vec::new() };
+    let seen = |touches: f64| {
+        let stiffness = mass * (PI * touches / scene.timing().horizon()).powi(2);
+        let (text, scene) = parsed(name, &with_springs(table, stiffness)?)?;
+        let words = format!("by springs of {stiffness:.1e}");
+        Some(Model::new(Sight::Springs { stiffness }, words, text, scene))
+    };
+    TOUCHES.into_iter().filter_map(seen).collect()
+}
+
+fn with_springs(table: &Table, stiffness: f64) -> Option<Table> {
+    let mut other = table.clone();
+    let contact = other.get_mut("contact")?.as_table_mut()?;
+    for key in ["law", "when", "restitution"] {
+        contact.remove(key);
+    }
+    contact.insert("stiffness".to_owned(), stiffness.into());
+    Some(other)
+}
+
+fn with_contact(table: &Table, key: &str, word: &str) -> Option<Table> {
+    let mut other = table.clone();
+    other.get_mut("contact")?.as_table_mut()?.insert(key.to_owned(), word.into());
+    Some(other)
+}
+
+/// Rigid bodies or point masses, where nothing but weight acts on what they stand for.
+fn simplified(name: &str, table: &Table, scene: &Scene, sight: Sight) -> Option<Model> {
+    let alone =
+        ["particles", "springs", "rods", "nets", "newtonian_gravity", "drag", "contact", "heat"];
+    if alone.iter().any(|key| table.contains_key(*key)) {
+        return None;
+    }
+    let (simple, words) = match sight {
+        Sight::Rigid if !scene.solids().is_empty() => {
+            (surrogate::rigid(table, scene)?, "as a rigid body")
+        }
+        Sight::Points if scene.joints().is_empty() => {
+            (surrogate::points(table, scene)?, "as a point mass")
+        }
+        _ => return None,
+    };
+    let (text, scene) = parsed(name, &simple)?;
+    Some(Model::new(sight, words.to_owned(), text, scene))
+}
