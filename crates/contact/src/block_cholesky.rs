@@ -213,8 +213,7 @@ fn factor(block: &mut Block) -> bool {
             let earlier = block[k];
             (c..6).for_each(|r| block[c][r] -= earlier[r] * by);
         }
-        // Not a number is not positive either.
-        if !(block[c][c] > 0.0) {
+        if block[c][c] <= 0.0 || block[c][c].is_nan() {
             return false;
         }
         let root = block[c][c].sqrt();

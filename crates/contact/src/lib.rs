@@ -41,7 +41,8 @@
 //! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension, their
 //! shapes, and what happens, solved exactly. Last, many bodies of space that touch
 //! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island, and impulses kept from step to step.
+//! over an island with sparse systems between them, impulses kept from step to step; and bodies that
+//! overlap, pushed apart.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
