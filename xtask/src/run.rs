@@ -216,25 +216,18 @@ impl Watcher for Keeper<'_> {
         }
     }
 
-    fn keep(&mut self, checkpoint: Option<&Checkpoint>) {
+    fn keep(&mut self, checkpoint: &Checkpoint) {
         let begun = Instant::now();
-        let written = checkpoint.map(|checkpoint| {
-            self.path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|e| e.to_string())?;
-            checkpoint.write(self.path).map_err(|error| error.to_string())
-        });
-        let failed = match written {
-            None => Some("what contacts remember cannot be saved".to_owned()),
-            Some(written) => written.err(),
-        };
+        let made = self.path.parent().map_or(Ok(()), fs::create_dir_all);
+        let written = made.map_err(|error| error.to_string());
+        let written =
+            written.and_then(|()| checkpoint.write(self.path).map_err(|error| error.to_string()));
         // A run goes on without checkpoints rather than not at all.
-        if let Some(error) = failed {
+        if let Err(error) = written {
             self.bar.suspend(|| eprintln!("no checkpoint: {error}"));
         }
         self.last = Instant::now();
-        self.wait = match checkpoint {
-            Some(_) => EVERY.max(begun.elapsed() * PART),
-            None => Duration::MAX,
-        };
+        self.wait = EVERY.max(begun.elapsed() * PART);
         self.kept = self.stop.load(Ordering::Relaxed);
     }
 }

@@ -3,8 +3,9 @@
 //! ```text
 //! all pairs of n boxes that overlap, in about n log n steps                                 (11.1)
 //! ```
-//! The hierarchy is built once and refitted to the boxes of each step; a few of its branches are
-//! rebalanced every time. Half-spaces have no box: each is compared with every other shape. The
+//! The hierarchy is built once. A box is a little larger than it need be, and stays as long as it still
+//! holds its shape; once some do not, the tree is refitted and a few of its branches are rebalanced.
+//! Until then the pairs stay too. Half-spaces have no box: each is compared with every other shape. The
 //! pairs come out sorted, so that nothing later depends on the shape of the tree. The geometry
 //! library of the plane is that of space compiled again, and so is the tree here.
 
@@ -14,14 +15,26 @@ pub(crate) struct BroadPhase<G: Dimension> {
     tree: G::Tree,
     /// Which collider each leaf is.
     leaves: Vec<usize>,
-    planes: Vec<usize>,
+    planes: Vec<Plane<G>>,
+}
+
+/// A half-space, and what was compared last.
+struct Plane<G: Dimension> {
+    collider: usize,
+    /// Its normal, how high its face was along it, and to which height above that boxes were looked at.
+    seen: Option<(G::Vector, f64, f64)>,
 }
 
 /// A hierarchy of boxes about shapes, the leaves.
 #[doc(hidden)]
 pub trait BoxTree<G: Dimension>: Default {
-    /// Fits the boxes to shapes where they are now, `margin` larger on every side.
-    fn fit<'a>(&mut self, leaves: impl Iterator<Item = (&'a G::Shape, G::Pose)>, margin: f64);
+    /// Fits the boxes to shapes where they are now, at least `margin` larger on every side; says
+    /// whether any has changed.
+    fn fit<'a>(
+        &mut self,
+        leaves: impl Iterator<Item = (&'a G::Shape, G::Pose)>,
+        margin: f64,
+    ) -> bool;
 
     /// Calls `found` with every pair of leaves whose boxes overlap.
     fn each_pair(&mut self, found: impl FnMut(usize, usize));
@@ -33,11 +46,13 @@ pub trait BoxTree<G: Dimension>: Default {
 impl<G: Dimension> BroadPhase<G> {
     pub(crate) fn new(colliders: &[ColliderIn<G>]) -> Self {
         let plane = |&i: &usize| G::plane(&colliders[i].shape).is_some();
-        let (planes, leaves) = (0..colliders.len()).partition(plane);
+        let (planes, leaves): (Vec<_>, _) = (0..colliders.len()).partition(plane);
+        let planes = planes.into_iter().map(|collider| Plane { collider, seen: None }).collect();
         BroadPhase { tree: G::Tree::default(), leaves, planes }
     }
 
-    /// The pairs of colliders whose boxes, `margin` larger, overlap: smaller number first, sorted.
+    /// The pairs of colliders whose boxes, at least `margin` larger, overlap: smaller number first,
+    /// sorted. They are left as they are where they are still the same.
     pub(crate) fn pairs(
         &mut self,
         colliders: &[ColliderIn<G>],
@@ -46,21 +61,33 @@ impl<G: Dimension> BroadPhase<G> {
         margin: f64,
         pairs: &mut Vec<(usize, usize)>,
     ) {
-        pairs.clear();
         let leaves = &self.leaves;
         let shapes = leaves.iter().map(|&i| (&colliders[i].shape, poses[i]));
-        self.tree.fit(shapes, 0.5 * margin);
+        let mut changed = self.tree.fit(shapes, 0.5 * margin);
+        for Plane { collider, seen } in &mut self.planes {
+            let Some(normal) = G::plane(&colliders[*collider].shape) else { continue };
+            let normal = G::turn(&placed[*collider], &normal);
+            let height = G::dot(&normal, &G::apply(&placed[*collider], &(normal * 0.0)));
+            let same = |&(n, at, up): &(G::Vector, f64, f64)| {
+                n == normal && at == height && 0.5 * margin <= up
+            };
+            if !seen.as_ref().is_some_and(same) {
+                changed = true;
+                *seen = Some((normal, height, margin));
+            }
+        }
+        if !changed {
+            return;
+        }
+        pairs.clear();
         self.tree.each_pair(|a, b| {
             let (a, b) = (leaves[a], leaves[b]);
             pairs.push((a.min(b), a.max(b)));
         });
-        for &plane in &self.planes {
-            let Some(normal) = G::plane(&colliders[plane].shape) else { continue };
-            let normal = G::turn(&placed[plane], &normal);
-            let origin = G::apply(&placed[plane], &(normal * 0.0));
-            let height = G::dot(&normal, &origin) + 0.5 * margin;
-            self.tree.each_below(&normal, height, |leaf| {
-                pairs.push((plane.min(leaves[leaf]), plane.max(leaves[leaf])));
+        for &Plane { collider, seen } in &self.planes {
+            let Some((normal, height, up)) = seen else { continue };
+            self.tree.each_below(&normal, height + up, |leaf| {
+                pairs.push((collider.min(leaves[leaf]), collider.max(leaves[leaf])));
             });
         }
         let can_meet = |&(a, b): &(usize, usize)| colliders[a].carrier != colliders[b].carrier;
@@ -89,25 +116,32 @@ macro_rules! box_tree {
                     ),
                 >,
                 margin: f64,
-            ) {
+            ) -> bool {
                 use $library::bounding_volume::BoundingVolume;
                 use $library::partitioning::{Bvh, BvhBuildStrategy};
-                let built = !self.boxes.is_empty();
-                self.boxes.clear();
-                self.boxes
-                    .extend(leaves.map(|(shape, pose)| {
-                        shape.geometry().compute_aabb(&pose).loosened(margin)
-                    }));
-                let boxes = self.boxes.iter().copied().enumerate();
-                if built {
-                    for (leaf, aabb) in boxes {
-                        self.tree.insert_or_update_partially(aabb, leaf as u32, 0.0);
+                let tight = |(shape, pose): (&<crate::$dimension as Dimension>::Shape, _)| {
+                    shape.geometry().compute_aabb(&pose).loosened(margin)
+                };
+                if self.boxes.is_empty() {
+                    self.boxes.extend(leaves.map(|leaf| tight(leaf).loosened(margin)));
+                    let boxes = self.boxes.iter().copied().enumerate();
+                    self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+                    return true;
+                }
+                let mut changed = false;
+                for (leaf, (kept, shape)) in self.boxes.iter_mut().zip(leaves).enumerate() {
+                    let tight = tight(shape);
+                    if !kept.contains(&tight) {
+                        changed = true;
+                        *kept = tight.loosened(margin);
+                        self.tree.insert_or_update_partially(*kept, leaf as u32, 0.0);
                     }
+                }
+                if changed {
                     self.tree.refit(&mut self.workspace);
                     self.tree.optimize_incremental(&mut self.workspace);
-                } else {
-                    self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
                 }
+                changed
             }
 
             fn each_pair(&mut self, mut found: impl FnMut(usize, usize)) {

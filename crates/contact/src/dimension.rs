@@ -14,7 +14,7 @@
 //! each. Source: notes 7.4, 10.1, 11.2.
 
 use std::fmt::Debug;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, IndexMut, Mul, Sub};
 
 use stationary_calculus::{Metric, Space};
 use stationary_rigid::LieGroup;
@@ -27,7 +27,9 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     /// A point or a direction, metres.
     type Vector: Copy
         + Debug
+        + Default
         + PartialEq
+        + IndexMut<usize, Output = f64>
         + Add<Output = Self::Vector>
         + Sub<Output = Self::Vector>
         + Mul<f64, Output = Self::Vector>;

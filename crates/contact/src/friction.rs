@@ -94,7 +94,7 @@ impl RigidContact {
 
 /// The nearest point of a disc about zero.
 #[inline]
-fn disc([x, y]: [f64; 2], radius: f64) -> [f64; 2] {
+pub(crate) fn disc([x, y]: [f64; 2], radius: f64) -> [f64; 2] {
     let square = x * x + y * y;
     if square <= radius * radius {
         return [x, y];

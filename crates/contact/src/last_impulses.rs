@@ -4,51 +4,137 @@
 //! x = h/h_last (J.n, J.t1, J.t2)          what the last step's impulse J would be in this one
 //! ```
 //! `J` is kept in world axes (N s), so that tangents may be chosen afresh; a force that lasts gives
-//! impulses in proportion to the step. Both lists of contacts are sorted.
+//! impulses in proportion to the step. Both lists of contacts are sorted. Nothing else is carried from
+//! step to step, so that these numbers are all that a run needs beside its state to go on to the same
+//! bits.
 
-use nalgebra::Vector3;
+use stationary_integrators::{Saved, StepError};
 
-use crate::{ContactId, ContactPoint};
+use crate::{ContactId, ContactIn, Dimension};
 
 /// What contacts pushed in the last step.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LastImpulses {
-    by_contact: Vec<(ContactId, Vector3<f64>)>,
+#[derive(Clone, Debug)]
+pub(crate) struct LastImpulses<G: Dimension> {
+    by_contact: Vec<(ContactId, G::Vector)>,
     step: f64,
 }
 
-impl LastImpulses {
-    /// A guess of the impulses in a step of `h` seconds: normal and tangents, zeros where a contact
-    /// is new.
-    pub(crate) fn guess(&self, contacts: &[ContactPoint], h: f64, x: &mut Vec<[f64; 3]>) {
-        let mut last = self.by_contact.iter().peekable();
-        let scale = h / self.step;
-        x.clear();
-        x.extend(contacts.iter().map(|contact| {
-            while last.next_if(|(id, _)| *id < contact.id).is_some() {}
-            let same = last.next_if(|(id, _)| *id == contact.id);
-            let along = |impulse: &Vector3<f64>| {
-                let [s, t] = contact.tangents();
-                [contact.normal, s, t].map(|direction| scale * impulse.dot(&direction))
-            };
-            match same.map_or([0.0; 3], |(_, impulse)| along(impulse)) {
-                [n, s, t] if n > 0.0 => [n, s, t],
-                _ => [0.0; 3],
-            }
-        }));
-    }
+/// The name under which impulses are saved.
+const NAME: &str = "last-impulses";
+/// Numbers of an identifier.
+const NAMED: usize = 6;
 
-    /// Keeps the impulses of a step.
-    pub(crate) fn keep(&mut self, contacts: &[ContactPoint], h: f64, x: &[[f64; 3]]) {
-        self.step = h;
-        self.by_contact.clear();
-        let whole = |(contact, x): (&ContactPoint, &[f64; 3])| (contact.id, impulse(contact, x));
-        self.by_contact.extend(contacts.iter().zip(x).map(whole));
+impl<G: Dimension> Default for LastImpulses<G> {
+    fn default() -> Self {
+        LastImpulses { by_contact: Vec::new(), step: 0.0 }
     }
 }
 
-/// The impulse on the second body of a contact, world axes, N s.
-pub(crate) fn impulse(contact: &ContactPoint, [n, s, t]: &[f64; 3]) -> Vector3<f64> {
-    let [first, second] = contact.tangents();
-    contact.normal * *n + first * *s + second * *t
+impl<G: Dimension> LastImpulses<G> {
+    /// A guess of each contact's impulse on its second body in a step of `h` seconds, world axes; none
+    /// where a contact is new or does not push any more.
+    pub(crate) fn guess<'a>(
+        &'a self,
+        contacts: impl Iterator<Item = &'a ContactIn<G>>,
+        h: f64,
+    ) -> impl Iterator<Item = Option<G::Vector>> {
+        let mut last = self.by_contact.iter().peekable();
+        let scale = h / self.step;
+        contacts.map(move |contact| {
+            while last.next_if(|(id, _)| *id < contact.id).is_some() {}
+            let (_, impulse) = last.next_if(|(id, _)| *id == contact.id)?;
+            (G::dot(impulse, &contact.normal) > 0.0).then(|| *impulse * scale)
+        })
+    }
+
+    /// Keeps the impulses of a step of `h` seconds.
+    pub(crate) fn keep(&mut self, h: f64, impulses: impl Iterator<Item = (ContactId, G::Vector)>) {
+        self.step = h;
+        self.by_contact.clear();
+        self.by_contact.extend(impulses);
+    }
+
+    /// Everything as numbers: the step, then the identifier and the impulse of each contact.
+    pub(crate) fn save(&self) -> Saved {
+        let mut numbers = vec![self.step];
+        for (id, impulse) in &self.by_contact {
+            let names = [id.colliders, id.parts, id.features];
+            numbers.extend(names.into_iter().flatten().map(f64::from));
+            numbers.extend((0..G::TRANSLATION).map(|k| impulse[k]));
+        }
+        Saved { method: NAME.to_owned(), numbers }
+    }
+
+    /// What was saved.
+    pub(crate) fn load(saved: &Saved) -> Result<Self, StepError> {
+        if saved.method != NAME {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let refused = Err(StepError::Saved("it has numbers that no contacts leave behind"));
+        let Some((&step, rest)) = saved.numbers.split_first() else { return refused };
+        let contacts = rest.chunks_exact(NAMED + G::TRANSLATION);
+        if !contacts.remainder().is_empty() || !step.is_finite() {
+            return refused;
+        }
+        let by_contact: Option<Vec<_>> = contacts.map(read::<G>).collect();
+        match by_contact {
+            Some(by_contact) if by_contact.is_sorted_by(|a, b| a.0 < b.0) => {
+                match step > 0.0 || (step == 0.0 && by_contact.is_empty()) {
+                    true => Ok(LastImpulses { by_contact, step }),
+                    false => refused,
+                }
+            }
+            _ => refused,
+        }
+    }
+}
+
+/// An identifier and an impulse.
+fn read<G: Dimension>(numbers: &[f64]) -> Option<(ContactId, G::Vector)> {
+    let whole = |&x: &f64| (f64::from(x as u32) == x).then_some(x as u32);
+    let (names, components) = numbers.split_at(NAMED);
+    let names: Vec<u32> = names.iter().map(whole).collect::<Option<_>>()?;
+    let [a, b, c, d, e, f] = names[..] else { return None };
+    let mut impulse = G::Vector::default();
+    for (k, &component) in components.iter().enumerate().filter(|(_, x)| x.is_finite()) {
+        impulse[k] = component;
+    }
+    let id = ContactId { colliders: [a, b], parts: [c, d], features: [e, f] };
+    components.iter().all(|x| x.is_finite()).then_some((id, impulse))
+}
+
+#[cfg(all(test, feature = "2d"))]
+mod tests {
+    use super::*;
+
+    type Last = LastImpulses<crate::Planar>;
+
+    #[test]
+    fn what_was_saved_loads_to_the_same_and_numbers_that_were_not_saved_are_refused() {
+        let id = |b| ContactId { colliders: [0, b], parts: [0, 3], features: [7, u32::MAX] };
+        let mut last = Last::default();
+        let impulse = nalgebra::Vector2::new(-0.3, 0.1);
+        assert_eq!(Last::load(&last.save()).unwrap().save(), last.save());
+        last.keep(1e-3, [(id(1), impulse), (id(2), impulse)].into_iter());
+        let saved = last.save();
+        assert_eq!(Last::load(&saved).unwrap().save(), saved);
+        let changed = |place: usize, to: f64| {
+            let mut other = saved.clone();
+            other.numbers[place] = to;
+            other
+        };
+        for bad in [
+            Saved { method: "newmark".to_owned(), ..saved.clone() },
+            Saved { numbers: saved.numbers[1..].to_vec(), ..saved.clone() },
+            Saved { numbers: Vec::new(), ..saved.clone() },
+            changed(0, 0.0),
+            changed(0, f64::NAN),
+            changed(1, 0.5),
+            changed(1, -1.0),
+            changed(2, 9.0),
+            changed(7, f64::INFINITY),
+        ] {
+            assert!(matches!(Last::load(&bad), Err(StepError::Saved(_))), "{bad:?}");
+        }
+    }
 }

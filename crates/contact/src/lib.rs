@@ -41,7 +41,8 @@
 //! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension, their
 //! shapes, and what happens, solved exactly. Last, many bodies of space that touch
 //! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island, and impulses kept from step to step.
+//! over an island with sparse systems between them, impulses kept from step to step; and bodies that
+//! overlap, pushed apart.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
@@ -79,6 +80,8 @@ mod broad_phase;
 #[cfg(feature = "2d")]
 mod planar_narrow_phase;
 #[cfg(feature = "3d")]
+mod box_axes;
+#[cfg(feature = "3d")]
 mod narrow_phase;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod detection;
@@ -102,10 +105,14 @@ mod friction;
 #[cfg(feature = "3d")]
 mod islands;
 #[cfg(feature = "3d")]
+mod block_cholesky;
+#[cfg(feature = "3d")]
+mod proximal;
+#[cfg(feature = "3d")]
 mod sweeps;
 #[cfg(feature = "3d")]
 mod exact_normals;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 mod last_impulses;
 #[cfg(feature = "3d")]
 mod touching_bodies;
@@ -113,6 +120,8 @@ mod touching_bodies;
 mod row_friction;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod world;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod push_apart;
 #[cfg(feature = "2d")]
 mod masonry;
 pub mod problems;
@@ -153,6 +162,8 @@ pub use planar::Planar;
 #[cfg(feature = "2d")]
 pub use planar_shape::PlanarShape;
 pub use projection::{Projected, project, project_from, residual};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use push_apart::push_apart;
 #[cfg(feature = "3d")]
 pub use rigid_path::RigidPath;
 #[cfg(feature = "3d")]

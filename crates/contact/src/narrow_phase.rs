@@ -3,10 +3,10 @@
 //! ```text
 //! s(n) = min n.x2 - max n.x1  <=  |x2 - x1|          any direction n, any point of each
 //! ```
-//! The geometry library answers with separating axes and clipping for boxes, and with
-//! Gilbert-Johnson-Keerthi and expanding polytopes for other convex solids. Points that face each
-//! other along `n` across `s(n)` are the closest there are, by the inequality. Where the axes of
-//! boxes find none such, because a corner is closest to a corner or to an edge, the closest points
+//! The geometry library answers with clipping for boxes, along the axis along which they are farthest
+//! apart, and with Gilbert-Johnson-Keerthi and expanding polytopes for other convex solids. Points that
+//! face each other along `n` across `s(n)` are the closest there are, by the inequality. Where the axes
+//! of boxes find none such, because a corner is closest to a corner or to an edge, the closest points
 //! are asked for: the gap is the distance, and its differential the gap's. Of boxes that overlap
 //! the axes say all: the least way out leads through a face of the difference of both.
 //!
@@ -17,12 +17,12 @@ use nalgebra::Vector3;
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::contact_manifold_pfm_pfm_shapes;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::{Shape as Geometry, Triangle};
+use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
 
 use crate::Shape;
+use crate::box_axes::farthest;
 use crate::convert::from_vector;
 use crate::dimension::Facing;
-use crate::shape::WideBox;
 
 type Manifold = ContactManifold<(), ()>;
 
@@ -30,7 +30,7 @@ type Manifold = ContactManifold<(), ()>;
 #[derive(Default)]
 pub struct Manifolds {
     found: Vec<Manifold>,
-    closest: Manifold,
+    one: Manifold,
 }
 
 /// Gaps wider than this part of a box are distances; below it the directions of closest points are
@@ -47,13 +47,21 @@ pub(crate) fn facing(
     room: &mut Manifolds,
     found: &mut Vec<Facing<Vector3<f64>>>,
 ) -> bool {
-    let [a, b] = shapes.map(|shape| &**shape.geometry());
-    // Where two boxes meet, the second is looked at a little larger.
-    let wide = shapes[1].wide().filter(|_| a.as_cuboid().is_some());
-    let wider = wide.map_or(b, |wide| &*wide.geometry);
-    let Manifolds { found: manifolds, closest } = room;
+    let both = shapes.map(|shape| &**shape.geometry());
+    let Manifolds { found: manifolds, one } = room;
+    if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
+        match clip([first, &wide.cuboid], relative, margin, one) {
+            Clipped::Apart => {}
+            Clipped::Faces => append(one, wide.excess(one.local_n2), margin, found),
+            Clipped::Corners => {
+                closest(both, relative, margin, one);
+                append(one, 0.0, margin, found);
+            }
+        }
+        return true;
+    }
     manifolds.truncate(1);
-    if a.as_composite_shape().is_some() || b.as_composite_shape().is_some() {
+    if both.iter().any(|shape| shape.as_composite_shape().is_some()) {
         manifolds.clear();
     } else {
         manifolds.resize_with(1, Manifold::default);
@@ -61,24 +69,24 @@ pub(crate) fn facing(
         manifolds[0].local_n1 = Vector::ZERO;
     }
     let dispatcher = DefaultQueryDispatcher;
-    if dispatcher.contact_manifolds(relative, a, wider, margin, manifolds, &mut None).is_err() {
+    let [a, b] = both;
+    if dispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None).is_err() {
         return false;
     }
     for manifold in manifolds.iter() {
-        if !by_corners(a, wider, relative, manifold) {
-            append(manifold, wide, margin, found);
-            continue;
-        }
-        closest.clear();
-        closest.local_n1 = Vector::ZERO;
-        (closest.subshape1, closest.subshape2) = (manifold.subshape1, manifold.subshape2);
         let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
-        let [a, b] = [(a, &triangles[0]), (b, &triangles[1])].map(|(whole, part)| match part {
+        let parts = [(a, &triangles[0]), (b, &triangles[1])].map(|(whole, part)| match part {
             Some(triangle) => triangle as &dyn Geometry,
             None => whole,
         });
-        contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, closest);
-        append(closest, None, margin, found);
+        if !by_corners(parts, relative, manifold) {
+            append(manifold, 0.0, margin, found);
+            continue;
+        }
+        (one.subshape1, one.subshape2) = (manifold.subshape1, manifold.subshape2);
+        closest(parts, relative, margin, one);
+        append(one, 0.0, margin, found);
+        (one.subshape1, one.subshape2) = (0, 0);
     }
     true
 }
@@ -87,42 +95,69 @@ fn part(shape: &dyn Geometry, part: u32) -> Option<Triangle> {
     shape.as_trimesh().map(|mesh| mesh.triangle(part))
 }
 
-/// Whether axes of boxes were tried and none leads to the closest points, which are apart.
-fn by_corners(a: &dyn Geometry, b: &dyn Geometry, relative: &Pose, manifold: &Manifold) -> bool {
-    let boxes = [a.as_cuboid(), b.as_cuboid()];
-    let sizes = boxes.into_iter().flatten().map(|cuboid| cuboid.half_extents.min_element());
-    let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
-    let by_axes = match boxes {
-        [Some(_), Some(_)] => true,
-        [Some(_), None] => triangles[1].is_some(),
-        [None, Some(_)] => triangles[0].is_some(),
-        [None, None] => false,
-    };
-    let (n1, n2) = (manifold.local_n1, manifold.local_n2);
-    // Without a direction, the boxes were apart by more than the margin.
-    if !by_axes || n1 == Vector::ZERO {
-        return false;
+/// The closest points of two convex shapes.
+fn closest([a, b]: [&dyn Geometry; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
+    manifold.clear();
+    manifold.local_n1 = Vector::ZERO;
+    contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, manifold);
+}
+
+/// What clipping the faces of two boxes against each other found.
+enum Clipped {
+    /// They are farther apart than the margin.
+    Apart,
+    /// The closest points are among those of the faces.
+    Faces,
+    /// The closest points are corners, or on edges, that do not face each other.
+    Corners,
+}
+
+/// Clips the faces of two boxes that look along the axis along which they are farthest apart.
+fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) -> Clipped {
+    let halves = boxes.map(|cuboid| cuboid.half_extents);
+    let Some(axis) = farthest(halves, relative, margin) else { return Clipped::Apart };
+    let n1 = axis.normal;
+    let back = relative.inverse();
+    let n2 = back.rotation * -n1;
+    let faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    manifold.clear();
+    PolygonalFeature::contacts(relative, &back, n1, n2, &faces[0], &faces[1], manifold, false);
+    (manifold.local_n1, manifold.local_n2) = (n1, n2);
+    let size = halves[0].min_element().min(halves[1].min_element());
+    match too_far(axis.separation, manifold, size) {
+        true => Clipped::Corners,
+        false => Clipped::Faces,
     }
-    let farthest = |shape: &dyn Geometry, triangle: &Option<Triangle>, n: Vector| match triangle {
-        Some(triangle) => triangle.as_support_map().map(|map| map.local_support_point(n)),
-        None => shape.as_support_map().map(|map| map.local_support_point(n)),
-    };
-    let ends = (farthest(a, &triangles[0], n1), farthest(b, &triangles[1], n2));
-    let (Some(end1), Some(end2)) = ends else { return false };
-    let separation = (relative * end2 - end1).dot(n1);
+}
+
+/// Whether the points of a manifold are farther apart than shapes of this size that are apart.
+fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
     let deepest = manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min);
-    let size = sizes.fold(f64::INFINITY, f64::min);
     separation > WIDE * size && deepest > separation + SHORT * size
 }
 
-/// Appends the points of a manifold, of which the second box may be a little too large.
-fn append(
-    manifold: &Manifold,
-    wide: Option<&WideBox>,
-    margin: f64,
-    found: &mut Vec<Facing<Vector3<f64>>>,
-) {
-    let narrower = wide.map_or(0.0, |wide| wide.excess(manifold.local_n2));
+/// Whether axes of a box and a triangle were tried and none leads to the closest points, which are
+/// apart.
+fn by_corners(parts: [&dyn Geometry; 2], relative: &Pose, manifold: &Manifold) -> bool {
+    let [a, b] = parts;
+    let size = match (a.as_cuboid().or(b.as_cuboid()), a.as_triangle().or(b.as_triangle())) {
+        (Some(cuboid), Some(_)) => cuboid.half_extents.min_element(),
+        _ => return false,
+    };
+    let (n1, n2) = (manifold.local_n1, manifold.local_n2);
+    // Without a direction, they were apart by more than the margin.
+    if n1 == Vector::ZERO {
+        return false;
+    }
+    let farthest = |shape: &dyn Geometry, n: Vector| {
+        shape.as_support_map().map(|map| map.local_support_point(n))
+    };
+    let (Some(end1), Some(end2)) = (farthest(a, n1), farthest(b, n2)) else { return false };
+    too_far((relative * end2 - end1).dot(n1), manifold, size)
+}
+
+/// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
+fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
     let parts = [manifold.subshape1, manifold.subshape2];
     let normal = from_vector(manifold.local_n1);
     let near = manifold.points.iter().filter(|point| point.dist + narrower <= margin);

@@ -183,6 +183,18 @@ impl RigidContact {
         })
     }
 
+    /// The rows of one of its bodies.
+    #[inline]
+    pub(crate) fn rows(&self, side: usize) -> &[Six; 3] {
+        &self.rows[side]
+    }
+
+    /// How much the rates change with these changes of the bodies' velocities.
+    #[inline]
+    pub(crate) fn pull(&self, a: &Six, b: &Six) -> [f64; 3] {
+        std::array::from_fn(|k| dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+    }
+
     /// Gives the bodies impulses.
     #[inline]
     pub(crate) fn push(&self, impulse: &[f64; 3], w: &mut [Six]) {

@@ -11,7 +11,7 @@
 //! direction or a number that is not finite is refused here, so that queries need not look again.
 
 use nalgebra::Vector3;
-use parry3d_f64::shape::{HalfSpace, SharedShape};
+use parry3d_f64::shape::{Cuboid, HalfSpace, SharedShape};
 
 use crate::ContactError;
 use crate::convert::vector;
@@ -118,8 +118,8 @@ impl Shape {
 /// what it takes from the gap is known exactly, and is given back.
 #[derive(Clone)]
 pub(crate) struct WideBox {
-    pub(crate) geometry: SharedShape,
-    pub(crate) hair: f64,
+    pub(crate) cuboid: Cuboid,
+    hair: f64,
 }
 
 /// The hair, relative to the smallest half size.
@@ -129,7 +129,7 @@ impl WideBox {
     fn of(half: [f64; 3]) -> Self {
         let hair = HAIR * half.into_iter().fold(f64::INFINITY, f64::min);
         let [a, b, c] = half.map(|a| a + hair);
-        WideBox { geometry: SharedShape::cuboid(a, b, c), hair }
+        WideBox { cuboid: Cuboid::new(parry3d_f64::math::Vector::new(a, b, c)), hair }
     }
 
     /// How much farther the larger box reaches along a direction of its own axes.

@@ -14,23 +14,24 @@
 //!
 //! Impulses start from those of the last step, and each island of bodies that hang together is
 //! solved on its own, so that what rests is only looked at. Small islands without friction so far
-//! are projected exactly; else sweeps settle them, and take no memory once as many contacts have
-//! been met. How far the contact conditions are settled is a choice
+//! are projected exactly; else sweeps and sparse systems by turns settle them, and take no memory once
+//! as many contacts have been met. How far the contact conditions are settled is a choice
 //! ([`Settling`]); what is left of them is reported. Source: notes 11.4, 11.5.1; Stewart and
 //! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
+use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
-use stationary_integrators::{State, StepError};
+use stationary_integrators::{Saved, State, StepError};
 use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Poses, Rotation};
 
 use crate::error::check_finite;
 use crate::exact_normals::Unpushed;
 use crate::impact_rounds::ImpactRounds;
 use crate::islands::Islands;
-use crate::last_impulses::{LastImpulses, impulse};
+use crate::last_impulses::LastImpulses;
 use crate::rigid_contact::{Placed, RigidContact, Six, scale};
 use crate::sweeps::{Island, Sweeps};
-use crate::{ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, gap_rows};
+use crate::{ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Spatial, gap_rows};
 
 /// Bodies under a potential.
 pub type Bodies<P> = System<BodyMetric<Poses>, P, Poses>;
@@ -46,6 +47,8 @@ pub struct TouchingReport {
     pub projected: usize,
     /// Contacts relaxed, over all sweeps; none where everything rests as it did.
     pub relaxed: usize,
+    /// Sparse systems solved between sweeps.
+    pub solved: usize,
     /// Passes of the impact law.
     pub impacts: usize,
     /// How far the normal conditions are from being met, m/s.
@@ -70,7 +73,7 @@ pub struct Settling {
 
 impl Default for Settling {
     fn default() -> Self {
-        Settling { change: 0.0, sweeps: 2_000 }
+        Settling { change: 0.0, sweeps: 200 }
     }
 }
 
@@ -92,7 +95,7 @@ pub struct TouchingBodies<'s, P> {
     obstacles: Vec<usize>,
     law: ImpactLaw,
     settling: Settling,
-    last: LastImpulses,
+    last: LastImpulses<Spatial>,
     memory: Memory,
 }
 
@@ -163,6 +166,20 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         &mut self.detector
     }
 
+    /// Everything on which the next steps depend beside the state: the impulses of the last.
+    pub fn save(&self) -> Saved {
+        self.last.save()
+    }
+
+    /// Takes over what the same bodies had saved, and goes on from their state to the same bits.
+    ///
+    /// # Errors
+    /// Numbers that no bodies leave behind; the impulses are then as they were.
+    pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.last = LastImpulses::load(saved)?;
+        Ok(())
+    }
+
     /// Moves a state by `h` seconds.
     pub fn step(
         &mut self,
@@ -205,7 +222,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
             self.rest(contacts, &state.q, h, &mut report)?;
         }
         self.move_freely(state, h)?;
-        self.last.keep(contacts, h, &self.memory.x);
+        let whole = |(contact, x): (&ContactPoint, &[f64; 3])| (contact.id, impulse(contact, x));
+        self.last.keep(h, contacts.iter().zip(&self.memory.x).map(whole));
         Ok(report)
     }
 
@@ -251,7 +269,9 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
             memory.contacts.push(packed);
             memory.bias.push(bias);
         }
-        self.last.guess(contacts, h, &mut memory.x);
+        memory.x.clear();
+        let guesses = contacts.iter().zip(self.last.guess(contacts.iter(), h));
+        memory.x.extend(guesses.map(|(contact, impulse)| along(contact, impulse)));
         let packed = &memory.contacts;
         memory.islands.find(bodies, |i| packed[i].bodies, packed.len());
         memory.sweeps.start(bodies, packed, &memory.x);
@@ -272,8 +292,10 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
                 left = sweeps.residuals(island, packed, x);
             }
             if !met(&left) {
-                let taken = sweeps.settle(island, packed, x, settled, self.settling.sweeps);
+                let [taken, solved] =
+                    sweeps.settle(island, packed, x, settled, self.settling.sweeps);
                 report.relaxed += taken * members.len();
+                report.solved += solved;
                 left = sweeps.residuals(island, packed, x);
             }
             report.islands += 1;
@@ -339,7 +361,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         for (i, body) in self.system.metric().bodies().iter().enumerate() {
             let rotation: Rotation = Poses::pose(&state.q, i).rotation;
             let (q, p) = (&mut next.q[7 * i..][..7], &mut next.p.0[6 * i..][..6]);
-            let momentum = nalgebra::Vector3::new(p[3], p[4], p[5]);
+            let momentum = Vector3::new(p[3], p[4], p[5]);
             let turned = ConstantVelocity::turn(body, rotation, momentum, h)?;
             q.iter_mut().zip(&v.0[6 * i..][..3]).for_each(|(q, v)| *q += h * v);
             q[3..].copy_from_slice(&turned.rotation.quaternion());
@@ -350,4 +372,17 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         next.t = state.t + h;
         Ok(())
     }
+}
+
+/// The impulse on the second body of a contact, world axes, N s.
+fn impulse(contact: &ContactPoint, [n, s, t]: &[f64; 3]) -> Vector3<f64> {
+    let [first, second] = contact.tangents();
+    contact.normal * *n + first * *s + second * *t
+}
+
+/// An impulse along the normal and the tangents of a contact; zeros for none.
+fn along(contact: &ContactPoint, impulse: Option<Vector3<f64>>) -> [f64; 3] {
+    let Some(impulse) = impulse else { return [0.0; 3] };
+    let [first, second] = contact.tangents();
+    [contact.normal, first, second].map(|direction| impulse.dot(&direction))
 }

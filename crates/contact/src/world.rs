@@ -22,10 +22,11 @@
 //! 1997 for contact by velocities.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
-use stationary_integrators::{State, StepError};
+use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::check_finite;
 use crate::impact_rounds::ImpactRounds;
+use crate::last_impulses::LastImpulses;
 use crate::projection::{all, project_with};
 use crate::row_friction::{RowFriction, SETTLED};
 use crate::{
@@ -79,7 +80,8 @@ pub struct World<G: Dimension, P> {
     mass: InverseMass,
     obstacles: Vec<usize>,
     law: ImpactLaw,
-    last: Vec<Touch<G>>,
+    touches: Vec<Touch<G>>,
+    last: LastImpulses<G>,
 }
 
 /// A world of the plane.
@@ -100,7 +102,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             mass,
             obstacles: Vec::new(),
             law: ImpactLaw::GeneralizedReflections,
-            last: Vec::new(),
+            touches: Vec::new(),
+            last: LastImpulses::default(),
         })
     }
 
@@ -132,7 +135,23 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// What touched in the last step that was taken, in the order of the identifiers.
     pub fn touches(&self) -> &[Touch<G>] {
-        &self.last
+        &self.touches
+    }
+
+    /// Everything on which the next steps depend beside the state: the impulses of the last.
+    pub fn save(&self) -> Saved {
+        self.last.save()
+    }
+
+    /// Takes over what the same world had saved, and goes on from its state to the same bits; what
+    /// touched is known after the next step only.
+    ///
+    /// # Errors
+    /// Numbers that no world leaves behind; the world is then as it was.
+    pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.last = LastImpulses::load(saved)?;
+        self.touches.clear();
+        Ok(())
     }
 
     /// Moves a state by `h` seconds.
@@ -159,7 +178,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.detector.put_back(contacts);
         let touches = solved?;
         let next = self.moved(state, &before, h)?;
-        self.last = touches;
+        let whole = |t: &Touch<G>| (t.contact.id, t.contact.normal * t.normal + t.friction);
+        self.last.keep(h, touches.iter().map(whole));
+        self.touches = touches;
         *state = next;
         Ok(report)
     }
@@ -228,7 +249,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let bias: Vec<f64> = contacts().map(|c| share(c.gap) / h).collect();
         let normal = Impact::new(rows, &self.mass, vec![0.0; count])?;
         let start = v.clone();
-        let (pushed, rubbed) = self.guess(contacts());
+        let (pushed, rubbed) = self.guess(contacts(), h);
         let done = project_with(&normal, &all(count), &bias, &pushed, v.view_mut())?;
         let mut pushes = done.impulses;
         report.residual = done.residual;
@@ -265,15 +286,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(())
     }
 
-    /// The normal and the friction impulses that the last step ended with. Both lists are sorted.
-    fn guess<'a>(&self, contacts: impl Iterator<Item = &'a ContactIn<G>>) -> (Vec<f64>, Vec<f64>) {
-        let mut last = self.last.iter().peekable();
+    /// The normal and the friction impulses that the last step ended with.
+    fn guess<'a>(
+        &'a self,
+        contacts: impl Iterator<Item = &'a ContactIn<G>> + Clone,
+        h: f64,
+    ) -> (Vec<f64>, Vec<f64>) {
         let (mut pushed, mut rubbed) = (Vec::new(), Vec::new());
-        for contact in contacts {
-            while last.next_if(|touch| touch.contact.id < contact.id).is_some() {}
-            let same = last.next_if(|touch| touch.contact.id == contact.id);
-            pushed.push(same.map_or(0.0, |touch| touch.normal));
-            let along = |tangent| same.map_or(0.0, |touch| G::dot(&touch.friction, &tangent));
+        for (contact, impulse) in contacts.clone().zip(self.last.guess(contacts, h)) {
+            let along = |direction| impulse.map_or(0.0, |impulse| G::dot(&impulse, &direction));
+            pushed.push(along(contact.normal));
             rubbed.extend(contact.tangents().into_iter().map(along));
         }
         (pushed, rubbed)

@@ -112,7 +112,7 @@ impl<B: BodySystem> Moving for Bodies<'_, B> {
         run.stopped(step, time, source)
     }
 
-    fn save(&mut self) -> Option<Saved> {
+    fn save(&mut self) -> Saved {
         self.steps.save()
     }
 

@@ -63,12 +63,13 @@ impl Steps<'_> {
         }
     }
 
-    /// What the next steps depend on beside the state; what contacts remember is not to be had.
-    pub(crate) fn save(&self) -> Option<Saved> {
+    /// What the next steps depend on beside the state.
+    pub(crate) fn save(&self) -> Saved {
         match self {
-            Steps::Free(integrator) => Some(integrator.save()),
-            Steps::Held(rattle) => Some(rattle.save()),
-            Steps::Touching(_) | Steps::PlanarTouching(_) => None,
+            Steps::Free(integrator) => integrator.save(),
+            Steps::Held(rattle) => rattle.save(),
+            Steps::Touching(touching) => touching.save(),
+            Steps::PlanarTouching(world) => world.save(),
         }
     }
 
@@ -77,9 +78,8 @@ impl Steps<'_> {
         match self {
             Steps::Free(integrator) => integrator.load(saved),
             Steps::Held(rattle) => rattle.load(saved),
-            Steps::Touching(_) | Steps::PlanarTouching(_) => {
-                Err(StepError::Saved("what contacts remember is not in it"))
-            }
+            Steps::Touching(touching) => touching.load(saved),
+            Steps::PlanarTouching(world) => world.load(saved),
         }
     }
 }

@@ -220,8 +220,8 @@ impl<const K: usize> Moving for Flow<'_, K> {
         run.stopped(step, time, source)
     }
 
-    fn save(&mut self) -> Option<Saved> {
-        Some(Saved::default())
+    fn save(&mut self) -> Saved {
+        Saved::default()
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {

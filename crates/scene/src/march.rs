@@ -34,9 +34,8 @@ pub trait Watcher {
     /// Sees every step, and says what is to be done.
     fn stepped(&mut self, now: Progress<'_>) -> Wish;
 
-    /// Takes a checkpoint for which it has wished; `None` of a run whose method cannot say what it
-    /// remembers, such as that of bodies that touch.
-    fn keep(&mut self, checkpoint: Option<&Checkpoint>);
+    /// Takes a checkpoint for which it has wished.
+    fn keep(&mut self, checkpoint: &Checkpoint);
 }
 
 /// What is stepped: particles, bodies, or heat.
@@ -61,8 +60,8 @@ pub(crate) trait Moving {
     /// The error of a run of which this step failed.
     fn failed(&self, step: u64, time: f64, failure: StepFailure, run: Run) -> RunError;
 
-    /// What the method remembers; `None` of a method that cannot say it.
-    fn save(&mut self) -> Option<Saved>;
+    /// What the method remembers.
+    fn save(&mut self) -> Saved;
 
     /// Goes on from another state, with what the method remembered there.
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError>;
@@ -119,15 +118,11 @@ pub(crate) fn march<M: Moving>(
         if due {
             moving.sample(time(step), &mut samples);
         }
-        match before {
-            Some(Some(before)) => {
-                let (scene, after) = (*fingerprint, moving.state().clone());
-                let checkpoint = Checkpoint { scene, step, before, after, cost, samples };
-                watcher.keep(Some(&checkpoint));
-                samples = checkpoint.samples;
-            }
-            Some(None) => watcher.keep(None),
-            None => {}
+        if let Some(before) = before {
+            let (scene, after) = (*fingerprint, moving.state().clone());
+            let checkpoint = Checkpoint { scene, step, before, after, cost, samples };
+            watcher.keep(&checkpoint);
+            samples = checkpoint.samples;
         }
         let (q, now) = (&moving.state().q, time(step));
         let observed = samples.last_observed();
@@ -144,9 +139,9 @@ pub(crate) fn march<M: Moving>(
 }
 
 impl Before {
-    fn of(moving: &mut impl Moving) -> Option<Self> {
-        let memory = moving.save()?;
-        Some(Before { state: moving.state().clone(), memory, broken: moving.broken().to_vec() })
+    fn of(moving: &mut impl Moving) -> Self {
+        let memory = moving.save();
+        Before { state: moving.state().clone(), memory, broken: moving.broken().to_vec() }
     }
 }
 

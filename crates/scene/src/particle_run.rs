@@ -45,8 +45,8 @@ impl<const D: usize> Moving for Particles<'_, D> {
         self.recorder.interrupt(Failed { step, time, source }, &self.state, run)
     }
 
-    fn save(&mut self) -> Option<Saved> {
-        Some(self.stepper.save())
+    fn save(&mut self) -> Saved {
+        self.stepper.save()
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {

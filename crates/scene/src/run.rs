@@ -181,7 +181,7 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Watcher for Sight<F> {
         if self.0(now).is_break() { Wish::Stop } else { Wish::GoOn }
     }
 
-    fn keep(&mut self, _: Option<&Checkpoint>) {}
+    fn keep(&mut self, _: &Checkpoint) {}
 }
 
 /// A step that failed.

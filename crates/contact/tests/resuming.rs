@@ -1,0 +1,86 @@
+//! Bodies that touch go on from what was saved to the same bits.
+
+#![cfg(all(feature = "2d", feature = "3d"))]
+
+use stationary_contact::problems::falling_boxes;
+use stationary_contact::{Arch, ContactError, Settling, TouchingBodies};
+use stationary_integrators::{Saved, State, StepError};
+
+/// Steps to the end, and from the middle again with what was saved there; both states.
+fn twice<B>(
+    mut make: impl FnMut() -> B,
+    mut step: impl FnMut(&mut B, &mut State<Vec<f64>>),
+    save: impl Fn(&B) -> Saved,
+    load: impl Fn(&mut B, &Saved) -> Result<(), StepError>,
+    start: &State<Vec<f64>>,
+    steps: usize,
+) -> [State<Vec<f64>>; 3] {
+    let (mut whole, mut state) = (make(), start.clone());
+    (0..steps).for_each(|_| step(&mut whole, &mut state));
+    let (saved, middle) = (save(&whole), state.clone());
+    (0..steps).for_each(|_| step(&mut whole, &mut state));
+    let go_on = |remembers: bool,
+                 make: &mut dyn FnMut() -> B,
+                 step: &mut dyn FnMut(&mut B, &mut State<Vec<f64>>)| {
+        let (mut again, mut state) = (make(), middle.clone());
+        if remembers {
+            load(&mut again, &saved).unwrap();
+            assert_eq!(save(&again), saved);
+        }
+        (0..steps).for_each(|_| step(&mut again, &mut state));
+        state
+    };
+    let [resumed, forgetful] =
+        [true, false].map(|remembers| go_on(remembers, &mut make, &mut step));
+    [state, resumed, forgetful]
+}
+
+#[test]
+fn a_pile_and_an_arch_go_on_from_what_was_saved_to_the_same_bits_and_not_without_it() {
+    let boxes = falling_boxes(12).unwrap();
+    let few = Settling { change: 1e-4, sweeps: 10 };
+    let [whole, resumed, forgetful] = twice(
+        || {
+            let detector = boxes.detector().unwrap();
+            TouchingBodies::new(&boxes.system, detector).unwrap().with_settling(few)
+        },
+        |bodies, state| {
+            bodies.step(state, 2e-3).unwrap();
+        },
+        |bodies| bodies.save(),
+        |bodies, saved| bodies.load(saved),
+        &boxes.state,
+        250,
+    );
+    assert!(whole == resumed && whole != forgetful);
+    let arch = Arch { wedges: 7, radius: 1.0, thickness: 0.3, friction: 0.6, gravity: 10.0 };
+    let (_, start) = arch.built().unwrap();
+    let [whole, resumed, forgetful] = twice(
+        || arch.built().unwrap().0,
+        |world, state| {
+            world.step(state, 1e-3).unwrap();
+        },
+        |world| world.save(),
+        |world, saved| world.load(saved),
+        &start,
+        20,
+    );
+    assert!(whole == resumed && whole != forgetful);
+}
+
+#[test]
+fn what_no_bodies_leave_behind_is_refused_and_nothing_is_forgotten() -> Result<(), ContactError> {
+    let boxes = falling_boxes(8)?;
+    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector()?)?;
+    let mut state = boxes.state.clone();
+    for _ in 0..400 {
+        bodies.step(&mut state, 2e-3)?;
+    }
+    let saved = bodies.save();
+    assert!(saved.numbers.len() > 9);
+    let mut bad = saved.clone();
+    bad.numbers.pop();
+    assert!(matches!(bodies.load(&bad), Err(StepError::Saved(_))));
+    assert_eq!(bodies.save(), saved);
+    Ok(())
+}
