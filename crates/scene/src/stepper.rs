@@ -74,8 +74,8 @@ impl Stepped {
         Stepped { report, broken: None, impacts: None }
     }
 
-    /// A step in which the law of impact was applied so often, the last time at this one. To apply it
-    /// counts as a differential.
+    /// A step in which the law of impact was applied so often, the last time at this one. To apply
+    /// it counts as a differential.
     pub(crate) fn met(count: usize, time: f64) -> Self {
         let report = StepReport { differentials: 1 + count as u32, ..StepReport::default() };
         let impacts = (count > 0).then_some(Impacts { time, count });

@@ -61,6 +61,8 @@ const SAME: f64 = 1.1;
 const SATURATED: f64 = 0.3;
 /// How often the reference is refined for a rung that is too close to tell.
 const REFINEMENTS: u32 = 1;
+/// Beyond so many tolerances a model's error is no matter of luck with a step.
+const CLEAR: f64 = 1.25;
 /// A family that would need so much more work than the choice speaks for others of its order.
 const FAR: f64 = 4.0;
 /// Modes that are tried first.
@@ -250,7 +252,7 @@ impl<'a> Climb<'a> {
                 Judgement::Meets(_) => return self.descend(at),
                 Judgement::Misses(error) | Judgement::Unclear(error) => {
                     let still = self.is_still(at, before);
-                    if still {
+                    if still && error > CLEAR * self.tolerance {
                         self.lost.insert(self.lab.family(at.family).model);
                     }
                     if still || self.outdone(at, error) {
@@ -290,8 +292,10 @@ impl<'a> Climb<'a> {
                 && family.kind != Kind::Modes
                 && other_family.model == family.model
                 && other_family.order >= family.order;
-            // What was stopped may have failed later on, as this one did.
-            let judged = error.is_finite() || run.end == End::Whole;
+            // What was stopped may have failed later on, as this one did; and what finds its own
+            // steps is stable where equal ones are not.
+            let equal = family.kind == Kind::EqualSteps;
+            let judged = equal && error.is_finite() || run.end == End::Whole;
             let better = |own: f64| judged && own < error && own < SATURATED;
             other.family != at.family
                 && comparable

@@ -53,6 +53,8 @@ pub struct Rung {
     pub setting: f64,
     /// The work that it takes where every equation is solved at once.
     pub least_work: u64,
+    /// What a Hessian with its factorization and its solves counts, in differentials.
+    pub hessian_work: u64,
 }
 
 /// Rungs of one kind, from coarse to fine.
@@ -144,7 +146,12 @@ fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) 
 
 fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
     let (scene, pieces) = (&model.scene, model.pieces);
-    let (horizon, hessian) = (scene.timing().horizon(), model.hessian_work());
+    let horizon = scene.timing().horizon();
+    let hessian = match candidate.kind {
+        // Their matrices are full.
+        Kind::OwnSteps => scene.freedoms() as u64,
+        Kind::EqualSteps | Kind::Modes => model.hessian_work(),
+    };
     let per_step = match candidate.evaluation {
         Evaluation::Explicit => candidate.stages,
         // Two solves find the state, and another that it was found.
@@ -154,7 +161,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
     let rung = |setting: f64, says: [(&'static str, Option<String>); 4], least_work: u64| {
         let says = says.map(|(key, value)| Change { key, value });
         let changes = [method.clone()].into_iter().chain(says).collect();
-        Rung { changes, setting, least_work: pieces * least_work }
+        Rung { changes, setting, least_work: pieces * least_work, hessian_work: hessian }
     };
     let moment = number(horizon / MOMENTS as f64);
     match candidate.kind {

@@ -3,7 +3,7 @@
 //! ```text
 //! work = n (max(steps, differentials + energies) + w Hessians)
 //! ```
-//! `w` the work of a Hessian in differentials ([`Model::hessian_work`]), `n` the elements of a
+//! `w` the work of a Hessian in differentials ([`Rung::hessian_work`]), `n` the elements of a
 //! model where they differ in size. Work is counted and so the same on every machine; the wall time
 //! stands beside it. A run that is judged is stopped at the first moment at which it certainly
 //! misses: its error is the largest of all moments.
@@ -168,7 +168,7 @@ pub fn measure(
             return Measured { work: 0, works: Vec::new(), wall: start.elapsed(), course, end };
         }
     };
-    let (every, hessian) = (scene.timing().sample_every(), model.hessian_work());
+    let (every, hessian) = (scene.timing().sample_every(), rung.hessian_work);
     let work = |cost: Cost| model.pieces * counted(cost, hessian);
     let (mut works, mut end) = (vec![0], End::Whole);
     let run = scene.run_watched(|now| {
