@@ -7,7 +7,7 @@
 use nalgebra::SVector;
 use stationary_calculus::{DiagonalMetric, Potential};
 use stationary_integrators::{Saved, State, StepReport};
-use stationary_laplacian::{Dirichlet, Domain, Elements, Heat, LaplacianError};
+use stationary_laplacian::{Domain, Elements, Heat, LaplacianError};
 use stationary_mesh::Mesh;
 
 use crate::checkpoint::{Before, CheckpointError};
@@ -100,7 +100,7 @@ struct Flow<'a, const K: usize> {
     /// The length, area or volume that belongs to each vertex.
     shares: &'a [f64],
     domain: &'a Domain<K>,
-    heat: Heat<'a, DiagonalMetric<Vec<f64>>, Dirichlet<K>>,
+    heat: Heat<'a, DiagonalMetric<Vec<f64>>>,
     state: State<Vec<f64>>,
 }
 
