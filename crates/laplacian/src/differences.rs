@@ -1,11 +1,12 @@
 //! The differential of a quadratic energy, by differences along the edges of its matrix.
 //!
 //! ```text
-//! dV(f)_i = sum_j W_ij (f_j - f_i) + s_i f_i + g_i,      s_i = sum_j W_ij = dV(1)_i - dV(0)_i,   g = dV(0)
+//! dV(f)_i = sum_j W_ij (f_j - f_i) + s_i f_i + g_i
+//! s_i = sum_j W_ij = dV(1)_i - dV(0)_i,     g = dV(0)
 //! ```
-//! `W` the Hessian (n x n), `f` a function on the freedoms. The same as the sum over elements, for a
-//! fraction of its reading: an edge has one number where its triangles have nine each. Where nothing
-//! is held s and g are zero, and the differential of a constant is zero to the last bit.
+//! `W` the Hessian (n x n), `f` a function on the freedoms. The same as the sum over elements, for
+//! a fraction of its reading: an edge has one number where its triangles have nine each. Where
+//! nothing is held s and g are zero, and the differential of a constant is zero to the last bit.
 
 use stationary_calculus::{Covector, Potential, SymmetricMatrix};
 

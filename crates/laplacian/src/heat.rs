@@ -156,8 +156,10 @@ impl<'a, M: Metric, P: Potential> Pencil<'a, M, P> {
 
     /// Its factor.
     pub(crate) fn factored(&mut self, m: f64, a: f64) -> Result<SparseCholesky, LaplacianError> {
-        let order = SparseCholesky::analyse(&self.matrix)?;
-        self.factored_like(&order, m, a)
+        self.fill(m, a)?;
+        let mut factor = SparseCholesky::analyse(&self.matrix)?;
+        factor.factor(&self.matrix)?;
+        Ok(factor)
     }
 
     /// The same by the order of elimination of another factor of this pencil.

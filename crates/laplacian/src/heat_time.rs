@@ -6,8 +6,8 @@
 //! `h` mean edge length and `d` how far apart vertices of one piece are along edges, metres; `t` in
 //! m^2. Heat falls like `exp(-distance / sqrt t)`: with the square of the mean edge alone, the usual
 //! choice, it is no number any more where a surface is longer than some 690 edges. The longest way
-//! is measured from the farthest vertex of each piece from its first one: never less than half of the
-//! longest, and on long surfaces all of it.
+//! is measured from the vertex of each piece that is farthest from its first one: never less than
+//! half of the longest, and on long surfaces all of it. Beyond Crane, Weischedel and Wardetzky 2013.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

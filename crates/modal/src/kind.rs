@@ -6,10 +6,10 @@
 //! ```
 //! A free body's Hessian is singular, and the signs of its zeros are rounding; so both counts are
 //! taken a little off zero, and the eigenvalues between them are the flat directions. Sigma falls
-//! until only the rigid motions are flat, which is then well below the first elastic eigenvalue; but
-//! not into rounding, nor to what the rigid motions themselves cost. Where there are more flat
-//! directions to the end the test has nothing to say: `V = x^3` and `V = x^4` look alike; nor has it
-//! where elimination cannot be trusted to count. Source: notes 14.1; errata 14.1.
+//! until only the rigid motions are flat, which is then well below the first elastic eigenvalue;
+//! but not into rounding, nor to what the rigid motions themselves cost. Where there are more flat
+//! directions to the end the test has nothing to say: `V = x^3` and `V = x^4` look alike; nor has
+//! it where elimination cannot be trusted to count. Source: notes 14.1; errata 14.1.
 
 use stationary_calculus::{Metric, Potential, SparseError};
 

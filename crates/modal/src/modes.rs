@@ -5,9 +5,9 @@
 //! |lambda_i - true| <= |H v_i - lambda_i M v_i|, measured by M^-1
 //! ```
 //! `H` the Hessian at an equilibrium and `M` the mass (n x n, sparse), `lambda` in 1/s^2, angular
-//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness, or whole where n is small; an
-//! inertia count
-//! above the last one then tells whether any was missed, and the search goes on until none is.
+//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness, or whole where n
+//! is small; an inertia count above the last one then tells whether any was missed, and the search
+//! goes on until none is.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{
@@ -46,8 +46,8 @@ const SMALLEST: f64 = 1e-7;
 const GROWTH: f64 = 8.0;
 /// Searches for modes that the count says are missing.
 const SEARCHES: usize = 4;
-/// How far above the last mode the first count is: this part of the way to the next one, but not less
-/// than this relative to the last; and places tried above that.
+/// How far above the last mode the first count is: this part of the way to the next one, but not
+/// less than this relative to the last; and places tried above that.
 const PART_OF_GAP: f64 = 0.25;
 const ABOVE: f64 = 1e-7;
 const PLACES: i32 = 6;

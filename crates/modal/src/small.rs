@@ -3,8 +3,8 @@
 //! ```text
 //! (H + c M R R^T M) v = lambda M v,      R^T M R = I
 //! ```
-//! `H M` stiffness and mass (n x n), `R` rigid motions (n x k), which the second term puts at `c`, above
-//! all others. Every mode is found, so that none can be missed; the cost is the cube of n.
+//! `H M` stiffness and mass (n x n), `R` rigid motions (n x k), which the second term puts at `c`,
+//! above all others. Every mode is found; the cost is the cube of n.
 
 use nalgebra::{DMatrix, DMatrixView};
 use stationary_calculus::{BilinearForm, SymmetricMatrix};
@@ -12,7 +12,7 @@ use stationary_calculus::{BilinearForm, SymmetricMatrix};
 use crate::modes::Found;
 use crate::{ModalError, RigidMotions, dense};
 
-/// Vectors that span the lowest `count` modes besides the rigid motions, which are raised to `raised`.
+/// Vectors that span the lowest `count` modes besides the rigid motions, which are put at `raised`.
 pub(crate) fn lowest(
     stiffness: &SymmetricMatrix,
     mass: &SymmetricMatrix,

@@ -6,10 +6,10 @@
 //! `A` a [`SymmetricMatrix`] (n x n), `E` what rounding made of it. Elimination without exchanges may
 //! break down on a matrix that is perfectly regular, so the signs of D are not believed by
 //! themselves: A and A + E have the same count if `(A + E)^-1 E` shortens every vector, for then no
-//! matrix on the way from one to the other is singular. That is measured, by power iteration on random
-//! vectors, which are solved for together; where it shortens them by less than half the count is
-//! refused. A random vector of n numbers has more than a thousandth of `1/sqrt(n)` in any direction, but
-//! for one in a thousand: where all are shortened to less than half of that at once, no direction can
+//! matrix on the way from one to the other is singular. That is measured, by power iteration on
+//! random vectors, which are solved for together; where it shortens them by less than half the count
+//! is refused. But for one in a thousand, a random vector of n numbers has more than a thousandth of
+//! `1/sqrt(n)` in any direction: where all are shortened to half of that at once, no direction can
 //! be left at half its length, and one step is enough.
 //!
 //! Counts for `A - mu M` say how many eigenvalues of `A v = lambda M v` lie below mu.
@@ -44,8 +44,8 @@ const SHORTENED: f64 = 0.5;
 const SHARE: f64 = 1e-3;
 
 impl SparseCholesky {
-    /// The counts of a matrix of the analysed pattern, which need not be definite. They are made in the
-    /// factor's memory: what was factored before is lost.
+    /// The counts of a matrix of the analysed pattern, which need not be definite. They are made in
+    /// the factor's memory: what was factored before is lost.
     ///
     /// # Errors
     /// [`SparseError::Singular`] where the matrix is too close to a singular one for a count.
