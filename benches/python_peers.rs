@@ -5,14 +5,15 @@
 //!
 //! What both sides work on is written once, as plain numbers, to a folder of the build. Each turn then
 //! times ours here and each peer in a process of its own, whose clock runs around the call alone; the
-//! least of the turns is shown, and what both answer.
+//! least of the turns is shown, and what both answer. All have one thread, and the clocks count the
+//! time that it had: neighbours on the machine do not show, nor does a second core.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
 
+use rustix::time::{ClockId, clock_gettime};
 use stationary_calculus::{SparseMetric, SymmetricMatrix};
 use stationary_elasticity::{Freedoms, Lame, Linear, LinearTetrahedron, Solid, galerkin_mass};
 use stationary_laplacian::{Dirichlet, Domain, Elements, Heat, HeatMethod};
@@ -43,9 +44,15 @@ fn cantilever() -> (Body, SparseMetric, Vec<f64>) {
 }
 
 fn seconds<T>(run: impl FnOnce() -> T) -> (f64, T) {
-    let start = Instant::now();
+    let start = on_processor();
     let value = run();
-    (start.elapsed().as_secs_f64(), value)
+    (on_processor() - start, value)
+}
+
+/// The seconds that this thread has had of a processor.
+fn on_processor() -> f64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
 fn modes((solid, mass, q): &(Body, SparseMetric, Vec<f64>)) -> (f64, f64) {
@@ -121,7 +128,9 @@ fn write_mesh(folder: &Path, mesh: &Mesh<3, 3>) -> io::Result<()> {
 fn peer(folder: &Path, task: &str, name: &str) -> Result<(f64, f64), String> {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/sparse_peers.py");
+    let one_thread = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
     let output = Command::new(python)
+        .envs(one_thread.map(|name| (name, "1")))
         .args([script.as_ref(), folder.as_os_str(), task.as_ref(), name.as_ref()])
         .output()
         .map_err(|error| error.to_string())?;

@@ -104,8 +104,7 @@ pub use sink::{DenseSink, FIXED, ProductSink, Sink};
 pub use sparse::{
     ConjugateGradient, ConjugateGradientReport, Inertia, IterativeSolver, JacobianEntries, Ladder,
     Ordering, PatternSink, Pivoting, RefillSink, Refined, SparseCholesky, SparseEquation,
-    SparseError, SparseIndefinite, SparseInertia, SparseJacobian, SparseMetric, SparseSolver,
-    SymmetricMatrix,
+    SparseError, SparseIndefinite, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Flat, Space, System};

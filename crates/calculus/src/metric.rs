@@ -25,6 +25,14 @@ pub trait Metric {
     /// Writes the velocity `v = M^-1 p`.
     fn sharp(&self, p: Covector<&[f64]>, v: Vector<&mut [f64]>);
 
+    /// The same for momenta one after the other, n numbers each.
+    fn sharp_each(&self, p: Covector<&[f64]>, v: Vector<&mut [f64]>) {
+        let n = self.dim().max(1);
+        for (p, v) in p.0.chunks_exact(n).zip(v.0.chunks_exact_mut(n)) {
+            self.sharp(Covector(p), Vector(v));
+        }
+    }
+
     /// Writes the displacement `h M^-1 p` of a drift for the time h.
     #[inline]
     fn drift(&self, h: f64, p: Covector<&[f64]>, mut displacement: Vector<&mut [f64]>) {

@@ -12,16 +12,17 @@
 //! is no number any more, which is an error that says so and not a distance. The error has two
 //! parts: what a longer time changes, and what is wrong next to the sources, where edges are
 //! straight lines of known length; twice their sum is the estimate. A short time shows the mesh,
-//! a long one smooths; the square of the mean edge is advised, and edges that are Delaunay.
+//! a long one smooths; the square of the mean edge is advised, longer on very long surfaces, and
+//! edges that are Delaunay.
 //! Boundaries are insulated. Source: Crane, Weischedel and Wardetzky 2013.
 
 use stationary_calculus::SparseCholesky;
 use stationary_mesh::{IntrinsicSurface, IntrinsicTriangle};
 
 use crate::error::positive;
-use crate::heat::factored;
+use crate::heat::Pencil;
 use crate::poisson::Grounded;
-use crate::{Domain, Elements, LaplacianError};
+use crate::{Domain, Elements, LaplacianError, heat_time};
 
 /// Distances from sources on one surface, everything factored.
 #[derive(Debug)]
@@ -50,10 +51,10 @@ const FAINTEST: f64 = 1e-298;
 const AT_ONCE: usize = 16;
 
 impl GeodesicDistance {
-    /// The heat time that suits a surface: the square of its mean edge length.
+    /// The heat time that suits a surface: the square of its mean edge length, or longer where it is
+    /// so many edges long that no heat would arrive.
     pub fn advised_time(surface: &IntrinsicSurface) -> f64 {
-        let count = (3 * surface.lengths().len()).max(1) as f64;
-        (surface.lengths().as_flattened().iter().sum::<f64>() / count).powi(2)
+        heat_time::advised(surface)
     }
 
     /// Factors heat and Poisson's problem on a surface, for a heat time in m^2.
@@ -65,8 +66,9 @@ impl GeodesicDistance {
         positive("the heat time", time)?;
         let domain = Domain::free(Elements::of_surface(surface)?)?;
         let metric = domain.lumped()?;
-        let near = factored(&metric, domain.dirichlet(), time)?;
-        let far = factored(&metric, domain.dirichlet(), 4.0 * time)?;
+        let mut pencil = Pencil::new(&metric, domain.dirichlet())?;
+        let near = pencil.factored(1.0, time)?;
+        let far = pencil.factored_like(&near, 1.0, 4.0 * time)?;
         let poisson = Grounded::new(&domain)?;
         let numbered = surface.triangles().iter().enumerate();
         let shapes = numbered.map(|(t, &corners)| Triangle::new(corners, surface.shape(t)));

@@ -7,7 +7,8 @@
 //! ```
 //! `f` (n) the free vertices' values, `W` the Hessian of the Dirichlet energy V, `M` the mass,
 //! `alpha` m^2/s, `h` s. Written for the change d, a function that is at rest stays so to the
-//! last bit. Crank-Nicolson is of order 2 and keeps no sign: a spike rings. Implicit Euler with
+//! last bit; the matrix is read along its edges, and the factor once for all functions of a step.
+//! Crank-Nicolson is of order 2 and keeps no sign: a spike rings. Implicit Euler with
 //! lumped mass keeps the maximum principle where no weight is negative. Source: notes 15.2-15.3;
 //! errata chapter 15.
 
@@ -16,6 +17,7 @@ use stationary_calculus::{
 };
 
 use crate::LaplacianError;
+use crate::differences::Differences;
 use crate::error::{check_finite, positive};
 
 /// How heat is stepped.
@@ -60,16 +62,16 @@ impl HeatMethod {
 
 /// Steps of heat of one size.
 #[derive(Debug)]
-pub struct Heat<'a, M, P> {
+pub struct Heat<'a, M> {
     metric: &'a M,
-    dirichlet: &'a P,
+    differences: Differences,
     rate: f64,
     factor: Option<SparseCholesky>,
     covector: Covector<Vec<f64>>,
     change: Vector<Vec<f64>>,
 }
 
-impl<'a, M: Metric, P: Potential> Heat<'a, M, P> {
+impl<'a, M: Metric> Heat<'a, M> {
     /// Prepares steps of `h` seconds at a diffusivity of `alpha` m^2/s: all factoring is done here.
     ///
     /// # Errors
@@ -77,7 +79,7 @@ impl<'a, M: Metric, P: Potential> Heat<'a, M, P> {
     /// [`LaplacianError::Sparse`].
     pub fn new(
         metric: &'a M,
-        dirichlet: &'a P,
+        dirichlet: &impl Potential,
         method: HeatMethod,
         alpha: f64,
         h: f64,
@@ -89,11 +91,12 @@ impl<'a, M: Metric, P: Potential> Heat<'a, M, P> {
         }
         let rate = positive("the diffusivity", alpha)? * positive("the step", h)?;
         positive("the diffusivity times the step", rate)?;
+        let mut pencil = Pencil::new(metric, dirichlet)?;
         let implicit = method.theta() > 0.0;
-        let factor = implicit.then(|| factored(metric, dirichlet, method.theta() * rate));
-        let factor = factor.transpose()?;
+        let factor = implicit.then(|| pencil.factored(1.0, method.theta() * rate)).transpose()?;
+        let differences = Differences::new(dirichlet, pencil.filled(0.0, 1.0)?);
         let (covector, change) = (Covector(vec![0.0; n]), Vector(vec![0.0; n]));
-        Ok(Heat { metric, dirichlet, rate, factor, covector, change })
+        Ok(Heat { metric, differences, rate, factor, covector, change })
     }
 
     /// One step of a function, or of several one after the other, whose solves then read the
@@ -107,11 +110,12 @@ impl<'a, M: Metric, P: Potential> Heat<'a, M, P> {
         SizeError::check("the functions' values", functions * n, f.len())?;
         self.change.0.resize(f.len(), 0.0);
         for (f, change) in f.chunks_exact(n).zip(self.change.0.chunks_exact_mut(n)) {
-            self.covector.0.fill(0.0);
-            self.dirichlet.add_differential(f, self.covector.view_mut());
             match self.factor {
-                Some(_) => change.copy_from_slice(&self.covector.0),
-                None => self.metric.sharp(self.covector.view(), Vector(change)),
+                Some(_) => self.differences.differential(f, change),
+                None => {
+                    self.differences.differential(f, &mut self.covector.0);
+                    self.metric.sharp(self.covector.view(), Vector(change));
+                }
             }
         }
         if let Some(factor) = &mut self.factor {
@@ -126,26 +130,60 @@ impl<'a, M: Metric, P: Potential> Heat<'a, M, P> {
     }
 }
 
-/// The factor of `m M + W` scaled: `M + a W`.
-pub(crate) fn factored(
-    metric: &impl Metric,
-    dirichlet: &impl Potential,
-    a: f64,
-) -> Result<SparseCholesky, LaplacianError> {
-    let n = metric.dim();
-    // The energy is a quadratic form: its Hessian is the same everywhere.
-    let anywhere = vec![0.0; n];
-    let mut matrix = SymmetricMatrix::analyse(n, |sink| {
-        metric.add_matrix(sink);
-        dirichlet.add_hessian(&anywhere, sink);
-    })?;
-    matrix.refill(|sink| {
-        metric.add_matrix(sink.weighted(1.0));
-        dirichlet.add_hessian(&anywhere, sink.weighted(a));
-    })?;
-    let mut factor = SparseCholesky::analyse(&matrix)?;
-    factor.factor(&matrix)?;
-    Ok(factor)
+/// Weighted sums of a mass and of an energy's Hessian, on one pattern.
+pub(crate) struct Pencil<'a, M, P> {
+    metric: &'a M,
+    energy: &'a P,
+    matrix: SymmetricMatrix,
+}
+
+impl<'a, M: Metric, P: Potential> Pencil<'a, M, P> {
+    pub(crate) fn new(metric: &'a M, energy: &'a P) -> Result<Self, LaplacianError> {
+        // The energy is a quadratic form: its Hessian is the same everywhere.
+        let anywhere = vec![0.0; energy.dim()];
+        let matrix = SymmetricMatrix::analyse(metric.dim(), |sink| {
+            metric.add_matrix(sink);
+            energy.add_hessian(&anywhere, sink);
+        })?;
+        Ok(Pencil { metric, energy, matrix })
+    }
+
+    /// `m M + a W`.
+    pub(crate) fn filled(mut self, m: f64, a: f64) -> Result<SymmetricMatrix, LaplacianError> {
+        self.fill(m, a)?;
+        Ok(self.matrix)
+    }
+
+    /// Its factor.
+    pub(crate) fn factored(&mut self, m: f64, a: f64) -> Result<SparseCholesky, LaplacianError> {
+        self.fill(m, a)?;
+        let mut factor = SparseCholesky::analyse(&self.matrix)?;
+        factor.factor(&self.matrix)?;
+        Ok(factor)
+    }
+
+    /// The same by the order of elimination of another factor of this pencil.
+    pub(crate) fn factored_like(
+        &mut self,
+        other: &SparseCholesky,
+        m: f64,
+        a: f64,
+    ) -> Result<SparseCholesky, LaplacianError> {
+        self.fill(m, a)?;
+        let mut factor = other.clone();
+        factor.factor(&self.matrix)?;
+        Ok(factor)
+    }
+
+    fn fill(&mut self, m: f64, a: f64) -> Result<(), LaplacianError> {
+        let anywhere = vec![0.0; self.energy.dim()];
+        let Pencil { metric, energy, matrix } = self;
+        matrix.refill(|sink| {
+            metric.add_matrix(sink.weighted(m));
+            energy.add_hessian(&anywhere, sink.weighted(a));
+        })?;
+        Ok(())
+    }
 }
 
 #[cfg(test)]

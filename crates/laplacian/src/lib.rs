@@ -38,10 +38,12 @@ mod error;
 mod elements;
 mod domain;
 mod spectrum;
+mod differences;
 mod heat;
 mod exact_heat;
 mod poisson;
 mod curvature_flow;
+mod heat_time;
 mod geodesic;
 pub mod problems;
 

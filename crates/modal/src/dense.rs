@@ -45,48 +45,116 @@ pub(crate) fn add_product(n: usize, c: &mut [f64], scale: f64, a: &[f64], b: &[f
     );
 }
 
-/// `M X`, column by column.
-pub(crate) fn mass_times(mass: &SymmetricMatrix, x: &[f64]) -> Vec<f64> {
-    let n = mass.dim();
+/// `A X`, column by column.
+pub(crate) fn times(matrix: &SymmetricMatrix, x: &[f64]) -> Vec<f64> {
+    let n = matrix.dim();
     let mut y = vec![0.0; x.len()];
-    for (x, y) in x.chunks_exact(n).zip(y.chunks_exact_mut(n)) {
+    for (x, y) in x.chunks_exact(n.max(1)).zip(y.chunks_exact_mut(n.max(1))) {
         // Both have the matrix's size: there is no error to come.
-        let _ = mass.add_product(1.0, x, y);
+        let _ = matrix.add_product(1.0, x, y);
     }
     y
 }
 
-/// Takes out of the columns of `x` what they have of those of `v`, which are orthonormal in the
-/// mass, and returns how much that was: k x m.
-pub(crate) fn project_out(mass: &SymmetricMatrix, v: &[f64], x: &mut [f64]) -> Vec<f64> {
-    let n = mass.dim();
-    let mut total = vec![0.0; v.len() / n * (x.len() / n)];
-    if v.is_empty() {
-        return total;
+/// Vectors that are orthonormal in the mass, one after the other, and their products with it.
+#[derive(Clone, Debug)]
+pub(crate) struct Basis {
+    n: usize,
+    vectors: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+impl Basis {
+    /// None yet, and memory for so many.
+    pub(crate) fn with_room(n: usize, room: usize) -> Self {
+        Basis { n, vectors: Vec::with_capacity(n * room), moved: Vec::with_capacity(n * room) }
     }
-    // Twice is enough: the second time takes what rounding left.
-    for _ in 0..2 {
-        let share = transpose_times(n, v, &mass_times(mass, x));
-        add_product(n, x, -1.0, v, &share);
-        add_scaled(&mut total, 1.0, &share);
+
+    /// Forgets them and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.vectors.clear();
+        self.moved.clear();
     }
-    total
+
+    /// Of vectors that are orthonormal already.
+    pub(crate) fn of(mass: &SymmetricMatrix, vectors: &[f64]) -> Self {
+        let moved = times(mass, vectors);
+        Basis { n: mass.dim(), vectors: vectors.to_vec(), moved }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.vectors.len().checked_div(self.n).unwrap_or(0)
+    }
+
+    pub(crate) fn vectors(&self) -> &[f64] {
+        &self.vectors
+    }
+
+    pub(crate) fn moved(&self) -> &[f64] {
+        &self.moved
+    }
+
+    pub(crate) fn append(&mut self, other: &Basis) {
+        self.vectors.extend_from_slice(&other.vectors);
+        self.moved.extend_from_slice(&other.moved);
+    }
+
+    /// Appends `x / length` where `length` is that of x in the mass and `moved` its product with it.
+    pub(crate) fn push(&mut self, x: &[f64], moved: &[f64], length: f64) {
+        self.vectors.extend(x.iter().map(|x| x / length));
+        self.moved.extend(moved.iter().map(|x| x / length));
+    }
+
+    /// Combinations of the vectors: one for each column of `weights`.
+    pub(crate) fn combined(&self, weights: &[f64]) -> Self {
+        let mut vectors = vec![0.0; self.n * (weights.len() / self.len().max(1))];
+        let mut moved = vectors.clone();
+        add_product(self.n, &mut vectors, 1.0, &self.vectors, weights);
+        add_product(self.n, &mut moved, 1.0, &self.moved, weights);
+        Basis { n: self.n, vectors, moved }
+    }
+
+    /// Takes out of the columns of `x` what they have of these vectors, and returns how much that
+    /// was: a number for each vector, column by column. Of those before `coupled` they have no more
+    /// than rounding.
+    pub(crate) fn project_out(&self, coupled: usize, x: &mut [f64]) -> Vec<f64> {
+        let mut total = vec![0.0; self.len() * x.len().checked_div(self.n).unwrap_or(0)];
+        // Twice is enough: the second time takes what rounding left.
+        for from in [coupled, 0] {
+            let (vectors, moved) = (&self.vectors[from * self.n..], &self.moved[from * self.n..]);
+            if vectors.is_empty() {
+                continue;
+            }
+            let share = transpose_times(self.n, moved, x);
+            add_product(self.n, x, -1.0, vectors, &share);
+            let columns = total.chunks_exact_mut(self.len());
+            for (total, share) in columns.zip(share.chunks_exact(self.len() - from)) {
+                add_scaled(&mut total[from..], 1.0, share);
+            }
+        }
+        total
+    }
+}
+
+/// The length of x in the mass, from x and its product with it.
+pub(crate) fn length(x: &[f64], moved: &[f64]) -> f64 {
+    dot(x, moved).max(0.0).sqrt()
 }
 
 /// The columns made orthonormal in the mass, without those that are combinations of others up to a
 /// share of their length.
 pub(crate) fn orthonormal(mass: &SymmetricMatrix, columns: &[f64], independent: f64) -> Vec<f64> {
     let n = mass.dim();
-    let length = |x: &[f64]| dot(x, &mass_times(mass, x)).max(0.0).sqrt();
-    let mut basis = Vec::new();
+    let mut basis = Basis::with_room(n, columns.len().checked_div(n).unwrap_or(0));
     for column in columns.chunks_exact(n.max(1)) {
+        let before = length(column, &times(mass, column));
         let mut x = column.to_vec();
-        let before = length(&x);
-        project_out(mass, &basis, &mut x);
-        let after = length(&x);
+        basis.project_out(0, &mut x);
+        let moved = times(mass, &x);
+        let after = length(&x, &moved);
         if after > independent * before {
-            basis.extend(x.iter().map(|x| x / after));
+            basis.push(&x, &moved, after);
         }
     }
-    basis
+    basis.vectors
 }

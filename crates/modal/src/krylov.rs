@@ -5,9 +5,10 @@
 //! A V_j = V T + V_(j+1) R_j,  V^T M V = I,       T = V^T M A V
 //! ```
 //! `H + delta M` is positive definite, so the lowest lambda are the largest theta, and Cholesky's
-//! factor is enough. The basis V grows by a block of b vectors at a time, each orthogonal to all before
-//! it; when it is full, the best approximations are kept and it grows again. A block finds modes of
-//! multiplicity up to b at once and reads the factor once for all of its solves.
+//! factor is enough. The basis V grows by a block of b vectors at a time, each orthogonal to all
+//! before it, until enough of its approximations are good; where it is full before that, the best are
+//! kept and it grows again. A block finds modes of multiplicity up to b at once and reads the factor
+//! once for all of its solves.
 //! Source: Grimes, Lewis and Simon, "A shifted block Lanczos algorithm for solving sparse symmetric
 //! generalized eigenproblems" (SIAM J. Matrix Anal. 15, 1994); Wu and Simon, thick restarts (the same
 //! journal, 22, 2000).
@@ -16,7 +17,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{SparseCholesky, SplitMix64, SymmetricMatrix};
 
 use crate::ModalError;
-use crate::dense::{add_product, dot, mass_times, project_out};
+use crate::dense::{Basis, length, times};
+use crate::modes::Found;
 
 /// Vectors in a block.
 const BLOCK: usize = 8;
@@ -24,131 +26,127 @@ const BLOCK: usize = 8;
 const RESTARTS: usize = 60;
 /// An approximation is good where its residual is this small relative to theta, or what rounding of
 /// the largest theta leaves.
-const CONVERGED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-10;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A vector that is left with less than this share of its length is replaced by a random one.
 const LOST: f64 = 1e-12;
 
-/// The search for the largest theta.
+/// The search for the largest theta, with a factor of `H + delta M`.
 pub(crate) struct Krylov<'a> {
     cholesky: &'a mut SparseCholesky,
     mass: &'a SymmetricMatrix,
-    /// Orthonormal vectors that every other is kept orthogonal to.
-    locked: &'a [f64],
+    delta: f64,
+    /// Vectors that every other is kept orthogonal to.
+    locked: Basis,
     random: SplitMix64,
     solves: u64,
 }
-
-/// Vectors, orthonormal in the mass, that span the largest theta.
-pub(crate) type Ritz = Vec<f64>;
 
 impl<'a> Krylov<'a> {
     pub(crate) fn new(
         cholesky: &'a mut SparseCholesky,
         mass: &'a SymmetricMatrix,
-        locked: &'a [f64],
+        delta: f64,
+        locked: &[f64],
     ) -> Self {
-        Krylov { cholesky, mass, locked, random: SplitMix64::new(14), solves: 0 }
+        let locked = Basis::of(mass, locked);
+        Krylov { cholesky, mass, delta, locked, random: SplitMix64::new(14), solves: 0 }
     }
 
-    /// How many right sides were solved for.
-    pub(crate) fn solves(&self) -> u64 {
-        self.solves
-    }
-
-    /// The vectors of the `count` largest theta.
-    pub(crate) fn largest(&mut self, count: usize) -> Result<Ritz, ModalError> {
+    /// The vectors of the `count` largest theta, that is of the lowest lambda.
+    pub(crate) fn lowest(&mut self, count: usize) -> Result<Found, ModalError> {
         let n = self.mass.dim();
-        let room = n - self.locked.len() / n;
-        let full = (2 * count + 4 * BLOCK).max(count + 6 * BLOCK).min(room);
-        let mut basis: Vec<f64> = Vec::new();
+        let room = n - self.locked.len();
+        let full = (2 * count + 10 * BLOCK).min(room);
+        let mut basis = Basis::with_room(n, full + BLOCK);
         let mut projected = DMatrix::<f64>::zeros(0, 0);
         let (mut block, _) = self.next_block(&basis, vec![0.0; n * BLOCK.min(room)]);
         let mut converged = 0;
         for _ in 0..RESTARTS {
-            let mut coupling = DMatrix::zeros(0, 0);
-            while basis.len() / n < full {
-                let old = basis.len() / n;
-                basis.extend_from_slice(&block);
-                let mut next = mass_times(self.mass, &block);
+            // What A makes of a block is coupled to that block and to the one before; of the first
+            // block to all that was kept.
+            let mut coupled = 0;
+            // Approximations are looked at when the basis has grown by an eighth since.
+            let mut look = (count + BLOCK).min(full);
+            loop {
+                let old = basis.len();
+                basis.append(&block);
+                let mut next = block.moved().to_vec();
                 self.cholesky.solve(&mut next);
                 self.solves += (next.len() / n) as u64;
-                project_out(self.mass, self.locked, &mut next);
-                let share = project_out(self.mass, &basis, &mut next);
-                projected = bordered(projected, &share, old, block.len() / n);
+                self.locked.project_out(0, &mut next);
+                let share = basis.project_out(coupled, &mut next);
+                coupled = old;
+                projected = bordered(projected, &share, old, block.len());
+                let coupling;
                 (block, coupling) = self.next_block(&basis, next);
-                if block.is_empty() {
+                if block.len() > 0 && basis.len() < look {
+                    continue;
+                }
+                look = (basis.len() + (basis.len() / BLOCK).max(BLOCK)).min(full);
+                let pairs = sorted(&projected);
+                let theta = |j: usize| pairs.eigenvalues[j].abs();
+                let allowed = |j: usize| (CONVERGED * theta(j)).max(ROUNDING * theta(0));
+                let good = |j: &usize| residual(&coupling, &pairs, *j) <= allowed(*j);
+                converged = (0..count).take_while(good).count();
+                if converged == count || block.len() == 0 {
+                    let weights = &pairs.eigenvectors.as_slice()[..count * basis.len()];
+                    let next = pairs.eigenvalues.get(count).map(|theta| 1.0 / theta - self.delta);
+                    let vectors = basis.combined(weights).vectors().to_vec();
+                    return Ok(Found { vectors, next, solves: self.solves });
+                }
+                if basis.len() >= full {
+                    let keep = (count + (full - count) / 3).min(basis.len());
+                    let weights = &pairs.eigenvectors.as_slice()[..keep * basis.len()];
+                    let kept = basis.combined(weights);
+                    basis.clear();
+                    basis.append(&kept);
+                    let kept = pairs.eigenvalues.rows(0, keep).into_owned();
+                    projected = DMatrix::from_diagonal(&kept);
                     break;
                 }
             }
-            let pairs = sorted(&projected);
-            let residual = |j: usize| residual(&coupling, &pairs, j);
-            let theta = |j: usize| pairs.eigenvalues[j].abs();
-            let allowed = |j: usize| (CONVERGED * theta(j)).max(ROUNDING * theta(0));
-            converged = (0..count).take_while(|&j| residual(j) <= allowed(j)).count();
-            let keep = if converged == count || block.is_empty() {
-                count
-            } else {
-                (count + (full - count) / 3).min(basis.len() / n)
-            };
-            let mut kept = vec![0.0; n * keep];
-            add_product(
-                n,
-                &mut kept,
-                1.0,
-                &basis,
-                &pairs.eigenvectors.as_slice()[..keep * basis.len() / n],
-            );
-            if converged == count || block.is_empty() {
-                return Ok(kept);
-            }
-            basis = kept;
-            projected = DMatrix::from_diagonal(&pairs.eigenvalues.rows(0, keep).into_owned());
         }
         Err(ModalError::NotConverged { converged, asked: count, restarts: RESTARTS })
     }
 
     /// The columns made orthonormal, given that they are orthogonal to the basis already, and their
     /// coefficients R: x = (new columns) R. Lost ones are replaced at random while there is room.
-    fn next_block(&mut self, basis: &[f64], columns: Vec<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    fn next_block(&mut self, basis: &Basis, columns: Vec<f64>) -> (Basis, DMatrix<f64>) {
         let n = self.mass.dim();
         let width = columns.len() / n;
-        let mut block: Vec<f64> = Vec::with_capacity(columns.len());
+        let mut block = Basis::with_room(n, width);
         let mut r = DMatrix::zeros(width, width);
-        let room = n - basis.len() / n - self.locked.len() / n;
-        for (j, column) in columns.chunks_exact(n).enumerate() {
-            if block.len() / n == room {
-                break;
-            }
+        let room = n - basis.len() - self.locked.len();
+        let moved = times(self.mass, &columns);
+        let pairs = columns.chunks_exact(n).zip(moved.chunks_exact(n));
+        for (j, (column, moved)) in pairs.enumerate().take(room) {
+            let before = length(column, moved);
             let mut x = column.to_vec();
-            let before = self.length(&x);
-            let share = project_out(self.mass, &block, &mut x);
-            let mut after = self.length(&x);
-            for (i, share) in share.iter().enumerate() {
-                r[(i, j)] = *share;
+            for (i, share) in block.project_out(0, &mut x).into_iter().enumerate() {
+                r[(i, j)] = share;
             }
+            let mut moved = times(self.mass, &x);
+            let mut after = length(&x, &moved);
             if after > LOST * before {
-                r[(block.len() / n, j)] = after;
+                r[(block.len(), j)] = after;
             } else {
                 x = self.fresh(basis, &block);
-                after = self.length(&x);
+                moved = times(self.mass, &x);
+                after = length(&x, &moved);
             }
-            block.extend(x.iter().map(|x| x / after));
+            block.push(&x, &moved, after);
         }
         (block, r)
     }
 
     /// A random vector orthogonal to everything.
-    fn fresh(&mut self, basis: &[f64], block: &[f64]) -> Vec<f64> {
+    fn fresh(&mut self, basis: &Basis, block: &Basis) -> Vec<f64> {
         let mut x: Vec<f64> = (0..self.mass.dim()).map(|_| self.random.symmetric()).collect();
-        for known in [self.locked, basis, block] {
-            project_out(self.mass, known, &mut x);
+        for known in [&self.locked, basis, block] {
+            known.project_out(0, &mut x);
         }
         x
-    }
-
-    fn length(&self, x: &[f64]) -> f64 {
-        dot(x, &mass_times(self.mass, x)).max(0.0).sqrt()
     }
 }
 

@@ -36,6 +36,7 @@ mod rigid_motions;
 mod kind;
 mod dense;
 mod krylov;
+mod small;
 mod modes;
 mod motion;
 mod reduced;

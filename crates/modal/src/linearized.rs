@@ -8,8 +8,8 @@
 //! sparse and n x n, `lambda mu` in 1/s^2. Works on flat spaces.
 
 use stationary_calculus::{
-    Covector, Metric, Ordering, Potential, SizeError, SparseCholesky, SparseError, SparseInertia,
-    SymmetricMatrix, Vector,
+    Covector, Metric, Ordering, Potential, SizeError, SparseCholesky, SparseError, SymmetricMatrix,
+    Vector,
 };
 
 use crate::ModalError;
@@ -45,13 +45,14 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         SizeError::check("the potential's freedoms", n, potential.dim())?;
         SizeError::check("the configuration's numbers", n, q.len())?;
         check_equilibrium(metric, potential, q, tolerance)?;
-        let stiffness = SymmetricMatrix::hessian(potential, q)?;
         let mass = SymmetricMatrix::mass(metric)?;
         check_mass(&mass)?;
-        let pencil = SymmetricMatrix::analyse(n, |sink| {
+        let mut pencil = SymmetricMatrix::analyse(n, |sink| {
             metric.add_matrix(sink);
             potential.add_hessian(q, sink);
         })?;
+        fill(&mut pencil, (0.0, metric), (1.0, potential, q))?;
+        let stiffness = pencil.clone();
         let scale = scale(&stiffness, &mass);
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(ModalError::Parameter { what: "the largest stiffness", value: scale });
@@ -107,12 +108,16 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
 
     /// Refills the pencil with `m M + a H`.
     fn fill(&mut self, m: f64, a: f64) -> Result<(), ModalError> {
-        let Linearized { metric, potential, q, pencil, .. } = self;
-        pencil.refill(|sink| {
-            metric.add_matrix(sink.weighted(m));
-            potential.add_hessian(q, sink.weighted(a));
-        })?;
-        Ok(())
+        fill(&mut self.pencil, (m, self.metric), (a, self.potential, &self.q))
+    }
+
+    /// Refills a copy of the stiffness with the Hessian at another configuration.
+    pub(crate) fn hessian_at(
+        &self,
+        q: &[f64],
+        hessian: &mut SymmetricMatrix,
+    ) -> Result<(), ModalError> {
+        fill(hessian, (0.0, self.metric), (1.0, self.potential, q))
     }
 
     /// Factors `H + delta M`; the inner error says why it is not positive definite.
@@ -139,8 +144,21 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     pub fn count_below(&mut self, mu: f64) -> Result<usize, ModalError> {
         self.fill(-mu, 1.0)?;
         self.factorizations += 1;
-        Ok(SparseInertia::new(&self.cholesky)?.count(&self.pencil)?.negative)
+        Ok(self.cholesky.inertia(&self.pencil)?.negative)
     }
+}
+
+/// Refills a matrix of the pencil's pattern with `m M + a H(q)`.
+fn fill(
+    matrix: &mut SymmetricMatrix,
+    (m, metric): (f64, &impl Metric),
+    (a, potential, q): (f64, &impl Potential, &[f64]),
+) -> Result<(), ModalError> {
+    matrix.refill(|sink| {
+        metric.add_matrix(sink.weighted(m));
+        potential.add_hessian(q, sink.weighted(a));
+    })?;
+    Ok(())
 }
 
 fn check_equilibrium(

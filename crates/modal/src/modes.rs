@@ -5,8 +5,9 @@
 //! |lambda_i - true| <= |H v_i - lambda_i M v_i|, measured by M^-1
 //! ```
 //! `H` the Hessian at an equilibrium and `M` the mass (n x n, sparse), `lambda` in 1/s^2, angular
-//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness; an inertia count
-//! above the last one then tells whether any was missed, and the search goes on until none is.
+//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness, or whole where n
+//! is small; an inertia count above the last one then tells whether any was missed, and the search
+//! goes on until none is.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{
@@ -14,7 +15,17 @@ use stationary_calculus::{
 };
 
 use crate::krylov::Krylov;
-use crate::{Linearized, ModalError, RigidMotions, dense};
+use crate::{Linearized, ModalError, RigidMotions, dense, small};
+
+/// What a search found.
+pub(crate) struct Found {
+    /// Vectors, orthonormal in the mass, that span the modes.
+    pub(crate) vectors: Vec<f64>,
+    /// About the next lambda, or above it; `None` where there is none.
+    pub(crate) next: Option<f64>,
+    /// How many right sides were solved for.
+    pub(crate) solves: u64,
+}
 
 /// Eigenpairs of a stiffness and a mass, lowest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +39,10 @@ pub struct Modes {
     solves: u64,
 }
 
+/// Systems of so few freedoms are solved whole, by dense matrices.
+const SMALL: usize = 48;
+/// Where rigid motions are put while others are searched for there, relative to the scale.
+const ABOVE_ALL: f64 = 4.0;
 /// Shifts that are tried before the stiffness is given up.
 const SHIFTS: i32 = 12;
 /// The smallest of them, relative to the scale, and the factor to the next.
@@ -35,7 +50,9 @@ const SMALLEST: f64 = 1e-7;
 const GROWTH: f64 = 8.0;
 /// Searches for modes that the count says are missing.
 const SEARCHES: usize = 4;
-/// How far above the last mode the first count is, relative to it; and places tried above that.
+/// How far above the last mode the first count is: this part of the way to the next one, but not
+/// less than this relative to the last; and places tried above that.
+const PART_OF_GAP: f64 = 0.25;
 const ABOVE: f64 = 1e-7;
 const PLACES: i32 = 6;
 
@@ -52,13 +69,10 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let (mut searched, mut solves) = (count, 0);
         let before = self.factorizations();
         for _ in 0..SEARCHES {
-            self.shift()?;
-            let (cholesky, mass) = self.factored();
-            let mut krylov = Krylov::new(cholesky, mass, &rigid.columns);
-            let basis = krylov.largest(searched)?;
-            solves += krylov.solves();
-            let mut modes = self.rayleigh_ritz(&basis)?;
-            let there_below = self.certify(&mut modes, rigid)?;
+            let found = self.search(searched, rigid)?;
+            solves += found.solves;
+            let mut modes = self.rayleigh_ritz(&found.vectors)?;
+            let there_below = self.certify(&mut modes, found.next, rigid)?;
             if there_below <= modes.len() {
                 modes.truncate(count);
                 modes.factorizations = self.factorizations() - before;
@@ -70,29 +84,44 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         Err(ModalError::NotConverged { converged: searched, asked: count, restarts: SEARCHES })
     }
 
+    /// Vectors that span the lowest modes.
+    fn search(&mut self, count: usize, rigid: &RigidMotions) -> Result<Found, ModalError> {
+        if self.dim() <= SMALL {
+            self.check_mass()?;
+            let raised = ABOVE_ALL * self.scale();
+            return small::lowest(self.stiffness(), self.mass(), rigid, raised, count);
+        }
+        let delta = self.shift()?;
+        let (cholesky, mass) = self.factored();
+        Krylov::new(cholesky, mass, delta, &rigid.columns).lowest(count)
+    }
+
+    /// Factors the mass alone.
+    fn check_mass(&self) -> Result<(), ModalError> {
+        SparseCholesky::analyse(self.mass())?.factor(self.mass()).map_err(ModalError::Mass)
+    }
+
     /// Factors `H + delta M` for the smallest tried delta at which it is positive definite.
-    fn shift(&mut self) -> Result<(), ModalError> {
+    fn shift(&mut self) -> Result<f64, ModalError> {
         let smallest = SMALLEST * self.scale();
-        let mut refused = self.factor(0.0)?;
+        let mut delta = 0.0;
+        let mut refused = self.factor(delta)?;
         for tried in 0..SHIFTS {
             if refused.is_ok() {
-                return Ok(());
+                return Ok(delta);
             }
-            refused = self.factor(smallest * GROWTH.powi(tried))?;
+            delta = smallest * GROWTH.powi(tried);
+            refused = self.factor(delta)?;
         }
-        let mass = self.mass().clone();
-        SparseCholesky::analyse(&mass)?.factor(&mass).map_err(ModalError::Mass)?;
-        refused.map_err(ModalError::Stiffness)
+        self.check_mass()?;
+        refused.map_err(ModalError::Stiffness).map(|()| delta)
     }
 
     /// The best approximations to modes among the combinations of orthonormal vectors.
     fn rayleigh_ritz(&self, basis: &[f64]) -> Result<Modes, ModalError> {
         let n = self.dim();
         let k = basis.len() / n;
-        let mut moved = vec![0.0; basis.len()];
-        for (x, y) in basis.chunks_exact(n).zip(moved.chunks_exact_mut(n)) {
-            self.stiffness().add_product(1.0, x, y)?;
-        }
+        let moved = dense::times(self.stiffness(), basis);
         let small = DMatrix::from_vec(k, k, dense::transpose_times(n, basis, &moved));
         let pairs = SymmetricEigen::new((&small + small.transpose()) * 0.5);
         let mut order: Vec<usize> = (0..k).collect();
@@ -101,39 +130,39 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let mut columns = vec![0.0; basis.len()];
         dense::add_product(n, &mut columns, 1.0, basis, weights.as_slice());
         columns.chunks_exact_mut(n).for_each(orient);
-        let values = order.iter().map(|&i| pairs.eigenvalues[i]).collect();
-        let mut modes = Modes {
-            n,
-            values,
-            columns,
-            residuals: vec![0.0; k],
-            complete_below: f64::NAN,
-            factorizations: 0,
-            solves: 0,
-        };
-        for i in 0..k {
-            modes.residuals[i] = self.residual(modes.values[i], modes.column(i))?;
-        }
-        Ok(modes)
+        let values: Vec<f64> = order.iter().map(|&i| pairs.eigenvalues[i]).collect();
+        let residuals = self.residuals(&values, &columns);
+        let (complete_below, factorizations, solves) = (f64::NAN, 0, 0);
+        Ok(Modes { n, values, columns, residuals, complete_below, factorizations, solves })
     }
 
-    /// The size of `H v - lambda M v`, measured by `M^-1`.
-    fn residual(&self, lambda: f64, v: &[f64]) -> Result<f64, ModalError> {
-        let mut r = Covector(vec![0.0; v.len()]);
-        self.stiffness().add_product(1.0, v, &mut r.0)?;
-        self.mass().add_product(-lambda, v, &mut r.0)?;
-        let mut a = Vector(vec![0.0; v.len()]);
-        self.metric().sharp(r.view(), a.view_mut());
-        Ok(r.apply(&a).max(0.0).sqrt())
+    /// The sizes of `H v - lambda M v`, measured by `M^-1`.
+    fn residuals(&self, values: &[f64], columns: &[f64]) -> Vec<f64> {
+        let n = self.dim();
+        let mut r = dense::times(self.stiffness(), columns);
+        let moved = dense::times(self.mass(), columns);
+        let each = r.chunks_exact_mut(n).zip(moved.chunks_exact(n)).zip(values);
+        each.for_each(|((r, moved), lambda)| dense::add_scaled(r, -lambda, moved));
+        let mut a = vec![0.0; r.len()];
+        self.metric().sharp_each(Covector(&r), Vector(&mut a));
+        let pairs = r.chunks_exact(n).zip(a.chunks_exact(n));
+        pairs.map(|(r, a)| dense::dot(r, a).max(0.0).sqrt()).collect()
     }
 
-    /// Counts what is below a little more than the last mode, rigid motions left out.
-    fn certify(&mut self, modes: &mut Modes, rigid: &RigidMotions) -> Result<usize, ModalError> {
+    /// Counts what is below a little more than the last mode, rigid motions left out. `next` is about
+    /// the lambda that comes after it.
+    fn certify(
+        &mut self,
+        modes: &mut Modes,
+        next: Option<f64>,
+        rigid: &RigidMotions,
+    ) -> Result<usize, ModalError> {
         let last = modes.values.last().copied().unwrap_or(0.0);
+        let gap = next.map_or(0.0, |next| PART_OF_GAP * (next - last));
+        let first = gap.max(ABOVE * last.abs().max(SMALLEST * self.scale()));
         let mut error = ModalError::Sparse(SparseError::Singular);
         for place in 0..PLACES {
-            let above = ABOVE * 4.0_f64.powi(place) * last.abs().max(SMALLEST * self.scale());
-            let mu = last + above;
+            let mu = last + first * 4.0_f64.powi(place);
             match self.count_below(mu) {
                 Ok(count) => {
                     modes.complete_below = mu;
@@ -197,7 +226,7 @@ impl Modes {
     /// [`ModalError::Size`].
     pub fn orthogonality(&self, mass: &SymmetricMatrix) -> Result<Vec<f64>, ModalError> {
         SizeError::check("the mass matrix's size", self.n, mass.dim())?;
-        let moved = dense::mass_times(mass, &self.columns);
+        let moved = dense::times(mass, &self.columns);
         let products = dense::transpose_times(self.n.max(1), &self.columns, &moved);
         let off = |i: usize, j: usize| {
             let exact = if i == j { 1.0 } else { 0.0 };

@@ -47,7 +47,7 @@ impl<'a> Motion<'a> {
         for (i, mu) in displacements.iter().enumerate() {
             dense::add_scaled(&mut rest, -mu, modes.column(i));
         }
-        let square = |x: &[f64]| dense::dot(x, &dense::mass_times(mass, x)).max(0.0);
+        let square = |x: &[f64]| dense::dot(x, &dense::times(mass, x)).max(0.0);
         let (all, left) = (square(d.0), square(&rest));
         let left_out = if all > 0.0 { (left / all).sqrt() } else { 0.0 };
         let damping = vec![0.0; modes.len()];

@@ -91,7 +91,7 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
             for sign in [1.0, -1.0] {
                 let mut q = self.equilibrium().to_vec();
                 dense::add_scaled(&mut q, sign * step, v);
-                hessian.refill(|sink| self.potential().add_hessian(&q, sink))?;
+                self.hessian_at(&q, &mut hessian)?;
                 for (j, force) in forces[start..].chunks_exact_mut(n).enumerate() {
                     hessian.add_product(-0.5 * sign / step, modes.column(i + j), force)?;
                 }

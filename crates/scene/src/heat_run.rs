@@ -11,8 +11,7 @@ use nalgebra::SVector;
 use stationary_calculus::{DiagonalMetric, Potential};
 use stationary_integrators::{Saved, State, StepReport};
 use stationary_laplacian::{
-    Dirichlet, Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic,
-    lowest_modes,
+    Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, lowest_modes,
 };
 use stationary_mesh::Mesh;
 use stationary_modal::Modes;
@@ -124,15 +123,15 @@ struct Flow<'a, const K: usize> {
     /// The length, area or volume that belongs to each vertex.
     shares: &'a [f64],
     domain: &'a Domain<K>,
-    way: Way<'a, K>,
+    way: Way<'a>,
     prepared: StepReport,
     state: State<Vec<f64>>,
 }
 
 /// How heat is moved.
-enum Way<'a, const K: usize> {
+enum Way<'a> {
     /// In steps, each of which counts this.
-    Steps(Heat<'a, DiagonalMetric<Vec<f64>>, Dirichlet<K>>, StepReport),
+    Steps(Heat<'a, DiagonalMetric<Vec<f64>>>, StepReport),
     /// In closed form, about what it comes to in the end.
     Modes(ExactHeat<'a>, &'a [f64]),
 }

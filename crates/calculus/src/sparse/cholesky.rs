@@ -43,11 +43,11 @@ pub enum Ordering {
 /// The factor of a matrix, or the memory for it.
 #[derive(Clone, Debug)]
 pub struct SparseCholesky {
-    pattern: Arc<Pattern>,
-    symbolic: Arc<SymbolicCholesky<u32>>,
-    factor: Vec<f64>,
-    factored: bool,
-    scratch: Scratch,
+    pub(super) pattern: Arc<Pattern>,
+    pub(super) symbolic: Arc<SymbolicCholesky<u32>>,
+    pub(super) factor: Vec<f64>,
+    pub(super) factored: bool,
+    pub(super) scratch: Scratch,
 }
 
 pub(crate) fn analysis_error(n: usize, error: FaerError) -> SparseError {
@@ -146,12 +146,8 @@ impl SparseCholesky {
     }
 
     /// The order of elimination and the places of the factor.
-    pub(crate) fn symbolic(&self) -> &Arc<SymbolicCholesky<u32>> {
+    pub(crate) fn symbolic(&self) -> &SymbolicCholesky<u32> {
         &self.symbolic
-    }
-
-    pub(crate) fn pattern(&self) -> &Arc<Pattern> {
-        &self.pattern
     }
 
     pub(crate) fn numbers(&self) -> &[f64] {

@@ -6,24 +6,24 @@
 //! `A` a [`SymmetricMatrix`] (n x n), `E` what rounding made of it. Elimination without exchanges may
 //! break down on a matrix that is perfectly regular, so the signs of D are not believed by
 //! themselves: A and A + E have the same count if `(A + E)^-1 E` shortens every vector, for then no
-//! matrix on the way from one to the other is singular. That is measured, by power iteration on random
-//! vectors; where it shortens them by less than half the count is refused.
+//! matrix on the way from one to the other is singular. That is measured, by power iteration on
+//! random vectors, which are solved for together; where it shortens them by less than half the count
+//! is refused. But for one in a thousand, a random vector of n numbers has more than a thousandth of
+//! `1/sqrt(n)` in any direction: where all are shortened to half of that at once, no direction can
+//! be left at half its length, and one step is enough.
 //!
 //! Counts for `A - mu M` say how many eigenvalues of `A v = lambda M v` lie below mu.
 
 use std::sync::Arc;
 
+use faer::dyn_stack::StackReq;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::cholesky::{
-    LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, supernodal::SupernodalLdltRef,
-};
+use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw, supernodal::SupernodalLdltRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::cholesky::SparseCholesky;
-use crate::sparse::pattern::Pattern;
-use crate::sparse::scratch::Scratch;
 use crate::{SplitMix64, first_non_finite};
 
 /// Numbers of eigenvalues by their sign. A count that was not refused has no zeros.
@@ -35,56 +35,32 @@ pub struct Inertia {
     pub positive: usize,
 }
 
-/// The order and memory of counts for matrices of one pattern.
-#[derive(Clone, Debug)]
-pub struct SparseInertia {
-    pattern: Arc<Pattern>,
-    symbolic: Arc<SymbolicCholesky<u32>>,
-    factor: Vec<f64>,
-    scratch: Scratch,
-    vector: Vec<f64>,
-    product: Vec<f64>,
-}
-
 /// Steps of the power iteration, and vectors that it starts from.
 const POWERS: u32 = 6;
-const STARTS: u64 = 3;
+const STARTS: usize = 3;
 /// A vector must be shortened at least this much.
 const SHORTENED: f64 = 0.5;
+/// The share of `1/sqrt(n)` that a random vector has in any direction, but for one in a thousand.
+const SHARE: f64 = 1e-3;
 
-impl SparseInertia {
-    /// Takes all memory for matrices of the pattern of `analysed`, and its order of elimination.
-    pub fn new(analysed: &SparseCholesky) -> Result<Self, SparseError> {
-        let symbolic = Arc::clone(analysed.symbolic());
-        let n = symbolic.nrows();
-        let scratch = Scratch::new(
-            n,
-            &[
-                symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()),
-                symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
-            ],
-        )?;
-        Ok(SparseInertia {
-            pattern: Arc::clone(analysed.pattern()),
-            factor: vec![0.0; symbolic.len_val()],
-            symbolic,
-            scratch,
-            vector: vec![0.0; n],
-            product: vec![0.0; n],
-        })
-    }
-
-    /// The counts of a matrix of the analysed pattern.
+impl SparseCholesky {
+    /// The counts of a matrix of the analysed pattern, which need not be definite. They are made in
+    /// the factor's memory: what was factored before is lost.
     ///
     /// # Errors
     /// [`SparseError::Singular`] where the matrix is too close to a singular one for a count.
-    pub fn count(&mut self, matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
+    pub fn inertia(&mut self, matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);
         }
         if first_non_finite(matrix.values()).is_some() {
             return Err(SparseError::NonFinite);
         }
+        self.factored = false;
+        self.scratch.grow(StackReq::any_of(&[
+            self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()),
+            self.symbolic.solve_in_place_scratch::<f64>(STARTS, Par::Seq),
+        ]))?;
         let factored = self.symbolic.factorize_numeric_ldlt(
             &mut self.factor,
             matrix.lower(),
@@ -94,35 +70,47 @@ impl SparseInertia {
             self.scratch.stack(),
             Spec::default(),
         );
-        if factored.is_err() || !(0..STARTS).all(|start| self.shortens(matrix, start)) {
+        if factored.is_err() || !self.shortens(matrix) {
             return Err(SparseError::Singular);
         }
         let negative = self.pivots().filter(|&pivot| pivot < 0.0).count();
         Ok(Inertia { negative, positive: matrix.dim() - negative })
     }
 
-    /// Whether `(A + E)^-1 E` shortens what a random vector becomes under its powers.
-    fn shortens(&mut self, matrix: &SymmetricMatrix, start: u64) -> bool {
-        let mut random = SplitMix64::new(start);
-        self.vector.iter_mut().for_each(|x| *x = random.symmetric());
-        (0..POWERS).all(|_| {
-            let length = norm(&self.vector);
-            if length == 0.0 {
-                return true;
+    /// Whether `(A + E)^-1 E` shortens what random vectors become under its powers.
+    fn shortens(&mut self, matrix: &SymmetricMatrix) -> bool {
+        let n = matrix.dim();
+        let mut random = SplitMix64::new(0);
+        let mut vectors: Vec<f64> = (0..n * STARTS).map(|_| random.symmetric()).collect();
+        let mut products = vec![0.0; n * STARTS];
+        for _ in 0..POWERS {
+            products.fill(0.0);
+            let pairs = vectors.chunks_exact_mut(n.max(1));
+            for (x, y) in pairs.zip(products.chunks_exact_mut(n.max(1))) {
+                let length = norm(x);
+                if length > 0.0 {
+                    x.iter_mut().for_each(|x| *x /= length);
+                }
+                matrix.add_product_unchecked(1.0, x, y);
             }
-            self.vector.iter_mut().for_each(|x| *x /= length);
-            self.product.fill(0.0);
-            matrix.add_product_unchecked(1.0, &self.vector, &mut self.product);
-            let product = MatMut::from_column_major_slice_mut(&mut self.product, matrix.dim(), 1);
             LdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
                 Conj::No,
-                product,
+                MatMut::from_column_major_slice_mut(&mut products, n, STARTS),
                 Par::Seq,
                 self.scratch.stack(),
             );
-            self.vector.iter_mut().zip(&self.product).for_each(|(x, y)| *x -= y);
-            norm(&self.vector) < SHORTENED
-        })
+            vectors.iter_mut().zip(&products).for_each(|(x, y)| *x -= y);
+            let lengths = vectors.chunks_exact(n.max(1)).map(norm);
+            // The comparison is so written that NaN is long.
+            let within = |limit: f64| lengths.clone().all(|length| length < limit);
+            if !within(SHORTENED) {
+                return false;
+            }
+            if within(SHORTENED * SHARE / (n as f64).sqrt()) {
+                return true;
+            }
+        }
+        true
     }
 
     /// The diagonal of D.
@@ -200,7 +188,24 @@ mod tests {
         assert_eq!(count(&matrix), Err(SparseError::Singular));
     }
 
+    #[test]
+    fn what_was_factored_before_a_count_is_lost_and_can_be_factored_again() {
+        let matrix = grid(12, 0.3);
+        let mut cholesky = SparseCholesky::analyse(&matrix).unwrap();
+        cholesky.factor(&matrix).unwrap();
+        let mut once = vec![1.0; 144];
+        cholesky.solve(&mut once);
+        assert_eq!(cholesky.inertia(&matrix), Ok(Inertia { negative: 0, positive: 144 }));
+        let mut lost = vec![1.0; 144];
+        cholesky.solve(&mut lost);
+        assert!(lost.iter().all(|x| x.is_nan()));
+        cholesky.factor(&matrix).unwrap();
+        let mut again = vec![1.0; 144];
+        cholesky.solve(&mut again);
+        assert_eq!(once, again);
+    }
+
     fn count(matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
-        SparseInertia::new(&SparseCholesky::analyse(matrix)?)?.count(matrix)
+        SparseCholesky::analyse(matrix)?.inertia(matrix)
     }
 }

@@ -32,7 +32,7 @@ pub use cholesky::{Ordering, SparseCholesky};
 pub use conjugate_gradient::{ConjugateGradient, ConjugateGradientReport};
 pub use error::SparseError;
 pub use indefinite::{Pivoting, Refined, SparseIndefinite};
-pub use inertia::{Inertia, SparseInertia};
+pub use inertia::Inertia;
 pub use iterative::IterativeSolver;
 pub use jacobian::{JacobianEntries, SparseEquation, SparseJacobian};
 pub use metric::SparseMetric;

@@ -1,10 +1,12 @@
 //! Which steps explicit heat survives.
 
-use stationary_calculus::{Column, SplitMix64, Table, loglog_slope};
+use std::f64::consts::PI;
+
+use stationary_calculus::{Column, Metric, SplitMix64, Table, Vector, loglog_slope};
 use stationary_laplacian::problems::interval;
 use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
 
-use crate::chart::{Axis, Map};
+use crate::chart::{Axis, Lines, Map, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Step against mesh size.
@@ -53,6 +55,33 @@ fn measured(n: usize, near: f64) -> Result<f64, LaplacianError> {
     Ok((low * high).sqrt())
 }
 
+/// Segments, steps, and parts of the border at which one mode is followed.
+const FOLLOWED: usize = 32;
+const FOLLOWED_STEPS: u32 = 500;
+const PARTS: [f64; 2] = [0.95, 1.05];
+/// What cannot be told from nothing.
+const NOTHING: f64 = 1e-20;
+
+/// How much of the fastest mode there is after each step, in heat that starts as the slowest mode, of
+/// which the fastest is no part.
+fn fastest(part: f64) -> Result<Vec<(f64, f64)>, LaplacianError> {
+    let n = FOLLOWED;
+    let problem = interval(n)?;
+    let metric = problem.domain.lumped()?;
+    let h = part * predicted(n)?;
+    let method = HeatMethod::ExplicitEuler;
+    let mut heat = Heat::new(&metric, problem.domain.dirichlet(), method, ALPHA, h)?;
+    let mut f: Vec<f64> = (0..=n).map(|k| (PI * k as f64 / n as f64).cos()).collect();
+    let zigzag: Vec<f64> = (0..=n).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    let mut content = Vec::new();
+    for step in 1..=FOLLOWED_STEPS {
+        heat.step(&mut f)?;
+        let there = metric.inner(Vector(&zigzag), Vector(&f)).abs();
+        content.push((f64::from(step), there.max(NOTHING)));
+    }
+    Ok(content)
+}
+
 fn study(size: Size) -> Result<Study, StudyError> {
     let (sizes, steps): (&[usize], i32) = match size {
         Size::Default => (&[4, 6, 8, 11, 16, 23, 32, 45, 64], 24),
@@ -83,6 +112,24 @@ fn study(size: Size) -> Result<Study, StudyError> {
             implicit_grew += u32::from(implicit);
         }
     }
+    let mut growth = Lines::new(
+        "the fastest mode in heat that starts without it",
+        Axis::linear("steps", ""),
+        Axis::log("amplitude of the fastest mode", ""),
+    );
+    let mut followed = Vec::new();
+    for part in PARTS {
+        let content = fastest(part).map_err(StudyError::at("the fastest mode"))?;
+        growth = growth.with(Series::new(&format!("step {part} of the border"), content.clone()));
+        followed.push(content);
+    }
+    let quiet = followed[0].iter().map(|point| point.1).fold(0.0, f64::max);
+    let first = |size: f64| followed[1].iter().find(|point| point.1 > size).copied();
+    let (from, seen) = (first(1e-12), first(1.0));
+    let factor = match (from, seen) {
+        (Some(a), Some(b)) => (b.1 / a.1).powf(1.0 / (b.0 - a.0)),
+        _ => f64::NAN,
+    };
     let slope = loglog_slope(&borders).unwrap_or(f64::NAN);
     Ok(Study {
         id: STUDY.id,
@@ -94,10 +141,14 @@ fn study(size: Size) -> Result<Study, StudyError> {
             "Explicit heat of diffusivity {ALPHA} m^2/s on the unit interval, {STEPS} steps from \
              random values. The border is 2 / (alpha lambda) for the largest eigenvalue, the \
              square of the mesh size over 2 alpha: half the mesh size costs a quarter of the step. \
-             Implicit Euler survives every step on this map."
+             Implicit Euler survives every step on this map. Beyond the border nothing helps that \
+             the start has no part in the fastest mode: rounding brings it in, and a step of {} \
+             times the border multiplies it until it is all there is, after {} steps.",
+            PARTS[1],
+            seen.map_or(f64::NAN, |point| point.0)
         ),
         table,
-        charts: vec![map.border("2 / (alpha lambda)", borders).into()],
+        charts: vec![map.border("2 / (alpha lambda)", borders).into(), growth.into()],
         claims: vec![
             Claim::number(
                 "the measured border is off from the predicted one by at most a part of",
@@ -116,6 +167,18 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 "0",
                 f64::from(implicit_grew),
                 (0.0, 0.0),
+            ),
+            Claim::number(
+                "below the border the fastest mode, which is not there at first, stays below",
+                "1e-14",
+                quiet,
+                (0.0, 1e-14),
+            ),
+            Claim::number(
+                "beyond it, it grows from rounding by a factor a step",
+                "|1 - 2 * 1.05| = 1.1",
+                factor,
+                (1.099, 1.101),
             ),
         ],
     })

@@ -91,7 +91,9 @@ struct Refinement<'a> {
     /// Weights of A, B and the separator.
     weights: [u64; 3],
     heaviest: u64,
-    /// Separator nodes by their gain of moving to A, and to B; old entries are skipped.
+    /// Of the separator's nodes the gain of moving to A, and to B.
+    gains: [Vec<i64>; 2],
+    /// The same nodes by their gains; old entries are skipped.
     queues: [BinaryHeap<(i64, u32)>; 2],
     locked: Vec<bool>,
 }
@@ -105,8 +107,8 @@ impl<'a> Refinement<'a> {
             weights[*side as usize] += u64::from(weight);
         }
         let heaviest = (BALANCE * graph.weight() as f64) as u64;
-        let locked = vec![false; graph.len()];
-        Refinement { graph, sides, weights, heaviest, queues: Default::default(), locked }
+        let (locked, gains) = (vec![false; graph.len()], [0, 1].map(|_| vec![0; graph.len()]));
+        Refinement { graph, sides, weights, heaviest, gains, queues: Default::default(), locked }
     }
 
     /// Improves until a pass does not, and returns what is to be small: the separator's weight, then
@@ -136,22 +138,35 @@ impl<'a> Refinement<'a> {
             - pulled.map(|u| i64::from(self.graph.weights[u])).sum::<i64>()
     }
 
-    fn offer(&mut self, v: usize) {
-        if self.sides[v] == Side::Separator && !self.locked[v] {
-            for to in [0, 1] {
-                let gain = self.gain(v, to);
-                self.queues[to].push((gain, v as u32));
-            }
+    /// Works out the gains of a node that is new in the separator.
+    fn enter(&mut self, v: usize) {
+        for to in [0, 1] {
+            self.gains[to][v] = self.gain(v, to);
+            self.offer(v, to);
         }
     }
 
-    /// The separator node with the largest true gain of moving to a part.
+    fn offer(&mut self, v: usize, to: usize) {
+        if !self.locked[v] {
+            self.queues[to].push((self.gains[to][v], v as u32));
+        }
+    }
+
+    /// Adds to a gain of a node, if it is in the separator.
+    fn change(&mut self, v: usize, to: usize, by: i64) {
+        if self.sides[v] == Side::Separator {
+            self.gains[to][v] += by;
+            self.offer(v, to);
+        }
+    }
+
+    /// The separator node with the largest gain of moving to a part.
     fn top(&mut self, to: usize) -> Option<(i64, usize)> {
         loop {
             let &(gain, v) = self.queues[to].peek()?;
             let v = v as usize;
             let stale = self.sides[v] != Side::Separator || self.locked[v];
-            if !stale && self.gain(v, to) == gain {
+            if !stale && self.gains[to][v] == gain {
                 return Some((gain, v));
             }
             self.queues[to].pop();
@@ -185,22 +200,29 @@ impl<'a> Refinement<'a> {
         let graph = self.graph;
         self.locked.fill(false);
         self.queues.iter_mut().for_each(BinaryHeap::clear);
-        (0..graph.len()).for_each(|v| self.offer(v));
+        for v in 0..graph.len() {
+            if self.sides[v] == Side::Separator {
+                self.enter(v);
+            }
+        }
         let (mut best, mut log, mut kept, mut idle) = (self.score(), Vec::new(), 0, 0);
         while idle < PATIENCE {
             let Some((v, to)) = self.next_move() else { break };
             self.locked[v] = true;
             log.push((v, Side::Separator));
             self.put(v, PARTS[to]);
+            let weight = i64::from(graph.weights[v]);
             for u in graph.neighbours(v) {
                 if self.sides[u] == PARTS[1 - to] {
                     log.push((u, PARTS[1 - to]));
                     self.put(u, Side::Separator);
-                    self.offer(u);
                     // Those that would have pulled u gain by its having come.
-                    graph.neighbours(u).for_each(|w| self.offer(w));
+                    let gained = i64::from(graph.weights[u]);
+                    graph.neighbours(u).for_each(|w| self.change(w, to, gained));
+                    self.enter(u);
                 } else {
-                    self.offer(u);
+                    // From the other part they would pull v back.
+                    self.change(u, 1 - to, -weight);
                 }
             }
             idle += 1;
