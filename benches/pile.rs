@@ -26,7 +26,7 @@ const TIME: f64 = 3.0;
 /// Steps a line.
 const LINE: usize = 250;
 /// Contact conditions settled so far, m/s, in at most so many sweeps.
-const SETTLING: Settling = Settling { change: 1e-5, sweeps: 60 };
+const SETTLING: Settling = Settling { change: 1e-5, sweeps: 12 };
 
 fn rapier(starts: &[RigidMotion]) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
     let gravity = Vector::Z * -GRAVITY;

@@ -1,11 +1,12 @@
 //! A sparse symmetric positive definite matrix in blocks of six, one a body, and its factor.
 //!
 //! ```text
-//! A = L L^T,     L_jj L_jj^T = A_jj - sum_k L_jk L_jk^T,     L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
+//! A = L L^T,   L_jj L_jj^T = A_jj - sum_k L_jk L_jk^T,   L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
 //! ```
-//! `A_ij` (6 x 6) is there where bodies `i` and `j` are joined. Bodies are eliminated in the order of
-//! fewest neighbours, which fills in little where a graph is nearly a tree, as that of a heap is. The
-//! order and the pattern are kept as long as the same bodies are joined. Source: George and Liu 1989.
+//! `A_ij` (6 x 6) is there where bodies `i` and `j` are joined. Bodies are eliminated in the order
+//! of fewest neighbours, which fills in little where a graph is nearly a tree, as that of a heap
+//! is. The order and the pattern are kept as long as the same bodies are joined. Source: George and
+//! Liu 1989.
 
 use crate::rigid_contact::Six;
 

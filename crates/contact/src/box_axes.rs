@@ -4,9 +4,9 @@
 //! s(n) = |n.t| - sum_k a_k |n_k| - sum_k b_k |n.r_k|
 //! n = e_i,   r_j,   e_i x r_j/|e_i x r_j|             faces of the first, of the second, edges
 //! ```
-//! `a b` half sizes (m), `t` the centre of the second and `r_j` its axes, in those of the first, `e_i`.
-//! If two boxes are apart, one of the fifteen axes says so. The first of them that says more than
-//! `margin` ends the search. Source: Gottschalk, Lin and Manocha 1996.
+//! `a b` half sizes (m), `t` the centre of the second and `r_j` its axes, in those of the first,
+//! `e_i`. If two boxes are apart, one of the fifteen axes says so. The first of them that says more
+//! than `margin` ends the search. Source: Gottschalk, Lin and Manocha 1996.
 
 use parry3d_f64::math::{Pose, Vector};
 
@@ -24,7 +24,8 @@ const TIE: f64 = 1e-13;
 /// Edges at a smaller sine to each other are parallel: faces have their axis.
 const PARALLEL: f64 = 1e-15;
 
-/// The axis along which boxes of these half sizes are farthest apart; none if by more than `margin`.
+/// The axis along which boxes of these half sizes are farthest apart; none if by more than
+/// `margin`.
 pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<Axis> {
     let [a, b] = halves.map(|half| [half.x, half.y, half.z]);
     let t = [pose.translation.x, pose.translation.y, pose.translation.z];

@@ -3,11 +3,11 @@
 //! ```text
 //! all pairs of n boxes that overlap, in about n log n steps                                 (11.1)
 //! ```
-//! The hierarchy is built once. A box is a little larger than it need be, and stays as long as it still
-//! holds its shape; once some do not, the tree is refitted and a few of its branches are rebalanced.
-//! Until then the pairs stay too. Half-spaces have no box: each is compared with every other shape. The
-//! pairs come out sorted, so that nothing later depends on the shape of the tree. The geometry
-//! library of the plane is that of space compiled again, and so is the tree here.
+//! The hierarchy is built once. A box is a little larger than it need be, and stays as long as it
+//! still holds its shape; once some do not, the tree is refitted and a few of its branches are
+//! rebalanced. Until then the pairs stay too. Half-spaces have no box: each is compared with every
+//! other shape. The pairs come out sorted, so that nothing later depends on the shape of the tree.
+//! The geometry library of the plane is that of space compiled again, and so is the tree here.
 
 use crate::{ColliderIn, Dimension};
 
@@ -21,7 +21,8 @@ pub(crate) struct BroadPhase<G: Dimension> {
 /// A half-space, and what was compared last.
 struct Plane<G: Dimension> {
     collider: usize,
-    /// Its normal, how high its face was along it, and to which height above that boxes were looked at.
+    /// Its normal, how high its face was along it, and to which height above that boxes were looked
+    /// at.
     seen: Option<(G::Vector, f64, f64)>,
 }
 

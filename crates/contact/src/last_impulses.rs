@@ -4,9 +4,9 @@
 //! x = h/h_last (J.n, J.t1, J.t2)          what the last step's impulse J would be in this one
 //! ```
 //! `J` is kept in world axes (N s), so that tangents may be chosen afresh; a force that lasts gives
-//! impulses in proportion to the step. Both lists of contacts are sorted. Nothing else is carried from
-//! step to step, so that these numbers are all that a run needs beside its state to go on to the same
-//! bits.
+//! impulses in proportion to the step. Both lists of contacts are sorted. Nothing else is carried
+//! from step to step, so that these numbers are all that a run needs beside its state to go on to
+//! the same bits.
 
 use stationary_integrators::{Saved, StepError};
 
@@ -31,8 +31,8 @@ impl<G: Dimension> Default for LastImpulses<G> {
 }
 
 impl<G: Dimension> LastImpulses<G> {
-    /// A guess of each contact's impulse on its second body in a step of `h` seconds, world axes; none
-    /// where a contact is new or does not push any more.
+    /// A guess of each contact's impulse on its second body in a step of `h` seconds, world axes;
+    /// none where a contact is new or does not push any more.
     pub(crate) fn guess<'a>(
         &'a self,
         contacts: impl Iterator<Item = &'a ContactIn<G>>,

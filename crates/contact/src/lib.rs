@@ -38,11 +38,11 @@
 //! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
-//! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension, their
-//! shapes, and what happens, solved exactly. Last, many bodies of space that touch
+//! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension,
+//! their shapes, and what happens, solved exactly. Last, many bodies of space that touch
 //! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island with sparse systems between them, impulses kept from step to step; and bodies that
-//! overlap, pushed apart.
+//! over an island with sparse systems between them, impulses kept from step to step; and bodies
+//! that overlap, pushed apart.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.

@@ -3,12 +3,13 @@
 //! ```text
 //! s(n) = min n.x2 - max n.x1  <=  |x2 - x1|          any direction n, any point of each
 //! ```
-//! The geometry library answers with clipping for boxes, along the axis along which they are farthest
-//! apart, and with Gilbert-Johnson-Keerthi and expanding polytopes for other convex solids. Points that
-//! face each other along `n` across `s(n)` are the closest there are, by the inequality. Where the axes
-//! of boxes find none such, because a corner is closest to a corner or to an edge, the closest points
-//! are asked for: the gap is the distance, and its differential the gap's. Of boxes that overlap
-//! the axes say all: the least way out leads through a face of the difference of both.
+//! The geometry library answers with clipping for boxes, along the axis along which they are
+//! farthest apart, and with Gilbert-Johnson-Keerthi and expanding polytopes for other convex
+//! solids. Points that face each other along `n` across `s(n)` are the closest there are, by the
+//! inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
+//! to an edge, the closest points are asked for: the gap is the distance, and its differential the
+//! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
+//! difference of both.
 //!
 //! Matching faces of boxes keep their corners; those of other convex solids, off by no more than
 //! rounding, may lose one for a step.

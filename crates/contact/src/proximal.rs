@@ -3,19 +3,19 @@
 //! ```text
 //! min_w 1/2 |w|^2 + sum_i max_(x_i in C_i) (-x_i.u_i(w) - e_i/2 |x_i - a_i|^2)
 //! x_i(w) = proj_i (a_i - u_i(w)/e_i),     w = J~^T x(w)            where that is smallest
-//! (1 + J~^T D J~) dw = J~^T x(w) - w,     D = -dx/du               Newton's step, with a line search
+//! (1 + J~^T D J~) dw = J~^T x(w) - w,     D = -dx/du             Newton's step, with a line search
 //! x <- a + t (x(w) - a)                                            0 <= t <= 1, of least energy
 //! ```
-//! `w` scaled velocities, `u = J~ w + o` rates (m/s), `a` the impulses (N s) that the step starts from,
-//! `C_i` those that push, with friction within `mu` times the normal impulse of `a_i`, `e` a small part
-//! of each row's compliance. The problem is convex and has one solution, whatever contacts are
-//! redundant and however their gaps fail to fit each other; after a few such steps `x` stays where it
-//! is, and `e` has no say any more. Newton's matrix joins bodies as contacts do, and is factored
-//! sparsely; a heap is nearly a tree. Where Newton's method is cut short, the last line still lowers the
-//! energy.
+//! `w` scaled velocities, `u = J~ w + o` rates (m/s), `a` the impulses (N s) that the step starts
+//! from, `C_i` those that push, with friction within `mu` times the normal impulse of `a_i`, `e` a
+//! small part of each row's compliance. The problem is convex and has one solution, whatever
+//! contacts are redundant and however their gaps fail to fit each other; after a few such steps `x`
+//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do, and
+//! is factored sparsely; a heap is nearly a tree. Where Newton's method is cut short, the last line
+//! still lowers the energy.
 //!
-//! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method for
-//! who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
+//! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
+//! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
 
 use crate::block_cholesky::{Block, BlockCholesky};
 use crate::friction::disc;
@@ -78,8 +78,8 @@ impl Answer {
         Answer { x: [push, p, q], wanted, length, reach }
     }
 
-    /// How stiffly it answers along the normal and along two directions across, and these; rows that
-    /// do not answer have zeros.
+    /// How stiffly it answers along the normal and along two directions across, and these; rows
+    /// that do not answer have zeros.
     #[inline]
     fn stiffness(&self, contact: &RigidContact, firm: f64) -> ([f64; 3], [[f64; 2]; 2]) {
         let normal = if self.x[0] > 0.0 { firm * contact.compliance.normal_mass } else { 0.0 };
@@ -96,8 +96,8 @@ impl Answer {
 }
 
 impl Proximal {
-    /// Changes the impulses of an island, and the velocities with them, given the compliance that is
-    /// added relative to each row's own and the energy of what is left; says how many systems it
+    /// Changes the impulses of an island, and the velocities with them, given the compliance that
+    /// is added relative to each row's own and the energy of what is left; says how many systems it
     /// solved.
     pub(crate) fn step(
         &mut self,
@@ -257,7 +257,8 @@ impl Proximal {
     }
 }
 
-/// Where a slope that grows from `-promised` is flat between 0 and 1; 1 where it is not positive there.
+/// Where a slope that grows from `-promised` is flat between 0 and 1; 1 where it is not positive
+/// there.
 fn flat(slope: impl Fn(f64) -> f64, promised: f64) -> f64 {
     let (mut low, mut at_low) = (0.0, -promised);
     let (mut high, mut at_high) = (1.0, slope(1.0));

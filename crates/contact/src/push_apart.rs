@@ -1,12 +1,12 @@
 //! Bodies that overlap, pushed apart by the least motion that frees them.
 //!
 //! ```text
-//! min 1/2 |d|^2 in the metric M,   g + dg d >= 0,     q <- q moved along d          again and again
+//! min 1/2 |d|^2 in the metric M,   g + dg d >= 0,   q <- q moved along d          again and again
 //! ```
-//! `g` gaps (m) of what overlaps or is near, `d` a motion of all bodies (m and rad), a light body gives
-//! way to a heavy one. Gaps are linear in each round, so that a few rounds are needed; the bound on them
-//! is reached where bodies are so deep in each other that their gaps lead nowhere. Source: the
-//! projection of notes 11.5.1, on positions.
+//! `g` gaps (m) of what overlaps or is near, `d` a motion of all bodies (m and rad), a light body
+//! gives way to a heavy one. Gaps are linear in each round, so that a few rounds are needed; the
+//! bound on them is reached where bodies are so deep in each other that their gaps lead nowhere.
+//! Source: the projection of notes 11.5.1, on positions.
 
 use stationary_calculus::{Potential, Space, Vector};
 

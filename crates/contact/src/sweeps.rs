@@ -2,13 +2,13 @@
 //! proximal-point method for all at once.
 //!
 //! ```text
-//! x <- sweep(x),    e = 1.5 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
+//! x <- sweep(x),   e = 1.5 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
 //! ```
-//! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep changes.
-//! Sweeps tell who pushes, sticks and slides, and how far the conditions are from being met, but carry
-//! far only slowly: a column that rocks takes hundreds of them. Proximal steps carry far at once (see
-//! [`Proximal`]), the farther the closer `x` is already. The last sweep is taken as it is, so that no
-//! impulse pulls and no friction exceeds its reach.
+//! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
+//! changes. Sweeps tell who pushes, sticks and slides, and how far the conditions are from being
+//! met, but carry far only slowly: a column that rocks takes hundreds of them. Proximal steps carry
+//! far at once (see [`Proximal`]), the farther the closer `x` is already. The last sweep is taken
+//! as it is, so that no impulse pulls and no friction exceeds its reach.
 
 use crate::proximal::Proximal;
 use crate::rigid_contact::{RigidContact, Six};
@@ -78,8 +78,8 @@ impl Sweeps {
     }
 
     /// Sweeps over an island until none of its contacts changes a velocity by more than `settled`,
-    /// nor is off by much more, at most `bound` times; says how many times, and how many sparse systems
-    /// were solved.
+    /// nor is off by much more, at most `bound` times; says how many times, and how many sparse
+    /// systems were solved.
     pub(crate) fn settle(
         &mut self,
         island: Island,
@@ -89,8 +89,8 @@ impl Sweeps {
         bound: usize,
     ) -> [usize; 2] {
         let (mut solved, mut last) = (0, f64::INFINITY);
-        // Sweeps to come without a step, and after the next step that does not help; whether the last
-        // sweep came after a step.
+        // Sweeps to come without a step, and after the next step that does not help; whether the
+        // last sweep came after a step.
         let (mut wait, mut patience, mut stepped) = (0, 1, false);
         for sweep in 1..=bound {
             let Change { fastest, energy, part } = self.sweep(island, contacts, x);

@@ -14,8 +14,8 @@
 //!
 //! Impulses start from those of the last step, and each island of bodies that hang together is
 //! solved on its own, so that what rests is only looked at. Small islands without friction so far
-//! are projected exactly; else sweeps and sparse systems by turns settle them, and take no memory once
-//! as many contacts have been met. How far the contact conditions are settled is a choice
+//! are projected exactly; else sweeps and sparse systems by turns settle them, and take no memory
+//! once as many contacts have been met. How far the contact conditions are settled is a choice
 //! ([`Settling`]); what is left of them is reported. Source: notes 11.4, 11.5.1; Stewart and
 //! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 

@@ -14,12 +14,12 @@
 //!
 //! Gaps are linear over the step: what slides or rests keeps its gap to rounding; corners that turn
 //! overlap by order `h^2`, and a fifth of that is given back each step. Who can meet is judged by
-//! the speeds before impacts: what a hit makes faster than twice those may overlap for a step. Approach of the order of a
-//! kick is rest and has no restitution. What an impact brings to approach takes part in it: impacts
-//! are solved again with those contacts too, until none is left. A moving obstacle has infinite
-//! mass: contacts do not change its velocity, and the work that it does is reported. On an error
-//! the state is as it was. Source: notes 11.4, 11.5.1; Stewart and Trinkle 1996, Anitescu and Potra
-//! 1997 for contact by velocities.
+//! the speeds before impacts: what a hit makes faster than twice those may overlap for a step.
+//! Approach of the order of a kick is rest and has no restitution. What an impact brings to
+//! approach takes part in it: impacts are solved again with those contacts too, until none is left.
+//! A moving obstacle has infinite mass: contacts do not change its velocity, and the work that it
+//! does is reported. On an error the state is as it was. Source: notes 11.4, 11.5.1; Stewart and
+//! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
