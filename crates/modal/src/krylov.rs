@@ -5,12 +5,12 @@
 //! A V_j = V T + V_(j+1) R_j,  V^T M V = I,       T = V^T M A V
 //! ```
 //! `H + delta M` is positive definite, so the lowest lambda are the largest theta, and Cholesky's
-//! factor is enough. The basis V grows by a block of b vectors at a time, each orthogonal to all before
-//! it; when it is full, the best approximations are kept and it grows again. A block finds modes of
-//! multiplicity up to b at once and reads the factor once for all of its solves.
+//! factor is enough. The basis V grows by a block of b vectors at a time, each orthogonal to all
+//! before it; when it is full, the best approximations are kept and it grows again. A block finds
+//! modes of multiplicity up to b at once and reads the factor once for all of its solves.
 //! Source: Grimes, Lewis and Simon, "A shifted block Lanczos algorithm for solving sparse symmetric
-//! generalized eigenproblems" (SIAM J. Matrix Anal. 15, 1994); Wu and Simon, thick restarts (the same
-//! journal, 22, 2000).
+//! generalized eigenproblems" (SIAM J. Matrix Anal. 15, 1994); Wu and Simon, thick restarts (the
+//! same journal, 22, 2000).
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{SparseCholesky, SplitMix64, SymmetricMatrix};

@@ -5,8 +5,9 @@
 //! |lambda_i - true| <= |H v_i - lambda_i M v_i|, measured by M^-1
 //! ```
 //! `H` the Hessian at an equilibrium and `M` the mass (n x n, sparse), `lambda` in 1/s^2, angular
-//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness; an inertia count
-//! above the last one then tells whether any was missed, and the search goes on until none is.
+//! frequency `sqrt(lambda)` in rad/s. Found by block Lanczos on a shifted stiffness; an inertia
+//! count above the last one then tells whether any was missed, and the search goes on until none
+//! is.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{

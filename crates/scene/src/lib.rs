@@ -1,4 +1,5 @@
-//! Given a few lines that say what is there, where does everything go? A scene file, checked and run.
+//! Given a few lines that say what is there, where does everything go? A scene file, checked and
+//! run.
 //!
 //! ```
 //! use stationary_scene::Scene;
@@ -24,60 +25,88 @@
 //!
 //! # The vocabulary
 //!
-//! Keys join words by underscores, names join them by hyphens. Vectors have as many components as the
-//! scene has dimensions. Any units will do that fit together; without `[units]` they are called m, s, kg.
+//! Keys join words by underscores, names join them by hyphens. Vectors have as many components as
+//! the scene has dimensions. Any units will do that fit together; without `[units]` they are called
+//! m, s, kg.
 //!
 //! | key | value | |
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`]; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`,
+//! `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies
+//! in space one of [`stationary_rigid::BodyMethod`]; of heat one of
+//! [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`,
+//! `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
 //! | `tolerance` | below 1 | for the three that choose their own steps, and only for them |
 //! | `modes` | a number | how many of them `"linear-modes"` adds up |
-//! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
+//! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its
+//! own is read off at them |
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
-//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }`; of heat `"heat"`, `"dirichlet-energy"`, `{ temperature = NAME }` | energy and momenta where it is missing |
+//! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`,
+//! `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME]
+//! }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }`; of heat `"heat"`,
+//! `"dirichlet-energy"`, `{ temperature = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration` | a vector |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
-//! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its velocity; for `newmark`, `generalized-alpha` and methods that choose their own steps |
-//! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
-//! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
-//! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
-//! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
-//! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
-//! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
-//! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
-//! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
-//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its
+//! velocity; for `newmark`, `generalized-alpha` and methods that choose their own steps |
+//! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what
+//! has a radius touches: see below |
+//! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` |
+//! at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
+//! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where
+//! no rest length is given; strain `"cauchy"` or `"green"` |
+//! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with
+//! `rattle`; other methods of equal steps are followed by a projection |
+//! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`,
+//! `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`,
+//! from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
+//! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `material`, `young`,
+//! `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its
+//! section, a sheet with its thickness, or a block; its vertices are called `name.0`, `name.1`, ...
+//! and `name.MARK` |
+//! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a
+//! shape, and nothing else |
+//! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`,
+//! `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane
+//! a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the
+//! position, or without one stays where it is drawn, or moments about the body's axes (one in the
+//! plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis
+//! times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis)
+//! or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`;
+//! place and axis are those of the start, in the world |
 //!
-//! A `shape` has a `kind` with its `size` and its `cells`, or is the surface in an OBJ `file` beside the
-//! scene's. It starts at its `origin` and runs along `across` and `up`.
+//! A `shape` has a `kind` with its `size` and its `cells`, or is the surface in an OBJ `file`
+//! beside the scene's. It starts at its `origin` and runs along `across` and `up`.
 //!
 //! | kind | size | cells | dimensions |
 //! | --- | --- | --- | --- |
 //! | `"bar"` | length | along it | 1, 2, 3 |
 //! | `"rectangle"`, `"disc"` | two sides; radius | along each; rings | 2, 3 |
 //! | `"box"`, `"ball"` | three sides; radius | along each; refinements | 3 |
-//! | `"sphere"`, `"torus"` | radius; radii of its circle and its tube | refinements; around each | 3 |
+//! | `"sphere"`, `"torus"` | radius; radii of its circle and its tube | refinements; around each |
+//! 3 |
 //!
-//! Parts of a shape are `"left"`, `"right"`, `"bottom"`, `"top"`, `"front"`, `"back"`, what is in several
-//! of them, as `"top-left"`, the `"rim"` of a sheet, and `"all"`. A solid is pinned at such parts, or
-//! `hung` from them: held until everything is at rest, and let go at the start. It is
+//! Parts of a shape are `"left"`, `"right"`, `"bottom"`, `"top"`, `"front"`, `"back"`, what is in
+//! several of them, as `"top-left"`, the `"rim"` of a sheet, and `"all"`. A solid is pinned at such
+//! parts, or `hung` from them: held until everything is at rest, and let go at the start. It is
 //! `struck = { at, radius, velocity }`; `marks = { NAME = PLACE }` name its nearest vertices.
-//! Materials are `"saint-venant-kirchhoff"`, which is the usual one, and of what fills its space also
-//! `"neo-hookean"`, `"fixed-corotated"` and `"linear"`.
+//! Materials are `"saint-venant-kirchhoff"`, which is the usual one, and of what fills its space
+//! also `"neo-hookean"`, `"fixed-corotated"` and `"linear"`.
 //!
 //! In `[contact]` the `restitution` is separating over approaching speed, `law` one of
-//! [`stationary_contact::ImpactLaw`] and, for particles, `when` one of [`stationary_contact::When`];
-//! `walls = [{ normal, at }]` and `balls = [{ at, radius }]` are what nothing enters. Particles that
-//! touch take `"stormer-verlet"`; with a `stiffness` they are pushed apart by springs instead of
-//! impulses, and take any explicit method.
+//! [`stationary_contact::ImpactLaw`] and, for particles, `when` one of
+//! [`stationary_contact::When`]; `walls = [{ normal, at }]` and `balls = [{ at, radius }]` are what
+//! nothing enters. Particles that touch take `"stormer-verlet"`; with a `stiffness` they are pushed
+//! apart by springs instead of impulses, and take any explicit method.
 //!
-//! A scene has particles or bodies, not both. Bodies whose `velocity` is missing move as their joints
-//! have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"` in the
-//! plane, and in space a method that turns bodies symplectically.
+//! A scene has particles or bodies, not both. Bodies whose `velocity` is missing move as their
+//! joints have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"`
+//! in the plane, and in space a method that turns bodies symplectically.
 //!
 //! A file that says something else gets an answer like this one:
 //!
@@ -105,10 +134,10 @@
 //!
 //! [`Scene`] is what a file has said, checked. [`Scene::run`] makes a [`Run`] of it (and
 //! [`Scene::run_from`] goes on from a [`Checkpoint`]), whose
-//! [`Summary`] is one line of a test and whose [`Run::write`] leaves tables, pictures and a page that
-//! plays the motion.
-//! [`Scene::problem`] is for studies: the system itself, for any method and step, also of the scenes
-//! in [`problems`]. [`Diagnostic`] is the answer to a wrong file; a file is not trusted, and
+//! [`Summary`] is one line of a test and whose [`Run::write`] leaves tables, pictures and a page
+//! that plays the motion.
+//! [`Scene::problem`] is for studies: the system itself, for any method and step, also of the
+//! scenes in [`problems`]. [`Diagnostic`] is the answer to a wrong file; a file is not trusted, and
 //! [`limits`] says how large it may be.
 //!
 //! The crate assembles and asks; it contains no mathematics of motion.
