@@ -4,8 +4,8 @@
 //! V(q0 + d) = V(q0) + 1/2 d^T H d + o(|d|^2),    M d'' = -H d              (notes 14.1, 14.2)
 //! number of lambda < mu  =  number of negative eigenvalues of H - mu M
 //! ```
-//! `q0` the equilibrium (n), `d` a displacement, `H` the Hessian there and `M` the mass matrix, both
-//! sparse and n x n, `lambda mu` in 1/s^2. Works on flat spaces.
+//! `q0` the equilibrium (n), `d` a displacement, `H` the Hessian there and `M` the mass matrix,
+//! both sparse and n x n, `lambda mu` in 1/s^2. Works on flat spaces.
 
 use stationary_calculus::{
     Covector, Metric, Ordering, Potential, SizeError, SparseCholesky, SparseError, SymmetricMatrix,
@@ -33,8 +33,8 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     /// The system at `q`, where the size `|M^-1 dV|` may be at most `tolerance` (kg^1/2 m/s^2).
     ///
     /// # Errors
-    /// [`ModalError::NoEquilibrium`] with the size that it has; [`ModalError::Mass`] where the metric
-    /// is not positive definite.
+    /// [`ModalError::NoEquilibrium`] with the size that it has; [`ModalError::Mass`] where the
+    /// metric is not positive definite.
     pub fn at(
         metric: &'a M,
         potential: &'a P,
@@ -182,8 +182,8 @@ fn check_equilibrium(
     Err(ModalError::NoEquilibrium { residual, freedom, tolerance })
 }
 
-/// Masses that are not positive, and pairs of freedoms whose products outweigh their squares: what no
-/// positive definite matrix has. The rest shows when the stiffness is shifted.
+/// Masses that are not positive, and pairs of freedoms whose products outweigh their squares: what
+/// no positive definite matrix has. The rest shows when the stiffness is shifted.
 fn check_mass(mass: &SymmetricMatrix) -> Result<(), ModalError> {
     let starts = mass.column_starts();
     let diagonal = |freedom: usize| mass.values()[starts[freedom] as usize];

@@ -4,9 +4,9 @@
 //! dV(q0) = 0,    H v_i = lambda_i M v_i,    q(t) = q0 + sum_i v_i alpha_i(t)           (14.1, 14.2)
 //! ```
 //! `q0` is where the scene comes to rest from its start, `alpha` begins with what the start has of
-//! each mode. Rigid motions that cost nothing are added to the number that was asked for. The energy
-//! that a run writes down is that of the scene itself at q(t): where it is not constant, the motion is
-//! too large for its modes.
+//! each mode. Rigid motions that cost nothing are added to the number that was asked for. The
+//! energy that a run writes down is that of the scene itself at q(t): where it is not constant, the
+//! motion is too large for its modes.
 
 use stationary_calculus::{Covector, Metric, SymmetricMatrix, Vector};
 use stationary_integrators::{State, StepReport};

@@ -4,9 +4,9 @@
 //! state_0, state_1, ..., state_k        state_i at the time i h, sampled every so many steps
 //! checkpoint of k                       state_k-1 with what the method remembers there, and state_k
 //! ```
-//! A run that is resumed takes the step from `k - 1` to `k` once more: then the method remembers what
-//! it did, and the state shows whether this machine still computes the same bits. That step costs
-//! nothing in the counts.
+//! A run that is resumed takes the step from `k - 1` to `k` once more: then the method remembers
+//! what it did, and the state shows whether this machine still computes the same bits. That step
+//! costs nothing in the counts.
 
 use std::cell::LazyCell;
 

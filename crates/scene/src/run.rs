@@ -108,8 +108,8 @@ pub struct Progress<'a> {
     pub steps: u64,
     /// The time.
     pub time: f64,
-    /// The configuration: D numbers for each particle that is free; of a body in the plane place and
-    /// angle, in space place and quaternion.
+    /// The configuration: D numbers for each particle that is free; of a body in the plane place
+    /// and angle, in space place and quaternion.
     pub q: &'a [f64],
     /// What was computed so far.
     pub cost: Cost,
@@ -131,7 +131,8 @@ impl Scene {
         self.run_from(None, &mut Sight(watch))
     }
 
-    /// Runs the scene from its start or from a checkpoint, to its horizon or until the watcher stops.
+    /// Runs the scene from its start or from a checkpoint, to its horizon or until the watcher
+    /// stops.
     ///
     /// A run that is resumed has the samples, the counts and the bits of a whole one.
     ///
@@ -358,7 +359,8 @@ impl Run {
         self.samples.temperatures.get(n * sample..n * (sample + 1)).unwrap_or_default()
     }
 
-    /// Of each step in which things met, at most [`limits::IMPACTS`](crate::limits::IMPACTS) of them.
+    /// Of each step in which things met, at most [`limits::IMPACTS`](crate::limits::IMPACTS) of
+    /// them.
     pub fn impacts(&self) -> &[Impacts] {
         &self.samples.impacts
     }
@@ -422,8 +424,8 @@ impl Run {
         write_file(&folder.join("player.html"), |out| player::write(self, out))
     }
 
-    /// Writes `trajectory.pvd` and the files that it names, for ParaView, into a folder, which is made
-    /// where it is missing.
+    /// Writes `trajectory.pvd` and the files that it names, for ParaView, into a folder, which is
+    /// made where it is missing.
     pub fn write_vtk(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         vtk::write(self, folder.as_ref())
     }

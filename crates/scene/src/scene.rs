@@ -206,8 +206,8 @@ impl Scene {
         self.contact.as_ref()
     }
 
-    /// Its particles: those that are written out, in the file's order, then the vertices of nets and of
-    /// solids; or the centres of its bodies, then their points.
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets
+    /// and of solids; or the centres of its bodies, then their points.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
     }

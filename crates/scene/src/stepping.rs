@@ -21,8 +21,8 @@ use crate::{BodyShape, Fault, Scene, check, limits};
 /// How a scene is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stepping {
-    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in the
-    /// plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
+    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in
+    /// the plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
     Equal(Method),
     /// Steps that the method chooses, for an error of at most `tolerance` a step, relative to the
     /// scene's size and speed.
@@ -34,16 +34,16 @@ pub enum Stepping {
     },
     /// Rods held by their forces.
     Constrained(Constrained),
-    /// The lowest modes about the place where the scene comes to rest, in closed form; of heat about
-    /// what it comes to in the end.
+    /// The lowest modes about the place where the scene comes to rest, in closed form; of heat
+    /// about what it comes to in the end.
     LinearModes {
         /// How many, besides rigid motions and the constant.
         count: usize,
     },
     /// Heat, in equal steps.
     Heat(HeatMethod),
-    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method is
-    /// named after.
+    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method
+    /// is named after.
     Bodies(BodyMethod),
 }
 

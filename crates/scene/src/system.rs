@@ -4,8 +4,8 @@
 //! M = diag(m_i)     V = uniform gravity + Newtonian gravity + springs + elastic bodies + touch
 //! ```
 //! Particles that are free come first, in the scene's order, D freedoms each; pinned ones have no
-//! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while it is
-//! held.
+//! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while
+//! it is held.
 
 use stationary_calculus::{
     Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
@@ -93,8 +93,8 @@ pub(crate) fn leading<const D: usize>(x: [f64; 3]) -> [f64; D] {
 }
 
 impl Scene {
-    /// The scene as a problem of its dimension D, called `scene`: without drag and rods, which are no
-    /// part of a metric or a potential. It knows no true solution, and
+    /// The scene as a problem of its dimension D, called `scene`: without drag and rods, which are
+    /// no part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
         if !self.bodies.is_empty() {

@@ -1,4 +1,5 @@
-//! Elastic bodies in scenes: their mass, their rest, how they swing, and what their file may not say.
+//! Elastic bodies in scenes: their mass, their rest, how they swing, and what their file may not
+//! say.
 
 use stationary_calculus::{Covector, Potential};
 use stationary_scene::{Motion, Run, Scene, Stepping};
@@ -95,7 +96,8 @@ fn stretched_elements_of_every_shape_have_the_energy_of_their_strain() {
     }
 }
 
-/// The energy when drawn out by a tenth along the first axis, and the volume (the mass at density 1).
+/// The energy when drawn out by a tenth along the first axis, and the volume (the mass at density
+/// 1).
 fn stretched<const D: usize>(scene: &Scene) -> (f64, f64) {
     let problem = scene.problem::<D>().unwrap();
     let stretch = |(i, x): (usize, &f64)| if i % D == 0 { 1.1 * x } else { *x };

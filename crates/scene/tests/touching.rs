@@ -150,8 +150,8 @@ fn a_ball_on_a_stiff_spring_rebounds_like_a_ball_that_gets_impulses() {
     };
     let impulse = height("restitution = 1");
     let off = |stiffness: &str| (height(&format!("stiffness = {stiffness}")) - impulse).abs();
-    // It is late by the time of touch, pi sqrt(m/k), and at its highest where it should be: g/2 of that
-    // time squared is missing, a tenth at ten times the stiffness.
+    // It is late by the time of touch, pi sqrt(m/k), and at its highest where it should be: g/2 of
+    // that time squared is missing, a tenth at ten times the stiffness.
     let [soft, stiff] = [off("2e4"), off("2e5")];
     assert!((soft / 4.9e-3 - 1.0).abs() < 0.1, "{soft:e}");
     assert!(soft > 7.0 * stiff && soft < 14.0 * stiff, "{soft:e} {stiff:e}");
