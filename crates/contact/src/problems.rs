@@ -9,6 +9,7 @@
 //! | [`ball_in_corner`] | a ball flies into a right corner | each component turns back by c |
 //! | [`box_on_plane`] | a box lands on a hundred points at once | it stops, forces not unique |
 //! | [`listed_twice`] | a ball hits a wall that is listed twice | the wall counts once |
+//! | [`landing_pile`] | discs stacked in a triangle land, all at once | symmetric |
 //! | [`columns_of_boxes`], [`falling_boxes`] | boxes that stand or fall into a pile | they rest |
 
 #[cfg(feature = "3d")]
@@ -175,6 +176,29 @@ pub fn nine_ball_break() -> ImpactProblem {
         velocity,
         mirror: (0..centres.len()).flat_map(mirrored).collect(),
         momentum: vec![along(0), along(1)],
+    }
+}
+
+/// Discs that touch, stacked in a triangle `base` discs wide, land on the ground at 1 m/s without
+/// restitution.
+pub fn landing_pile(base: usize) -> ImpactProblem {
+    let step = 3.0_f64.sqrt() / 2.0;
+    let row = |r: usize| (0..base - r).map(move |k| [k as f64 + 0.5 * r as f64, step * r as f64]);
+    let centres: Vec<[f64; 2]> = (0..base).flat_map(row).collect();
+    let (mut rows, masses) = balls_of_the_plane(&centres, 0.5);
+    (0..base).for_each(|disc| rows.push([(2 * disc + 1, 1.0)]));
+    let twins = (0..base).flat_map(|r| {
+        let first = r * base - r * r.saturating_sub(1) / 2;
+        (0..base - r).map(move |k| first + base - r - 1 - k)
+    });
+    ImpactProblem {
+        name: "landing-pile",
+        restitution: vec![0.0; rows.len()],
+        rows,
+        velocity: centres.iter().flat_map(|_| [0.0, -1.0]).collect(),
+        mirror: twins.flat_map(|twin| [(2 * twin, -1.0), (2 * twin + 1, 1.0)]).collect(),
+        momentum: vec![(0..centres.len()).map(|disc| 2 * disc).collect()],
+        masses,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use stationary_calculus::{SplitMix64, Vector};
 use stationary_contact::problems::{
-    ImpactProblem, ball_in_corner, bernoulli_wedge, box_on_plane, listed_twice, newtons_cradle,
-    nine_ball_break, three_balls,
+    ImpactProblem, ball_in_corner, bernoulli_wedge, box_on_plane, landing_pile, listed_twice,
+    newtons_cradle, nine_ball_break, three_balls,
 };
 use stationary_contact::{ContactError, ImpactLaw, project};
 
@@ -70,6 +70,7 @@ fn reflections_keep_energy_and_momentum_to_1e_minus_12_and_symmetry_in_every_imp
     problems.extend((1..=3).map(|moving| newtons_cradle(5, moving)));
     problems.extend([0.6, 0.9, 1.3].map(bernoulli_wedge));
     problems.extend([ball_in_corner().with_restitution(1.0), listed_twice()]);
+    problems.push(landing_pile(4).with_restitution(1.0));
     for problem in problems {
         let v = after(ImpactLaw::GeneralizedReflections, &problem);
         let energy = problem.kinetic_energy(&problem.velocity);
@@ -79,6 +80,17 @@ fn reflections_keep_energy_and_momentum_to_1e_minus_12_and_symmetry_in_every_imp
         if problem.asymmetry(&problem.velocity) == 0.0 {
             assert!(problem.asymmetry(&v) < 1e-12, "{}: {}", problem.name, problem.asymmetry(&v));
         }
+    }
+}
+
+#[test]
+fn a_pile_that_lands_is_stopped_at_once_and_stays_symmetric() {
+    for base in 2..6 {
+        let pile = landing_pile(base);
+        let v = after(ImpactLaw::Inelastic, &pile);
+        assert_eq!((pile.asymmetry(&pile.velocity), pile.velocity.len()), (0.0, base * (base + 1)));
+        assert!(pile.asymmetry(&v) < 1e-13 && distance(&v, &pile.velocity) > 0.5);
+        assert!(pile.impact().unwrap().approach(Vector(&v)) < 1e-13);
     }
 }
 
