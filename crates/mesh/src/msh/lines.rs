@@ -53,7 +53,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The next line, which must be there.
-    pub(super) fn expect(&mut self, expected: &'static str) -> Result<Words<'_>, MshError> {
+    pub(super) fn required(&mut self, expected: &'static str) -> Result<Words<'_>, MshError> {
         if self.next()?.is_none() {
             let found = "the end of the file".to_owned();
             return Err(MshError::Unexpected { line: self.number, expected, found });
@@ -62,8 +62,8 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The next line, which must be this one.
-    pub(super) fn expect_line(&mut self, line: &'static str) -> Result<(), MshError> {
-        let words = self.expect(line)?;
+    pub(super) fn required_line(&mut self, line: &'static str) -> Result<(), MshError> {
+        let words = self.required(line)?;
         if words.line == line { Ok(()) } else { Err(words.unexpected(line, words.line)) }
     }
 

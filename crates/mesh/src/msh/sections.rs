@@ -58,12 +58,12 @@ fn pass_over(lines: &mut Lines<impl BufRead>) -> Result<(), MshError> {
     let name = words.line.strip_prefix('$').filter(|name| !name.starts_with("End"));
     let Some(name) = name else { return Err(words.unexpected("a section", words.line)) };
     let end = format!("$End{name}");
-    while lines.expect("the end of the section")?.line != end {}
+    while lines.required("the end of the section")?.line != end {}
     Ok(())
 }
 
 fn format(lines: &mut Lines<impl BufRead>) -> Result<Version, MshError> {
-    let mut words = lines.expect("a version")?;
+    let mut words = lines.required("a version")?;
     let version = match words.word("a version")? {
         "2.2" => Version::Two,
         "4.1" => Version::Four,
@@ -78,7 +78,7 @@ fn format(lines: &mut Lines<impl BufRead>) -> Result<Version, MshError> {
     }
     words.number::<u64>("the size of numbers")?;
     words.end()?;
-    lines.expect_line("$EndMeshFormat")?;
+    lines.required_line("$EndMeshFormat")?;
     Ok(version)
 }
 
@@ -88,7 +88,7 @@ fn announced(
     lines: &mut Lines<impl BufRead>,
     what: &'static str,
 ) -> Result<[u64; 2], MshError> {
-    let mut words = lines.expect(what)?;
+    let mut words = lines.required(what)?;
     let counts = match version {
         Version::Two => [0, words.number(what)?],
         Version::Four => {
@@ -112,7 +112,7 @@ fn nodes(
     match version {
         Version::Two => {
             for _ in 0..count {
-                let mut words = lines.expect("a node")?;
+                let mut words = lines.required("a node")?;
                 number(&mut numbers, &mut words)?;
                 msh.nodes.push(place(&mut words, 0)?);
             }
@@ -133,7 +133,7 @@ fn node_block(
     numbers: &mut Numbers,
     msh: &mut Msh,
 ) -> Result<(), MshError> {
-    let mut words = lines.expect("a block of nodes")?;
+    let mut words = lines.required("a block of nodes")?;
     let dimension = dimension(&mut words)?;
     let parameters = match words.number("0 or 1, for parameters")? {
         0 => 0,
@@ -143,12 +143,12 @@ fn node_block(
     let count: u64 = words.number("a number of nodes")?;
     words.end()?;
     for _ in 0..count {
-        let mut words = lines.expect("a node's tag")?;
+        let mut words = lines.required("a node's tag")?;
         number(numbers, &mut words)?;
         words.end()?;
     }
     for _ in 0..count {
-        msh.nodes.push(place(&mut lines.expect("a node's place")?, parameters)?);
+        msh.nodes.push(place(&mut lines.required("a node's place")?, parameters)?);
     }
     Ok(())
 }
@@ -193,7 +193,7 @@ fn elements(
     match version {
         Version::Two => {
             for _ in 0..count {
-                let mut words = lines.expect("an element")?;
+                let mut words = lines.required("an element")?;
                 words.number::<u64>("an element's tag")?;
                 let kind = words.number("a type of element")?;
                 let tags: u64 = words.number("a number of tags")?;
@@ -206,13 +206,13 @@ fn elements(
         }
         Version::Four => {
             for _ in 0..blocks {
-                let mut words = lines.expect("a block of elements")?;
+                let mut words = lines.required("a block of elements")?;
                 dimension(&mut words)?;
                 let kind = words.number("a type of element")?;
                 let count: u64 = words.number("a number of elements")?;
                 words.end()?;
                 for _ in 0..count {
-                    let mut words = lines.expect("an element")?;
+                    let mut words = lines.required("an element")?;
                     words.number::<u64>("an element's tag")?;
                     msh.add(kind, &mut words, numbers)?;
                     found += 1;
@@ -229,7 +229,7 @@ fn finish(
     end: &'static str,
     [announced, found]: [u64; 2],
 ) -> Result<(), MshError> {
-    lines.expect_line(end)?;
+    lines.required_line(end)?;
     let line = lines.current().number;
     if announced == found { Ok(()) } else { Err(MshError::Count { line, what, announced, found }) }
 }
