@@ -158,6 +158,21 @@ pub struct Entry<'a> {
 }
 
 impl Entry<'_> {
+    /// A study under this heading, in which nothing was found yet.
+    pub fn heading(&self) -> Study {
+        Study {
+            id: self.id,
+            krate: self.krate,
+            chapter: self.chapter,
+            kind: self.kind,
+            title: self.title.to_owned(),
+            conclusion: String::new(),
+            table: Table::new([]),
+            charts: Vec::new(),
+            claims: Vec::new(),
+        }
+    }
+
     /// Runs the study and checks that it is the one which the list announces.
     ///
     /// # Errors

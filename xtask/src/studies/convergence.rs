@@ -89,11 +89,6 @@ fn study<M: Metric, P: Potential, const N: usize>(
     }
     let chart = chart.slope(1.0, (1e-3, 1e-1)).slope(2.0, (1e-2, 3e-6)).slope(4.0, (1e-2, 3e-10));
     Ok(Study {
-        id: entry.id,
-        krate: entry.krate,
-        chapter: entry.chapter,
-        kind: entry.kind,
-        title: entry.title.into(),
         conclusion: format!(
             "The largest error along {motion}, against the step. Halving the step halves the error \
              of a method of order 1, quarters that of order 2, and divides that of RK4 by 16, until \
@@ -103,5 +98,6 @@ fn study<M: Metric, P: Potential, const N: usize>(
         table,
         charts: vec![chart.into()],
         claims,
+        ..entry.heading()
     })
 }

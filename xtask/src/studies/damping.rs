@@ -209,11 +209,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         charts.push(map.into());
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A unit mass on a spring of 1 N/m with drag, {STEPS} steps. Where drag enters by the \
              discrete principle, on the mean velocity of the step, the border of Störmer-Verlet stays \
@@ -225,5 +220,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..STUDY.heading()
     })
 }

@@ -64,11 +64,6 @@ fn study() -> Result<Study, StudyError> {
     let floor =
         |rows: &stationary_calculus::Differences| rows.floor().map_or(f64::NAN, |row| row.centred);
     Ok(Study {
-        id: FIGURE_2_1.id,
-        krate: FIGURE_2_1.krate,
-        chapter: FIGURE_2_1.chapter,
-        kind: FIGURE_2_1.kind,
-        title: FIGURE_2_1.title.into(),
         conclusion: format!(
             "Finite differences of q/|q| against its differential. Where the differential is right, \
              the error of a forward difference falls with slope 1 and that of a centred one with \
@@ -98,5 +93,6 @@ fn study() -> Result<Study, StudyError> {
                 (1e-6, 1e-3),
             ),
         ],
+        ..FIGURE_2_1.heading()
     })
 }

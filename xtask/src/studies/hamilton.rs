@@ -132,11 +132,6 @@ fn impulse_limit() -> Result<Study, StudyError> {
     .slope(1.0, (0.05, 0.035))
     .slope(2.0, (0.05, 5e-5));
     Ok(Study {
-        id: IMPULSE_LIMIT.id,
-        krate: IMPULSE_LIMIT.krate,
-        chapter: IMPULSE_LIMIT.chapter,
-        kind: IMPULSE_LIMIT.kind,
-        title: IMPULSE_LIMIT.title.into(),
         conclusion: "An oscillator is struck once: by an impulse, which splits a step, or by a \
                      parabolic bump of force with the same integral. As the bump narrows, the two \
                      motions approach each other with slope 1, because the bump acts half its \
@@ -146,6 +141,7 @@ fn impulse_limit() -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..IMPULSE_LIMIT.heading()
     })
 }
 
@@ -326,11 +322,6 @@ fn boundary_value() -> Result<Study, StudyError> {
         claims.push(Claim::number(text, "1", ratio, (0.999, 1.001)));
     }
     Ok(Study {
-        id: BOUNDARY_VALUE.id,
-        krate: BOUNDARY_VALUE.krate,
-        chapter: BOUNDARY_VALUE.chapter,
-        kind: BOUNDARY_VALUE.kind,
-        title: BOUNDARY_VALUE.title.into(),
         conclusion: "Motions that start at the lowest point, found again from both of their ends. \
                      The action's differential is zero on each, but only a motion shorter than \
                      half a period is a minimum of it. At every point conjugate to the start, \
@@ -341,6 +332,7 @@ fn boundary_value() -> Result<Study, StudyError> {
         table,
         charts: vec![index.into(), bends.into()],
         claims,
+        ..BOUNDARY_VALUE.heading()
     })
 }
 

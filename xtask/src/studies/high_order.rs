@@ -197,11 +197,6 @@ fn orders<M: Metric, P: Potential, const N: usize>(
     }
     let chart = chart.slope(4.0, (1e-2, 1e-8)).slope(6.0, (3e-2, 1e-10)).slope(8.0, (6e-2, 1e-11));
     Ok(Study {
-        id: entry.id,
-        krate: entry.krate,
-        chapter: entry.chapter,
-        kind: entry.kind,
-        title: entry.title.into(),
         conclusion: format!(
             "The largest error along {motion}, against the step. Compositions of one order differ by \
              a factor of a hundred and more in the size of their error: the longer their steps \
@@ -211,5 +206,6 @@ fn orders<M: Metric, P: Potential, const N: usize>(
         table,
         charts: vec![chart.into()],
         claims,
+        ..entry.heading()
     })
 }

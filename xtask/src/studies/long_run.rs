@@ -76,11 +76,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         with_slopes(chart("Place", "largest error", &courses, |worst| worst.error)),
     ];
     Ok(Study {
-        id: KEPLER.id,
-        krate: KEPLER.krate,
-        chapter: KEPLER.chapter,
-        kind: KEPLER.kind,
-        title: KEPLER.title.into(),
         conclusion: format!(
             "An orbit of eccentricity 0.6 in {STEPS} steps, {orbits} times. The energy of symplectic \
              methods, and of the trapezoid rule, which is conjugate to one, oscillates and stays; \
@@ -92,6 +87,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         claims: claims(&courses, orbits),
         charts,
+        ..KEPLER.heading()
     })
 }
 

@@ -176,11 +176,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         charts.push(map.into());
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "A stiff spring of angular frequency ω coupled to soft ones of frequency \
                      about 1, 1200 steps. Störmer-Verlet ends at h ω = 2. The trigonometric \
                      methods take steps that are longer than the fast oscillation, but a kick \
@@ -194,5 +189,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..STUDY.heading()
     })
 }

@@ -166,11 +166,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         ),
     ];
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A net of 4 x 4 particles, held at two corners and let go in drag of 20 kg/s, over \
              {HORIZON} s: it creeps, while each particle forgets its speed in a millisecond. The \
@@ -183,5 +178,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![counted.into(), timed.into()],
         claims,
+        ..STUDY.heading()
     })
 }

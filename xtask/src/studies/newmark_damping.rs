@@ -152,11 +152,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table.push(row);
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "The part of an undamped oscillation that is left after each step. \
                      Generalized alpha leaves slow oscillations alone and takes the fast ones \
                      down to the radius that it is given; Newmark's own damping does so at the \
@@ -168,6 +163,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into(), chart_of_ringing.into()],
         claims,
+        ..STUDY.heading()
     })
 }
 

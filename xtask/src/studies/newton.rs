@@ -72,11 +72,6 @@ fn wrong_derivatives() -> Result<Study, StudyError> {
         ),
     ];
     Ok(Study {
-        id: WRONG_DERIVATIVES.id,
-        krate: WRONG_DERIVATIVES.krate,
-        chapter: WRONG_DERIVATIVES.chapter,
-        kind: WRONG_DERIVATIVES.kind,
-        title: WRONG_DERIVATIVES.title.into(),
         conclusion: "One implicit Euler step of a pendulum, solved to rounding with a derivative \
                      that is off by a factor. A small error costs nothing, an error of a tenth \
                      doubles the work, and a derivative wrong by half still finds the root: the \
@@ -86,6 +81,7 @@ fn wrong_derivatives() -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..WRONG_DERIVATIVES.heading()
     })
 }
 
@@ -136,11 +132,6 @@ fn initial_guesses() -> Result<Study, StudyError> {
         ),
     ];
     Ok(Study {
-        id: INITIAL_GUESSES.id,
-        krate: INITIAL_GUESSES.krate,
-        chapter: INITIAL_GUESSES.chapter,
-        kind: INITIAL_GUESSES.kind,
-        title: INITIAL_GUESSES.title.into(),
         conclusion:
             "The same step from guesses near and far. A small step has one root, and the line \
              search finds it from every guess in the table. A large step has several: an implicit \
@@ -150,5 +141,6 @@ fn initial_guesses() -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..INITIAL_GUESSES.heading()
     })
 }

@@ -88,11 +88,6 @@ fn study() -> Result<Study, StudyError> {
         claims.push(Claim::number(text, formula, ratio, (factor - 1e-12, factor + 1e-12)));
     }
     Ok(Study {
-        id: ONE_STEP.id,
-        krate: ONE_STEP.krate,
-        chapter: ONE_STEP.chapter,
-        kind: ONE_STEP.kind,
-        title: ONE_STEP.title.into(),
         conclusion:
             "The motion of a unit mass on a unit spring flows clockwise along circles. One \
                      step of 0.8 rad from the same state: explicit Euler follows the arrow at \
@@ -103,5 +98,6 @@ fn study() -> Result<Study, StudyError> {
         table,
         charts: vec![portrait.into()],
         claims,
+        ..ONE_STEP.heading()
     })
 }

@@ -137,11 +137,6 @@ fn linear(size: Size) -> Result<Study, StudyError> {
         }
     }
     Ok(Study {
-        id: OSCILLATOR.id,
-        krate: OSCILLATOR.krate,
-        chapter: OSCILLATOR.chapter,
-        kind: OSCILLATOR.kind,
-        title: OSCILLATOR.title.into(),
         conclusion: format!(
             "A unit mass on a spring, {STEPS} steps. Symplectic methods survive below h ω = 2, RK4 \
              below 2√2, explicit Euler nowhere: where it seems to, its growth is too slow to be \
@@ -151,6 +146,7 @@ fn linear(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..OSCILLATOR.heading()
     })
 }
 
@@ -240,11 +236,6 @@ fn nonlinear(size: Size) -> Result<Study, StudyError> {
         charts.push(map.into());
     }
     Ok(Study {
-        id: SPRING_PENDULUM.id,
-        krate: SPRING_PENDULUM.krate,
-        chapter: SPRING_PENDULUM.chapter,
-        kind: SPRING_PENDULUM.kind,
-        title: SPRING_PENDULUM.title.into(),
         conclusion: format!(
             "A unit mass on a stiff spring of unit length, let go sideways, {STEPS} steps; the swing \
              turns at up to {SWING:.2} rad/s. Linear theory says that all three methods survive \
@@ -260,5 +251,6 @@ fn nonlinear(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..SPRING_PENDULUM.heading()
     })
 }

@@ -263,11 +263,6 @@ fn run(size: Size) -> Result<Study, StudyError> {
         charts.push(map.border("|R| = 1", border(drawn)).into());
     }
     Ok(Study {
-        id: REGIONS.id,
-        krate: REGIONS.krate,
-        chapter: REGIONS.chapter,
-        kind: REGIONS.kind,
-        title: REGIONS.title.into(),
         conclusion: format!(
             "y' = λ y, {STEPS} steps of h, the upper half of the plane of h λ (the lower is its mirror \
              image). The explicit method keeps bounded what decays at a rate of up to about six a \
@@ -279,5 +274,6 @@ fn run(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..REGIONS.heading()
     })
 }

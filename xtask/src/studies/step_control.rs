@@ -148,11 +148,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         charts.push(work(e, &planet, size, &mut claims)?.into());
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "Störmer-Verlet at equal cost, with steps that are equal, proportional to \
                      |q|^(3/2) at each step's start, and proportional to it reversibly. Short \
                      steps near the sun are worth a great deal on an eccentric orbit; but \
@@ -163,6 +158,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..STUDY.heading()
     })
 }
 

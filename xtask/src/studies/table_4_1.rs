@@ -111,11 +111,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, course));
     }
     Ok(Study {
-        id: TABLE.id,
-        krate: TABLE.krate,
-        chapter: TABLE.chapter,
-        kind: TABLE.kind,
-        title: TABLE.title.into(),
         conclusion: "The notes' table 4.1 beside what each method does. Where they part: \
                      RK4 is stable up to h ω = 2√2, loses energy slowly, does not keep angular \
                      momentum, and the error of its oscillator grows linearly; the trapezoid rule \
@@ -128,6 +123,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.slope(1.0, (20.0, 2e-3)).into()],
         claims,
+        ..TABLE.heading()
     })
 }
 

@@ -255,11 +255,6 @@ pub(super) fn study<M: Metric, P: Potential, C: Storage>(
         (0.0, 0.1),
     ));
     Ok(Study {
-        id: entry.id,
-        krate: entry.krate,
-        chapter: entry.chapter,
-        kind: entry.kind,
-        title: entry.title.into(),
         conclusion: format!(
             "The largest error over {}, against what it costs: lower and further left is better, \
              and the marked line joins the runs that no other run beats. By counted work {}. A \
@@ -270,5 +265,6 @@ pub(super) fn study<M: Metric, P: Potential, C: Storage>(
         table,
         charts: vec![counted.into(), timed.into()],
         claims,
+        ..entry.heading()
     })
 }

@@ -91,11 +91,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         .with(Series::new("RATTLE, sparse multipliers", walls))
         .slope(1.0, (100.0, 1e-4));
     Ok(Study {
-        id: CHAIN_COST.id,
-        krate: CHAIN_COST.krate,
-        chapter: CHAIN_COST.chapter,
-        kind: CHAIN_COST.kind,
-        title: CHAIN_COST.title.into(),
         conclusion: format!(
             "Links that turn by up to a hundredth of a radian a step. The multipliers' matrix \
              couples neighbours only, and elimination leaves it so: in this run the time of a step \
@@ -105,5 +100,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..CHAIN_COST.heading()
     })
 }

@@ -150,11 +150,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
             chart.with(Series::new(name, points))
         });
     Ok(Study {
-        id: ACCELERATION_DRIFT.id,
-        krate: ACCELERATION_DRIFT.krate,
-        chapter: ACCELERATION_DRIFT.chapter,
-        kind: ACCELERATION_DRIFT.kind,
-        title: ACCELERATION_DRIFT.title.into(),
         conclusion: "Here the constraint is differentiated twice and solved for the acceleration, \
                      as many engines do. Nothing then remembers the rod's length, and it drifts. \
                      Gains pull it back, critically damped; too small they are loose, and above \
@@ -164,5 +159,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into(), map.into()],
         claims,
+        ..ACCELERATION_DRIFT.heading()
     })
 }

@@ -92,16 +92,12 @@ fn study() -> Result<Study, StudyError> {
         claims.push(Claim::words(case, expected, outcome));
     }
     Ok(Study {
-        id: WHERE_THEY_FAIL.id,
-        krate: WHERE_THEY_FAIL.krate,
-        chapter: WHERE_THEY_FAIL.chapter,
-        kind: WHERE_THEY_FAIL.kind,
-        title: WHERE_THEY_FAIL.title.into(),
         conclusion: "Each failure is an error of its own kind, and leaves the state as it was. No \
                      case returns numbers that only look like an answer."
             .into(),
         table,
         charts: Vec::new(),
         claims,
+        ..WHERE_THEY_FAIL.heading()
     })
 }

@@ -188,11 +188,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(way, costs));
     }
     Ok(Study {
-        id: FOUR_BAR.id,
-        krate: FOUR_BAR.krate,
-        chapter: FOUR_BAR.chapter,
-        kind: FOUR_BAR.kind,
-        title: FOUR_BAR.title.into(),
         conclusion: "A crank goes round and drags a rocker to and fro. After three revolutions, \
                      whose time follows from energy alone, it must be where it began. One angle \
                      describes the closed loop here, because its geometry can be solved; three \
@@ -201,5 +196,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..FOUR_BAR.heading()
     })
 }

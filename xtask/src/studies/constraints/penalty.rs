@@ -104,11 +104,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         .with(Series::new("largest violation at h ω = 0.2", held))
         .slope(-1.0, (1e4, 1e-3));
     Ok(Study {
-        id: PENALTY_STABILITY.id,
-        krate: PENALTY_STABILITY.krate,
-        chapter: PENALTY_STABILITY.chapter,
-        kind: PENALTY_STABILITY.kind,
-        title: PENALTY_STABILITY.title.into(),
         conclusion: "A pendulum whose rod is a spring of stiffness k, stepped by Stormer-Verlet. \
                      The largest stable step, predicted from the stiffness alone, is where the map \
                      ends. A hundred times the stiffness holds a hundred times better, and costs \
@@ -117,5 +112,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![map.into(), hold.into()],
         claims,
+        ..PENALTY_STABILITY.heading()
     })
 }

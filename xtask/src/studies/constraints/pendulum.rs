@@ -221,11 +221,6 @@ fn ways(size: Size) -> Result<Study, StudyError> {
         }
     }
     Ok(Study {
-        id: PENDULUM_WAYS.id,
-        krate: PENDULUM_WAYS.krate,
-        chapter: PENDULUM_WAYS.chapter,
-        kind: PENDULUM_WAYS.kind,
-        title: PENDULUM_WAYS.title.into(),
         conclusion: "Each way steps the same pendulum over one period, against its elliptic \
                      functions. RATTLE and the angle with the mean of both ends lie on one line: \
                      they make the same discrete action stationary, one from outside and one from \
@@ -240,6 +235,7 @@ fn ways(size: Size) -> Result<Study, StudyError> {
             against_cost.into(),
         ],
         claims,
+        ..PENDULUM_WAYS.heading()
     })
 }
 
@@ -295,11 +291,6 @@ fn energy(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(way.name(), marks));
     }
     Ok(Study {
-        id: PENDULUM_ENERGY.id,
-        krate: PENDULUM_ENERGY.krate,
-        chapter: PENDULUM_ENERGY.chapter,
-        kind: PENDULUM_ENERGY.kind,
-        title: PENDULUM_ENERGY.title.into(),
         conclusion: format!(
             "A large swing with steps of {STEP} s. Whatever comes from a discrete action keeps its \
              energy near, at order 1 or 2, for as long as one looks. The projection takes a little \
@@ -308,5 +299,6 @@ fn energy(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..PENDULUM_ENERGY.heading()
     })
 }

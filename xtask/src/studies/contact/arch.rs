@@ -171,11 +171,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart.into(),
     ];
     Ok(Study {
-        id: MASONRY_ARCH.id,
-        krate: MASONRY_ARCH.krate,
-        chapter: MASONRY_ARCH.chapter,
-        kind: MASONRY_ARCH.kind,
-        title: MASONRY_ARCH.title.into(),
         conclusion:
             "Eleven wedges lean on each other in a half circle and are let go. With enough \
                      friction nothing moves; without it the springings slide apart and the crown \
@@ -186,5 +181,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..MASONRY_ARCH.heading()
     })
 }

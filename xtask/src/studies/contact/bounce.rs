@@ -84,11 +84,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(when.name(), points));
     }
     Ok(Study {
-        id: BOUNCING_BALL.id,
-        krate: BOUNCING_BALL.krate,
-        chapter: BOUNCING_BALL.chapter,
-        kind: BOUNCING_BALL.kind,
-        title: BOUNCING_BALL.title.into(),
         conclusion: "A ball falls from a metre and rebounds to 0.64 of it. An impulse at the \
                      instant of the impact gives that height at any step; one after the overlap, \
                      or one before it, is off by as much as the ball falls in a step."
@@ -96,5 +91,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..BOUNCING_BALL.heading()
     })
 }

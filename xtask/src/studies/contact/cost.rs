@@ -105,11 +105,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         }
     }
     Ok(Study {
-        id: DETECTION_COST.id,
-        krate: DETECTION_COST.krate,
-        chapter: DETECTION_COST.chapter,
-        kind: DETECTION_COST.kind,
-        title: DETECTION_COST.title.into(),
         conclusion: format!(
             "Discs at one to a square metre and balls at one to a cubic metre, everything moving, \
              the hierarchy refitted in each step. Pairs left to look at grow with the number of \
@@ -120,5 +115,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..DETECTION_COST.heading()
     })
 }

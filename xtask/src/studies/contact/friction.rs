@@ -84,11 +84,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Claim::number("residual of Coulomb's law, m/s", "below 1e-10", residual, (0.0, 1e-10)),
     ];
     Ok(Study {
-        id: FRICTION_THRESHOLD.id,
-        krate: FRICTION_THRESHOLD.krate,
-        chapter: FRICTION_THRESHOLD.chapter,
-        kind: FRICTION_THRESHOLD.kind,
-        title: FRICTION_THRESHOLD.title.into(),
         conclusion: "A block is let go on an incline. Below the angle whose tangent is the \
                      friction it stays, above it accelerates with g (sin - mu cos), and it never \
                      leaves the plane: staggered projections do not lift what slides."
@@ -96,5 +91,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..FRICTION_THRESHOLD.heading()
     })
 }

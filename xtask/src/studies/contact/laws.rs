@@ -144,11 +144,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         claims.push(Claim::number(claim, "below 1e-12", worst[1], (0.0, ROUNDING)));
     }
     Ok(Study {
-        id: IMPACT_LAWS.id,
-        krate: IMPACT_LAWS.krate,
-        chapter: IMPACT_LAWS.chapter,
-        kind: IMPACT_LAWS.kind,
-        title: IMPACT_LAWS.title.into(),
         conclusion: "Newton's cradles, the three balls of 11.5, a ball between two others, a rack \
                      of nine, a corner, and a wall that is listed twice. Only generalized \
                      reflections keep all of energy, momentum and symmetry, do not care in which \
@@ -159,5 +154,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![cradle.into()],
         claims,
+        ..IMPACT_LAWS.heading()
     })
 }

@@ -114,11 +114,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         .with(Series::new("deepest overlap at h ω = 0.01", depths))
         .slope(-0.5, (1e4, 1.3e-2));
     Ok(Study {
-        id: CONTACT_PENALTY.id,
-        krate: CONTACT_PENALTY.krate,
-        chapter: CONTACT_PENALTY.chapter,
-        kind: CONTACT_PENALTY.kind,
-        title: CONTACT_PENALTY.title.into(),
         conclusion: "A ball of 1 kg flies at 1 m/s into a wall of springs, stepped by \
                      Stormer-Verlet, from seven distances. Beyond h ω = 2 with ω the root of k/m, \
                      one kick throws it out faster than it came. A hundred times the stiffness \
@@ -127,5 +122,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![map.into(), depth.into()],
         claims,
+        ..CONTACT_PENALTY.heading()
     })
 }

@@ -118,11 +118,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         quality = quality.with(Series::new(name, lefts));
     }
     Ok(Study {
-        id: PILE_SOLVERS.id,
-        krate: PILE_SOLVERS.krate,
-        chapter: PILE_SOLVERS.chapter,
-        kind: PILE_SOLVERS.kind,
-        title: PILE_SOLVERS.title.into(),
         conclusion: "Discs stacked in a triangle land on the ground all at once, without \
                      restitution. Gauss-Seidel and Jacobi solve one contact at a time, and their \
                      work grows with nearly the square of the number of contacts; the projection \
@@ -135,5 +130,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![cost.into(), quality.into()],
         claims,
+        ..PILE_SOLVERS.heading()
     })
 }

@@ -107,11 +107,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Claim::number("most thicknesses in a step", "1e5", largest, (0.99e5, 1.01e5)),
     ];
     Ok(Study {
-        id: TUNNELLING.id,
-        krate: TUNNELLING.krate,
-        chapter: TUNNELLING.chapter,
-        kind: TUNNELLING.kind,
-        title: TUNNELLING.title.into(),
         conclusion:
             "A particle flies straight at a plate from forty starts. Looked at only at the \
                      ends of steps, it is missed as soon as it moves more than a thickness a step, \
@@ -121,5 +116,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![map.into()],
         claims,
+        ..TUNNELLING.heading()
     })
 }

@@ -94,11 +94,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
     let predicted = 1.0 / 3.0_f64.sqrt();
     let measured = critical(lame)?;
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "The force on a column against its stretch. Saint Venant-Kirchhoff resists ever more up to \
              the stretch 1/sqrt 3 = 0.577 and ever less beyond: at stretch zero nothing resists, and an \
@@ -122,5 +117,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
                     .join(", "),
             ),
         ],
+        ..STUDY.heading()
     })
 }

@@ -74,11 +74,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         Axis::linear("speed / speed of long waves", ""),
     );
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "Waves on a bar of linear elements. With lumped mass they fall behind, with Galerkin's they \
              run ahead, by the same to leading order: at ten cells a wave {:.2} % and {:.2} %. The shortest \
@@ -109,5 +104,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
                 (1.72, 1.74),
             ),
         ],
+        ..STUDY.heading()
     })
 }

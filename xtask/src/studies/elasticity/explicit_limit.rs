@@ -141,11 +141,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let (least, most) =
         shares.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "Stormer-Verlet on a square of rubber with lumped mass, disturbed by {DISTURBED:e} of \
              its side and given up when it moves by {LOST:e}. The largest step that survives is \
@@ -172,5 +167,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 (0.97, 1.03),
             ),
         ],
+        ..STUDY.heading()
     })
 }

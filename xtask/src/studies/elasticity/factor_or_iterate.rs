@@ -176,11 +176,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let crossed = crossing(&costs, |cost| cost.multiplications).unwrap_or(f64::NAN);
     let gap = costs.iter().map(|cost| cost.gap).fold(0.0, f64::max);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "One step of Newton's method for a cube of rubber, clamped at one side: by Cholesky's \
              factor in an order of nested dissection, and by conjugate gradients with the blocks \
@@ -227,5 +222,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 (0.2, 0.45),
             ),
         ],
+        ..STUDY.heading()
     })
 }

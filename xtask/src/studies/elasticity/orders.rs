@@ -156,11 +156,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         strains = strains.with(Series::new(family.name, strain));
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "A displacement in waves is chosen, the load that makes it the answer follows, and \
                      elements look for it. Halving the cells of linear elements divides the error of the \
                      displacement by four and that of the strain by two; of quadratic ones by eight and \
@@ -173,5 +168,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
             strains.slope(1.0, (0.05, 0.2)).slope(2.0, (0.05, 4e-3)).into(),
         ],
         claims,
+        ..STUDY.heading()
     })
 }

@@ -82,11 +82,6 @@ fn membrane(_: Size) -> Result<Study, StudyError> {
         _ => f64::NAN,
     };
     Ok(Study {
-        id: MEMBRANE.id,
-        krate: MEMBRANE.krate,
-        chapter: MEMBRANE.chapter,
-        kind: MEMBRANE.kind,
-        title: MEMBRANE.title.into(),
         conclusion: "A quarter of an elliptic ring of steel, 0.1 m thick, pulled outward by 10 MPa: the \
                      stress at the end of the inner long axis, where NAFEMS gives 92.7 MPa. Stress is \
                      taken at the quadrature points, continued to the nodes and averaged. Linear \
@@ -115,6 +110,7 @@ fn membrane(_: Size) -> Result<Study, StudyError> {
                 (3.0, 20.0),
             ),
         ],
+        ..MEMBRANE.heading()
     })
 }
 
@@ -163,11 +159,6 @@ fn cantilever(size: Size) -> Result<Study, StudyError> {
     }
     let slope = |points: &[(f64, f64)]| loglog_slope(points).unwrap_or(f64::NAN);
     Ok(Study {
-        id: CANTILEVER.id,
-        krate: CANTILEVER.krate,
-        chapter: CANTILEVER.chapter,
-        kind: CANTILEVER.kind,
-        title: CANTILEVER.title.into(),
         conclusion: format!(
             "A beam ten times as long as high, clamped and pushed at its tip, against quadratic \
              triangles on a mesh of {fine} cells across. One layer of quadratic triangles bends better \
@@ -197,6 +188,7 @@ fn cantilever(size: Size) -> Result<Study, StudyError> {
                 (0.0, 1.0),
             ),
         ],
+        ..CANTILEVER.heading()
     })
 }
 
@@ -228,11 +220,6 @@ fn locking(_: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, points));
     }
     Ok(Study {
-        id: LOCKING.id,
-        krate: LOCKING.krate,
-        chapter: LOCKING.chapter,
-        kind: LOCKING.kind,
-        title: LOCKING.title.into(),
         conclusion: "The beam in plane strain, 40 x 4 cells, as Poisson's ratio goes to one half. Linear \
                      triangles that are all cut alike keep each its own area, which leaves them next to \
                      no way to bend; cut in turn, four around a vertex find one. Quadratic triangles \
@@ -255,5 +242,6 @@ fn locking(_: Size) -> Result<Study, StudyError> {
                 (0.95, 1.05),
             ),
         ],
+        ..LOCKING.heading()
     })
 }

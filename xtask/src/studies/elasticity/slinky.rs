@@ -148,11 +148,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         charts.push(chart.into());
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "A band hangs from a hand and is let go. The upper end falls at once; the lower one \
                      does not know yet, and hovers until a wave has run down the band. At a stretch s \
                      the wave runs at sqrt(c2 (3 s^2 - 1)/(2 rho)) per rest length, and the band's own sag \
@@ -164,5 +159,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts,
         claims,
+        ..STUDY.heading()
     })
 }

@@ -206,11 +206,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     }
     let [narrow, flat] = [ends[0], ends[1]];
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A square of linear triangles, {ACROSS} along its lower side and ever more rows of \
              ever thinner ones. Narrow triangles, which keep a right angle, lose nothing: the \
@@ -250,5 +245,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 (1.6, 2.2),
             ),
         ],
+        ..STUDY.heading()
     })
 }

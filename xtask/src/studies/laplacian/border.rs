@@ -132,11 +132,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     };
     let slope = loglog_slope(&borders).unwrap_or(f64::NAN);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "Explicit heat of diffusivity {ALPHA} m^2/s on the unit interval, {STEPS} steps from \
              random values. The border is 2 / (alpha lambda) for the largest eigenvalue, the \
@@ -181,5 +176,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 (1.099, 1.101),
             ),
         ],
+        ..STUDY.heading()
     })
 }

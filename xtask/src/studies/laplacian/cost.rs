@@ -126,11 +126,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     claims.push(Claim::number("thirty-two modes are off by less than", "1e-6", few.1, (0.0, 1e-6)));
     push(&mut table, &mut chart, "exact, few modes", points);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A square of {n} x {n} cells, one half of it warm, after {TIME} s, against the discrete \
              Laplacian's exact flow. Explicit steps are cheap but must be short; implicit Euler \
@@ -142,6 +137,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.mark_front().into()],
         claims,
+        ..STUDY.heading()
     })
 }
 

@@ -143,11 +143,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         (0.0, 0.1),
     ));
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "The largest error of the distance to one vertex, and the estimate that is given with \
              it. The estimate compares two heat times and the edges next to the source, and was \
@@ -159,5 +154,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![by_size.into(), by_time.into()],
         claims,
+        ..STUDY.heading()
     })
 }

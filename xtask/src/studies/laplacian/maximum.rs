@@ -134,11 +134,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         |text: &str, low: f64| Claim::number(text, "more than 1e-4", low, (1e-4, f64::INFINITY));
     let kept = |text: &str, low: f64| Claim::number(text, "below 1e-14", low, (0.0, 1e-14));
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "A spike of heat on a torus, and on a sheet, that are sheared more and more. \
                      Nothing may turn colder than zero. On the torus implicit Euler with lumped \
                      mass keeps that once the edges are Delaunay, however bad the triangles were: \
@@ -161,5 +156,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
             broken("at a boundary Delaunay edges alone break it, by", bounded[1]),
             kept("with the boundary's sides split they keep it there too: by", bounded[4]),
         ],
+        ..STUDY.heading()
     })
 }

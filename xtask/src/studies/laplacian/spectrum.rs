@@ -130,11 +130,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     )
     .with(Series::new("off", points.into_iter().map(|(k, off)| (k, off.max(1e-18)))));
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "Eigenvalues of linear elements against n^2 pi^2 (with the pi that the notes \
                      leave out), sums of two of these, squared zeros of Bessel's functions and \
                      l (l + 1). All fall with the square of the mesh size, whether what is \
@@ -145,5 +140,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.slope(2.0, (0.05, 2e-3)).into(), discrete.into()],
         claims,
+        ..STUDY.heading()
     })
 }

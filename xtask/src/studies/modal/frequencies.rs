@@ -160,11 +160,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
     let refined = refined(&mut table, &mut claims).map_err(StudyError::at("refined beams"))?;
     let beams = theories(&mut table, &mut claims).map_err(StudyError::at("beams"))?;
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: "The fourth frequency of a bar held at one end, and of a block whose faces slide, \
                      against those of waves: linear elements come closer with the square of the size of \
                      a cell, quadratic ones with its fourth power, and Galerkin's mass always from above. \
@@ -177,6 +172,7 @@ fn study(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![waves.into(), refined.into(), beams.into()],
         claims,
+        ..STUDY.heading()
     })
 }
 

@@ -70,11 +70,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, points));
     }
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A chain of {masses} masses between two walls, pushed everywhere or in the middle, and \
              the error of the middle's displacement with the lowest modes only. A load that reaches \
@@ -83,5 +78,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.slope(-3.0, (10.0, 3e-5)).slope(-1.0, (10.0, 0.15)).into()],
         claims,
+        ..STUDY.heading()
     })
 }

@@ -46,11 +46,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
     let small: Vec<_> = points.iter().copied().filter(|(amplitude, _)| *amplitude < 0.3).collect();
     let within = points.iter().filter(|(_, error)| *error <= 0.01).map(|p| p.0).fold(0.0, f64::max);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A pendulum over one period, by its one mode, against Jacobi's elliptic functions. The \
              true period is longer by a sixteenth of the amplitude's square, and the mode runs ahead \
@@ -78,5 +73,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
                 (0.1, 0.2),
             ),
         ],
+        ..STUDY.heading()
     })
 }

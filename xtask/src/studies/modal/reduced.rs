@@ -215,11 +215,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let enough = first.map_or(f64::NAN, |(count, _)| *count as f64);
     let promised = least.map_or(f64::NAN, |least| least as f64);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A clamped sheet of {} freedoms, pushed at a corner of its tip from the first moment on, over \
              two periods of its lowest mode in {FRAMES} frames, against all its modes. {enough} modes are \
@@ -258,5 +253,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 (0.8, 2.2),
             ),
         ],
+        ..STUDY.heading()
     })
 }

@@ -197,11 +197,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
     let closer = factors.fold(f64::INFINITY, f64::min);
     let farthest = found.first().map_or(f64::NAN, |(_, errors)| 100.0 * errors[2]);
     Ok(Study {
-        id: STUDY.id,
-        krate: STUDY.krate,
-        chapter: STUDY.chapter,
-        kind: STUDY.kind,
-        title: STUDY.title.into(),
         conclusion: format!(
             "A clamped sheet, ten times as long as high, starts at rest with the velocity of its lowest \
              mode and swings for half a period, against the whole body of {} freedoms with large turns. \
@@ -237,5 +232,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
                 (10.0, 1e4),
             ),
         ],
+        ..STUDY.heading()
     })
 }

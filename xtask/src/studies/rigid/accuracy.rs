@@ -112,11 +112,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         .into_iter()
         .fold(Lines::new("Errors", axes.0, axes.1), |c, (name, p)| c.with(Series::new(name, p)));
     Ok(Study {
-        id: ACCURACY.id,
-        krate: ACCURACY.krate,
-        chapter: ACCURACY.chapter,
-        kind: ACCURACY.kind,
-        title: ACCURACY.title.into(),
         conclusion: "Against references of 120 digits exp, log, the differential T and its derivative \
              err by rounding at every angle from 1e-300 to beyond three whole turns. The closed form \
              of T cancels at small angles: of what distinguishes it from the identity nothing is left \
@@ -126,5 +121,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..ACCURACY.heading()
     })
 }

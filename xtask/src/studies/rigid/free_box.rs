@@ -97,11 +97,6 @@ fn long_run(size: Size) -> Result<Study, StudyError> {
         claims.extend(kept(method, &marks, survived)?);
     }
     Ok(Study {
-        id: LONG_RUN.id,
-        krate: LONG_RUN.krate,
-        chapter: LONG_RUN.chapter,
-        kind: LONG_RUN.kind,
-        title: LONG_RUN.title.into(),
         conclusion: format!(
             "A free box of half sizes 0.1, 0.2 and 0.3 m that starts at (1, 2, 3) rad/s, in \
              steps of 10 ms, {steps} times. The maps that turn orientation and momentum by one \
@@ -113,6 +108,7 @@ fn long_run(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![energies.into(), momenta.into()],
         claims,
+        ..LONG_RUN.heading()
     })
 }
 
@@ -247,11 +243,6 @@ fn work_precision(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, points));
     }
     Ok(Study {
-        id: WORK_PRECISION.id,
-        krate: WORK_PRECISION.krate,
-        chapter: WORK_PRECISION.chapter,
-        kind: WORK_PRECISION.kind,
-        title: WORK_PRECISION.title.into(),
         conclusion: "The same box over 5 s, its attitude against Jacobi's elliptic functions. Per \
              torque the methods of order 2 are ahead only at the coarsest accuracies; what they \
              buy is the long run. The exact drift has no error here, where no torque acts: it is \
@@ -260,5 +251,6 @@ fn work_precision(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..WORK_PRECISION.heading()
     })
 }

@@ -108,11 +108,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         .with(Series::new("Euler angles", euler))
         .with(Series::new("group", group));
     Ok(Study {
-        id: GIMBAL_LOCK.id,
-        krate: GIMBAL_LOCK.krate,
-        chapter: GIMBAL_LOCK.chapter,
-        kind: GIMBAL_LOCK.kind,
-        title: GIMBAL_LOCK.title.into(),
         conclusion: format!(
             "A body turns steadily by half a turn, in {STEPS} steps of a Runge-Kutta method of \
              order 4, and on its way its first axis passes the vertical at some distance. The rates \
@@ -123,5 +118,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..GIMBAL_LOCK.heading()
     })
 }

@@ -95,11 +95,6 @@ fn nutation(_: Size) -> Result<Study, StudyError> {
         (1.0 - 1e-5, 1.0 + 1e-5),
     ));
     Ok(Study {
-        id: NUTATION.id,
-        krate: NUTATION.krate,
-        chapter: NUTATION.chapter,
-        kind: NUTATION.kind,
-        title: NUTATION.title.into(),
         conclusion: format!(
             "A top that spins at 60 rad/s is let go at a tilt of {low:.3} rad: it falls, and its spin \
              turns the fall round. Energy and two momenta bound the tilt by {high:.4} rad, and in {WATCHED} \
@@ -109,6 +104,7 @@ fn nutation(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![paths.into(), errors.into()],
         claims,
+        ..NUTATION.heading()
     })
 }
 
@@ -166,11 +162,6 @@ fn fourth_integral(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, marks));
     }
     Ok(Study {
-        id: KOVALEVSKAYA.id,
-        krate: KOVALEVSKAYA.krate,
-        chapter: KOVALEVSKAYA.chapter,
-        kind: KOVALEVSKAYA.kind,
-        title: KOVALEVSKAYA.title.into(),
         conclusion: format!(
             "A heavy top with moments 2 : 2 : 1 and its centre of mass across the third axis has a \
              fourth integral, which comes from no symmetry: no method keeps it to rounding. Over \
@@ -181,5 +172,6 @@ fn fourth_integral(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..KOVALEVSKAYA.heading()
     })
 }

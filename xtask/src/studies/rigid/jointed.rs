@@ -120,11 +120,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(motion, points));
     }
     Ok(Study {
-        id: JOINTED.id,
-        krate: JOINTED.krate,
-        chapter: JOINTED.chapter,
-        kind: JOINTED.kind,
-        title: JOINTED.title.into(),
         conclusion: format!(
             "A box with half sizes 0.1, 0.2 and 0.3 m hangs from a corner by a ball joint and turns \
              fast, for {TIME} s, by RATTLE. Between the joint's impulses it must move as a free body \
@@ -135,5 +130,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..JOINTED.heading()
     })
 }

@@ -101,11 +101,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(method.facts().name, points));
     }
     Ok(Study {
-        id: RACKET.id,
-        krate: RACKET.krate,
-        chapter: RACKET.chapter,
-        kind: RACKET.kind,
-        title: RACKET.title.into(),
         conclusion: format!(
             "A racket of moments 1 : 6 : 7 spins at {SPIN} rad/s about its middle axis, nearly. What \
              it is off grows like exp(a t), with a = {rate:.2} per second for the linear equations, and \
@@ -116,5 +111,6 @@ fn study(_: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..RACKET.heading()
     })
 }

@@ -181,11 +181,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, points));
     }
     Ok(Study {
-        id: RODS_OR_BODY.id,
-        krate: RODS_OR_BODY.krate,
-        chapter: RODS_OR_BODY.chapter,
-        kind: RODS_OR_BODY.kind,
-        title: RODS_OR_BODY.title.into(),
         conclusion: format!(
             "Four masses at the corners of an arrow head, thrown with a spin of {RATE} rad/s, fly for \
              {TIME} s. Stiff springs stretch under the spin by one over their stiffness, and their \
@@ -196,5 +191,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims,
+        ..RODS_OR_BODY.heading()
     })
 }
