@@ -20,7 +20,7 @@ use stationary_laplacian::{Dirichlet, Domain, Elements, Heat, HeatMethod};
 use stationary_mesh::{Mesh, cuboid, torus};
 use stationary_modal::{Linearized, RigidMotions};
 
-const TURNS: usize = 3;
+const TURNS: usize = 7;
 /// Cells of the cantilever along and across it.
 const CELLS: [usize; 3] = [82, 10, 10];
 const MODES: usize = 20;

@@ -147,11 +147,12 @@ pub(crate) fn orthonormal(mass: &SymmetricMatrix, columns: &[f64], independent: 
     let n = mass.dim();
     let mut basis = Basis::with_room(n, columns.len().checked_div(n).unwrap_or(0));
     for column in columns.chunks_exact(n.max(1)) {
-        let before = length(column, &times(mass, column));
         let mut x = column.to_vec();
-        basis.project_out(0, &mut x);
+        let shares = basis.project_out(0, &mut x);
         let moved = times(mass, &x);
         let after = length(&x, &moved);
+        // The column's own length, of which the shares and the rest are orthogonal parts.
+        let before = dot(&shares, &shares).sqrt().hypot(after);
         if after > independent * before {
             basis.push(&x, &moved, after);
         }

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use stationary_calculus::{SparseCholesky, SplitMix64, SymmetricMatrix};
 
 use crate::ModalError;
-use crate::dense::{Basis, length, times};
+use crate::dense::{Basis, dot, length, times};
 use crate::modes::Found;
 
 /// Vectors in a block.
@@ -118,16 +118,14 @@ impl<'a> Krylov<'a> {
         let mut block = Basis::with_room(n, width);
         let mut r = DMatrix::zeros(width, width);
         let room = n - basis.len() - self.locked.len();
-        let moved = times(self.mass, &columns);
-        let pairs = columns.chunks_exact(n).zip(moved.chunks_exact(n));
-        for (j, (column, moved)) in pairs.enumerate().take(room) {
-            let before = length(column, moved);
+        for (j, column) in columns.chunks_exact(n).enumerate().take(room) {
             let mut x = column.to_vec();
-            for (i, share) in block.project_out(0, &mut x).into_iter().enumerate() {
-                r[(i, j)] = share;
-            }
+            let shares = block.project_out(0, &mut x);
             let mut moved = times(self.mass, &x);
             let mut after = length(&x, &moved);
+            // The column's own length, of which the shares and the rest are orthogonal parts.
+            let before = dot(&shares, &shares).sqrt().hypot(after);
+            r.view_mut((0, j), (shares.len(), 1)).copy_from_slice(&shares);
             if after > LOST * before {
                 r[(block.len(), j)] = after;
             } else {

@@ -112,12 +112,14 @@ impl Vertices {
         Vertices { of, starts }
     }
 
-    /// Calls `see(row, column)` for each pair of vertices that a block couples, row >= column.
+    /// Calls `see(row, column)` for each two vertices that a block couples, row > column.
     fn coupled(&self, records: &[Record], mut see: impl FnMut(usize, usize)) {
         let mut pair = |(i, j): (u32, u32)| {
-            if i != NOWHERE && j != NOWHERE {
+            if i != j && i != NOWHERE && j != NOWHERE {
                 let (i, j) = (self.of[i as usize] as usize, self.of[j as usize] as usize);
-                see(i.max(j), i.min(j));
+                if i != j {
+                    see(i.max(j), i.min(j));
+                }
             }
         };
         for record in records {
@@ -205,6 +207,9 @@ impl Places<'_> {
         }
         let (row, column) = (i.max(j), i.min(j) as usize);
         let (start, end) = (self.starts[column], self.starts[column + 1]);
+        if i == j {
+            return start;
+        }
         let column = &self.rows[start as usize..end as usize];
         start + column.partition_point(|&r| r < row) as u32
     }

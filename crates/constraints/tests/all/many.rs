@@ -1,7 +1,5 @@
 //! Many equations: the sparse solvers against the dense one, and the work of a chain.
 
-#![cfg(feature = "sparse")]
-
 use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
 use stationary_constraints::problems::{
     RodProblem, chain, folded_chain, four_bar, square, writhing_chain,

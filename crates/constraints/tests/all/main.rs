@@ -1,0 +1,11 @@
+//! What holds of `stationary-constraints`, in one binary: what is generic is compiled once.
+
+mod bad_input;
+mod curved;
+mod facts;
+#[cfg(feature = "sparse")]
+mod many;
+mod multipliers;
+mod no_allocation;
+mod reduced;
+mod ways;

@@ -1,0 +1,19 @@
+//! What holds of `stationary-integrators`, in one binary: what is generic is compiled once.
+
+mod action;
+mod bad_input;
+mod facts;
+mod first_order_allocation;
+mod first_order_events;
+mod first_order_facts;
+mod first_order_runs;
+mod forces;
+mod gautschi;
+mod hamilton;
+mod long_momenta;
+mod newmark;
+mod no_allocation;
+mod noether;
+mod nystrom;
+mod orders;
+mod stability;

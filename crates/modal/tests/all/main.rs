@@ -1,0 +1,6 @@
+//! What holds of `stationary-modal`, in one binary: what is generic is compiled once.
+
+mod elastic;
+mod larger_motion;
+mod modes;
+mod rigid_motions;

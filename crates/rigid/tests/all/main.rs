@@ -1,0 +1,17 @@
+//! What holds of `stationary-rigid`, in one binary: what is generic is compiled once.
+
+mod bad_input;
+mod exponential;
+mod facts;
+mod forces;
+mod free_box;
+mod free_top;
+mod heavy_tops;
+mod jointed;
+mod joints;
+mod lie_groups;
+mod linkages;
+mod manifolds;
+mod planar;
+mod shapes;
+mod symmetries;
