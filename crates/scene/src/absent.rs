@@ -108,11 +108,11 @@ pub(crate) mod joint_steps {
         _: &'a [J],
         _: &State<Vec<f64>>,
     ) -> Made<'a> {
-        Err(AssemblyError::NoWay("joints"))
+        Err(AssemblyError::NotCompiled("joints"))
     }
 
     pub(crate) fn in_the_plane<'a, S, J>(_: &'a S, _: &'a [J], _: &State<Vec<f64>>) -> Made<'a> {
-        Err(AssemblyError::NoWay("joints"))
+        Err(AssemblyError::NotCompiled("joints"))
     }
 }
 
@@ -264,7 +264,7 @@ pub(crate) mod rest {
     }
 
     pub(crate) fn rest<const D: usize>(_: &SceneProblem<D>) -> Result<Rest, AssemblyError> {
-        Err(AssemblyError::NoWay("hung"))
+        Err(AssemblyError::NotCompiled("hung"))
     }
 }
 
@@ -274,7 +274,7 @@ pub(crate) mod sparse_steps {
 
     use crate::equal_steps::Equal;
     use crate::system::SceneProblem;
-    use crate::{AssemblyError, Built, limits};
+    use crate::{AssemblyError, limits};
 
     pub(crate) fn can_factor(freedoms: usize) -> bool {
         freedoms <= limits::FULL_MATRIX_FREEDOMS
@@ -284,7 +284,7 @@ pub(crate) mod sparse_steps {
         problem: &SceneProblem<D>,
         method: Method,
     ) -> Result<Equal<'_>, AssemblyError> {
-        Ok(Equal { integrator: method.integrator(&problem.system)?, built: Built::NOTHING })
+        Ok(Equal::without_solver(method.integrator(&problem.system)?))
     }
 
     pub(crate) fn held_back<const D: usize>(
@@ -293,6 +293,6 @@ pub(crate) mod sparse_steps {
         drag: Drag<Vec<f64>>,
     ) -> Result<Equal<'_>, AssemblyError> {
         let integrator = Newmark::with_force(&problem.system, weights, drag)?;
-        Ok(Equal { integrator: Box::new(integrator), built: Built::NOTHING })
+        Ok(Equal::without_solver(Box::new(integrator)))
     }
 }

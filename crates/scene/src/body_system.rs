@@ -17,7 +17,7 @@ use stationary_rigid::{
 use crate::equal_steps::Equal;
 use crate::steps::Steps;
 use crate::{
-    AssemblyError, Built, JointKind, RigidBody, Scene, SceneJoint, Stepping, joint_steps, touching,
+    AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping, joint_steps, touching,
 };
 
 /// What a run asks of bodies in space and in the plane alike.
@@ -70,7 +70,7 @@ impl BodySystem for InSpace {
         if !joints.is_empty() {
             return joint_steps::in_space(method, system, joints, initial);
         }
-        Ok(Box::new(Equal { integrator: method.integrator(system)?, built: Built::NOTHING }))
+        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
@@ -104,7 +104,7 @@ impl BodySystem for InThePlane {
         if !joints.is_empty() {
             return joint_steps::in_the_plane(system, joints, initial);
         }
-        Ok(Box::new(Equal { integrator: method.integrator(system)?, built: Built::NOTHING }))
+        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {

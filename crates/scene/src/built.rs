@@ -30,19 +30,6 @@ pub struct Built {
 }
 
 impl Built {
-    pub(crate) const NOTHING: Built = Built {
-        springs: 0,
-        elements: 0,
-        hinges: 0,
-        bodies: 0,
-        equations: 0,
-        gaps: 0,
-        colliders: 0,
-        heated: 0,
-        modes: 0,
-        sparse_solvers: 0,
-    };
-
     /// Every structure: the crate whose it is, its name, and how many there are.
     pub fn counts(self) -> [(&'static str, &'static str, u64); 10] {
         [

@@ -62,7 +62,7 @@ impl<'s> Equal<'s> {
         if !explicit && !few(problem.system.dim()) {
             return sparse_steps::equal(problem, method);
         }
-        Ok(Equal { integrator: method.integrator(&problem.system)?, built: Built::default() })
+        Ok(Equal::without_solver(method.integrator(&problem.system)?))
     }
 
     /// The integrator of a method that takes the force of drag.
@@ -78,8 +78,12 @@ impl<'s> Equal<'s> {
         if !few(system.dim()) {
             return sparse_steps::held_back(problem, weights, drag);
         }
-        let integrator = Box::new(Newmark::with_force(system, weights, drag)?);
-        Ok(Equal { integrator, built: Built::default() })
+        Ok(Equal::without_solver(Box::new(Newmark::with_force(system, weights, drag)?)))
+    }
+
+    /// The steps of an integrator that has no sparse solver.
+    pub(crate) fn without_solver(integrator: Box<dyn Integrator<Vec<f64>> + 's>) -> Self {
+        Equal { integrator, built: Built::default() }
     }
 }
 

@@ -123,9 +123,9 @@ pub enum AssemblyError {
     /// A body or a joint that cannot be.
     #[error(transparent)]
     Rigid(#[from] RigidError),
-    /// A method that steps nothing of what is compiled.
-    #[error("`{0}` steps nothing that is compiled: a cargo feature of the crate is missing")]
-    NoWay(&'static str),
+    /// A method or a word whose cargo feature is not on.
+    #[error("nothing is compiled for `{0}`")]
+    NotCompiled(&'static str),
 }
 
 /// A run that did not begin, or did not reach the horizon.

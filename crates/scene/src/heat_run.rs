@@ -90,7 +90,7 @@ impl Scene {
         let (shares, domain, mass, f) = made().map_err(AssemblyError::from)?;
         let state = State::new(f, Vec::new());
         let (shares, alpha) = (shares.masses(), body.diffusivity);
-        let built = Built { heated: body.simplices.len() as u64, ..Built::NOTHING };
+        let built = Built { heated: body.simplices.len() as u64, ..Built::default() };
         let (domain, mass) = (&domain, &mass);
         match self.stepping {
             Stepping::Heat(method) => {
@@ -161,7 +161,7 @@ impl Spectrum {
         let modes = lowest_modes(domain, mass, count + constant)?;
         // One for the modes, and one for what it comes to where something is held.
         let sparse_solvers = 1 + u64::from(held);
-        let built = Built { modes: modes.len() as u64, sparse_solvers, ..Built::NOTHING };
+        let built = Built { modes: modes.len() as u64, sparse_solvers, ..Built::default() };
         Ok(Spectrum { modes, steady, built })
     }
 

@@ -17,11 +17,11 @@ struct Gaps<const D: usize> {
 
 /// This way, where things touch and no springs push them apart.
 pub(crate) fn way<const D: usize>(scene: &Scene, _: &SceneProblem<D>) -> Chosen<D> {
-    let by_impulses = scene.contact().filter(|contact| contact.stiffness.is_none());
-    Ok(match (by_impulses, scene.gaps()?) {
-        (Some(contact), Some(gaps)) => Some(Box::new(Gaps { gaps, contact: contact.clone() })),
-        _ => None,
-    })
+    let Some(contact) = scene.contact().filter(|contact| contact.stiffness.is_none()) else {
+        return Ok(None);
+    };
+    let way = |gaps| -> Box<dyn Way<D>> { Box::new(Gaps { gaps, contact: contact.clone() }) };
+    Ok(scene.gaps()?.map(way))
 }
 
 impl<const D: usize> Way<D> for Gaps<D> {
@@ -57,6 +57,6 @@ impl<const D: usize> Steps for Impulses<'_, D> {
     }
 
     fn built(&self) -> Built {
-        Built { gaps: self.gaps as u64, ..Built::NOTHING }
+        Built { gaps: self.gaps as u64, ..Built::default() }
     }
 }

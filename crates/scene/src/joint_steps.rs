@@ -52,7 +52,7 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     initial: &State<Vec<f64>>,
 ) -> Made<'a> {
     let equations = joints.count();
-    let built = Built { equations: equations as u64, ..Built::NOTHING };
+    let built = Built { equations: equations as u64, ..Built::default() };
     if equations > FEW {
         let many = Many(Redundancy::LeastNorm);
         let rattle = Box::new(Rattle::along(motion, system, joints, initial, many)?);

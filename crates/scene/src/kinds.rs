@@ -16,7 +16,7 @@ pub(crate) struct Kind {
 /// What is neither heat nor bodies is particles.
 const KINDS: &[Kind] = &[
     #[cfg(feature = "laplacian")]
-    Kind { of: |scene| scene.heat.is_some(), check: Scene::check_flat, run: Scene::run_heat },
+    Kind { of: |scene| scene.heat.is_some(), check: Scene::check_particles, run: Scene::run_heat },
     #[cfg(feature = "rigid")]
     Kind {
         of: |scene| !scene.bodies.is_empty(),
@@ -25,7 +25,8 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-const PARTICLES: Kind = Kind { of: |_| true, check: Scene::check_flat, run: Scene::run_particles };
+const PARTICLES: Kind =
+    Kind { of: |_| true, check: Scene::check_particles, run: Scene::run_particles };
 
 impl Scene {
     /// Its kind.

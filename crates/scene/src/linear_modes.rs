@@ -58,7 +58,7 @@ impl LinearModes {
             ..StepReport::default()
         };
         let displacement = Vector(displacement);
-        let made = Built { modes: modes.len() as u64, sparse_solvers: 1, ..Built::NOTHING };
+        let made = Built { modes: modes.len() as u64, sparse_solvers: 1, ..Built::default() };
         let built = built + made;
         Ok(LinearModes { rest, modes, mass, displacement, velocity, prepared, built })
     }

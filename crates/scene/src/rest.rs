@@ -31,6 +31,6 @@ pub(crate) fn rest<const D: usize>(problem: &SceneProblem<D>) -> Result<Rest, As
     let newton = Newton { tolerance, ..Newton::default() };
     let solver = SparseSolver::new(metric, potential, &q)?;
     let report = Equilibrium::new(metric, potential, solver, newton)?.find(&mut q)?;
-    let built = Built { sparse_solvers: 1, ..Built::NOTHING };
+    let built = Built { sparse_solvers: 1, ..Built::default() };
     Ok(Rest { q, tolerance, newton: report.newton, built })
 }

@@ -43,7 +43,7 @@ impl<const D: usize> Way<D> for Held {
         let (system, initial) = (&problem.system, &problem.initial);
         let (rods, many) = (scene.constraint::<D>()?, Many::default());
         // The equations are solved by a sparse matrix of their own.
-        let built = Built { equations: rods.count() as u64, sparse_solvers: 1, ..Built::NOTHING };
+        let built = Built { equations: rods.count() as u64, sparse_solvers: 1, ..Built::default() };
         let kept: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's> = match *self {
             Held::Constrained(Constrained::Rattle) => {
                 let rattle = Rattle::new(system, rods, initial, many)?;

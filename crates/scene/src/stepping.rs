@@ -193,7 +193,7 @@ impl Scene {
     }
 
     /// An error where the scene's method cannot step its particles, or let its heat flow.
-    pub(crate) fn check_flat(&self) -> Result<(), Fault> {
+    pub(crate) fn check_particles(&self) -> Result<(), Fault> {
         let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
         let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
         let of_heat = match self.stepping {

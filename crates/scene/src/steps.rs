@@ -104,5 +104,5 @@ pub(crate) fn way<const D: usize>(
             return Ok(way);
         }
     }
-    Err(AssemblyError::NoWay(scene.stepping().name()))
+    Err(AssemblyError::NotCompiled(scene.stepping().name()))
 }

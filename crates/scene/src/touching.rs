@@ -75,7 +75,7 @@ macro_rules! steps_of {
             }
 
             fn built(&self) -> Built {
-                Built { colliders: self.colliders as u64, ..Built::NOTHING }
+                Built { colliders: self.colliders as u64, ..Built::default() }
             }
         }
     };
