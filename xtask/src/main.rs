@@ -236,7 +236,7 @@ fn run_file(
     let progress = if quiet { Progress::Hidden } else { Progress::Shown };
     let ending = run_job(&Job { file, out, start, series, progress, stop: &stop })?;
     if !quiet {
-        println!("{}\n{}", ending.summary, out.display());
+        println!("{}\n{}\n{}", ending.summary, ending.summary.built, out.display());
     }
     let Some(step) = ending.stopped else { return Ok(ExitCode::SUCCESS) };
     eprintln!("stopped after step {step}; the same command with --resume goes on");

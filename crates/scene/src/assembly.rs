@@ -11,9 +11,18 @@ use crate::particles::{self, Motion, Roster};
 use crate::scene::{Gravity, Scene, Timing};
 use crate::solids::Solids;
 use crate::{
-    Fault, bodies, check, contacts, heat, joints, nets, rods, solids, springs, stepping,
-    units::Units,
+    Fault, RigidBody, SceneJoint, bodies, check, contacts, features, heat, nets, rods, solids,
+    springs, stepping, units::Units,
 };
+
+/// What rigid bodies bring into a scene.
+#[derive(Default)]
+pub(crate) struct Moved {
+    pub(crate) bodies: Vec<RigidBody>,
+    pub(crate) joints: Vec<SceneJoint>,
+    /// Which of their points are joined in the picture.
+    pub(crate) edges: Vec<[usize; 2]>,
+}
 
 /// The scene that is declared. `name` stands for a title where there is none, `folder` is that of the
 /// scene's file.
@@ -27,10 +36,10 @@ pub(crate) fn assemble(
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
     check_what_is_there(declared)?;
+    features::check(declared)?;
     let stepping = stepping::declare(declared, dimension)?;
     let mut roster = Roster::default();
-    let (mut moving, edges) = bodies::declare(&mut roster, dimension, &declared.bodies)?;
-    let joints = joints::declare(dimension, &mut moving, &declared.joints)?;
+    let Moved { bodies, joints, edges } = bodies::declare(&mut roster, dimension, declared)?;
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
     }
@@ -39,10 +48,10 @@ pub(crate) fn assemble(
         heated.map(|heat| heat::declare(&mut roster, dimension, folder, heat)).transpose()?;
     let written_out = if heated.is_some() {
         0
-    } else if moving.is_empty() {
+    } else if bodies.is_empty() {
         roster.particles.len()
     } else {
-        moving.len()
+        bodies.len()
     };
     let mut links = Vec::new();
     for net in &declared.nets {
@@ -84,7 +93,7 @@ pub(crate) fn assemble(
         written_out,
         links,
         rods,
-        bodies: moving.into_iter().map(|declared| declared.body).collect(),
+        bodies,
         joints,
         solids: elastic.bodies,
         heat,

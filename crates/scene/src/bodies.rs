@@ -9,34 +9,12 @@
 
 use stationary_rigid::{Body, LieGroup, Rotation};
 
+use crate::assembly::Moved;
 use crate::body_shape::{self, Shaped};
-use crate::declaration::{BodyDeclaration, Turn};
+use crate::declaration::{BodyDeclaration, Declaration, Turn};
 use crate::diagnostic::{Checked, at};
 use crate::particles::{Motion, Particle, Roster};
-use crate::{BodyShape, Fault, check, limits};
-
-/// A rigid body. Vectors have three components; those that the plane does not have are zero.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RigidBody {
-    /// Its name; its points are called `name.0`, `name.1` and so on.
-    pub name: String,
-    /// Its mass.
-    pub mass: f64,
-    /// Its shape.
-    pub shape: BodyShape,
-    /// Its principal moments; in the plane the third, and the others are zero.
-    pub moments: [f64; 3],
-    /// Where its centre starts.
-    pub position: [f64; 3],
-    /// How it is turned at the start: axis times angle.
-    pub rotation: [f64; 3],
-    /// The velocity of its centre at the start.
-    pub velocity: [f64; 3],
-    /// Its angular velocity at the start, in body axes.
-    pub angular_velocity: [f64; 3],
-    /// The points that are followed, in body axes.
-    pub points: Vec<[f64; 3]>,
-}
+use crate::{BodyShape, Fault, RigidBody, check, joints, limits};
 
 /// A body with what only its declaration knows.
 #[derive(Clone, Debug)]
@@ -47,10 +25,21 @@ pub(crate) struct Declared {
 }
 
 /// Which of a body's points are joined in the picture.
-pub(crate) type Edges = Vec<[usize; 2]>;
+type Edges = Vec<[usize; 2]>;
+
+/// The bodies and joints that are declared, the points of bodies added to the roster.
+pub(crate) fn declare(
+    roster: &mut Roster,
+    dimension: usize,
+    declared: &Declaration,
+) -> Checked<Moved> {
+    let (mut bodies, edges) = add_bodies(roster, dimension, &declared.bodies)?;
+    let joints = joints::declare(dimension, &mut bodies, &declared.joints)?;
+    Ok(Moved { bodies: bodies.into_iter().map(|declared| declared.body).collect(), joints, edges })
+}
 
 /// Adds bodies to the roster, centres first; and the edges between their points.
-pub(crate) fn declare(
+fn add_bodies(
     roster: &mut Roster,
     dimension: usize,
     all: &[BodyDeclaration],

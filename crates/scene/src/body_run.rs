@@ -4,14 +4,14 @@ use nalgebra::Vector3;
 use stationary_integrators::{Saved, State};
 use stationary_rigid::BodyMotion;
 
-use crate::body_system::{BodySystem, Steps};
+use crate::body_system::BodySystem;
 use crate::checkpoint::{Before, CheckpointError};
 use crate::error::StepFailure;
 use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
 use crate::run::{BrokenRod, Run, Samples};
-use crate::stepper::Stepped;
-use crate::{Checkpoint, Motion, RunError, Scene};
+use crate::steps::{Stepped, Steps};
+use crate::{Built, Checkpoint, Motion, RunError, Scene};
 
 impl Scene {
     /// Runs a scene of bodies to its horizon, or until the watcher breaks off.
@@ -32,7 +32,7 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        let (steps, state) = (system.steps(self.stepping)?, system.initial().clone());
+        let (steps, state) = (system.steps(self)?, system.initial().clone());
         march(self, Bodies { scene: self, system, steps, state }, checkpoint, watcher)
     }
 
@@ -86,7 +86,7 @@ impl Scene {
 struct Bodies<'a, B> {
     scene: &'a Scene,
     system: &'a B,
-    steps: Steps<'a>,
+    steps: Box<dyn Steps + 'a>,
     /// Its own time, a sum of steps, is what joints remember it by.
     state: State<Vec<f64>>,
 }
@@ -96,8 +96,12 @@ impl<B: BodySystem> Moving for Bodies<'_, B> {
         &self.state
     }
 
-    fn step(&mut self, h: f64, _: f64) -> Result<Stepped, StepFailure> {
-        self.steps.step(&mut self.state, h)
+    fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure> {
+        self.steps.step(&mut self.state, h, to)
+    }
+
+    fn built(&self) -> Built {
+        Built { bodies: self.scene.bodies.len() as u64, ..self.steps.built() }
     }
 
     fn sample(&mut self, time: f64, samples: &mut Samples) {
@@ -117,7 +121,7 @@ impl<B: BodySystem> Moving for Bodies<'_, B> {
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        self.steps.load(&before.memory)?;
+        self.steps.load(before)?;
         self.state.clone_from(&before.state);
         Ok(())
     }

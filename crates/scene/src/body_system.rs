@@ -7,90 +7,26 @@
 //! ```
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{DiagonalMetric, Metric, Potential, Space, System};
-use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, Few, FreeMotion, Many, Rattle, Redundancy,
-    Straight,
-};
-use stationary_contact::{
-    Bodies, Collider, ImpactLaw, PlanarCollider, PlanarWorld, TouchingBodies,
-};
-use stationary_integrators::{Integrator, Saved, State, StepError, StepReport};
+use stationary_calculus::{DiagonalMetric, Metric, Potential, System};
+use stationary_integrators::State;
 use stationary_rigid::{
-    Attachment, AxisRotations, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace,
-    ConstantVelocity, ExactRotation, Free, FreeBodies, Joint, LieGroup, PlanarAttachment,
+    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, LieGroup, PlanarAttachment,
     PlanarJoint, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
-use crate::colliders::detector;
-use crate::error::StepFailure;
-use crate::stepper::Stepped;
-use crate::{AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping};
-
-/// What steps bodies.
-pub(crate) enum Steps<'a> {
-    /// A method, of bodies without joints.
-    Free(Box<dyn Integrator<Vec<f64>> + 'a>),
-    /// RATTLE, of bodies with joints.
-    Held(Box<dyn ConstrainedIntegrator<Vec<f64>> + 'a>),
-    /// Impacts and friction, of bodies that touch in space.
-    Touching(Box<TouchingBodies<'a, Load>>),
-    /// The same in the plane.
-    PlanarTouching(Box<PlanarWorld<PlanarLoad>>),
-}
-
-impl Steps<'_> {
-    /// Moves the state by a step.
-    pub(crate) fn step(
-        &mut self,
-        state: &mut State<Vec<f64>>,
-        h: f64,
-    ) -> Result<Stepped, StepFailure> {
-        match self {
-            Steps::Free(integrator) => Ok(Stepped::done(integrator.step(state, h)?)),
-            Steps::Held(rattle) => {
-                let differentials = rattle.step(state, h)?.differentials;
-                Ok(Stepped::done(StepReport { differentials, ..StepReport::default() }))
-            }
-            Steps::Touching(touching) => {
-                let met = touching.step(state, h)?;
-                Ok(Stepped::met(met.impacts, state.t))
-            }
-            Steps::PlanarTouching(world) => {
-                let met = world.step(state, h)?;
-                Ok(Stepped::met(met.impacts, state.t))
-            }
-        }
-    }
-
-    /// What the next steps depend on beside the state.
-    pub(crate) fn save(&self) -> Saved {
-        match self {
-            Steps::Free(integrator) => integrator.save(),
-            Steps::Held(rattle) => rattle.save(),
-            Steps::Touching(touching) => touching.save(),
-            Steps::PlanarTouching(world) => world.save(),
-        }
-    }
-
-    /// Takes back what was saved.
-    pub(crate) fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
-        match self {
-            Steps::Free(integrator) => integrator.load(saved),
-            Steps::Held(rattle) => rattle.load(saved),
-            Steps::Touching(touching) => touching.load(saved),
-            Steps::PlanarTouching(world) => world.load(saved),
-        }
-    }
-}
+use crate::equal_steps::Equal;
+use crate::steps::Steps;
+use crate::{
+    AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping, joint_steps, touching,
+};
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
     /// Where they start.
     fn initial(&self) -> &State<Vec<f64>>;
 
-    /// What steps them.
-    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError>;
+    /// What steps them in their scene.
+    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError>;
 
     /// Their kinetic and their potential energy.
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
@@ -101,39 +37,21 @@ pub(crate) trait BodySystem {
 
 /// Bodies in space.
 pub(crate) struct InSpace {
-    system: Bodies<Load>,
+    system: SpatialSystem,
     joints: Vec<Joint<Poses>>,
-    contact: Option<(Vec<Collider>, ImpactLaw)>,
     initial: State<Vec<f64>>,
 }
 
 type Load = (Option<Weight<Poses>>, Free);
 type PlanarLoad = (Option<PlanarWeight>, Free);
+pub(crate) type SpatialSystem = System<BodyMetric<Poses>, Load, Poses>;
+pub(crate) type PlanarSystem = System<DiagonalMetric<Vec<f64>>, PlanarLoad>;
 
 /// Bodies in the plane.
 pub(crate) struct InThePlane {
-    system: System<DiagonalMetric<Vec<f64>>, PlanarLoad>,
+    system: PlanarSystem,
     joints: Vec<PlanarJoint>,
-    contact: Option<(Vec<PlanarCollider>, ImpactLaw)>,
     initial: State<Vec<f64>>,
-}
-
-/// Equations up to which every one may depend on others, as in a planar loop of hinges.
-const FEW: usize = 24;
-
-/// RATTLE with a solver that fits the number of equations.
-fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
-    motion: impl FreeMotion<M, S> + Clone + 'a,
-    system: &'a System<M, P, S>,
-    joints: &'a K,
-    initial: &State<Vec<f64>>,
-) -> Result<Steps<'a>, ConstraintError> {
-    if joints.count() > FEW {
-        let many = Many(Redundancy::LeastNorm);
-        return Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, many)?)));
-    }
-    let few = Few::<FEW>(Redundancy::LeastNorm);
-    Ok(Steps::Held(Box::new(Rattle::along(motion, system, joints, initial, few)?)))
 }
 
 impl BodySystem for InSpace {
@@ -141,24 +59,18 @@ impl BodySystem for InSpace {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
-        let Stepping::Bodies(method) = method else {
+    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError> {
+        let Stepping::Bodies(method) = scene.stepping else {
             return Err(AssemblyError::Bodies);
         };
-        let InSpace { system, joints, contact, initial } = self;
-        if let Some((colliders, law)) = contact {
-            let detector = detector(colliders, system.metric().bodies().len(), &initial.q)?;
-            let touching = TouchingBodies::new(system, detector)?.with_law(*law);
-            return Ok(Steps::Touching(Box::new(touching)));
+        let InSpace { system, joints, initial } = self;
+        if let Some(contact) = &scene.contact {
+            return touching::in_space(scene, contact, system, initial);
         }
-        if joints.is_empty() {
-            return Ok(Steps::Free(method.integrator(system)?));
+        if !joints.is_empty() {
+            return joint_steps::in_space(method, system, joints, initial);
         }
-        Ok(match method {
-            BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, initial),
-            BodyMethod::ExactRotation => held(FreeBodies(ExactRotation), system, joints, initial),
-            _ => held(FreeBodies(ConstantVelocity), system, joints, initial),
-        }?)
+        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
@@ -181,19 +93,18 @@ impl BodySystem for InThePlane {
         &self.initial
     }
 
-    fn steps(&self, method: Stepping) -> Result<Steps<'_>, AssemblyError> {
-        let Stepping::Equal(method) = method else {
+    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError> {
+        let Stepping::Equal(method) = scene.stepping else {
             return Err(AssemblyError::Bodies);
         };
-        if let Some((colliders, law)) = &self.contact {
-            let detector = detector(colliders, self.system.dim() / 3, &self.initial.q)?;
-            let world = PlanarWorld::new(self.system.clone(), detector)?.with_law(*law);
-            return Ok(Steps::PlanarTouching(Box::new(world)));
+        let InThePlane { system, joints, initial } = self;
+        if let Some(contact) = &scene.contact {
+            return touching::in_the_plane(scene, contact, system, initial);
         }
-        if self.joints.is_empty() {
-            return Ok(Steps::Free(method.integrator(&self.system)?));
+        if !joints.is_empty() {
+            return joint_steps::in_the_plane(system, joints, initial);
         }
-        Ok(held(Straight, &self.system, &self.joints, &self.initial)?)
+        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
@@ -283,10 +194,6 @@ impl Scene {
         Ok(InSpace {
             system: metric.under((weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
-            contact: match &self.contact {
-                Some(contact) => Some((self.colliders(contact)?, contact.law)),
-                None => None,
-            },
             initial,
         })
     }
@@ -309,10 +216,6 @@ impl Scene {
         Ok(InThePlane {
             system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
-            contact: match &self.contact {
-                Some(contact) => Some((self.planar_colliders(contact)?, contact.law)),
-                None => None,
-            },
             initial: State::new(q, p),
         })
     }

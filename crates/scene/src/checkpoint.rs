@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 
 use crate::run::{BrokenRod, Impacts, Samples};
+use crate::upper::ConstraintError;
 use crate::{AssemblyError, Scene, WriteError, limits};
 use bytes::{Fnv, Reader, Writer};
 
@@ -84,7 +85,7 @@ pub enum CheckpointError {
     Adaptive(#[from] AdaptiveError),
     /// Rods that do not take what was saved.
     #[error("the checkpoint does not fit the rods: {0}")]
-    Rods(#[from] stationary_constraints::ConstraintError),
+    Rods(#[from] ConstraintError),
     /// A scene whose rods cannot be had.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

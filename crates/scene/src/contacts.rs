@@ -16,26 +16,12 @@ use stationary_contact::{
 use crate::declaration::{ContactDeclaration, Declaration};
 use crate::diagnostic::{Checked, at};
 use crate::system::{Vertices, leading};
-use crate::{Fault, Motion, Particle, Scene, check, limits};
+use crate::{
+    Built, Fault, Motion, Particle, Scene, SceneBall, SceneContact, SceneWall, check, limits,
+};
 
-/// How the things of a scene touch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneContact {
-    /// Separating over approaching speed, 0 to 1.
-    pub restitution: f64,
-    /// Coulomb's coefficient, between bodies.
-    pub friction: f64,
-    /// What happens where several contacts meet.
-    pub law: ImpactLaw,
-    /// At which moment particles are given impulses.
-    pub when: When,
-    /// The stiffness of springs that push particles apart, instead of impulses.
-    pub stiffness: Option<f64>,
-    /// Half-spaces that nothing enters: what is on the side of the normal is free.
-    pub walls: Vec<Wall<3>>,
-    /// Balls that nothing enters and nothing moves.
-    pub balls: Vec<FixedBall<3>>,
-}
+/// The springs that push apart particles which overlap.
+pub(crate) type Penalty<const D: usize> = OneSidedPenalty<Balls<D>>;
 
 /// The contact that is declared.
 pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Option<SceneContact>> {
@@ -82,12 +68,12 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Optio
         let normal = check::direction("the normal", dimension, &wall.normal)?;
         let place = check::vector("the wall's place", dimension, &wall.at)?;
         let offset = normal.iter().zip(&place).map(|(n, x)| n * x).sum();
-        Ok(Wall { normal, offset })
+        Ok(SceneWall { normal, offset })
     });
     let walls = walls.collect::<Checked<_>>()?;
     let balls = balls.iter().flatten().map(|ball| {
         let centre = check::vector("the ball's place", dimension, &ball.at)?;
-        Ok(FixedBall { centre, radius: check::positive("the radius", &ball.radius)? })
+        Ok(SceneBall { centre, radius: check::positive("the radius", &ball.radius)? })
     });
     let balls = balls.collect::<Checked<_>>()?;
     Ok(Some(SceneContact { restitution, friction, law, when, stiffness, walls, balls }))
@@ -112,11 +98,20 @@ impl Scene {
     /// The springs between particles that overlap, where they touch by springs.
     pub(crate) fn penalty<const D: usize>(
         &self,
-    ) -> Result<Option<OneSidedPenalty<Balls<D>>>, ContactError> {
-        match (self.contact.as_ref().and_then(|contact| contact.stiffness), self.gaps()?) {
-            (Some(stiffness), Some(gaps)) => Ok(Some(OneSidedPenalty::new(gaps, stiffness)?)),
-            _ => Ok(None),
-        }
+        built: &mut Built,
+    ) -> Result<Option<Penalty<D>>, ContactError> {
+        let Some(stiffness) = self.contact.as_ref().and_then(|contact| contact.stiffness) else {
+            return Ok(None);
+        };
+        let Some(gaps) = self.gaps::<D>()? else { return Ok(None) };
+        built.gaps += gaps.gaps(0.0, &self.coordinates::<D>(&Vertices::new(self))).len() as u64;
+        Ok(Some(OneSidedPenalty::new(gaps, stiffness)?))
+    }
+
+    /// The coordinates of the free particles at the start.
+    fn coordinates<const D: usize>(&self, vertices: &Vertices) -> Vec<f64> {
+        let place = |&particle: &usize| leading::<D>(self.particles[particle].position);
+        vertices.particles[..vertices.free].iter().flat_map(place).collect()
     }
 
     /// The gaps between the particles of a scene with contact, and to what is fixed.
@@ -129,7 +124,7 @@ impl Scene {
         let vertices = Vertices::new(self);
         let free = &vertices.particles[..vertices.free];
         let radii = free.iter().map(|&particle| self.particles[particle].radius).collect();
-        let flat = |wall: &Wall<3>| Wall { normal: leading(wall.normal), offset: wall.offset };
+        let flat = |wall: &SceneWall| Wall { normal: leading(wall.normal), offset: wall.offset };
         let walls = contact.walls.iter().map(flat).collect();
         let ball = |centre: [f64; 3], radius| FixedBall { centre: leading(centre), radius };
         let pinned = self.particles.iter().filter(|p| p.motion == Motion::Pinned && p.radius > 0.0);
@@ -170,8 +165,7 @@ impl Scene {
         let gaps = self.gaps::<D>().map_err(|error| Fault::Shape(error.to_string()))?;
         let Some(gaps) = gaps else { return Ok(()) };
         let vertices = Vertices::new(self);
-        let place = |&particle: &usize| leading::<D>(self.particles[particle].position);
-        let q: Vec<f64> = vertices.particles[..vertices.free].iter().flat_map(place).collect();
+        let q = self.coordinates::<D>(&vertices);
         let size = q.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
         let all = gaps.gaps(0.0, &q);
         let Some(first) = all.iter().position(|&gap| gap < -ROUNDING * size) else {

@@ -156,7 +156,7 @@ fn sides(dimension: usize) -> Vec<[usize; 4]> {
     across.into_iter().flat_map(pair).collect()
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "default"))]
 mod tests {
     use super::*;
 

@@ -10,7 +10,7 @@
 use nalgebra::SVector;
 use stationary_calculus::{Covector, Potential, Sink, Stencils};
 use stationary_elasticity::{
-    ElasticityError, FixedCorotated, Freedoms, Held, Hinge, Linear, LinearSegment,
+    ElasticityError, FixedCorotated, Freedoms, Held, Hinge, Lame, Linear, LinearSegment,
     LinearTetrahedron, LinearTriangle, Material, NeoHookean, Reference, SaintVenantKirchhoff,
     Solid, hinges,
 };
@@ -18,7 +18,7 @@ use stationary_mesh::Mesh;
 
 use crate::shape::Simplices;
 use crate::system::{Vertices, leading};
-use crate::{AssemblyError, ElasticBody, ElasticMaterial, Scene};
+use crate::{AssemblyError, Built, ElasticBody, ElasticMaterial, Scene};
 
 type Bar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 2, D, 1, 1>;
 type Sheet<M> = Solid<M, 3, 2, 2, 1>;
@@ -63,11 +63,44 @@ macro_rules! each {
     };
 }
 
+/// The parameters of a material with this Young's modulus and this Poisson's ratio.
+pub(crate) fn lame(young: f64, poisson: f64) -> Result<Lame<3>, ElasticityError> {
+    Lame::from_young_poisson(young, poisson)
+}
+
 /// All elastic bodies of a scene; there may be none.
 #[derive(Clone, Debug)]
 pub(crate) struct ElasticBodies {
     freedoms: usize,
     parts: Vec<Part>,
+}
+
+/// Elements that are counted where they are made.
+trait Counted {
+    fn count(&self, built: &mut Built);
+}
+
+impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize> Counted
+    for Solid<M, N, D, R, Q>
+{
+    fn count(&self, built: &mut Built) {
+        built.elements += self.elements() as u64;
+    }
+}
+
+impl Counted for Stencils<Hinge, 4, 3> {
+    fn count(&self, built: &mut Built) {
+        built.hinges += self.stencils().len() as u64;
+    }
+}
+
+impl ElasticBodies {
+    /// Counts the elements.
+    pub(crate) fn count(&self, built: &mut Built) {
+        for part in &self.parts {
+            each!(part, elements => elements.count(built));
+        }
+    }
 }
 
 impl Potential for ElasticBodies {

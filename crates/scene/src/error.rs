@@ -10,18 +10,14 @@
 use std::io;
 use std::path::PathBuf;
 
-use stationary_calculus::{
-    MetricError, NewtonError, NewtonFailure, SizeError, SparseError, UnknownVertex,
-};
-use stationary_constraints::ConstraintError;
-use stationary_contact::ContactError;
-use stationary_elasticity::{ElasticityError, SpringError};
+use stationary_calculus::{MetricError, NewtonError, NewtonFailure, SizeError, UnknownVertex};
 use stationary_integrators::{AdaptiveError, ControlError, ForceError, StepError};
-use stationary_laplacian::LaplacianError;
-use stationary_modal::ModalError;
-use stationary_rigid::RigidError;
 
-use crate::{CheckpointError, Diagnostic, Run, limits};
+use crate::upper::{
+    ConstraintError, ContactError, ElasticityError, LaplacianError, ModalError, RigidError,
+    SparseError, SpringError,
+};
+use crate::{CheckpointError, Diagnostic, Run, limits, rod_steps};
 
 /// A scene that cannot be had from a file or a text.
 #[derive(Debug, thiserror::Error)]
@@ -127,6 +123,9 @@ pub enum AssemblyError {
     /// A body or a joint that cannot be.
     #[error(transparent)]
     Rigid(#[from] RigidError),
+    /// A method or a word whose cargo feature is not on.
+    #[error("nothing is compiled for `{0}`")]
+    NotCompiled(&'static str),
 }
 
 /// A run that did not begin, or did not reach the horizon.
@@ -197,15 +196,6 @@ pub enum StepFailure {
     Laplacian(#[from] LaplacianError),
 }
 
-impl From<ConstraintError> for StepFailure {
-    fn from(error: ConstraintError) -> Self {
-        match error {
-            ConstraintError::Step(error) => StepFailure::Step(error),
-            other => StepFailure::Constraint(other),
-        }
-    }
-}
-
 /// A step that failed, where, and what was computed before.
 #[derive(Debug, thiserror::Error)]
 #[error("step {step}, from t = {time} {unit}: {}", self.reason())]
@@ -248,16 +238,10 @@ fn brief(error: &StepFailure) -> String {
     }
 }
 
-/// The equation of a constraint that cannot be held, which is the rod's place among those left.
+/// The rod's place among those left, where it is one that cannot be held.
 pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
     match error {
-        StepFailure::Constraint(
-            ConstraintError::Infeasible { row, .. }
-            | ConstraintError::InfeasibleVelocity { row, .. }
-            | ConstraintError::Singular { row, .. }
-            | ConstraintError::NotConverged { row, .. },
-        ) => Some(*row),
-        StepFailure::Constraint(ConstraintError::Dependent { row }) => *row,
+        StepFailure::Constraint(error) => rod_steps::equation(error),
         _ => None,
     }
 }

@@ -26,6 +26,16 @@ pub enum Fault {
         /// Every word that could stand here, where there are few.
         allowed: Vec<String>,
     },
+    /// A word of the vocabulary whose cargo feature is not on.
+    #[error(
+        "`{word}` needs the cargo feature `{feature}` of stationary-scene, which is not compiled"
+    )]
+    NotCompiled {
+        /// The word.
+        word: &'static str,
+        /// The feature.
+        feature: &'static str,
+    },
     /// A number that must be finite.
     #[error("{what} is {value}; it must be finite")]
     NotFinite {

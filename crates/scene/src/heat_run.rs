@@ -23,18 +23,18 @@ use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
 use crate::run::{BrokenRod, Run, Samples};
 use crate::shape::Simplices;
-use crate::stepper::Stepped;
+use crate::steps::Stepped;
 use crate::system::leading;
-use crate::{AssemblyError, Checkpoint, RunError, Scene, Stepping};
+use crate::{AssemblyError, Built, Checkpoint, RunError, Scene, Stepping};
 
 impl Scene {
     /// Runs a scene of heat to its horizon, or until the watcher breaks off.
     pub(crate) fn run_heat(
         &self,
-        body: &HeatedBody,
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
+        let Some(body) = &self.heat else { return Err(AssemblyError::Heat.into()) };
         match (&body.simplices, self.dimension) {
             (Simplices::Segments(all), 1) => {
                 self.flow(body, self.elements::<1, 2>(all)?, checkpoint, watcher)
@@ -90,6 +90,7 @@ impl Scene {
         let (shares, domain, mass, f) = made().map_err(AssemblyError::from)?;
         let state = State::new(f, Vec::new());
         let (shares, alpha) = (shares.masses(), body.diffusivity);
+        let built = Built { heated: body.simplices.len() as u64, ..Built::default() };
         let (domain, mass) = (&domain, &mass);
         match self.stepping {
             Stepping::Heat(method) => {
@@ -102,14 +103,16 @@ impl Scene {
                 let step =
                     StepReport { differentials: 1 + u32::from(implicit), ..StepReport::default() };
                 let way = Way::Steps(heat, step);
-                let flow = Flow { scene: self, shares, domain, way, prepared, state };
+                let built = Built { sparse_solvers: implicit.into(), ..built };
+                let flow = Flow { scene: self, shares, domain, way, prepared, built, state };
                 march(self, flow, checkpoint, watcher)
             }
             Stepping::LinearModes { count } => {
                 let known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
                 let exact = known.flow(mass, alpha, &state.q).map_err(AssemblyError::from)?;
                 let (way, prepared) = (Way::Modes(exact, &known.steady), known.prepared());
-                let flow = Flow { scene: self, shares, domain, way, prepared, state };
+                let built = built + known.built;
+                let flow = Flow { scene: self, shares, domain, way, prepared, built, state };
                 march(self, flow, checkpoint, watcher)
             }
             _ => Err(AssemblyError::Heat.into()),
@@ -125,6 +128,7 @@ struct Flow<'a, const K: usize> {
     domain: &'a Domain<K>,
     way: Way<'a>,
     prepared: StepReport,
+    built: Built,
     state: State<Vec<f64>>,
 }
 
@@ -140,6 +144,7 @@ enum Way<'a> {
 struct Spectrum {
     modes: Modes,
     steady: Vec<f64>,
+    built: Built,
 }
 
 impl Spectrum {
@@ -153,7 +158,11 @@ impl Spectrum {
         let steady =
             if held { domain.on_freedoms(&harmonic(domain)?)? } else { vec![0.0; domain.dim()] };
         let constant = usize::from(!held);
-        Ok(Spectrum { modes: lowest_modes(domain, mass, count + constant)?, steady })
+        let modes = lowest_modes(domain, mass, count + constant)?;
+        // One for the modes, and one for what it comes to where something is held.
+        let sparse_solvers = 1 + u64::from(held);
+        let built = Built { modes: modes.len() as u64, sparse_solvers, ..Built::default() };
+        Ok(Spectrum { modes, steady, built })
     }
 
     fn prepared(&self) -> StepReport {
@@ -195,6 +204,10 @@ impl<const K: usize> Moving for Flow<'_, K> {
 
     fn prepared(&self) -> StepReport {
         self.prepared
+    }
+
+    fn built(&self) -> Built {
+        self.built
     }
 
     fn sample(&mut self, time: f64, samples: &mut Samples) {

@@ -14,37 +14,12 @@ use std::collections::{HashMap, VecDeque};
 use nalgebra::Vector3;
 use toml::Spanned;
 
-use crate::bodies::{Declared, RigidBody, WORLD};
+use crate::bodies::{Declared, WORLD};
 use crate::declaration::JointDeclaration;
 use crate::diagnostic::{Checked, at};
 use crate::source::shortened;
 use crate::suggestion::nearest;
-use crate::{Fault, check};
-
-/// What a joint leaves free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointKind {
-    /// Every turn; in the plane the only one there is. Called `ball` in space, `pin` in the plane.
-    Ball,
-    /// Turns about an axis, in space.
-    Hinge,
-    /// Nothing. Called `fixed` in space, `weld` in the plane.
-    Fixed,
-}
-
-/// A joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneJoint {
-    /// What it leaves free.
-    pub kind: JointKind,
-    /// The bodies that it joins, by their place in [`Scene::bodies`](crate::Scene::bodies); `None`
-    /// is the world.
-    pub between: [Option<usize>; 2],
-    /// Where it is at the start.
-    pub place: [f64; 3],
-    /// The axis of a hinge at the start, of length one; else the third axis.
-    pub axis: [f64; 3],
-}
+use crate::{Fault, JointKind, RigidBody, SceneJoint, check};
 
 const IN_SPACE: [(&str, JointKind); 3] =
     [("ball", JointKind::Ball), ("hinge", JointKind::Hinge), ("fixed", JointKind::Fixed)];

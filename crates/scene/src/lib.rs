@@ -94,6 +94,25 @@
 //! assert!(error.unwrap_err().to_string().starts_with(expected));
 //! ```
 //!
+//! # Only what a scene names
+//!
+//! Each crate above the integrators is a cargo feature, all of them on by default. Without any, there
+//! are particles, gravity and drag.
+//!
+//! | feature | is needed for | turns on |
+//! | --- | --- | --- |
+//! | `constraints` | rods; with `rigid`, joints | |
+//! | `rigid` | bodies | |
+//! | `contact` | contact | `rigid` |
+//! | `elasticity` | springs, nets, solids | |
+//! | `modal` | the integrator `"linear-modes"`; with `elasticity`, solids that are hung | |
+//! | `laplacian` | heat | `modal` |
+//!
+//! A file is read alike under any of them: a word whose feature is not on is answered by
+//! [`Fault::NotCompiled`] at its place. The crate's public types are the same as well; of a method or
+//! an error whose crate is not compiled there is no value. [`Run::built`] says what a scene had built
+//! of what is compiled: what it does not name is zero.
+//!
 //! # A test of a scene is one line
 //!
 //! The summary has only the digits that another processor reproduces:
@@ -114,6 +133,9 @@
 //!
 //! The crate assembles and asks; it contains no mathematics of motion.
 
+// Without one of the features, what is there for its scenes alone is not used.
+#![cfg_attr(not(feature = "default"), allow(dead_code))]
+
 mod diagnostic;
 mod fault;
 mod error;
@@ -121,42 +143,77 @@ mod number;
 mod source;
 mod suggestion;
 
+mod upper;
+mod things;
 mod assembly;
-mod bodies;
 mod body_shape;
 mod check;
-mod contacts;
 mod declaration;
+mod features;
 mod heat;
-mod joints;
 mod mesh_file;
-mod nets;
 mod observable;
 mod particles;
 mod scene;
 mod rods;
 mod shape;
 mod solids;
-mod springs;
 mod stepping;
 mod units;
 
-mod elastic;
-mod linear_modes;
-mod rest;
-
-mod body_system;
-mod colliders;
-mod body_run;
-mod heat_run;
+mod adaptive_steps;
+mod built;
+mod equal_steps;
+mod kinds;
 mod march;
 mod particle_run;
 mod run;
-mod stepper;
 mod checkpoint;
-mod stepper_memory;
+mod steps;
 mod summary;
 mod system;
+
+// What a crate above the integrators is needed for, and what stands for it without.
+#[cfg(feature = "constraints")]
+mod rod_steps;
+#[cfg(feature = "rigid")]
+mod bodies;
+#[cfg(feature = "rigid")]
+mod body_run;
+#[cfg(feature = "rigid")]
+mod body_stepping;
+#[cfg(feature = "rigid")]
+mod body_system;
+#[cfg(feature = "rigid")]
+mod joints;
+#[cfg(all(feature = "rigid", feature = "constraints"))]
+mod joint_steps;
+#[cfg(feature = "contact")]
+mod contacts;
+#[cfg(feature = "contact")]
+mod impact_steps;
+#[cfg(feature = "contact")]
+mod touching;
+#[cfg(feature = "elasticity")]
+mod elastic;
+#[cfg(feature = "elasticity")]
+mod nets;
+#[cfg(feature = "elasticity")]
+mod springs;
+#[cfg(feature = "modal")]
+mod linear_modes;
+#[cfg(feature = "modal")]
+mod rest;
+#[cfg(feature = "laplacian")]
+mod heat_run;
+#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+mod sparse_steps;
+#[cfg(not(feature = "default"))]
+mod absent;
+// Of nothing, where all are there by their own names.
+#[cfg(not(feature = "default"))]
+#[allow(unused_imports)]
+use absent::*;
 
 mod csv;
 mod drawing;
@@ -172,15 +229,13 @@ mod walls;
 pub mod limits;
 pub mod problems;
 
-pub use bodies::RigidBody;
 pub use body_shape::BodyShape;
+pub use built::Built;
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use contacts::SceneContact;
 pub use diagnostic::{Diagnostic, Place};
 pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
 pub use fault::Fault;
 pub use heat::HeatedBody;
-pub use joints::{JointKind, SceneJoint};
 pub use march::{Watcher, Wish};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
@@ -189,8 +244,8 @@ pub use run::{BrokenRod, Impacts, Progress, Run};
 pub use scene::{Gravity, Scene, Timing};
 pub use shape::Simplices;
 pub use solids::{ElasticBody, ElasticMaterial};
-pub use springs::Link;
 pub use stepping::{Adaptive, Constrained, Stepping};
 pub use summary::Summary;
 pub use system::{ScenePotential, SceneProblem};
+pub use things::{JointKind, Link, RigidBody, SceneBall, SceneContact, SceneJoint, SceneWall};
 pub use units::Units;

@@ -8,37 +8,41 @@
 //! energy that a run writes down is that of the scene itself at q(t): where it is not constant, the
 //! motion is too large for its modes.
 
-use stationary_calculus::{Covector, Metric, SymmetricMatrix, Vector};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, SymmetricMatrix, Vector};
 use stationary_integrators::{State, StepReport};
 use stationary_modal::{Linearized, ModalError, Modes, Motion, RigidMotions};
 
+use crate::error::StepFailure;
 use crate::rest::{self, Rest};
+use crate::steps::{Chosen, Stepped, Steps, Way};
 use crate::system::SceneProblem;
-use crate::{AssemblyError, Scene, Stepping};
+use crate::{AssemblyError, Built, Scene, Stepping};
 
 /// The modes of a scene and its start among them.
-#[derive(Debug)]
-pub(crate) struct LinearModes {
+struct LinearModes {
     rest: Vec<f64>,
     modes: Modes,
     mass: SymmetricMatrix,
     displacement: Vector<Vec<f64>>,
     velocity: Vector<Vec<f64>>,
     prepared: StepReport,
+    built: Built,
 }
 
-impl Scene {
-    /// The modes by which the scene is moved, where it is.
-    pub(crate) fn linear_modes<const D: usize>(
-        &self,
-        problem: &SceneProblem<D>,
-    ) -> Result<Option<LinearModes>, AssemblyError> {
-        let Stepping::LinearModes { count } = self.stepping else {
-            return Ok(None);
-        };
+/// This way, of a scene that is moved by its modes.
+pub(crate) fn way<const D: usize>(scene: &Scene, problem: &SceneProblem<D>) -> Chosen<D> {
+    Ok(match scene.stepping {
+        Stepping::LinearModes { count } => Some(Box::new(LinearModes::of(problem, count)?)),
+        _ => None,
+    })
+}
+
+impl LinearModes {
+    /// So many modes of a problem, besides rigid motions.
+    fn of<const D: usize>(problem: &SceneProblem<D>, count: usize) -> Result<Self, AssemblyError> {
         let (system, initial) = (&problem.system, &problem.initial);
         let (metric, potential) = (system.metric(), system.potential());
-        let Rest { q: rest, tolerance, newton } = rest::rest(problem)?;
+        let Rest { q: rest, tolerance, newton, built } = rest::rest(problem)?;
         // The factor is for a tolerance that differs in its last digit.
         let mut near_rest = Linearized::at(metric, potential, &rest, 2.0 * tolerance)?;
         let rigid = RigidMotions::of_points::<D>(&near_rest, &rest)?;
@@ -54,45 +58,68 @@ impl Scene {
             ..StepReport::default()
         };
         let displacement = Vector(displacement);
-        Ok(Some(LinearModes { rest, modes, mass, displacement, velocity, prepared }))
+        let made = Built { modes: modes.len() as u64, sparse_solvers: 1, ..Built::default() };
+        let built = built + made;
+        Ok(LinearModes { rest, modes, mass, displacement, velocity, prepared, built })
     }
 }
 
-impl LinearModes {
-    /// What the rest and the modes took: a solve with a factor counts as a differential.
-    pub(crate) fn prepared(&self) -> StepReport {
+impl<const D: usize> Way<D> for LinearModes {
+    /// A solve with a factor counts as a differential.
+    fn prepared(&self) -> StepReport {
         self.prepared
     }
 
-    /// The motion from the start.
-    pub(crate) fn motion(&self) -> Result<Moving<'_>, AssemblyError> {
+    fn steps<'s>(
+        &'s self,
+        _: &'s Scene,
+        problem: &'s SceneProblem<D>,
+    ) -> Result<Box<dyn Steps + 's>, AssemblyError> {
         let (d, v) = (self.displacement.view(), self.velocity.view());
         let motion = Motion::new(&self.modes, &self.mass, d, v)?;
-        let n = self.rest.len();
-        Ok(Moving { rest: &self.rest, motion, velocity: Vector(vec![0.0; n]) })
+        let velocity = Vector(vec![0.0; self.rest.len()]);
+        let metric = problem.system.metric();
+        Ok(Box::new(Moving { rest: &self.rest, motion, velocity, metric, built: self.built }))
     }
 }
 
 /// A motion about its rest.
-pub(crate) struct Moving<'s> {
+struct Moving<'s> {
     rest: &'s [f64],
     motion: Motion<'s>,
     velocity: Vector<Vec<f64>>,
+    metric: &'s DiagonalMetric<Vec<f64>>,
+    built: Built,
 }
 
 impl Moving<'_> {
     /// Writes the state at the time `to`.
-    pub(crate) fn at(
-        &mut self,
-        to: f64,
-        metric: &impl Metric,
-        state: &mut State<Vec<f64>>,
-    ) -> Result<(), ModalError> {
+    fn at(&mut self, to: f64, state: &mut State<Vec<f64>>) -> Result<(), ModalError> {
         self.motion.at(to, Vector(state.q.as_mut_slice()), self.velocity.view_mut())?;
         for (q, rest) in state.q.iter_mut().zip(self.rest) {
             *q += rest;
         }
-        metric.flat(self.velocity.view(), Covector(state.p.components_mut()));
+        self.metric.flat(self.velocity.view(), Covector(state.p.components_mut()));
         Ok(())
+    }
+}
+
+impl Steps for Moving<'_> {
+    fn start(&mut self, state: &mut State<Vec<f64>>) -> Result<(), AssemblyError> {
+        Ok(self.at(0.0, state)?)
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        _: f64,
+        to: f64,
+    ) -> Result<Stepped, StepFailure> {
+        self.at(to, state)?;
+        Ok(Stepped::done(StepReport::default()))
+    }
+
+    fn built(&self) -> Built {
+        self.built
     }
 }

@@ -15,8 +15,8 @@ use stationary_integrators::{Cost, Saved, State, StepReport};
 use crate::checkpoint::{Before, Checkpoint, CheckpointError};
 use crate::error::StepFailure;
 use crate::run::{BrokenRod, Progress, Run, Samples};
-use crate::stepper::Stepped;
-use crate::{RunError, Scene, limits};
+use crate::steps::Stepped;
+use crate::{Built, RunError, Scene, limits};
 
 /// What a watcher wishes after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +51,9 @@ pub(crate) trait Moving {
         StepReport::default()
     }
 
+    /// What was built for it.
+    fn built(&self) -> Built;
+
     /// Adds a sample of where it is.
     fn sample(&mut self, time: f64, samples: &mut Samples);
 
@@ -80,6 +83,7 @@ pub(crate) fn march<M: Moving>(
     let (steps, every, h) = (timing.steps(), timing.sample_every(), timing.stepping().step());
     let time = |step: u64| timing.stepping().time(step);
     let (mut done, mut cost) = (0, Cost::default());
+    let built = moving.built();
     let mut samples = scene.no_samples();
     match from {
         Some(checkpoint) => {
@@ -110,7 +114,7 @@ pub(crate) fn march<M: Moving>(
                     moving.sample(from, &mut samples);
                 }
                 let broken = moving.broken().to_vec();
-                let run = Run { scene: scene.clone(), samples, broken, cost };
+                let run = Run { scene: scene.clone(), samples, broken, cost, built };
                 return Err(moving.failed(step, from, failure, run));
             }
         }
@@ -135,7 +139,7 @@ pub(crate) fn march<M: Moving>(
         }
     }
     let broken = moving.broken().to_vec();
-    Ok(Run { scene: scene.clone(), samples, broken, cost })
+    Ok(Run { scene: scene.clone(), samples, broken, cost, built })
 }
 
 impl Before {

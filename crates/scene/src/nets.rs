@@ -15,8 +15,8 @@ use crate::declaration::NetDeclaration;
 use crate::diagnostic::{Checked, at};
 use crate::number::Count;
 use crate::particles::{Motion, Particle, Roster};
-use crate::springs::{Link, strain};
-use crate::{Fault, check, limits};
+use crate::springs::strain;
+use crate::{Fault, Link, check, limits};
 
 /// Which vertices of a net are pinned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,19 +2,51 @@
 
 use stationary_integrators::{Saved, State, StepReport};
 
-use crate::RunError;
 use crate::checkpoint::{Before, CheckpointError};
 use crate::error::StepFailure;
-use crate::march::Moving;
+use crate::march::{Moving, Watcher, march};
 use crate::run::{BrokenRod, Failed, Recorder, Run, Samples};
-use crate::stepper::{Stepped, Stepper};
+use crate::steps::{Stepped, Steps, way};
+use crate::{Built, Checkpoint, RunError, Scene};
+
+impl Scene {
+    /// Runs a scene of particles to its horizon, or until the watcher breaks off.
+    pub(crate) fn run_particles(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run, RunError> {
+        match self.dimension {
+            1 => self.run_in::<1>(checkpoint, watcher),
+            2 => self.run_in::<2>(checkpoint, watcher),
+            _ => self.run_in::<3>(checkpoint, watcher),
+        }
+    }
+
+    fn run_in<const D: usize>(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run, RunError> {
+        let problem = self.problem::<D>()?;
+        let way = way(self, &problem)?;
+        let mut steps = way.steps(self, &problem)?;
+        let recorder = Recorder::new(self, &problem);
+        let mut state = problem.initial.clone();
+        steps.start(&mut state)?;
+        let built = problem.system.potential().built + steps.built();
+        let prepared = way.prepared();
+        march(self, Particles { state, steps, recorder, prepared, built }, checkpoint, watcher)
+    }
+}
 
 /// The particles of a scene on their way.
-pub(crate) struct Particles<'a, const D: usize> {
-    pub(crate) state: State<Vec<f64>>,
-    pub(crate) stepper: Stepper<'a, D>,
-    pub(crate) recorder: Recorder<'a, D>,
-    pub(crate) prepared: StepReport,
+struct Particles<'a, const D: usize> {
+    state: State<Vec<f64>>,
+    steps: Box<dyn Steps + 'a>,
+    recorder: Recorder<'a, D>,
+    prepared: StepReport,
+    built: Built,
 }
 
 impl<const D: usize> Moving for Particles<'_, D> {
@@ -23,14 +55,18 @@ impl<const D: usize> Moving for Particles<'_, D> {
     }
 
     fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure> {
-        let stepped = self.stepper.step(&mut self.state, h, to)?;
+        let stepped = self.steps.step(&mut self.state, h, to)?;
         self.state.t = to;
-        self.recorder.feel(self.stepper.multipliers(), stepped.broken);
+        self.recorder.feel(self.steps.multipliers(), stepped.broken);
         Ok(stepped)
     }
 
     fn prepared(&self) -> StepReport {
         self.prepared
+    }
+
+    fn built(&self) -> Built {
+        self.built
     }
 
     fn sample(&mut self, _: f64, samples: &mut Samples) {
@@ -46,11 +82,11 @@ impl<const D: usize> Moving for Particles<'_, D> {
     }
 
     fn save(&mut self) -> Saved {
-        self.stepper.save()
+        self.steps.save()
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        self.stepper.load(self.recorder.scene, before)?;
+        self.steps.load(before)?;
         self.state.clone_from(&before.state);
         self.recorder.left.retain(|rod| before.broken.iter().all(|broken| broken.rod != *rod));
         self.recorder.broken.clone_from(&before.broken);

@@ -9,8 +9,8 @@
 use stationary_calculus::{Equilibrium, Newton, NewtonReport, SparseSolver};
 use stationary_modal::Linearized;
 
-use crate::AssemblyError;
 use crate::system::SceneProblem;
+use crate::{AssemblyError, Built};
 
 /// Where a scene comes to rest.
 pub(crate) struct Rest {
@@ -18,6 +18,7 @@ pub(crate) struct Rest {
     /// The size of the differential that is rounding.
     pub(crate) tolerance: f64,
     pub(crate) newton: NewtonReport,
+    pub(crate) built: Built,
 }
 
 /// Where a problem comes to rest from its start.
@@ -30,5 +31,6 @@ pub(crate) fn rest<const D: usize>(problem: &SceneProblem<D>) -> Result<Rest, As
     let newton = Newton { tolerance, ..Newton::default() };
     let solver = SparseSolver::new(metric, potential, &q)?;
     let report = Equilibrium::new(metric, potential, solver, newton)?.find(&mut q)?;
-    Ok(Rest { q, tolerance, newton: report.newton })
+    let built = Built { sparse_solvers: 1, ..Built::default() };
+    Ok(Rest { q, tolerance, newton: report.newton, built })
 }

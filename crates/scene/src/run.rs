@@ -12,14 +12,12 @@ use stationary_integrators::{
 
 use crate::csv::{self, write_file};
 use crate::error::{StepFailure, equation, unknown};
-use crate::march::{Watcher, Wish, march};
+use crate::march::{Watcher, Wish};
 use crate::observable::Moment;
-use crate::particle_run::Particles;
-use crate::stepper::{Ground, Stepper};
 use crate::system::{SceneProblem, Vertices};
 use crate::{
-    Checkpoint, Interruption, RunError, Scene, Stop, Summary, WriteError, film, picture, player,
-    vtk,
+    Built, Checkpoint, Interruption, RunError, Scene, Stop, Summary, WriteError, film, picture,
+    player, vtk,
 };
 
 /// What a run has sampled, and what it cost.
@@ -29,6 +27,7 @@ pub struct Run {
     pub(crate) samples: Samples,
     pub(crate) broken: Vec<BrokenRod>,
     pub(crate) cost: Cost,
+    pub(crate) built: Built,
 }
 
 /// A rod that broke.
@@ -143,34 +142,13 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        match (&self.heat, self.dimension) {
-            (Some(body), _) => self.run_heat(body, checkpoint, watcher),
-            _ if !self.bodies.is_empty() => self.run_bodies(checkpoint, watcher),
-            (None, 1) => self.run_in::<1>(checkpoint, watcher),
-            (None, 2) => self.run_in::<2>(checkpoint, watcher),
-            (None, _) => self.run_in::<3>(checkpoint, watcher),
-        }
+        (self.kind().run)(self, checkpoint, watcher)
     }
 
     /// Samples, before the first one.
     pub(crate) fn no_samples(&self) -> Samples {
         let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
         Samples { columns, ..Samples::default() }
-    }
-
-    fn run_in<const D: usize>(
-        &self,
-        checkpoint: Option<Checkpoint>,
-        watcher: &mut dyn Watcher,
-    ) -> Result<Run, RunError> {
-        let problem = self.problem::<D>()?;
-        let ground = Ground::new(self, &problem)?;
-        let mut stepper = Stepper::new(self, &problem, &ground)?;
-        let recorder = Recorder::new(self, &problem);
-        let mut state = problem.initial.clone();
-        stepper.start(&mut state)?;
-        let prepared = ground.prepared();
-        march(self, Particles { state, stepper, recorder, prepared }, checkpoint, watcher)
     }
 }
 
@@ -206,7 +184,7 @@ pub(crate) struct Recorder<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Recorder<'a, D> {
-    fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
+    pub(crate) fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
         Recorder {
             scene,
             problem,
@@ -392,6 +370,11 @@ impl Run {
         self.cost
     }
 
+    /// What was built before the first step: nothing but what the scene names.
+    pub fn built(&self) -> Built {
+        self.built
+    }
+
     /// What the run comes to, in numbers that another processor reproduces.
     pub fn summary(&self) -> Summary {
         Summary::of(self)
@@ -403,7 +386,7 @@ impl Run {
     /// | --- | --- |
     /// | `trajectory.csv`, `observables.csv` | every sample |
     /// | `events.csv` | rods that broke, where rods can; impacts, where things touch |
-    /// | `summary.txt` | the summary |
+    /// | `summary.txt` | the summary, and what was built |
     /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
     /// | `player.html` | a page that plays the motion |
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
@@ -418,7 +401,10 @@ impl Run {
         if self.scene.contact.is_some() {
             write_file(&folder.join("events.csv"), |out| csv::impacts(self, out))?;
         }
-        write_file(&folder.join("summary.txt"), |out| write!(out, "{}", self.summary()))?;
+        write_file(&folder.join("summary.txt"), |out| {
+            let summary = self.summary();
+            write!(out, "{summary}\n{}", summary.built)
+        })?;
         write_file(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))?;
         write_file(&folder.join("film.svg"), |out| write!(out, "{}", self.film()))?;
         write_file(&folder.join("player.html"), |out| player::write(self, out))

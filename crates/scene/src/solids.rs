@@ -13,13 +13,14 @@
 
 use std::path::Path;
 
-use stationary_elasticity::Lame;
 use toml::Spanned;
 
 use crate::declaration::{Marks, SolidDeclaration};
 use crate::diagnostic::{Checked, at};
+use crate::elastic::lame;
 use crate::particles::{Motion, Particle, Roster};
 use crate::shape::{self, Shape, Simplices};
+use crate::upper::Lame;
 use crate::{Fault, check, limits};
 
 /// An elastic body.
@@ -126,7 +127,7 @@ fn material(
         None => (0.0, declared.young.span()),
     };
     let fault = |place, error: &dyn std::error::Error| at(place, Fault::Solid(error.to_string()));
-    let lame = Lame::<3>::from_young_poisson(young, poisson).map_err(|e| fault(place, &e))?;
+    let lame = lame(young, poisson).map_err(|e| fault(place, &e))?;
     let Some(word) = &declared.material else {
         return Ok((ElasticMaterial::SaintVenantKirchhoff, lame));
     };

@@ -1,24 +1,16 @@
 //! Springs between particles.
 
+use stationary_calculus::Stencils;
 use stationary_elasticity::{Spring, SpringError, Strain};
 
 use crate::declaration::SpringDeclaration;
 use crate::diagnostic::{Checked, at};
 use crate::particles::Roster;
-use crate::{Fault, check};
+use crate::system::{Vertices, leading};
+use crate::{AssemblyError, Built, Fault, Link, Scene, check};
 
-/// A spring between two of the scene's particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
-    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
-    pub ends: [usize; 2],
-    /// Its length at rest.
-    pub rest_length: f64,
-    /// Its stiffness, force per length.
-    pub stiffness: f64,
-    /// Its measure of stretch.
-    pub strain: Strain,
-}
+/// The potential of a scene's springs.
+pub(crate) type Springs<const D: usize> = Stencils<Spring, 2, D>;
 
 /// The strains by name.
 const STRAINS: [(&str, Strain); 2] = [("cauchy", Strain::Cauchy), ("green", Strain::Green)];
@@ -54,5 +46,24 @@ pub(crate) fn declare(roster: &Roster, declared: &SpringDeclaration) -> Checked<
             Err(at(declared.between.span(), Fault::Spike))
         }
         _ => Ok(Link { ends, rest_length, stiffness, strain }),
+    }
+}
+
+impl Scene {
+    /// The scene's springs between its vertices.
+    pub(crate) fn springs<const D: usize>(
+        &self,
+        vertices: &Vertices,
+        built: &mut Built,
+    ) -> Result<Springs<D>, AssemblyError> {
+        let springs = self.links.iter().map(|link| {
+            let ends = link.ends.map(|end| vertices.of_particle[end]);
+            Spring::new(ends, link.rest_length, link.stiffness, link.strain)
+        });
+        let springs = springs.collect::<Result<Vec<_>, _>>()?;
+        built.springs += springs.len() as u64;
+        let pinned = vertices.particles[vertices.free..].iter();
+        let fixed = pinned.map(|&particle| leading::<D>(self.particles[particle].position));
+        Ok(Stencils::new(vertices.free, fixed.collect(), springs)?)
     }
 }

@@ -11,12 +11,11 @@
 use std::fmt;
 
 use stationary_integrators::{Evaluation, Method};
-use stationary_laplacian::HeatMethod;
-use stationary_rigid::BodyMethod;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, at};
-use crate::{BodyShape, Fault, Scene, check, limits};
+use crate::upper::{BodyMethod, HeatMethod};
+use crate::{Fault, Scene, check, features, limits, sparse_steps};
 
 /// How a scene is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,11 +188,14 @@ impl Scene {
 
     /// An error where the scene's method cannot step what the scene has.
     pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
+        features::check_stepping(self.stepping)?;
+        (self.kind().check)(self)
+    }
+
+    /// An error where the scene's method cannot step its particles, or let its heat flow.
+    pub(crate) fn check_particles(&self) -> Result<(), Fault> {
         let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
         let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
-        if !self.bodies.is_empty() {
-            return self.check_bodies();
-        }
         let of_heat = match self.stepping {
             Stepping::Heat(_) => true,
             Stepping::LinearModes { .. } => self.heat.is_some(),
@@ -242,58 +244,16 @@ impl Scene {
             {
                 refused("so many freedoms with full matrices", "name a method of equal steps")
             }
+            Stepping::Equal(equal)
+                if equal.facts().evaluation == Evaluation::Implicit
+                    && !sparse_steps::can_factor(self.freedoms()) =>
+            {
+                refused("so many freedoms with full matrices", "name an explicit method")
+            }
             Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
             Stepping::Constrained(Constrained::Rattle) => Ok(()),
             _ if breaking => refused("rods that break", "name `rattle`"),
             _ => Ok(()),
         }
     }
-
-    /// An error where the scene's method cannot step its bodies.
-    fn check_bodies(&self) -> Result<(), Fault> {
-        if self.contact.is_some() {
-            return self.check_touching();
-        }
-        let (moves, holds) = match self.stepping {
-            Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
-            Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
-            Stepping::Adaptive { .. }
-            | Stepping::Constrained(_)
-            | Stepping::LinearModes { .. }
-            | Stepping::Heat(_) => (false, false),
-        };
-        let name = || self.stepping.name().to_owned();
-        match (moves, holds || self.joints.is_empty()) {
-            (false, _) => Err(Fault::MethodOfAnother(name())),
-            (true, false) => Err(Fault::MethodOfJoints(name())),
-            (true, true) => Ok(()),
-        }
-    }
-}
-
-impl Scene {
-    /// An error where the scene's bodies cannot touch.
-    fn check_touching(&self) -> Result<(), Fault> {
-        let method = self.stepping.name();
-        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
-        let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
-        match (self.stepping, self.dimension, untouchable) {
-            _ if !self.joints.is_empty() => {
-                refused("joints and contact at once", "leave one of them out")
-            }
-            (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
-            (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
-            | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),
-            (_, 3, _) => refused("what touches", "name `variational-rotation`"),
-            _ => refused("what touches", "name `stormer-verlet`"),
-        }
-    }
-}
-
-/// Whether RATTLE can run along the method's free motion.
-fn follows_free_motion(method: BodyMethod) -> bool {
-    matches!(
-        method,
-        BodyMethod::VariationalRotation | BodyMethod::AxisRotations | BodyMethod::ExactRotation
-    )
 }

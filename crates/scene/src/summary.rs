@@ -16,6 +16,8 @@ pub struct Summary {
     pub cost: Table,
     /// Energy and momenta at the start and at the end, and how far they strayed between.
     pub invariants: Table,
+    /// What was built, a row for each structure. It is no part of the text.
+    pub built: Table,
     /// The observables at the start and at the end, and their least and largest values.
     pub observables: Table,
 }
@@ -39,6 +41,7 @@ impl Summary {
             ),
             cost: cost(run),
             invariants: invariants(run),
+            built: run.built().table(),
             observables: observables(run),
         }
     }

@@ -7,28 +7,23 @@
 //! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while
 //! it is held.
 
-use stationary_calculus::{
-    Covector, DiagonalMetric, Potential, Sink, SparseSolver, Stencils, System,
-};
-use stationary_constraints::Rods;
-use stationary_contact::{Balls, OneSidedPenalty};
-use stationary_elasticity::Spring;
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_integrators::problems::Problem;
-use stationary_integrators::{
-    Evaluation, Integrator, Method, NewtonianGravity, State, UniformGravity,
-};
+use stationary_integrators::{NewtonianGravity, State, UniformGravity};
 
+use crate::contacts::Penalty;
 use crate::elastic::ElasticBodies;
-use crate::{AssemblyError, Motion, Scene, rest};
+use crate::springs::Springs;
+use crate::{AssemblyError, Built, Motion, Scene, rest};
 
 /// The potential of a scene. Its springs, elastic bodies and springs of touch may be none.
 #[derive(Clone, Debug)]
 pub struct ScenePotential<const D: usize> {
     parts: Parts<D>,
+    pub(crate) built: Built,
 }
 
-type Parts<const D: usize> = (Weight<D>, Springs<D>, ElasticBodies);
-type Springs<const D: usize> = (Stencils<Spring, 2, D>, Option<OneSidedPenalty<Balls<D>>>);
+type Parts<const D: usize> = (Weight<D>, (Springs<D>, Option<Penalty<D>>), ElasticBodies);
 type Weight<const D: usize> = (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>);
 
 /// A scene as a problem: a system, where it starts, and for how long.
@@ -107,7 +102,7 @@ impl Scene {
             return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
         }
         let vertices = Vertices::new(self);
-        let (free, pinned) = vertices.particles.split_at(vertices.free);
+        let free = &vertices.particles[..vertices.free];
         let position = |&particle: &usize| leading::<D>(self.particles[particle].position);
 
         let (mut masses, mut momenta) = (Vec::new(), Vec::new());
@@ -117,12 +112,6 @@ impl Scene {
                 momenta.extend(leading::<D>(momentum));
             }
         }
-        let springs = self.links.iter().map(|link| {
-            let ends = link.ends.map(|end| vertices.of_particle[end]);
-            Spring::new(ends, link.rest_length, link.stiffness, link.strain)
-        });
-        let springs = springs.collect::<Result<Vec<_>, _>>()?;
-
         let uniform = self.gravity.acceleration.map(|acceleration| UniformGravity {
             acceleration: leading::<D>(acceleration),
             masses: masses.clone(),
@@ -131,14 +120,17 @@ impl Scene {
             .gravity
             .constant
             .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
-        let springs = Stencils::new(free.len(), pinned.iter().map(position).collect(), springs)?;
+        let mut built = Built::default();
+        let springs = self.springs::<D>(&vertices, &mut built)?;
+        let penalty = self.penalty(&mut built)?;
         let elastic = self.elastic_bodies::<D>(&vertices)?;
-        let potential =
-            ScenePotential { parts: ((uniform, newtonian), (springs, self.penalty()?), elastic) };
+        elastic.count(&mut built);
         let q = match self.hung.as_slice() {
             [] => free.iter().flat_map(position).collect(),
-            _ => self.hanging::<D>(&vertices)?,
+            _ => self.hanging::<D>(&vertices, &mut built)?,
         };
+        let parts = ((uniform, newtonian), (springs, penalty), elastic);
+        let potential = ScenePotential { parts, built };
         Ok(Problem {
             name: "scene",
             system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
@@ -152,12 +144,18 @@ impl Scene {
     }
 
     /// The configuration in which all is at rest while what is hung is held.
-    fn hanging<const D: usize>(&self, vertices: &Vertices) -> Result<Vec<f64>, AssemblyError> {
+    fn hanging<const D: usize>(
+        &self,
+        vertices: &Vertices,
+        built: &mut Built,
+    ) -> Result<Vec<f64>, AssemblyError> {
         let mut held = Scene { hung: Vec::new(), ..self.clone() };
         for &particle in &self.hung {
             held.particles[particle].motion = Motion::Pinned;
         }
-        let x = rest::rest(&held.problem::<D>()?)?.q;
+        let rest = rest::rest(&held.problem::<D>()?)?;
+        *built = *built + rest.built;
+        let x = rest.q;
         let of_held = Vertices::new(&held);
         let place = |&particle: &usize| {
             let vertex = of_held.of_particle[particle];
@@ -167,32 +165,6 @@ impl Scene {
             }
         };
         Ok(vertices.particles[..vertices.free].iter().flat_map(place).collect())
-    }
-
-    /// The scene's rods as a constraint on its problem.
-    pub fn constraint<const D: usize>(&self) -> Result<Rods<D>, AssemblyError> {
-        let vertices = Vertices::new(self);
-        let pinned = &vertices.particles[vertices.free..];
-        let fixed = pinned.iter().map(|&pin| leading::<D>(self.particles[pin].position)).collect();
-        let rods = self.rods.iter().map(|rod| {
-            let ends = rod.ends.map(|end| vertices.of_particle[end]);
-            stationary_constraints::Rod::new(ends, rod.length).with_strength(rod.strength)
-        });
-        Ok(Rods::new(vertices.free, fixed, rods.collect())?)
-    }
-
-    /// A method on the scene's problem, with a sparse solver where that pays.
-    pub fn integrator<'s, const D: usize>(
-        &self,
-        problem: &'s SceneProblem<D>,
-        method: Method,
-    ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
-        let system = &problem.system;
-        if method.facts().evaluation == Evaluation::Explicit || few(system.dim()) {
-            return Ok(method.integrator(system)?);
-        }
-        let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
-        Ok(method.integrator_with(system, solver)?)
     }
 
     /// The largest distance of a particle from the middle of all; one where that is zero.

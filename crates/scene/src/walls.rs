@@ -75,7 +75,7 @@ fn tangents(normal: Vector3<f64>, dimension: usize) -> [Vector3<f64>; 2] {
     [first, normal.cross(&first)]
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "default"))]
 mod tests {
     use super::*;
 

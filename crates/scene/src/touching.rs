@@ -1,21 +1,94 @@
-//! What touches what among the bodies of a scene: their shapes, walls and fixed balls.
+//! Bodies that touch: their shapes, walls and fixed balls, and the steps with impacts and friction.
 //!
 //! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
 //! friction.
 
 use nalgebra::{Vector2, Vector3};
+use stationary_calculus::Potential;
 use stationary_contact::{
-    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape, Shape,
+    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape,
+    PlanarWorld, Shape, TouchingBodies,
 };
+use stationary_integrators::{Saved, State};
 use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
 
-use crate::{BodyShape, Scene, SceneContact};
+use crate::body_system::{PlanarSystem, SpatialSystem};
+use crate::checkpoint::{Before, CheckpointError};
+use crate::error::StepFailure;
+use crate::steps::{Stepped, Steps};
+use crate::{AssemblyError, BodyShape, Built, Scene, SceneContact};
+
+type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
+
+/// Steps of bodies in space.
+pub(crate) fn in_space<'a>(
+    scene: &Scene,
+    contact: &SceneContact,
+    system: &'a SpatialSystem,
+    initial: &State<Vec<f64>>,
+) -> Made<'a> {
+    let colliders = scene.colliders(contact)?;
+    let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
+    let touching = TouchingBodies::new(system, detector)?.with_law(contact.law);
+    Ok(Box::new(Touching { touching, colliders: colliders.len() }))
+}
+
+/// Steps of bodies in the plane.
+pub(crate) fn in_the_plane<'a>(
+    scene: &Scene,
+    contact: &SceneContact,
+    system: &'a PlanarSystem,
+    initial: &State<Vec<f64>>,
+) -> Made<'a> {
+    let colliders = scene.planar_colliders(contact)?;
+    let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
+    let touching = PlanarWorld::new(system.clone(), detector)?.with_law(contact.law);
+    Ok(Box::new(Touching { touching, colliders: colliders.len() }))
+}
+
+/// What steps bodies that touch.
+struct Touching<T> {
+    touching: T,
+    colliders: usize,
+}
+
+/// The same of both dimensions.
+macro_rules! steps_of {
+    ($touching:ty) => {
+        impl<P: Potential> Steps for Touching<$touching> {
+            fn step(
+                &mut self,
+                state: &mut State<Vec<f64>>,
+                h: f64,
+                _: f64,
+            ) -> Result<Stepped, StepFailure> {
+                let met = self.touching.step(state, h)?;
+                Ok(Stepped::met(met.impacts, state.t))
+            }
+
+            fn save(&mut self) -> Saved {
+                self.touching.save()
+            }
+
+            fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+                Ok(self.touching.load(&before.memory)?)
+            }
+
+            fn built(&self) -> Built {
+                Built { colliders: self.colliders as u64, ..Built::default() }
+            }
+        }
+    };
+}
+
+steps_of!(TouchingBodies<'_, P>);
+steps_of!(PlanarWorld<P>);
 
 /// Overlap at the start that is rounding, relative to the size of the bodies.
 const ROUNDING: f64 = 1e-9;
 
 /// A detector of contacts, which there are none of at the start but by touching.
-pub(crate) fn detector<G: Dimension>(
+fn detector<G: Dimension>(
     colliders: &[ColliderIn<G>],
     bodies: usize,
     q: &[f64],
@@ -28,7 +101,7 @@ pub(crate) fn detector<G: Dimension>(
 
 impl Scene {
     /// The shapes of bodies in space that touch, and of what is fixed.
-    pub(crate) fn colliders(&self, contact: &SceneContact) -> Result<Vec<Collider>, ContactError> {
+    fn colliders(&self, contact: &SceneContact) -> Result<Vec<Collider>, ContactError> {
         let of_body = |shape: &BodyShape| match shape {
             BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side)).map(Some),
             BodyShape::Ball(radius) => Shape::ball(*radius).map(Some),
@@ -47,7 +120,7 @@ impl Scene {
     }
 
     /// The shapes of bodies in the plane that touch, and of what is fixed.
-    pub(crate) fn planar_colliders(
+    fn planar_colliders(
         &self,
         contact: &SceneContact,
     ) -> Result<Vec<PlanarCollider>, ContactError> {
