@@ -6,10 +6,12 @@
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
 //!                two rungs alone                  x* = x(h),  uncertainty d2
-//! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
+//! own steps      x* = x(tolerance),               uncertainty d2, the looser ones before as 2h, 4h
+//!                d1 / d2 above 2                  uncertainty d2 / (min(d1/d2, 5) - 1)
 //! ```
-//! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences that do not
-//! shrink prove nothing: their uncertainty is infinite.
+//! Each but the last is the error of what is one rung coarser than `x*`, not of `x*`. Differences of
+//! equal steps that do not shrink prove nothing: their uncertainty is infinite. The last is what is
+//! left where differences go on to shrink, of a decade of tolerance by at most five.
 
 use std::cmp::Reverse;
 
@@ -47,6 +49,8 @@ pub enum Extrapolated {
 const NEAR: f64 = 1.33;
 /// An uncertainty above this says little of the next one.
 const SATURATED: f64 = 0.3;
+/// The most that a decade of tolerance is trusted to shrink differences.
+const STEADY: f64 = 5.0;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
 
@@ -107,7 +111,10 @@ impl Making {
     fn next(&self, lab: &Lab) -> Option<u64> {
         let at = At { family: self.family, rung: self.finest };
         let there = self.finest < lab.family(self.family).rungs.len() && lab.affords(at);
-        there.then(|| lab.predicted(at))
+        // A rung alone is no reference.
+        let before = At { rung: self.finest - 1, ..at };
+        let alone = self.best.is_none() && lab.seen(before).is_none();
+        there.then(|| lab.predicted(at) + if alone { lab.predicted(before) } else { 0 })
     }
 
     fn advance(&mut self, lab: &mut Lab) {
@@ -144,14 +151,21 @@ impl Reference {
         made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
     }
 
+    /// The work of one more rung, where there is one.
+    pub fn next(&self, lab: &Lab) -> Option<u64> {
+        let at = At { family: self.family, rung: self.finest + 1 };
+        let there = at.rung < lab.family(self.family).rungs.len() && lab.affords(at);
+        there.then(|| lab.predicted(at))
+    }
+
     /// The answer by one more rung; nothing where that is no better.
     pub fn refined(&self, lab: &mut Lab) -> Option<Self> {
-        let finer = self.finest + 1;
-        let at = At { family: self.family, rung: finer };
-        if finer >= lab.family(self.family).rungs.len() || lab.late() || !lab.affords(at) {
+        self.next(lab)?;
+        if lab.late() {
             return None;
         }
-        Reference::at(lab, self.family, finer).filter(|new| new.uncertainty < self.uncertainty)
+        Reference::at(lab, self.family, self.finest + 1)
+            .filter(|new| new.uncertainty < self.uncertainty)
     }
 
     /// The answer by a family as its rungs up to this one give it.
@@ -176,7 +190,10 @@ impl Reference {
             return reference(fine, Extrapolated::No, f64::INFINITY);
         }
         if kind == Kind::OwnSteps {
-            return reference(fine, Extrapolated::No, last);
+            let looser = (0..before).rev().map(|rung| At { family, rung });
+            let looser = looser.filter_map(|at| lab.seen(at)?.whole()).next();
+            let shrinks = looser.map_or(1.0, |looser| apart(&middle.values, &looser.values) / last);
+            return reference(fine, Extrapolated::No, last / (shrinks.min(STEADY) - 1.0).max(1.0));
         }
         if finest < 2 {
             // Whoever has nothing to compare with must show that differences shrink.
@@ -184,7 +201,10 @@ impl Reference {
             let uncertainty = if alone { f64::INFINITY } else { last };
             return reference(fine, Extrapolated::No, uncertainty);
         }
-        let coarse = course(finest - 2)?;
+        // A coarser step is not stable: two rungs alone.
+        let Some(coarse) = course(finest - 2) else {
+            return reference(fine, Extrapolated::No, last);
+        };
         let ratio = apart(&middle.values, &coarse.values) / last;
         let power = f64::from(1_u32 << order);
         // Nothing differs where an observable is kept to rounding.
