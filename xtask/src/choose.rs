@@ -218,11 +218,22 @@ fn confirmed(
     if others.is_empty() {
         return Confirmed::Alone;
     }
-    // The cheapest run that may agree, again and again: each rules out a rung. Order one comes last.
+    // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
+    // higher order does not agree, one of a lower order comes last.
     while !lab.late() {
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
-        let slow = |at: At| lab.family(at.family).order < 2;
-        let cheapest = next.min_by_key(|&at| (slow(at), lab.predicted(at), at));
+        let unlikely = |at: At| {
+            let order = lab.family(at.family).order;
+            let mut finer = lab.used().filter(|(run, _)| {
+                let family = lab.family(run.family);
+                let comparable = family.kind == Kind::EqualSteps && family.converges();
+                comparable && family.order > order && run.rung >= at.rung
+            });
+            finer.any(|(run, _)| {
+                matches!(judge(lab, reference, tolerance, run), Some(Judgement::Misses(_)))
+            })
+        };
+        let cheapest = next.min_by_key(|&at| (unlikely(at), lab.predicted(at), at));
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
             break;
         };

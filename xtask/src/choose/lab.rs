@@ -161,12 +161,14 @@ impl Lab {
     /// The least factor by which runs of families like this one exceeded what they could take, at
     /// the rung nearest to this.
     fn least_excess(&self, like: &Family, rung: usize) -> f64 {
+        // What holds rods solves the same equations, whatever its order.
+        let held = !self.ladder.written().scene.rods().is_empty();
         let alike = || {
             self.used().filter(|(at, run)| {
                 let family = self.family(at.family);
                 run.expected() > 0
                     && family.kind == like.kind
-                    && family.order == like.order
+                    && (held || family.order == like.order)
                     && family.evaluation == like.evaluation
             })
         };

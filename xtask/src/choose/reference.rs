@@ -6,12 +6,12 @@
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
 //!                two rungs alone                  x* = x(h),  uncertainty d2
-//! own steps      x* = x(tolerance),               uncertainty d2, the looser ones before as 2h, 4h
-//!                d1 / d2 above 2                  uncertainty d2 / (min(d1/d2, 5) - 1)
+//! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! ```
-//! Each but the last is the error of what is one rung coarser than `x*`, not of `x*`. Differences of
-//! equal steps that do not shrink prove nothing: their uncertainty is infinite. The last is what is
-//! left where differences go on to shrink, of a decade of tolerance by at most five.
+//! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
+//! that do not shrink prove nothing: their uncertainty is infinite; where the third rung is not
+//! stable there are two alone. How fast those of own steps shrink is not trusted: at the border of
+//! stability a tighter tolerance may change less than it should.
 
 use std::cmp::Reverse;
 
@@ -49,8 +49,6 @@ pub enum Extrapolated {
 const NEAR: f64 = 1.33;
 /// An uncertainty above this says little of the next one.
 const SATURATED: f64 = 0.3;
-/// The most that a decade of tolerance is trusted to shrink differences.
-const STEADY: f64 = 5.0;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
 
@@ -190,10 +188,7 @@ impl Reference {
             return reference(fine, Extrapolated::No, f64::INFINITY);
         }
         if kind == Kind::OwnSteps {
-            let looser = (0..before).rev().map(|rung| At { family, rung });
-            let looser = looser.filter_map(|at| lab.seen(at)?.whole()).next();
-            let shrinks = looser.map_or(1.0, |looser| apart(&middle.values, &looser.values) / last);
-            return reference(fine, Extrapolated::No, last / (shrinks.min(STEADY) - 1.0).max(1.0));
+            return reference(fine, Extrapolated::No, last);
         }
         if finest < 2 {
             // Whoever has nothing to compare with must show that differences shrink.
