@@ -44,7 +44,7 @@ pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
 pub use model::{Model, Sight};
 pub use picture::picture;
 pub use reference::{Extrapolated, Reference, preferred};
-pub use run::{Course, End, Failure, Measured, Trial, relative_to};
+pub use run::{Course, End, Failure, Foresight, Measured, Trial, relative_to};
 pub use time::time;
 
 /// What is asked.
@@ -218,15 +218,28 @@ fn confirmed(
     if others.is_empty() {
         return Confirmed::Alone;
     }
-    // The cheapest run that may agree, again and again: each rules out a rung.
+    // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
+    // higher order does not agree, one of a lower order comes last.
     while !lab.late() {
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
-        let cheapest = next.min_by_key(|&at| (lab.predicted(at), at));
+        let unlikely = |at: At| {
+            let order = lab.family(at.family).order;
+            let mut finer = lab.used().filter(|(run, _)| {
+                let family = lab.family(run.family);
+                let comparable = family.kind == Kind::EqualSteps && family.converges();
+                comparable && family.order > order && run.rung >= at.rung
+            });
+            finer.any(|(run, _)| {
+                matches!(judge(lab, reference, tolerance, run), Some(Judgement::Misses(_)))
+            })
+        };
+        let cheapest = next.min_by_key(|&at| (unlikely(at), lab.predicted(at), at));
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
             break;
         };
         let most_error = tolerance + reference.uncertainty;
-        lab.attempt(at, &Trial { reference, most_error, most_work: u64::MAX });
+        let most_work = u64::MAX;
+        lab.attempt(at, &Trial { reference, most_error, most_work, foresight: Foresight::None });
         if agrees(lab, at) {
             return Confirmed::Yes;
         }

@@ -9,7 +9,7 @@ mod solid;
 pub use benchmarks::{curved_elliptic_membrane, elliptic_membrane, tapered_membrane};
 pub(crate) use flat::check_rectangle;
 pub use flat::{Diagonals, bar, circle, curved_disc, disc, rectangle, segment};
-pub use round::{ball, curved_ball, curved_sphere, icosphere, torus};
+pub use round::{ball, curved_ball, curved_sphere, curved_torus, icosphere, torus};
 pub use solid::{cuboid, curved_cylinder, cylinder, extruded};
 
 use crate::MeshError;

@@ -75,8 +75,8 @@ pub use error::{MeshError, Places};
 pub use facets::FacetUse;
 pub use generators::{
     Diagonals, ball, bar, circle, cuboid, curved_ball, curved_cylinder, curved_disc,
-    curved_elliptic_membrane, curved_sphere, cylinder, disc, elliptic_membrane, extruded,
-    icosphere, rectangle, segment, tapered_membrane, torus,
+    curved_elliptic_membrane, curved_sphere, curved_torus, cylinder, disc, elliptic_membrane,
+    extruded, icosphere, rectangle, segment, tapered_membrane, torus,
 };
 pub use intrinsic::IntrinsicTriangle;
 pub use intrinsic_surface::{IntrinsicSurface, Side};

@@ -253,6 +253,16 @@ pub(crate) mod elastic {
     }
 }
 
+#[cfg(not(feature = "elasticity"))]
+pub(crate) mod node_shares {
+    use crate::Fault;
+    use crate::shape::Shape;
+
+    pub(crate) fn node_shares(_: &Shape) -> Result<Vec<f64>, Fault> {
+        Err(Fault::NotCompiled { word: "solids", feature: "elasticity" })
+    }
+}
+
 #[cfg(not(feature = "modal"))]
 pub(crate) mod rest {
     use crate::system::SceneProblem;

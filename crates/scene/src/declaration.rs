@@ -174,6 +174,7 @@ pub(crate) struct SolidDeclaration {
     pub(crate) density: Spanned<Number>,
     pub(crate) section: Option<Spanned<Number>>,
     pub(crate) thickness: Option<Spanned<Number>>,
+    pub(crate) element: Option<Spanned<String>>,
     pub(crate) material: Option<Spanned<String>>,
     pub(crate) young: Spanned<Number>,
     pub(crate) poisson: Option<Spanned<Number>>,

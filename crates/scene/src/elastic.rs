@@ -10,19 +10,58 @@
 use nalgebra::SVector;
 use stationary_calculus::{Covector, Potential, Sink, Stencils};
 use stationary_elasticity::{
-    ElasticityError, FixedCorotated, Freedoms, Held, Hinge, Lame, Linear, LinearSegment,
-    LinearTetrahedron, LinearTriangle, Material, NeoHookean, Reference, SaintVenantKirchhoff,
-    Solid, hinges,
+    ElasticityError, Elements, FixedCorotated, Freedoms, Held, Hinge, Lame, Linear, LinearSegment,
+    LinearTetrahedron, LinearTriangle, Material, NeoHookean, QuadraticSegment,
+    QuadraticTetrahedron, QuadraticTriangle, Reference, SaintVenantKirchhoff, Solid, hinges,
 };
-use stationary_mesh::Mesh;
+use stationary_mesh::{Mesh, Quadratic, Simplex};
 
+use crate::quadratic_shape::with_middles;
 use crate::shape::Simplices;
 use crate::system::{Vertices, leading};
 use crate::{AssemblyError, Built, ElasticBody, ElasticMaterial, Scene};
 
 type Bar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 2, D, 1, 1>;
-type Sheet<M> = Solid<M, 3, 2, 2, 1>;
-type Block<M> = Solid<M, 4, 3, 3, 1>;
+type QuadraticBar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 3, D, 1, 2>;
+
+/// Elements that fill their space, of one material.
+#[derive(Clone, Debug)]
+enum Filling<const N: usize, const D: usize, const Q: usize> {
+    SaintVenantKirchhoff(Solid<SaintVenantKirchhoff<D>, N, D, D, Q>),
+    NeoHookean(Solid<NeoHookean<D>, N, D, D, Q>),
+    FixedCorotated(Solid<FixedCorotated<D>, N, D, D, Q>),
+    Linear(Solid<Linear<D>, N, D, D, Q>),
+}
+
+/// The same for elements of every material.
+macro_rules! of_each_material {
+    ($filling:expr, $elements:ident => $same:expr) => {
+        match $filling {
+            Filling::SaintVenantKirchhoff($elements) => $same,
+            Filling::NeoHookean($elements) => $same,
+            Filling::FixedCorotated($elements) => $same,
+            Filling::Linear($elements) => $same,
+        }
+    };
+}
+
+impl<const N: usize, const D: usize, const Q: usize> Potential for Filling<N, D, Q> {
+    fn dim(&self) -> usize {
+        of_each_material!(self, elements => elements.dim())
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        of_each_material!(self, elements => elements.energy(q))
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        of_each_material!(self, elements => elements.add_differential(q, dv));
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        of_each_material!(self, elements => elements.add_hessian(q, hessian));
+    }
+}
 
 /// Elements of one kind.
 #[derive(Clone, Debug)]
@@ -30,16 +69,16 @@ enum Part {
     BarOnALine(Bar<1>),
     BarInThePlane(Bar<2>),
     BarInSpace(Bar<3>),
-    Sheet(Sheet<SaintVenantKirchhoff<2>>),
-    NeoHookeanSheet(Sheet<NeoHookean<2>>),
-    CorotatedSheet(Sheet<FixedCorotated<2>>),
-    LinearSheet(Sheet<Linear<2>>),
+    QuadraticBarOnALine(QuadraticBar<1>),
+    QuadraticBarInThePlane(QuadraticBar<2>),
+    QuadraticBarInSpace(QuadraticBar<3>),
+    Sheet(Filling<3, 2, 1>),
+    QuadraticSheet(Filling<6, 2, 3>),
     Membrane(Solid<SaintVenantKirchhoff<2>, 3, 3, 2, 1>),
+    QuadraticMembrane(Solid<SaintVenantKirchhoff<2>, 6, 3, 2, 3>),
     Folds(Stencils<Hinge, 4, 3>),
-    Block(Block<SaintVenantKirchhoff<3>>),
-    NeoHookeanBlock(Block<NeoHookean<3>>),
-    CorotatedBlock(Block<FixedCorotated<3>>),
-    LinearBlock(Block<Linear<3>>),
+    Block(Filling<4, 3, 1>),
+    QuadraticBlock(Filling<10, 3, 4>),
 }
 
 /// The same for elements of every kind.
@@ -49,16 +88,16 @@ macro_rules! each {
             Part::BarOnALine($elements) => $same,
             Part::BarInThePlane($elements) => $same,
             Part::BarInSpace($elements) => $same,
+            Part::QuadraticBarOnALine($elements) => $same,
+            Part::QuadraticBarInThePlane($elements) => $same,
+            Part::QuadraticBarInSpace($elements) => $same,
             Part::Sheet($elements) => $same,
-            Part::NeoHookeanSheet($elements) => $same,
-            Part::CorotatedSheet($elements) => $same,
-            Part::LinearSheet($elements) => $same,
+            Part::QuadraticSheet($elements) => $same,
             Part::Membrane($elements) => $same,
+            Part::QuadraticMembrane($elements) => $same,
             Part::Folds($elements) => $same,
             Part::Block($elements) => $same,
-            Part::NeoHookeanBlock($elements) => $same,
-            Part::CorotatedBlock($elements) => $same,
-            Part::LinearBlock($elements) => $same,
+            Part::QuadraticBlock($elements) => $same,
         }
     };
 }
@@ -85,6 +124,12 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
 {
     fn count(&self, built: &mut Built) {
         built.elements += self.elements() as u64;
+    }
+}
+
+impl<const N: usize, const D: usize, const Q: usize> Counted for Filling<N, D, Q> {
+    fn count(&self, built: &mut Built) {
+        of_each_material!(self, elements => elements.count(built));
     }
 }
 
@@ -176,17 +221,37 @@ impl Scene {
 }
 
 impl<const D: usize> Laid<'_, D> {
+    fn is_quadratic(&self) -> bool {
+        !self.body.middles.is_empty()
+    }
+
     fn mesh<const K: usize>(&self, simplices: &[[usize; K]]) -> Result<Mesh<D, K>, AssemblyError> {
         let of_particle = &self.vertices.of_particle;
         let corners = simplices.iter().map(|corners| corners.map(|corner| of_particle[corner]));
         Ok(Mesh::new(self.rest.clone(), corners.collect()).map_err(ElasticityError::from)?)
     }
 
+    /// The same with the nodes in the middle of the edges.
+    fn quadratic<const K: usize, const N: usize>(
+        &self,
+        simplices: &[[usize; K]],
+    ) -> Result<Quadratic<D, K, N>, AssemblyError>
+    where
+        [usize; K]: Simplex,
+    {
+        // A node that is not there is a vertex that the elements refuse.
+        let vertex =
+            |node: usize| self.vertices.of_particle.get(node).copied().unwrap_or(usize::MAX);
+        let elements = with_middles(simplices, &self.body.middles);
+        let elements = elements.iter().map(|nodes| nodes.map(vertex)).collect();
+        Ok(Quadratic::new(self.rest.clone(), elements).map_err(ElasticityError::from)?)
+    }
+
     /// The body of these elements and this material.
-    fn solid<F, M, const N: usize, const R: usize, const Q: usize>(
+    fn solid<F, M, const G: usize, const N: usize, const R: usize, const Q: usize>(
         &self,
         family: F,
-        mesh: &Mesh<D, N>,
+        mesh: &impl Elements<G, N>,
         material: M,
     ) -> Result<Solid<M, N, D, R, Q>, AssemblyError>
     where
@@ -196,72 +261,102 @@ impl<const D: usize> Laid<'_, D> {
         Ok(Solid::new(family, mesh, self.body.section, material, self.freedoms.clone())?)
     }
 
-    /// Segments, free to thin where they are drawn out.
-    fn bar(&self, segments: &[[usize; 2]]) -> Result<Bar<D>, AssemblyError> {
+    /// The body of these elements that fill their space, with the parameters as they are there.
+    fn filling<F, const N: usize, const Q: usize>(
+        &self,
+        family: F,
+        mesh: &impl Elements<D, N>,
+        lame: Lame<D>,
+    ) -> Result<Filling<N, D, Q>, AssemblyError>
+    where
+        F: Reference<N, D, Q>,
+    {
+        Ok(match self.body.material {
+            ElasticMaterial::SaintVenantKirchhoff => {
+                let material = SaintVenantKirchhoff::new(lame);
+                Filling::SaintVenantKirchhoff(self.solid(family, mesh, material)?)
+            }
+            ElasticMaterial::NeoHookean => {
+                Filling::NeoHookean(self.solid(family, mesh, NeoHookean::new(lame)?)?)
+            }
+            ElasticMaterial::FixedCorotated => {
+                Filling::FixedCorotated(self.solid(family, mesh, FixedCorotated::new(lame)?)?)
+            }
+            ElasticMaterial::Linear => {
+                Filling::Linear(self.solid(family, mesh, Linear::new(lame))?)
+            }
+        })
+    }
+
+    /// Segments, free to thin where they are drawn out, made into a part as they are straight or
+    /// have middles.
+    fn bar(
+        &self,
+        segments: &[[usize; 2]],
+        straight: fn(Bar<D>) -> Part,
+        quadratic: fn(QuadraticBar<D>) -> Part,
+    ) -> Parts {
         let material = SaintVenantKirchhoff::new(self.body.lame.uniaxial_stress());
-        self.solid(LinearSegment, &self.mesh(segments)?, material)
+        Ok(vec![if self.is_quadratic() {
+            let elements = self.quadratic::<2, 3>(segments)?;
+            quadratic(self.solid(QuadraticSegment, &elements, material)?)
+        } else {
+            straight(self.solid(LinearSegment, &self.mesh(segments)?, material)?)
+        }])
     }
 }
 
 fn on_a_line(laid: &Laid<'_, 1>) -> Parts {
     match &laid.body.simplices {
-        Simplices::Segments(segments) => Ok(vec![Part::BarOnALine(laid.bar(segments)?)]),
+        Simplices::Segments(segments) => {
+            laid.bar(segments, Part::BarOnALine, Part::QuadraticBarOnALine)
+        }
         _ => Err(AssemblyError::Dimension { scene: 1, asked: 2 }),
     }
 }
 
 fn in_the_plane(laid: &Laid<'_, 2>) -> Parts {
     let triangles = match &laid.body.simplices {
-        Simplices::Segments(segments) => return Ok(vec![Part::BarInThePlane(laid.bar(segments)?)]),
+        Simplices::Segments(segments) => {
+            return laid.bar(segments, Part::BarInThePlane, Part::QuadraticBarInThePlane);
+        }
         Simplices::Triangles(triangles) => triangles,
         Simplices::Tetrahedra(_) => return Err(AssemblyError::Dimension { scene: 2, asked: 3 }),
     };
-    let (mesh, lame) = (laid.mesh(triangles)?, laid.body.lame.plane_stress());
-    Ok(vec![match laid.body.material {
-        ElasticMaterial::SaintVenantKirchhoff => {
-            Part::Sheet(laid.solid(LinearTriangle, &mesh, SaintVenantKirchhoff::new(lame))?)
-        }
-        ElasticMaterial::NeoHookean => {
-            Part::NeoHookeanSheet(laid.solid(LinearTriangle, &mesh, NeoHookean::new(lame)?)?)
-        }
-        ElasticMaterial::FixedCorotated => {
-            Part::CorotatedSheet(laid.solid(LinearTriangle, &mesh, FixedCorotated::new(lame)?)?)
-        }
-        ElasticMaterial::Linear => {
-            Part::LinearSheet(laid.solid(LinearTriangle, &mesh, Linear::new(lame))?)
-        }
+    let lame = laid.body.lame.plane_stress();
+    Ok(vec![if laid.is_quadratic() {
+        let elements = laid.quadratic::<3, 6>(triangles)?;
+        Part::QuadraticSheet(laid.filling(QuadraticTriangle, &elements, lame)?)
+    } else {
+        Part::Sheet(laid.filling(LinearTriangle, &laid.mesh(triangles)?, lame)?)
     }])
 }
 
 fn in_space(laid: &Laid<'_, 3>) -> Parts {
     let tetrahedra = match &laid.body.simplices {
-        Simplices::Segments(segments) => return Ok(vec![Part::BarInSpace(laid.bar(segments)?)]),
+        Simplices::Segments(segments) => {
+            return laid.bar(segments, Part::BarInSpace, Part::QuadraticBarInSpace);
+        }
         Simplices::Triangles(triangles) => return membrane(laid, triangles),
         Simplices::Tetrahedra(tetrahedra) => tetrahedra,
     };
-    let (mesh, lame) = (laid.mesh(tetrahedra)?, laid.body.lame);
-    Ok(vec![match laid.body.material {
-        ElasticMaterial::SaintVenantKirchhoff => {
-            Part::Block(laid.solid(LinearTetrahedron, &mesh, SaintVenantKirchhoff::new(lame))?)
-        }
-        ElasticMaterial::NeoHookean => {
-            Part::NeoHookeanBlock(laid.solid(LinearTetrahedron, &mesh, NeoHookean::new(lame)?)?)
-        }
-        ElasticMaterial::FixedCorotated => Part::CorotatedBlock(laid.solid(
-            LinearTetrahedron,
-            &mesh,
-            FixedCorotated::new(lame)?,
-        )?),
-        ElasticMaterial::Linear => {
-            Part::LinearBlock(laid.solid(LinearTetrahedron, &mesh, Linear::new(lame))?)
-        }
+    Ok(vec![if laid.is_quadratic() {
+        let elements = laid.quadratic::<4, 10>(tetrahedra)?;
+        Part::QuadraticBlock(laid.filling(QuadraticTetrahedron, &elements, laid.body.lame)?)
+    } else {
+        Part::Block(laid.filling(LinearTetrahedron, &laid.mesh(tetrahedra)?, laid.body.lame)?)
     }])
 }
 
 /// A sheet in space, which stretches, and bends where that costs something.
 fn membrane(laid: &Laid<'_, 3>, triangles: &[[usize; 3]]) -> Parts {
-    let mesh = laid.mesh(triangles)?;
     let material = SaintVenantKirchhoff::new(laid.body.lame.plane_stress());
+    if laid.is_quadratic() {
+        let elements = laid.quadratic::<3, 6>(triangles)?;
+        let membrane = laid.solid(QuadraticTriangle, &elements, material)?;
+        return Ok(vec![Part::QuadraticMembrane(membrane)]);
+    }
+    let mesh = laid.mesh(triangles)?;
     let mut parts = vec![Part::Membrane(laid.solid(LinearTriangle, &mesh, material)?)];
     if let Some(bending) = laid.body.bending {
         let fixed = laid.rest[laid.vertices.free..].iter().map(|&x| x.into()).collect();

@@ -248,6 +248,18 @@ pub enum Fault {
     /// Only a sheet in space is bent.
     #[error("only a sheet in space has a bending stiffness")]
     Bending,
+    /// Hinges are between the flat triangles of linear elements.
+    #[error(
+        "a sheet of quadratic elements has no bending stiffness: its folds are between the flat \
+         triangles of `linear` ones"
+    )]
+    BendingOfQuadratic,
+    /// A file of quadratic elements where linear ones are asked for.
+    #[error(
+        "its elements have nodes in the middle of their edges, which only a solid with \
+         `element = \"quadratic\"` has"
+    )]
+    QuadraticMesh,
     /// A side of an axis that the shape does not have.
     #[error("this shape has no side `{0}`")]
     NoSuchSide(String),

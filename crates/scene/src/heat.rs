@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::declaration::HeatDeclaration;
 use crate::diagnostic::{Checked, at};
 use crate::particles::{Motion, Particle, Roster};
-use crate::shape::{self, Shape, Simplices};
+use crate::shape::{self, Element, Shape, Simplices};
 use crate::solids::{mark, within};
 use crate::{Fault, check};
 
@@ -42,7 +42,7 @@ pub(crate) fn declare(
     declared: &HeatDeclaration,
 ) -> Checked<Heated> {
     let name = check::name(&declared.name)?;
-    let shape = shape::declare(dimension, folder, &declared.shape)?;
+    let shape = shape::declare(dimension, Element::Linear, folder, &declared.shape)?;
     let diffusivity = check::positive("the diffusivity", &declared.diffusivity)?;
     for (vertex, &position) in shape.places.iter().enumerate() {
         let particle = Particle {

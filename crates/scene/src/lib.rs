@@ -47,7 +47,7 @@
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
 //! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
-//! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
+//! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
 //! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
@@ -67,7 +67,8 @@
 //! of them, as `"top-left"`, the `"rim"` of a sheet, and `"all"`. A solid is pinned at such parts, or
 //! `hung` from them: held until everything is at rest, and let go at the start. It is
 //! `struck = { at, radius, velocity }`; `marks = { NAME = PLACE }` name its nearest vertices.
-//! Materials are `"saint-venant-kirchhoff"`, which is the usual one, and of what fills its space also
+//! Quadratic elements have vertices in the middle of their edges too, and are curved where the shape
+//! is round or its MSH file says so; a sheet of them has no `bending`. Materials are `"saint-venant-kirchhoff"`, which is the usual one, and of what fills its space also
 //! `"neo-hookean"`, `"fixed-corotated"` and `"linear"`.
 //!
 //! In `[contact]` the `restitution` is separating over approaching speed, `law` one of
@@ -156,7 +157,9 @@ mod observable;
 mod particles;
 mod scene;
 mod rods;
+mod quadratic_shape;
 mod shape;
+mod shape_kinds;
 mod solids;
 mod stepping;
 mod units;
@@ -199,6 +202,8 @@ mod elastic;
 #[cfg(feature = "elasticity")]
 mod nets;
 #[cfg(feature = "elasticity")]
+mod node_shares;
+#[cfg(feature = "elasticity")]
 mod springs;
 #[cfg(feature = "modal")]
 mod linear_modes;
@@ -239,6 +244,7 @@ pub use heat::HeatedBody;
 pub use march::{Watcher, Wish};
 pub use observable::Observable;
 pub use particles::{Motion, Particle};
+pub use quadratic_shape::Middles;
 pub use rods::Rod;
 pub use run::{BrokenRod, Impacts, Progress, Run};
 pub use scene::{Gravity, Scene, Timing};

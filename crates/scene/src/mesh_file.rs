@@ -4,23 +4,26 @@
 //! .msh      Gmsh's: its tetrahedra, or where there are none its triangles
 //! others    OBJ: a surface in space
 //! ```
-//! Triangles all of which have z = 0 are a sheet in the plane where the scene is. Elements with
-//! nodes in the middle of their edges have no shape here. Nothing outside the scene's folder is
-//! opened.
+//! Triangles all of which have z = 0 are a sheet in the plane where the scene is. Where quadratic
+//! elements are asked for, those of a file are read as they are, and straight ones get nodes halfway
+//! along their edges. Nothing outside the scene's folder is opened.
 
 use std::path::{Component, Path, PathBuf};
 
-use stationary_mesh::{Mesh, MeshError, Msh, Simplex, read_msh, read_obj};
+use nalgebra::Vector3;
+use stationary_mesh::{Mesh, MeshError, Msh, Quadratic, Simplex, read_msh, read_obj};
 use toml::Spanned;
 
 use crate::diagnostic::{Checked, Located, at};
-use crate::shape::{Shape, block, sheet};
+use crate::quadratic_shape::{curved_block, curved_sheet};
+use crate::shape::{Element, Shape, block, sheet};
 use crate::source::shortened;
 use crate::{Fault, limits};
 
 /// The mesh in a file beside the scene's.
 pub(crate) fn loaded(
     dimension: usize,
+    element: Element,
     folder: Option<&Path>,
     file: &Spanned<String>,
 ) -> Checked<Shape> {
@@ -33,30 +36,79 @@ pub(crate) fn loaded(
     let path = found(folder, file)?;
     if is_msh {
         let msh = read_msh(&path).map_err(|error| failed(file, error.to_string()))?;
-        return of_msh(dimension, &msh, file);
+        return of_msh(dimension, element, &msh, file);
     }
     let mesh = read_obj(&path).map_err(|error| failed(file, error.to_string()))?;
-    shape(&mesh, file, sheet)
+    surface(&mesh, element, file)
 }
 
-fn of_msh(dimension: usize, msh: &Msh, file: &Spanned<String>) -> Checked<Shape> {
+fn of_msh(dimension: usize, element: Element, msh: &Msh, file: &Spanned<String>) -> Checked<Shape> {
     let of_file = |error: MeshError| failed(file, error.to_string());
-    match msh.tetrahedra() {
-        Ok(_) if dimension < 3 => {
-            Err(failed(file, "its tetrahedra do not fit into the plane".to_owned()))
+    if element == Element::Quadratic {
+        if let Some(elements) = there(msh.quadratic_tetrahedra(), file)? {
+            check_space(dimension, file)?;
+            return curved(&elements, file, curved_block);
         }
-        Ok(mesh) => shape(&mesh, file, block),
-        Err(MeshError::Empty) => {
-            let mesh = msh.triangles().map_err(of_file)?;
+        if let Some(elements) = there(msh.quadratic_triangles(), file)? {
             if dimension == 3 {
-                return shape(&mesh, file, sheet);
+                return curved(&elements, file, curved_sheet);
             }
-            if mesh.vertices().iter().any(|x| x.z != 0.0) {
-                return Err(failed(file, "its triangles are not in the plane z = 0".to_owned()));
-            }
-            shape(&mesh.mapped(|x| x.xy()).map_err(of_file)?, file, sheet)
+            check_plane(elements.nodes(), file)?;
+            return curved(&elements.mapped(|x| x.xy()).map_err(of_file)?, file, curved_sheet);
         }
+    }
+    if let Some(mesh) = there(msh.tetrahedra(), file)? {
+        check_space(dimension, file)?;
+        return match element {
+            Element::Linear => shape(&mesh, file, block),
+            Element::Quadratic => {
+                shape(&mesh, file, |mesh| curved_block(&Quadratic::straight(mesh)))
+            }
+        };
+    }
+    let middles = msh.quadratic_tetrahedra().is_ok() || msh.quadratic_triangles().is_ok();
+    match msh.triangles() {
+        Ok(mesh) if dimension == 3 => surface(&mesh, element, file),
+        Ok(mesh) => {
+            check_plane(mesh.vertices(), file)?;
+            surface(&mesh.mapped(|x| x.xy()).map_err(of_file)?, element, file)
+        }
+        Err(MeshError::Empty) if middles => Err(at(file.span(), Fault::QuadraticMesh)),
         Err(error) => Err(of_file(error)),
+    }
+}
+
+/// Elements of a kind, where the file has some.
+fn there<T>(elements: Result<T, MeshError>, file: &Spanned<String>) -> Checked<Option<T>> {
+    match elements {
+        Ok(elements) => Ok(Some(elements)),
+        Err(MeshError::Empty) => Ok(None),
+        Err(error) => Err(failed(file, error.to_string())),
+    }
+}
+
+fn check_space(dimension: usize, file: &Spanned<String>) -> Checked<()> {
+    if dimension == 3 {
+        return Ok(());
+    }
+    Err(failed(file, "its tetrahedra do not fit into the plane".to_owned()))
+}
+
+fn check_plane(places: &[Vector3<f64>], file: &Spanned<String>) -> Checked<()> {
+    if places.iter().all(|x| x.z == 0.0) {
+        return Ok(());
+    }
+    Err(failed(file, "its triangles are not in the plane z = 0".to_owned()))
+}
+
+fn surface<const D: usize>(
+    mesh: &Mesh<D, 3>,
+    element: Element,
+    file: &Spanned<String>,
+) -> Checked<Shape> {
+    match element {
+        Element::Linear => shape(mesh, file, sheet),
+        Element::Quadratic => shape(mesh, file, |mesh| curved_sheet(&Quadratic::straight(mesh))),
     }
 }
 
@@ -69,14 +121,34 @@ fn shape<const D: usize, const K: usize>(
 where
     [usize; K]: Simplex,
 {
-    let count = mesh.vertices().len() as u64;
-    if count > limits::PARTICLES {
-        let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
-        return Err(at(file.span(), fault));
-    }
+    check_count(mesh.vertices().len(), file)?;
     let whole = mesh.check_referenced().and_then(|()| mesh.check_nondegenerate());
     let upright = whole.and_then(|()| mesh.check_positive());
     upright.and_then(|()| make(mesh)).map_err(|error| failed(file, error.to_string()))
+}
+
+/// The shape of curved elements without flaws.
+fn curved<const D: usize, const K: usize, const N: usize>(
+    elements: &Quadratic<D, K, N>,
+    file: &Spanned<String>,
+    make: impl FnOnce(&Quadratic<D, K, N>) -> Result<Shape, MeshError>,
+) -> Checked<Shape>
+where
+    [usize; K]: Simplex,
+{
+    check_count(elements.nodes().len(), file)?;
+    let whole = elements.corners().check_nondegenerate();
+    let upright = whole.and_then(|()| elements.check_positive());
+    upright.and_then(|()| make(elements)).map_err(|error| failed(file, error.to_string()))
+}
+
+fn check_count(vertices: usize, file: &Spanned<String>) -> Checked<()> {
+    let count = vertices as u64;
+    if count <= limits::PARTICLES {
+        return Ok(());
+    }
+    let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
+    Err(at(file.span(), fault))
 }
 
 /// Where a file in the scene's folder is.

@@ -13,15 +13,24 @@
 use std::path::Path;
 
 use nalgebra::{SVector, Vector3};
-use stationary_mesh::{
-    Diagonals, Mesh, MeshError, Simplex, ball, bar, cuboid, disc, icosphere, rectangle, torus,
-};
+use stationary_mesh::{Mesh, MeshError, Simplex};
 use toml::Spanned;
 
-use crate::declaration::{Components, ShapeDeclaration};
+use crate::declaration::ShapeDeclaration;
 use crate::diagnostic::{Checked, at};
 use crate::mesh_file::loaded;
-use crate::{Fault, check, limits};
+use crate::quadratic_shape::Middles;
+use crate::shape_kinds::generated;
+use crate::{Fault, check};
+
+/// Where elements have nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Element {
+    /// At their corners.
+    Linear,
+    /// And in the middle of their edges.
+    Quadratic,
+}
 
 /// The simplices of a shape, by the numbers of their vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,124 +79,33 @@ pub(crate) struct Shape {
     /// Its vertices in the scene.
     pub(crate) places: Vec<[f64; 3]>,
     pub(crate) simplices: Simplices,
-    /// The length, area or volume that belongs to each vertex: equal parts of each simplex.
+    /// The nodes in the middle of edges, where there are some: then these are vertices too.
+    pub(crate) middles: Middles,
+    /// The length, area or volume that belongs to each corner: equal parts of each simplex.
     pub(crate) shares: Vec<f64>,
     /// The edges that a picture draws: those on the outside.
     pub(crate) edges: Vec<[usize; 2]>,
     /// The triangles on the outside.
     pub(crate) faces: Vec<[usize; 3]>,
     /// Which vertices are on the boundary of a sheet; none of other shapes are.
-    rim: Vec<bool>,
+    pub(crate) rim: Vec<bool>,
     /// How many own coordinates it has.
     dimension: usize,
 }
 
-/// What a word of `kind` means.
-#[derive(Clone, Copy)]
-struct Kind {
-    make: fn(&[f64], &[usize]) -> Result<Shape, MeshError>,
-    /// How many vertices there will be, or a little more.
-    count: fn(&[u64]) -> u64,
-    /// The least dimension of a scene that it fits into.
-    dimension: usize,
-    /// How many numbers `size` and `cells` have.
-    numbers: [usize; 2],
-    /// What `size` is.
-    size: &'static str,
-}
-
-const KINDS: [(&str, Kind); 7] = [
-    (
-        "bar",
-        Kind {
-            make: |size, cells| Ok(outlined(&bar(size[0], cells[0])?)),
-            count: |cells| cells[0].saturating_add(1),
-            dimension: 1,
-            numbers: [1, 1],
-            size: "its length",
-        },
-    ),
-    (
-        "rectangle",
-        Kind {
-            make: |size, cells| {
-                let cells = [cells[0], cells[1]];
-                sheet(&rectangle([size[0], size[1]], cells, Diagonals::Alternating)?)
-            },
-            count: |cells| cells[0].saturating_add(1).saturating_mul(cells[1].saturating_add(1)),
-            dimension: 2,
-            numbers: [2, 2],
-            size: "its two sides",
-        },
-    ),
-    (
-        "disc",
-        Kind {
-            make: |size, cells| sheet(&disc(size[0], cells[0])?),
-            count: |cells| cells[0].saturating_mul(cells[0].saturating_add(1)).saturating_mul(3),
-            dimension: 2,
-            numbers: [1, 1],
-            size: "its radius",
-        },
-    ),
-    (
-        "box",
-        Kind {
-            make: |size, cells| {
-                block(&cuboid([size[0], size[1], size[2]], [cells[0], cells[1], cells[2]])?)
-            },
-            count: |cells| cells.iter().fold(1, |n: u64, &k| n.saturating_mul(k.saturating_add(1))),
-            dimension: 3,
-            numbers: [3, 3],
-            size: "its three sides",
-        },
-    ),
-    (
-        "ball",
-        Kind {
-            make: |size, cells| block(&ball(size[0], cells[0])?),
-            count: |cells| 4_u64.saturating_mul(power(8, cells[0])),
-            dimension: 3,
-            numbers: [1, 1],
-            size: "its radius",
-        },
-    ),
-    (
-        "sphere",
-        Kind {
-            make: |size, cells| sheet(&icosphere(size[0], cells[0])?),
-            count: |cells| 10_u64.saturating_mul(power(4, cells[0])),
-            dimension: 3,
-            numbers: [1, 1],
-            size: "its radius",
-        },
-    ),
-    (
-        "torus",
-        Kind {
-            make: |size, cells| sheet(&torus([size[0], size[1]], [cells[0], cells[1]])?),
-            count: |cells| cells[0].saturating_mul(cells[1]),
-            dimension: 3,
-            numbers: [2, 2],
-            size: "the radii of its circle and of its tube",
-        },
-    ),
-];
-
-fn power(base: u64, levels: u64) -> u64 {
-    base.saturating_pow(u32::try_from(levels).unwrap_or(u32::MAX))
-}
-
-/// The shape that is declared. `folder` is that of the scene's file.
+/// The shape that is declared, in elements of this sort. `folder` is that of the scene's file.
 pub(crate) fn declare(
     dimension: usize,
+    element: Element,
     folder: Option<&Path>,
     declared: &Spanned<ShapeDeclaration>,
 ) -> Checked<Shape> {
     let ShapeDeclaration { kind, size, cells, file, origin, .. } = declared.get_ref();
     let mut shape = match (kind, size, cells, file) {
-        (Some(kind), Some(size), Some(cells), None) => generated(dimension, kind, size, cells)?,
-        (None, None, None, Some(file)) => loaded(dimension, folder, file)?,
+        (Some(kind), Some(size), Some(cells), None) => {
+            generated(dimension, element, kind, size, cells)?
+        }
+        (None, None, None, Some(file)) => loaded(dimension, element, folder, file)?,
         _ => return Err(at(declared.span(), Fault::ShapeOrFile)),
     };
     let origin = match origin {
@@ -236,37 +154,6 @@ fn axes(dimension: usize, declared: &Spanned<ShapeDeclaration>) -> Checked<[Vect
     Ok(check::right_angle(dimension, declared.span(), both)?.map(Vector3::from))
 }
 
-fn generated(
-    dimension: usize,
-    kind: &Spanned<String>,
-    size: &Components,
-    cells: &Spanned<Vec<Spanned<crate::number::Count>>>,
-) -> Checked<Shape> {
-    let of = check::word("shape", kind.get_ref(), kind.span(), &KINDS)?;
-    if dimension < of.dimension {
-        let fault = Fault::ShapeDimension { kind: kind.get_ref().clone(), dimension };
-        return Err(at(kind.span(), fault));
-    }
-    let what = of.size;
-    let wrong = |key, expected, got| Fault::ShapeNumbers { key, expected, got, what };
-    if size.get_ref().len() != of.numbers[0] {
-        return Err(at(size.span(), wrong("size", of.numbers[0], size.get_ref().len())));
-    }
-    if cells.get_ref().len() != of.numbers[1] {
-        return Err(at(cells.span(), wrong("cells", of.numbers[1], cells.get_ref().len())));
-    }
-    let lengths = size.get_ref().iter().map(|x| check::positive("a size of the shape", x));
-    let lengths = lengths.collect::<Checked<Vec<f64>>>()?;
-    let numbers: Vec<u64> = cells.get_ref().iter().map(|count| count.get_ref().0).collect();
-    let count = (of.count)(&numbers);
-    if count > limits::PARTICLES {
-        let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
-        return Err(at(cells.span(), fault));
-    }
-    let numbers: Vec<usize> = numbers.into_iter().map(|n| n as usize).collect();
-    (of.make)(&lengths, &numbers).map_err(|error| at(cells.span(), Fault::Shape(error.to_string())))
-}
-
 /// A vertex of a mesh as a point in space.
 fn in_space<const D: usize>(x: &SVector<f64, D>) -> Vector3<f64> {
     Vector3::from_fn(|c, _| x.as_slice().get(c).copied().unwrap_or(0.0))
@@ -285,6 +172,7 @@ where
         own: mesh.vertices().iter().map(in_space).collect(),
         places: Vec::new(),
         simplices,
+        middles: Middles::new(),
         shares,
         edges: Vec::new(),
         faces: Vec::new(),
@@ -293,7 +181,7 @@ where
     }
 }
 
-fn outlined(mesh: &Mesh<1, 2>) -> Shape {
+pub(crate) fn outlined(mesh: &Mesh<1, 2>) -> Shape {
     let segments = mesh.simplices().to_vec();
     Shape { edges: segments.clone(), ..bare(mesh, Simplices::Segments(segments)) }
 }

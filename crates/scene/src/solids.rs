@@ -5,8 +5,9 @@
 //! m_a = density section (length, area or volume)_a      Poisson's ratio nu
 //! V += 1/2 B sum over inner edges of a sheet in space  |e|^2/A (theta - theta_rest)^2
 //! ```
-//! `section` is the cross-section of a bar and the thickness of a sheet, `B` the `bending` of a sheet.
-//! A bar is free to thin where it is drawn out and a sheet is under plane stress. Vertices are called
+//! Simplices are linear elements or, where the body says `element = "quadratic"`, have nodes in the
+//! middle of their edges as well. `section` is the cross-section of a bar and the thickness of a sheet,
+//! `B` the `bending` of a sheet. A bar is free to thin where it is drawn out and a sheet is under plane stress. Vertices are called
 //! `name.0`, `name.1`, ..., and those nearest to the `marks` by the mark's name. What is `hung` is held
 //! while everything comes to rest, and is let go at the start; where it is `struck` it starts with
 //! another velocity.
@@ -18,8 +19,10 @@ use toml::Spanned;
 use crate::declaration::{Marks, SolidDeclaration};
 use crate::diagnostic::{Checked, at};
 use crate::elastic::lame;
+use crate::node_shares::node_shares;
 use crate::particles::{Motion, Particle, Roster};
-use crate::shape::{self, Shape, Simplices};
+use crate::quadratic_shape::Middles;
+use crate::shape::{self, Element, Shape, Simplices};
 use crate::upper::Lame;
 use crate::{Fault, check, limits};
 
@@ -42,6 +45,9 @@ pub struct ElasticBody {
     pub rest: Vec<[f64; 3]>,
     /// Its simplices, by the places of their vertices in [`Scene::particles`](crate::Scene::particles).
     pub simplices: Simplices,
+    /// The nodes of quadratic elements in the middle of edges, by the places of all three in
+    /// [`Scene::particles`](crate::Scene::particles), the smaller end first; none of linear ones.
+    pub middles: Middles,
 }
 
 /// The energy density of an elastic body.
@@ -64,6 +70,9 @@ const MATERIALS: [(&str, ElasticMaterial); 4] = [
     ("linear", ElasticMaterial::Linear),
 ];
 
+const ELEMENTS: [(&str, Element); 2] =
+    [("linear", Element::Linear), ("quadratic", Element::Quadratic)];
+
 /// What all elastic bodies of a scene come to.
 #[derive(Debug, Default)]
 pub(crate) struct Solids {
@@ -85,10 +94,14 @@ pub(crate) fn declare(
     declared: &SolidDeclaration,
 ) -> Checked<()> {
     let name = check::name(&declared.name)?;
-    let shape = shape::declare(dimension, folder, &declared.shape)?;
+    let element = element(declared)?;
+    let mut shape = shape::declare(dimension, element, folder, &declared.shape)?;
+    if element == Element::Quadratic {
+        shape.shares = node_shares(&shape).map_err(|fault| at(declared.shape.span(), fault))?;
+    }
     let (material, lame) = material(dimension, &shape.simplices, declared)?;
     let section = section(&shape.simplices, declared)?;
-    let bending = bending(dimension, &shape.simplices, declared)?;
+    let bending = bending(dimension, element, &shape.simplices, declared)?;
     let first = roster.particles.len();
     let count = (first + shape.places.len()) as u64;
     if count > limits::PARTICLES {
@@ -102,6 +115,9 @@ pub(crate) fn declare(
     solids.edges.extend(shape.edges.iter().map(|ends| ends.map(|end| first + end)));
     solids.faces.extend(shape.faces.iter().map(|corners| corners.map(|corner| first + corner)));
     let simplices = shape.simplices.shifted(first);
+    let middles =
+        shape.middles.iter().map(|(ends, node)| (ends.map(|end| first + end), first + node));
+    let middles = middles.collect();
     let rest = shape.places;
     solids.bodies.push(ElasticBody {
         name,
@@ -112,8 +128,16 @@ pub(crate) fn declare(
         first,
         rest,
         simplices,
+        middles,
     });
     Ok(())
+}
+
+fn element(declared: &SolidDeclaration) -> Checked<Element> {
+    match &declared.element {
+        Some(word) => check::word("element", word.get_ref(), word.span(), &ELEMENTS),
+        None => Ok(Element::Linear),
+    }
 }
 
 fn material(
@@ -164,12 +188,16 @@ fn section(simplices: &Simplices, declared: &SolidDeclaration) -> Checked<f64> {
 
 fn bending(
     dimension: usize,
+    element: Element,
     simplices: &Simplices,
     declared: &SolidDeclaration,
 ) -> Checked<Option<f64>> {
     let bends = dimension == 3 && matches!(simplices, Simplices::Triangles(_));
     match &declared.bending {
         Some(given) if !bends => Err(at(given.span(), Fault::Bending)),
+        Some(given) if element == Element::Quadratic => {
+            Err(at(given.span(), Fault::BendingOfQuadratic))
+        }
         Some(given) => check::positive("the bending stiffness", given).map(Some),
         None => Ok(None),
     }

@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::lab::{At, Lab};
 use super::ladder::{Family, Kind};
 use super::reference::Reference;
-use super::run::{End, Failure, Measured, Trial};
+use super::run::{End, Failure, Foresight, Measured, Trial};
 
 /// What the reference says of a rung.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +65,18 @@ const REFINEMENTS: u32 = 1;
 const CLEAR: f64 = 1.25;
 /// A family that would need so much more work than the choice speaks for others of its order.
 const FAR: f64 = 4.0;
+/// Families that come to no solution of a step speak for others of their sort.
+const FAILURES: u32 = 2;
+/// A rung that is so much cheaper than the choice is worth any refinement of the reference, and one
+/// that is not is worth so many runs of itself.
+const MUCH: f64 = 1.5;
+const LITTLE: u64 = 4;
+/// Errors that differ by less are the same, and methods that must have the same one.
+const SHARED: f64 = 1.05;
+const SHARING: usize = 2;
+/// Over so few moments an error is a matter of luck, unless it is smaller by such a factor.
+const FEW_MOMENTS: usize = 3;
+const NO_LUCK: f64 = 0.25;
 /// Modes that are tried first.
 const FIRST_MODES: usize = 3;
 
@@ -129,12 +141,16 @@ impl<'a> Climb<'a> {
     /// Searches, and returns the cheapest rung that was run and meets the tolerance.
     pub fn search(&mut self) -> Option<At> {
         let own = self.reference.family;
-        self.take_over(own);
+        let coarsest = self.take_over(own);
+        if coarsest.is_none() {
+            // Without a first choice nothing says how dear another may be.
+            self.ascend(At { family: own, rung: self.reference.finest + 1 });
+        }
         let mut others: Vec<usize> = (0..self.lab.ladder().families.len()).collect();
         others.retain(|&family| family != own);
         // Simple models first. Which method is best is not known; what likely is makes all others
         // cheaper to rule out.
-        let likely = 2.0 - self.tolerance.log10();
+        let likely = if self.is_stiff() { 2.0 } else { 2.0 - self.tolerance.log10() };
         others.sort_by_key(|&family| {
             let family = self.lab.family(family);
             let off = (f64::from(family.order) - likely).abs();
@@ -142,14 +158,26 @@ impl<'a> Climb<'a> {
             (Reverse(simple), family.model, (10.0 * off) as u64, family.rungs[0].least_work)
         });
         let mut hopeless: BTreeMap<Sort, bool> = BTreeMap::new();
+        let mut failed: BTreeMap<Sort, u32> = BTreeMap::new();
         for family in others {
             let of = sort(self.lab.family(family));
             if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.0) {
                 continue;
             }
             self.try_family(family);
+            let failures = failed.entry(of).or_default();
+            *failures += u32::from(self.only_failed(family));
+            if *failures >= FAILURES {
+                hopeless.insert(of, true);
+                continue;
+            }
             // At high orders the constants differ by more than the orders.
-            hopeless.insert(of, (of.2 <= 2 || of.3) && self.is_far(family));
+            let far = self.is_far(family) || self.is_dearer(family);
+            hopeless.insert(of, (of.2 <= 2 || of.3) && far);
+        }
+        // By now something cheaper is known than what the reference is made of.
+        if let Some(rung) = coarsest {
+            self.descend(At { family: own, rung });
         }
         self.answer_own_tolerance();
         self.settle()
@@ -174,6 +202,32 @@ impl<'a> Climb<'a> {
                 return;
             }
         }
+    }
+
+    /// Whether stability bounds the explicit steps: then what takes the least of them is likely.
+    fn is_stiff(&self) -> bool {
+        self.lab.used().any(|(at, run)| {
+            let family = self.lab.family(at.family);
+            let unstable = matches!(run.end, End::Failed(Failure::Unstable(_)));
+            family.kind == Kind::EqualSteps && family.order == 2 && unstable
+        })
+    }
+
+    /// Whether a family that solves equations was tried and every rung of it is too dear.
+    fn is_dearer(&self, family: usize) -> bool {
+        let solves = sort(self.lab.family(family)).3;
+        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
+        solves
+            && own.peek().is_some()
+            && own.all(|(at, _)| matches!(self.said(at), Judgement::Dearer))
+    }
+
+    /// Whether a family was tried, and no rung of it has an error to speak of.
+    fn only_failed(&self, family: usize) -> bool {
+        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
+        own.peek().is_some()
+            && own
+                .all(|(at, _)| matches!(self.said(at), Judgement::Failed(Failure::NotConverged(_))))
     }
 
     /// The rung at which a family of own steps is tried first.
@@ -210,9 +264,9 @@ impl<'a> Climb<'a> {
         meeting.min_by_key(|(at, run)| (run.work, Reverse(self.simplicity(*at)))).map(|(at, _)| at)
     }
 
-    /// What was run for the reference is judged, and its family climbed on to the first rung that
-    /// meets the tolerance.
-    fn take_over(&mut self, family: usize) {
+    /// What was run for the reference is judged; the coarsest rung of its family that meets the
+    /// tolerance, where one does.
+    fn take_over(&mut self, family: usize) -> Option<usize> {
         let run: Vec<At> = self.lab.used().map(|(at, _)| at).collect();
         let mut coarsest = None;
         for at in run.into_iter().rev() {
@@ -220,13 +274,7 @@ impl<'a> Climb<'a> {
                 coarsest = Some(at.rung);
             }
         }
-        match coarsest {
-            Some(rung) => self.descend(At { family, rung }),
-            None => {
-                let first = At { family, rung: self.reference.finest + 1 };
-                self.ascend(first);
-            }
-        }
+        coarsest
     }
 
     fn try_family(&mut self, family: usize) {
@@ -252,10 +300,11 @@ impl<'a> Climb<'a> {
                 Judgement::Meets(_) => return self.descend(at),
                 Judgement::Misses(error) | Judgement::Unclear(error) => {
                     let still = self.is_still(at, before);
-                    if still && error > CLEAR * self.tolerance {
+                    let lost = self.is_shared(at) || still && error > CLEAR * self.tolerance;
+                    if lost {
                         self.lost.insert(self.lab.family(at.family).model);
                     }
-                    if still || self.outdone(at, error) {
+                    if lost || still || self.outdone(at, error) {
                         return;
                     }
                     before = Some(at);
@@ -279,6 +328,24 @@ impl<'a> Climb<'a> {
         steps && moments > 1 && now > then / SAME && now < then * SAME
     }
 
+    /// Whether other methods have the same error by the same model: then it is the model's.
+    fn is_shared(&self, at: At) -> bool {
+        let family = self.lab.family(at.family);
+        let Some(own) = self.lab.seen(at).map(|run| &run.course) else { return false };
+        if family.converges() || own.values.len() < 2 {
+            return false;
+        }
+        let error = self.reference.error_until(own, own.values.len());
+        let same = |other: f64| other > error / SHARED && other < error * SHARED;
+        let sharing = self.lab.used().filter(|(other, run)| {
+            other.family != at.family
+                && self.lab.family(other.family).model == family.model
+                && self.error_until(run, own.values.len()).is_some_and(same)
+        });
+        let families: BTreeSet<usize> = sharing.map(|(other, _)| other.family).collect();
+        families.len() >= SHARING
+    }
+
     /// Whether a family of the same or a higher order has a smaller error for the same work, as far
     /// as both were run.
     fn outdone(&self, at: At, error: f64) -> bool {
@@ -296,7 +363,8 @@ impl<'a> Climb<'a> {
             // steps is stable where equal ones are not.
             let equal = family.kind == Kind::EqualSteps;
             let judged = equal && error.is_finite() || run.end == End::Whole;
-            let better = |own: f64| judged && own < error && own < SATURATED;
+            let luck = if moments <= FEW_MOMENTS { NO_LUCK } else { 1.0 };
+            let better = |own: f64| judged && own < luck * error && own < SATURATED;
             other.family != at.family
                 && comparable
                 && no_dearer
@@ -338,7 +406,7 @@ impl<'a> Climb<'a> {
     fn judged(&mut self, at: At) -> Judgement {
         let work = self.attempted(at);
         let mut said = self.said(at);
-        while matches!(said, Judgement::Unclear(_)) && self.refinements > 0 && self.pays(at) {
+        while self.refinements > 0 && self.deserves(at, &said, work) {
             self.refinements -= 1;
             let Some(finer) = self.reference.refined(self.lab) else { break };
             self.reference = finer;
@@ -353,12 +421,22 @@ impl<'a> Climb<'a> {
         said
     }
 
+    /// Whether what is too close to tell is worth a finer reference: it likely meets the tolerance,
+    /// and saves much or costs little to decide.
+    fn deserves(&self, at: At, said: &Judgement, work: u64) -> bool {
+        let likely = matches!(said, Judgement::Unclear(error) if *error <= self.tolerance);
+        let next = self.reference.next(self.lab);
+        let saves = self.best.is_none_or(|(_, least)| least as f64 > MUCH * work as f64);
+        likely && self.pays(at) && next.is_some_and(|next| saves || next <= LITTLE * work)
+    }
+
     /// Runs a rung as long as it may be the choice, and returns its work.
     fn attempted(&mut self, at: At) -> u64 {
         let trial = Trial {
             reference: &self.reference,
             most_error: self.tolerance + self.reference.uncertainty,
             most_work: self.best.map_or(u64::MAX, |(_, work)| work),
+            foresight: Foresight::Steady,
         };
         if self.lab.seen(at).is_some_and(|run| run.end == End::Whole) {
             return self.lab.measure(at).work;

@@ -4,7 +4,7 @@
 
 use super::lab::{At, Lab};
 use super::reference::Reference;
-use super::run::{End, Trial};
+use super::run::{End, Foresight, Trial};
 
 /// A rung, its work and its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,10 +18,16 @@ pub struct Found {
 }
 
 /// The cheapest rung of at most so much work whose error by the truth is within the tolerance. In
-/// every family rungs are run from the coarsest to the first that is dearer.
-pub fn exhaustive(lab: &mut Lab, truth: &Reference, tolerance: f64, most: u64) -> Option<Found> {
+/// each of these families rungs are run from the coarsest to the first that is dearer.
+pub fn exhaustive(
+    lab: &mut Lab,
+    families: &[usize],
+    truth: &Reference,
+    tolerance: f64,
+    most: u64,
+) -> Option<Found> {
     let mut best: Option<Found> = None;
-    for family in 0..lab.ladder().families.len() {
+    for &family in families {
         for rung in 0..lab.family(family).rungs.len() {
             let at = At { family, rung };
             // Half of what a rung likely takes is less than any run of equal steps took.
@@ -29,8 +35,13 @@ pub fn exhaustive(lab: &mut Lab, truth: &Reference, tolerance: f64, most: u64) -
             if own.rungs[rung].least_work / 2 > most {
                 break;
             }
-            let run = lab
-                .attempt(at, &Trial { reference: truth, most_error: tolerance, most_work: most });
+            let trial = Trial {
+                reference: truth,
+                most_error: tolerance,
+                most_work: most,
+                foresight: Foresight::None,
+            };
+            let run = lab.attempt(at, &trial);
             let work = run.work;
             if work > most && !matches!(run.end, End::Failed(_)) {
                 break;

@@ -3,8 +3,14 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+use stationary_integrators::Evaluation;
+
 use super::ladder::{Family, Kind, Ladder};
-use super::run::{Measured, Trial, measure};
+use super::run::{End, Failure, Measured, Trial, measure};
+
+/// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
+/// the border of its stability: 15 a step that is at most four times as long.
+const STAGES_A_LIMIT: u64 = 3;
 
 /// A rung's place: its family and its place in that, from coarse to fine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,6 +128,7 @@ impl Lab {
             .filter(|(other, run)| other.family == at.family && run.expected() > 0)
             .min_by_key(|(other, _)| other.rung.abs_diff(at.rung));
         let Some((other, run)) = nearest else {
+            let least = least.max(self.least_stable(family));
             return (least as f64 * self.least_excess(family, at.rung)).min(1e18) as u64;
         };
         let ratio = match family.kind {
@@ -135,14 +142,33 @@ impl Lab {
         least.max(grown as u64)
     }
 
+    /// The least work of explicit steps of one's own choice that are stable: those of equal steps
+    /// of the same model that were not are too long.
+    fn least_stable(&self, like: &Family) -> u64 {
+        if like.kind != Kind::OwnSteps || like.evaluation != Evaluation::Explicit {
+            return 0;
+        }
+        let unstable = self.used().filter(|(at, run)| {
+            let family = self.family(at.family);
+            let order_two = family.order == 2 && family.evaluation == Evaluation::Explicit;
+            let failed = matches!(run.end, End::Failed(Failure::Unstable(_)));
+            family.kind == Kind::EqualSteps && family.model == like.model && order_two && failed
+        });
+        let works = unstable.map(|(at, _)| self.family(at.family).rungs[at.rung].least_work);
+        STAGES_A_LIMIT * works.max().unwrap_or(0)
+    }
+
     /// The least factor by which runs of families like this one exceeded what they could take, at
     /// the rung nearest to this.
     fn least_excess(&self, like: &Family, rung: usize) -> f64 {
+        // What holds rods solves the same equations, whatever its order.
+        let held = !self.ladder.written().scene.rods().is_empty();
         let alike = || {
             self.used().filter(|(at, run)| {
                 let family = self.family(at.family);
                 run.expected() > 0
                     && family.kind == like.kind
+                    && (held || family.order == like.order)
                     && family.evaluation == like.evaluation
             })
         };

@@ -154,8 +154,8 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
     };
     let per_step = match candidate.evaluation {
         Evaluation::Explicit => candidate.stages,
-        // Two solves find the state, and another that it was found.
-        Evaluation::Implicit => 3 * (1 + hessian),
+        // One solve, from a first guess, and a look that it found the state.
+        Evaluation::Implicit => candidate.stages.max(1) + 1 + hessian,
     };
     let method = Change::to("integrator", format!("\"{}\"", candidate.name));
     let rung = |setting: f64, says: [(&'static str, Option<String>); 4], least_work: u64| {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cells      every shape with a half, a quarter, ... of its cells
+//! elements   quadratic ones in a half, a quarter, ... of the cells; linear ones for quadratic
 //! contact    impulses at another moment, or by another law;  springs,  k = m (pi n/T)^2
 //! rigid      M = sum m_i,  c = sum m_i x_i / M,  I = sum m_i (|r|^2 - r r^T),  r = x_i - c
 //!            v = sum p_i / M,  w = I^-1 sum r x p_i                 a body for each elastic one
@@ -13,7 +14,7 @@
 
 use std::f64::consts::PI;
 
-use stationary_scene::{Motion, Observable, Scene};
+use stationary_scene::{ElasticBody, Motion, Observable, Scene, Simplices};
 use toml::{Table, Value};
 
 use super::surrogate;
@@ -25,6 +26,13 @@ pub enum Sight {
     AsWritten,
     /// Shapes of fewer cells: so many halvings.
     Halved(u32),
+    /// Elastic bodies of other elements, in cells after so many halvings.
+    Elements {
+        /// `linear` or `quadratic`.
+        word: &'static str,
+        /// Of the cells.
+        halvings: u32,
+    },
     /// Another word in `[contact]`.
     Contact {
         /// `when` or `law`.
@@ -54,7 +62,7 @@ pub struct Model {
     pub text: String,
     /// The scene, seen so.
     pub scene: Scene,
-    /// Elements or bodies, of a scene that has models of several sizes; else one.
+    /// Elements, in linear ones, or bodies, of a scene that has models of several sizes; else one.
     pub pieces: u64,
 }
 
@@ -72,6 +80,12 @@ impl Model {
         for halvings in 1..=HALVINGS {
             models.extend(halved(name, &table, scene, halvings));
         }
+        for (word, least) in [("linear", 0), ("quadratic", 1)] {
+            // More nodes than the scene itself has cost more and are not it.
+            for halvings in least..=HALVINGS {
+                models.extend(of_elements(name, &table, scene, word, halvings));
+            }
+        }
         models.extend(other_contacts(name, &table, scene));
         models.extend(springs(name, &table, scene));
         for sight in [Sight::Rigid, Sight::Points] {
@@ -85,9 +99,10 @@ impl Model {
     }
 
     fn new(sight: Sight, words: String, text: String, scene: Scene) -> Self {
-        let elements = scene.solids().iter().map(|solid| solid.simplices.len());
-        let heated = scene.heat().map(|body| body.simplices.len());
-        let pieces = elements.chain(heated).sum::<usize>().max(scene.bodies().len()).max(1) as u64;
+        let elements = scene.solids().iter().map(in_linear_elements);
+        let heated = scene.heat().map(|body| body.simplices.len() as f64);
+        let elements = elements.chain(heated).sum::<f64>().round() as u64;
+        let pieces = elements.max(scene.bodies().len() as u64).max(1);
         Model { sight, words, text, scene, pieces }
     }
 
@@ -95,7 +110,7 @@ impl Model {
     pub fn simplicity(&self) -> u32 {
         match self.sight {
             Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. } => 0,
-            Sight::Halved(halvings) => halvings,
+            Sight::Halved(halvings) | Sight::Elements { halvings, .. } => halvings,
             Sight::Rigid => HALVINGS + 1,
             Sight::Points => HALVINGS + 2,
         }
@@ -107,6 +122,9 @@ impl Model {
             Sight::AsWritten => Some(text.to_owned()),
             Sight::Halved(halvings) => {
                 written(&with_fewer_cells(&toml::from_str(text).ok()?, halvings)?)
+            }
+            Sight::Elements { word, halvings } => {
+                written(&with_elements(&toml::from_str(text).ok()?, word, halvings)?)
             }
             Sight::Contact { key, word } => {
                 written(&with_contact(&toml::from_str(text).ok()?, key, word)?)
@@ -143,10 +161,49 @@ pub(super) fn observed(scene: &Scene) -> Vec<usize> {
     }
 }
 
+/// What an element of a body counts, in linear ones of its dimension: as many times the instructions
+/// of a differential, counted by callgrind over meshes of a thousand and more.
+const QUADRATIC: [f64; 3] = [2.3, 4.1, 6.0];
+
+fn in_linear_elements(body: &ElasticBody) -> f64 {
+    let quadratic = match &body.simplices {
+        Simplices::Segments(_) => QUADRATIC[0],
+        Simplices::Triangles(_) => QUADRATIC[1],
+        Simplices::Tetrahedra(_) => QUADRATIC[2],
+    };
+    let each = if body.middles.is_empty() { 1.0 } else { quadratic };
+    each * body.simplices.len() as f64
+}
+
 /// The scene with shapes of fewer cells, where these have the observed places too.
 fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Model> {
     let fewer = with_fewer_cells(table, halvings)?;
-    let (text, coarse) = parsed(name, &fewer)?;
+    let words = format!("with {} cells", cells_of(&fewer));
+    otherwise(name, &fewer, scene, Sight::Halved(halvings), words)
+}
+
+/// The scene with elastic bodies of other elements, where these have the observed places too.
+fn of_elements(
+    name: &str,
+    table: &Table,
+    scene: &Scene,
+    word: &'static str,
+    halvings: u32,
+) -> Option<Model> {
+    let other = with_elements(table, word, halvings)?;
+    let words = format!("with {} {word} cells", cells_of(&other));
+    otherwise(name, &other, scene, Sight::Elements { word, halvings }, words)
+}
+
+/// A scene of other shapes, where these have the observed places too.
+fn otherwise(
+    name: &str,
+    table: &Table,
+    scene: &Scene,
+    sight: Sight,
+    words: String,
+) -> Option<Model> {
+    let (text, coarse) = parsed(name, table)?;
     let place =
         |scene: &Scene, particle: usize| scene.particles().get(particle).map(|p| p.position);
     let size =
@@ -156,8 +213,19 @@ fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Mod
         let (Some(a), Some(b)) = (place(scene, a), place(&coarse, b)) else { return false };
         a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size)
     });
-    let words = format!("with {} cells", cells_of(&fewer));
-    same.then(|| Model::new(Sight::Halved(halvings), words, text, coarse))
+    same.then(|| Model::new(sight, words, text, coarse))
+}
+
+/// Elements of bodies that are not all of this kind already, in cells halved so often.
+fn with_elements(table: &Table, word: &str, halvings: u32) -> Option<Table> {
+    let cells = if halvings == 0 { None } else { Some(with_fewer_cells(table, halvings)?) };
+    let mut other = cells.unwrap_or_else(|| table.clone());
+    let mut changes = false;
+    for solid in other.get_mut("solids")?.as_array_mut()? {
+        let before = solid.as_table_mut()?.insert("element".to_owned(), word.into());
+        changes |= before.as_ref().and_then(Value::as_str).unwrap_or("linear") != word;
+    }
+    changes.then_some(other)
 }
 
 /// The tables of shapes.

@@ -75,9 +75,11 @@ fn model(text: &str, sight: Sight) -> Model {
 
 #[test]
 fn a_body_is_seen_as_elements_ever_coarser_as_rigid_and_as_a_point() {
-    assert_eq!(words(BEAM), ["", "with 4 x 1 cells", "as a rigid body", "as a point mass"]);
+    let simpler = ["with 4 x 1 quadratic cells", "as a rigid body", "as a point mass"];
+    assert_eq!(words(BEAM), [["", "with 4 x 1 cells"].as_slice(), &simpler].concat());
     let pieces: Vec<u64> = models(BEAM).iter().map(|model| model.pieces).collect();
-    assert_eq!(pieces, [32, 8, 1, 1]);
+    // A triangle with six nodes and three points counts as 4.1 of those with three and one.
+    assert_eq!(pieces, [32, 8, 33, 1, 1]);
     let lab = laboratory("a.toml", BEAM, &question("position=beam.end", 1e-2)).unwrap();
     for name in ["linear-modes", "linear-modes with 4 x 1 cells", "runge-kutta-4 as a rigid body"] {
         assert!(lab.ladder().families.iter().any(|family| family.name == name), "{name}");
@@ -86,9 +88,30 @@ fn a_body_is_seen_as_elements_ever_coarser_as_rigid_and_as_a_point() {
 
 #[test]
 fn a_mesh_without_the_observed_place_is_no_model() {
-    // Halved once more there is no vertex in the middle of the end.
+    // Halved once more there is no vertex in the middle of the end, but a node of an edge.
     let text = BEAM.replace("end = [1, 0.2]", "end = [1, 0.1]");
-    assert_eq!(words(&text), ["", "as a rigid body", "as a point mass"]);
+    let simpler = ["with 4 x 1 quadratic cells", "as a rigid body", "as a point mass"];
+    assert_eq!(words(&text), [[""].as_slice(), &simpler].concat());
+}
+
+#[test]
+fn a_body_of_quadratic_elements_is_seen_as_one_of_linear_ones_too() {
+    let text = BEAM.replace("thickness = 0.1", "thickness = 0.1\nelement = \"quadratic\"");
+    let expected = ["", "with 4 x 1 cells", "with 8 x 2 linear cells", "with 4 x 1 linear cells"];
+    assert_eq!(words(&text)[..4], expected);
+    let pieces: Vec<u64> = models(&text).iter().map(|model| model.pieces).collect();
+    assert_eq!(pieces, [131, 33, 32, 8, 1, 1]);
+    // A sheet that bends has no other elements.
+    let sheet = BEAM
+        .replace("dimension = 2", "dimension = 3")
+        .replace("thickness = 0.1", "thickness = 0.1\nbending = 1\nelement = \"linear\"")
+        .replace("neo-hookean", "saint-venant-kirchhoff")
+        .replace("[0, -9.81]", "[0, -9.81, 0]")
+        .replace("[1, 3]", "[1, 3, 0]")
+        .replace("[1, 0.2] }", "[1, 0.2, 0] }");
+    let words = words(&sheet);
+    assert!(words.iter().all(|words| !words.contains("quadratic")), "{words:?}");
+    assert!(words.contains(&"with 4 x 1 cells".to_owned()), "{words:?}");
 }
 
 #[test]
@@ -146,7 +169,8 @@ fn a_beam_that_only_falls_is_chosen_to_be_a_point_mass() {
 #[test]
 fn a_body_held_at_its_end_is_no_point_mass() {
     let text = BEAM.replace("velocity = [1, 3]", "pinned = [\"left\"]");
-    assert_eq!(words(&text), ["", "with 4 x 1 cells", "as a rigid body"]);
+    let simpler = ["with 4 x 1 cells", "with 4 x 1 quadratic cells", "as a rigid body"];
+    assert_eq!(words(&text), [[""].as_slice(), &simpler].concat());
     // What is clamped and rigid stays.
     let run = model(&text, Sight::Rigid).scene.run().unwrap();
     let way = run.observed(run.times().len() - 1).iter().zip(run.observed(0));

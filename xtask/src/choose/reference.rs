@@ -8,8 +8,10 @@
 //!                two rungs alone                  x* = x(h),  uncertainty d2
 //! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! ```
-//! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences that do not
-//! shrink prove nothing: their uncertainty is infinite.
+//! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
+//! that do not shrink prove nothing: their uncertainty is infinite; where the third rung is not
+//! stable there are two alone. How fast those of own steps shrink is not trusted: at the border of
+//! stability a tighter tolerance may change less than it should.
 
 use std::cmp::Reverse;
 
@@ -107,7 +109,10 @@ impl Making {
     fn next(&self, lab: &Lab) -> Option<u64> {
         let at = At { family: self.family, rung: self.finest };
         let there = self.finest < lab.family(self.family).rungs.len() && lab.affords(at);
-        there.then(|| lab.predicted(at))
+        // A rung alone is no reference.
+        let before = At { rung: self.finest - 1, ..at };
+        let alone = self.best.is_none() && lab.seen(before).is_none();
+        there.then(|| lab.predicted(at) + if alone { lab.predicted(before) } else { 0 })
     }
 
     fn advance(&mut self, lab: &mut Lab) {
@@ -144,14 +149,21 @@ impl Reference {
         made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
     }
 
+    /// The work of one more rung, where there is one.
+    pub fn next(&self, lab: &Lab) -> Option<u64> {
+        let at = At { family: self.family, rung: self.finest + 1 };
+        let there = at.rung < lab.family(self.family).rungs.len() && lab.affords(at);
+        there.then(|| lab.predicted(at))
+    }
+
     /// The answer by one more rung; nothing where that is no better.
     pub fn refined(&self, lab: &mut Lab) -> Option<Self> {
-        let finer = self.finest + 1;
-        let at = At { family: self.family, rung: finer };
-        if finer >= lab.family(self.family).rungs.len() || lab.late() || !lab.affords(at) {
+        self.next(lab)?;
+        if lab.late() {
             return None;
         }
-        Reference::at(lab, self.family, finer).filter(|new| new.uncertainty < self.uncertainty)
+        Reference::at(lab, self.family, self.finest + 1)
+            .filter(|new| new.uncertainty < self.uncertainty)
     }
 
     /// The answer by a family as its rungs up to this one give it.
@@ -184,7 +196,10 @@ impl Reference {
             let uncertainty = if alone { f64::INFINITY } else { last };
             return reference(fine, Extrapolated::No, uncertainty);
         }
-        let coarse = course(finest - 2)?;
+        // A coarser step is not stable: two rungs alone.
+        let Some(coarse) = course(finest - 2) else {
+            return reference(fine, Extrapolated::No, last);
+        };
         let ratio = apart(&middle.values, &coarse.values) / last;
         let power = f64::from(1_u32 << order);
         // Nothing differs where an observable is kept to rounding.

@@ -94,12 +94,33 @@ pub struct Trial<'r> {
     pub most_error: f64,
     /// Work above this is too much.
     pub most_work: u64,
+    /// Whether work that goes on as it began is taken for what it will come to.
+    pub foresight: Foresight,
 }
+
+/// When a run is known to be too dear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foresight {
+    /// When it is.
+    None,
+    /// When it will be by far, going on as it began.
+    Steady,
+}
+
+/// Moments that a run is watched before it is foreseen, and the factor by which it must be too dear.
+const WATCHED: usize = 3;
+const FAR: u64 = 2;
 
 impl Trial<'_> {
     fn is_lost(&self, moment: usize, observed: &[f64], work: u64) -> bool {
         let error = self.reference.error_at(moment, observed);
-        work > self.most_work || error.is_nan() || error > self.most_error
+        let foreseen = match self.foresight {
+            Foresight::Steady if moment >= WATCHED => {
+                work / FAR * MOMENTS / moment as u64 > self.most_work
+            }
+            _ => false,
+        };
+        work > self.most_work || foreseen || error.is_nan() || error > self.most_error
     }
 }
 

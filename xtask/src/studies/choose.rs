@@ -86,6 +86,8 @@ struct Case {
     best: Found,
     /// Work of choosing, in runs of the choice.
     effort: f64,
+    /// Work of choosing, in the cheapest runs of the scene as it is written that would do.
+    effort_written: f64,
     names: [String; 2],
     confirmed: bool,
 }
@@ -151,15 +153,35 @@ fn case(asked: &Asked, lab: &mut Lab, truth: &Reference, tolerance: f64) -> Opti
     let row = answer.choice()?;
     let run = lab.measure(row.at).whole()?.clone();
     let chosen = Found { at: row.at, work: row.work, error: truth.error(&run).ok()? };
-    let effort = answer.spent as f64 / row.work as f64;
-    let best = exhaustive(lab, truth, tolerance, row.work).unwrap_or(chosen);
+    let spent = answer.spent as f64;
+    let written = written(lab, truth, &chosen, tolerance) as f64;
+    let (effort, effort_written) = (spent / row.work as f64, spent / written);
+    let all: Vec<usize> = (0..lab.ladder().families.len()).collect();
+    let best = exhaustive(lab, &all, truth, tolerance, row.work).unwrap_or(chosen);
     let name = |found: &Found| {
         let family = lab.family(found.at.family);
         format!("{} {:.3e}", family.name, family.rungs[found.at.rung].setting)
     };
     let names = [name(&chosen), name(&best)];
     let confirmed = matches!(answer.verdict, Verdict::Chosen(_));
-    Some(Case { scene: asked.scene, tolerance, chosen, best, effort, names, confirmed })
+    let scene = asked.scene;
+    Some(Case { scene, tolerance, chosen, best, effort, effort_written, names, confirmed })
+}
+
+/// The work of the cheapest run of the scene as it is written that keeps to the tolerance: what a
+/// simpler model saves is measured by it.
+fn written(lab: &mut Lab, truth: &Reference, chosen: &Found, tolerance: f64) -> u64 {
+    if lab.family(chosen.at.family).converges() {
+        return chosen.work;
+    }
+    let families = (0..lab.ladder().families.len()).filter(|&f| lab.family(f).converges());
+    let families: Vec<usize> = families.collect();
+    let known = lab.used().filter(|(at, run)| {
+        let error = run.whole().map(|course| truth.error(course));
+        families.contains(&at.family) && matches!(error, Some(Ok(error)) if error <= tolerance)
+    });
+    let Some(most) = known.map(|(_, run)| run.work).min() else { return chosen.work };
+    exhaustive(lab, &families, truth, tolerance, most).map_or(most, |found| found.work)
 }
 
 impl Case {
@@ -179,6 +201,7 @@ fn shown(all: &Cases) -> Study {
         Column::exact("cheapest of all"),
         Column::rounded("chosen / cheapest work", 3, 0.0),
         Column::rounded("choosing / chosen work", 2, 0.0),
+        Column::rounded("choosing / work of the scene as written", 2, 0.0),
     ]);
     for case in cases {
         let [chosen, best] = &case.names;
@@ -191,6 +214,7 @@ fn shown(all: &Cases) -> Study {
             best.as_str().into(),
             case.ratio().into(),
             case.effort.into(),
+            case.effort_written.into(),
         ]);
     }
     let largest = |of: &dyn Fn(&Case) -> f64| cases.iter().map(of).fold(0.0, f64::max);
@@ -205,7 +229,7 @@ fn shown(all: &Cases) -> Study {
         title: STUDY.title.to_owned(),
         conclusion: conclusion(all),
         table,
-        charts: vec![work(cases).into(), effort(cases).into()],
+        charts: vec![work(cases).into(), effort(cases).into(), distribution(cases).into()],
         claims: vec![
             Claim::words(
                 "questions that are left undecided",
@@ -235,6 +259,19 @@ fn shown(all: &Cases) -> Study {
                 largest(&|case| case.chosen.error / case.tolerance),
                 (0.0, 1.0),
             ),
+            Claim::number(
+                "part of the pairs in which choosing costs at most ten runs of the choice",
+                "0.6 or more",
+                part(&|case| case.effort <= TEN),
+                (0.6, 1.0),
+            ),
+            Claim::number(
+                "part in which it costs at most ten of the cheapest run of the scene as it is \
+                 written that would do",
+                "0.65 or more",
+                part(&|case| case.effort_written <= TEN),
+                (0.65, 1.0),
+            ),
         ],
     }
 }
@@ -251,11 +288,14 @@ fn listed(names: Vec<String>) -> String {
 fn conclusion(all: &Cases) -> String {
     let cases = &all.answered;
     let same = cases.iter().filter(|case| case.chosen.work == case.best.work).count();
-    let mut efforts: Vec<f64> = cases.iter().map(|case| case.effort).collect();
-    efforts.sort_by(f64::total_cmp);
+    let efforts = sorted(cases, |case| case.effort);
+    let written = sorted(cases, |case| case.effort_written);
     let middle = efforts.get(efforts.len() / 2).copied().unwrap_or(f64::NAN);
-    let most = efforts.last().copied().unwrap_or(f64::NAN);
-    let ten = efforts.iter().filter(|&&effort| effort <= TEN).count();
+    let [most, most_written] =
+        [&efforts, &written].map(|all| all.last().copied().unwrap_or(f64::NAN));
+    let within = |most: f64| efforts.iter().filter(|&&effort| effort <= most).count();
+    let [ten, twenty, fifty] = [TEN, 20.0, 50.0].map(within);
+    let ten_written = written.iter().filter(|&&effort| effort <= TEN).count();
     let unknown = match all.unknown.as_slice() {
         [] => String::new(),
         some => format!(
@@ -268,12 +308,20 @@ fn conclusion(all: &Cases) -> String {
         "{} shipped scenes, four tolerances each: in {same} of {} pairs the chooser names the very \
          rung that running the whole ladder finds to be the cheapest, or one that costs the same. \
          Choosing takes {middle:.1} times the work of the choice in the middle, at most ten times \
-         in {ten} pairs, and {most:.0} times at the worst, its own reference and its confirmation \
-         included: the most where a simple model will do, for only the scene itself can show \
-         that.{unknown}",
+         in {ten} pairs, twenty in {twenty}, fifty in {fifty}, and {most:.0} times at the worst, its \
+         own reference and its confirmation included: the most where a simple model will do, for \
+         only the scene itself can show that, and one run of that is worth many of the choice. \
+         Against the cheapest run of the scene as it is written that would do, it is at most ten \
+         in {ten_written} pairs and {most_written:.0} at the worst.{unknown}",
         all.scenes,
         cases.len()
     )
+}
+
+fn sorted(cases: &[Case], of: fn(&Case) -> f64) -> Vec<f64> {
+    let mut all: Vec<f64> = cases.iter().map(of).collect();
+    all.sort_by(f64::total_cmp);
+    all
 }
 
 /// Runs of the choice that choosing should cost at most.
@@ -300,4 +348,21 @@ fn effort(cases: &[Case]) -> Lines {
     let ends = [TOLERANCES[TOLERANCES.len() - 1], TOLERANCES[0]];
     let lines = lines.curve("ten runs of the choice", ends.map(|tolerance| (tolerance, TEN)));
     by_scene(cases, lines, |case| (case.tolerance, case.effort))
+}
+
+/// Which part of the pairs costs at most so much.
+fn distribution(cases: &[Case]) -> Lines {
+    let x = Axis::log("work of choosing / work of the run", "");
+    let lines = Lines::new("Work of choosing, all pairs", x, Axis::linear("part of the pairs", ""));
+    let kinds: [(&str, fn(&Case) -> f64); 2] = [
+        ("the run that is chosen", |case| case.effort),
+        ("the cheapest of the scene as written", |case| case.effort_written),
+    ];
+    let lines = kinds.into_iter().fold(lines, |lines, (name, of)| {
+        let all = sorted(cases, of);
+        let count = all.len() as f64;
+        let points = all.into_iter().enumerate().map(|(k, x)| (x, (k + 1) as f64 / count));
+        lines.with(Series::new(name, points).marked(Mark::LineAndMarkers))
+    });
+    lines.curve("ten runs", [(TEN, 0.0), (TEN, 1.0)])
 }
