@@ -12,10 +12,10 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 use stationary_scene::{Fault, Scene, SceneError};
 
-const DECLARATIONS: &str = include_str!("../src/declaration.rs");
+const DECLARATIONS: &str = include_str!("../../src/declaration.rs");
 
 fn schema() -> Value {
-    serde_json::from_str(include_str!("../scene.schema.json")).unwrap()
+    serde_json::from_str(include_str!("../../scene.schema.json")).unwrap()
 }
 
 /// The keys of a table, each with whether it must be there.
