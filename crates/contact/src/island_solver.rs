@@ -1,7 +1,7 @@
 //! One island of contacts, solved: projected exactly where that is enough, else settled by sweeps.
 //!
 //! ```text
-//! x = (J.n, J.t1, J.t2) -> the projection without friction, or sweeps -> J = x_n n + x_1 t1 + x_2 t2
+//! x = (J.n, J.t1, J.t2),   the projection or sweeps,   J = x_n n + x_1 t1 + x_2 t2
 //! ```
 //! `J` impulses on second bodies in world axes (N s), from those that are guessed; `n t1 t2` normal
 //! and tangents, made once for contacts that share a normal. See [`Unpushed`] and [`Sweeps`].

@@ -19,8 +19,8 @@ const ROUNDS: usize = 100;
 /// Moves bodies of a system until none overlaps by more than `depth` (m); says in how many rounds.
 ///
 /// # Errors
-/// A depth that is negative or no number, poses that are none, and bodies that still overlap after a hundred rounds; the poses are then as
-/// they were.
+/// A depth that is negative or no number, poses that are none, and bodies that still overlap after
+/// a hundred rounds; the poses are then as they were.
 pub fn push_apart<G: Dimension, P: Potential>(
     system: &BodiesIn<G, P>,
     detector: &mut DetectorIn<G>,

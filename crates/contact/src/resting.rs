@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! v = v_f + M^-1 sum J^T x,   u = J v                with the impulses x that are guessed
-//! |x_t| <= mu x_n,   |u_n + bias| <= s where x pushes (>= -s elsewhere),   |u_t| <= s where it rubs
+//! |x_t| <= mu x_n,   |u_n + bias| <= s,   |u_t| <= s        where x pushes, and rubs
+//! u_n + bias >= -s                                          elsewhere
 //! |J (v - v_0)| <= s/16                              nothing changes either
 //! ```
 //! `v_f` velocities before any impulse of this step, `v_0` those at its start (m/s, rad/s), `x`
@@ -92,8 +93,8 @@ impl Resting {
         }
     }
 
-    /// How far at most an island is off from the normal conditions and from Coulomb's law, m/s; none
-    /// where it does not rest.
+    /// How far at most an island is off from the normal conditions and from Coulomb's law, m/s;
+    /// none where it does not rest.
     pub(crate) fn off(&self, island: &[usize], guessed: Guessed, settled: f64) -> Option<[f64; 2]> {
         let mut worst = [0.0_f64; 2];
         for &i in island {

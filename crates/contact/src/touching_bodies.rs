@@ -8,10 +8,10 @@
 //! ```
 //! `v` velocities of bodies (m/s in world axes, rad/s in body axes). Gaps are linear over the step:
 //! what slides or rests keeps its gap to rounding; corners that turn overlap by order `h^2`, and a
-//! fifth of that is given back each step. A gap that is worth no change of velocity is none:
-//! `|g|/h`, or a fifth of it where bodies overlap, within what counts as settled. Approach of the order of a kick is rest and has no
-//! restitution. A moving obstacle has infinite mass: contacts do not change its velocity, and the
-//! work that it does is reported. On an error the state is as it was.
+//! fifth of that is given back each step. A gap that is worth no change of velocity is none: one
+//! with `|g|/h` within what counts as settled, a fifth of it where bodies overlap. Approach of the
+//! order of a kick is rest and has no restitution. A moving obstacle has infinite mass: contacts do not change
+//! its velocity, and the work that it does is reported. On an error the state is as it was.
 //!
 //! Impulses start from those of the last step, and each island of bodies that hang together is
 //! looked at on its own. Where those impulses still meet the conditions nothing is solved (see
@@ -20,8 +20,8 @@
 //! turns settle them, and take no memory once as many contacts have been met. Contact points of
 //! bodies that hardly move against each other are kept (see `kept_contacts.rs`). How far the
 //! contact conditions are settled is a choice ([`Settling`]); what is left of them is reported.
-//! Source: notes 11.4, 11.5.1; Stewart and
-//! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
+//! Source: notes 11.4, 11.5.1; Stewart and Trinkle 1996, Anitescu and Potra 1997 for contact by
+//! velocities.
 
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
