@@ -15,7 +15,7 @@ pub(crate) type Block = [Six; 6];
 
 const ZERO: Block = [[0.0; 6]; 6];
 
-/// The matrix, and after [`BlockCholesky::factor`] its factor.
+/// The matrix, and its factor as of the last [`BlockCholesky::factor`].
 #[derive(Debug, Default)]
 pub(crate) struct BlockCholesky {
     /// For what the order and the pattern were found.
@@ -35,6 +35,9 @@ pub(crate) struct BlockCholesky {
     targets: Vec<usize>,
     diagonal: Vec<Block>,
     below: Vec<Block>,
+    /// The factor's blocks.
+    lower_diagonal: Vec<Block>,
+    lower_below: Vec<Block>,
     /// What is being solved for, in the order of elimination.
     x: Vec<Six>,
 }
@@ -141,21 +144,23 @@ impl BlockCholesky {
 
     /// Factors the matrix; false where it is not positive definite.
     pub(crate) fn factor(&mut self) -> bool {
+        self.lower_diagonal.clone_from(&self.diagonal);
+        self.lower_below.clone_from(&self.below);
         let mut target = 0;
-        for column in 0..self.diagonal.len() {
-            if !factor(&mut self.diagonal[column]) {
+        for column in 0..self.lower_diagonal.len() {
+            if !factor(&mut self.lower_diagonal[column]) {
                 return false;
             }
             let range = self.column(column);
-            for block in &mut self.below[range.clone()] {
-                divide(block, &self.diagonal[column]);
-            }
-            for second in range.clone() {
-                let by = self.below[second];
-                subtract(&mut self.diagonal[self.rows[second]], &by, &by);
-                for first in second + 1..range.end {
-                    let block = self.below[first];
-                    subtract(&mut self.below[self.targets[target]], &block, &by);
+            // What is changed belongs to later columns.
+            let (own, later) = self.lower_below.split_at_mut(range.end);
+            let (own, rows) = (&mut own[range.start..], &self.rows[range.clone()]);
+            let (of_column, diagonal) = self.lower_diagonal.split_at_mut(column + 1);
+            own.iter_mut().for_each(|block| divide(block, &of_column[column]));
+            for (second, by) in own.iter().enumerate() {
+                subtract(&mut diagonal[rows[second] - column - 1], by, by);
+                for block in &own[second + 1..] {
+                    subtract(&mut later[self.targets[target] - range.end], block, by);
                     target += 1;
                 }
             }
@@ -170,7 +175,7 @@ impl BlockCholesky {
         b.iter().zip(&self.place).for_each(|(b, &place)| x[place] = *b);
         let mut product = 0.0;
         for column in 0..x.len() {
-            let of = &self.diagonal[column];
+            let of = &self.lower_diagonal[column];
             let mut own = x[column];
             for c in 0..6 {
                 own[c] /= of[c][c];
@@ -180,17 +185,17 @@ impl BlockCholesky {
             x[column] = own;
             for at in self.column(column) {
                 let row = &mut x[self.rows[at]];
-                for (column, own) in self.below[at].iter().zip(&own) {
+                for (column, own) in self.lower_below[at].iter().zip(&own) {
                     (0..6).for_each(|r| row[r] -= column[r] * own);
                 }
             }
         }
         for column in (0..x.len()).rev() {
-            let of = &self.diagonal[column];
+            let of = &self.lower_diagonal[column];
             let mut own = x[column];
             for at in self.column(column) {
                 let row = &x[self.rows[at]];
-                for (column, own) in self.below[at].iter().zip(&mut own) {
+                for (column, own) in self.lower_below[at].iter().zip(&mut own) {
                     *own -= (0..6).map(|r| column[r] * row[r]).sum::<f64>();
                 }
             }

@@ -17,6 +17,8 @@ pub(crate) struct Axis {
     pub(crate) separation: f64,
     /// From the first to the second, of length 1, axes of the first.
     pub(crate) normal: Vector,
+    /// Whose face it is the normal of, the first's (0) or the second's (1).
+    pub(crate) face: Option<usize>,
 }
 
 /// Separations this part of a box apart are the same, and the first axis is taken: that of a face.
@@ -35,11 +37,11 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
     });
     let dot = |x: &[f64; 3], y: &[f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
     let size = r.map(|axis| axis.map(f64::abs));
-    let mut best = (f64::NEG_INFINITY, 0.0, [0.0; 3]);
+    let mut best = (f64::NEG_INFINITY, 0.0, [0.0; 3], None);
     let tie = TIE * a[0].max(a[1]).max(a[2]).max(b[0]).max(b[1]).max(b[2]);
-    let mut try_axis = |separation: f64, along: f64, axis: [f64; 3]| {
+    let mut try_axis = |separation: f64, along: f64, axis: [f64; 3], face| {
         if separation > best.0 + tie {
-            best = (separation, along, axis);
+            best = (separation, along, axis, face);
         }
         separation <= margin
     };
@@ -47,13 +49,13 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
         let reach = a[i] + (b[0] * size[0][i] + b[1] * size[1][i] + b[2] * size[2][i]);
         let mut axis = [0.0; 3];
         axis[i] = 1.0;
-        if !try_axis(t[i].abs() - reach, t[i], axis) {
+        if !try_axis(t[i].abs() - reach, t[i], axis, Some(0)) {
             return None;
         }
     }
     for j in 0..3 {
         let along = dot(&t, &r[j]);
-        if !try_axis(along.abs() - (b[j] + dot(&a, &size[j])), along, r[j]) {
+        if !try_axis(along.abs() - (b[j] + dot(&a, &size[j])), along, r[j], Some(1)) {
             return None;
         }
     }
@@ -71,14 +73,14 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
             let second = b[0] * reach(&r[0]) + b[1] * reach(&r[1]) + b[2] * reach(&r[2]);
             let along = n[k] * t[k] + n[l] * t[l];
             let first = a[k] * n[k].abs() + a[l] * n[l].abs();
-            if !try_axis(along.abs() - (first + second), along, n) {
+            if !try_axis(along.abs() - (first + second), along, n, None) {
                 return None;
             }
         }
     }
-    let (separation, along, [x, y, z]) = best;
+    let (separation, along, [x, y, z], face) = best;
     let sign = if along < 0.0 { -1.0 } else { 1.0 };
-    Some(Axis { separation, normal: Vector::new(x, y, z) * sign })
+    Some(Axis { separation, normal: Vector::new(x, y, z) * sign, face })
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@
 //! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's queries; see the two
 //! files of that name. Contact points are computed afresh from the poses each time: nothing is
 //! carried over from the step before, so that a gap is what the poses say and not what a cache
-//! remembers. They come sorted by their identifiers. Source: notes 11.1.
+//! remembers; steps of many bodies keep some of them elsewhere, and say what they keep. They come
+//! sorted by their identifiers. Source: notes 11.1.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +16,7 @@ use stationary_rigid::LieGroup;
 
 use crate::broad_phase::BroadPhase;
 use crate::collider::check_surface;
-use crate::dimension::Facing;
+use crate::dimension::{Answer, Facing};
 use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension};
 
 /// Colliders, and the memory that finding their contacts takes.
@@ -143,7 +144,8 @@ impl<G: Dimension> DetectorIn<G> {
         self.contacts.clear();
         for k in 0..self.pairs.len() {
             let (a, b) = self.pairs[k];
-            self.meet([a, b], margin)?;
+            let placed = [self.placed[a], self.placed[b]];
+            self.meet([a, b], placed, [self.poses[a], self.poses[b]], margin)?;
         }
         Ok(&self.contacts)
     }
@@ -189,11 +191,34 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(())
     }
 
-    fn meet(&mut self, pair: [usize; 2], margin: f64) -> Result<(), ContactError> {
+    /// The contact points of one pair, sorted, with its first body at the origin and its second at
+    /// this pose; all in the axes of the first. Also what is known of them.
+    pub(crate) fn meet_alone(
+        &mut self,
+        pair: [usize; 2],
+        relative: &G::Motion,
+        margin: f64,
+    ) -> Result<(Answer, &[ContactIn<G>]), ContactError> {
+        let [first, second] = pair.map(|i| self.colliders[i].place);
+        let placed = [first, relative.compose(&second)];
+        let poses = [G::convert(&placed[0]), G::convert(&placed[1])];
+        self.contacts.clear();
+        let answer = self.meet(pair, placed, poses, margin)?;
+        Ok((answer, &self.contacts))
+    }
+
+    fn meet(
+        &mut self,
+        pair: [usize; 2],
+        placed: [G::Motion; 2],
+        poses: [G::Pose; 2],
+        margin: f64,
+    ) -> Result<Answer, ContactError> {
         let shapes = pair.map(|i| &self.colliders[i].shape);
-        let poses = pair.map(|i| &self.poses[i]);
         self.facing.clear();
-        if !G::face(shapes, poses, margin, &mut self.room, &mut self.facing) {
+        let poses = [&poses[0], &poses[1]];
+        let answer = G::face(shapes, poses, margin, &mut self.room, &mut self.facing);
+        if answer == Answer::None {
             let [first, second] = shapes.map(G::name);
             return Err(ContactError::NoQuery { first, second });
         }
@@ -202,7 +227,7 @@ impl<G: Dimension> DetectorIn<G> {
             pair.iter().filter_map(|&i| self.colliders[i].body()).map(|b| self.radii[b]).sum();
         let near = (COINCIDENT * size).powi(2);
         for k in 0..self.facing.len() {
-            let contact = self.point(pair, &self.facing[k]);
+            let contact = self.point(pair, &placed, &self.facing[k]);
             let same = |other: &ContactIn<G>| coincide(other, &contact, near);
             match self.contacts[first..].iter().position(same) {
                 None => self.contacts.push(contact),
@@ -214,28 +239,29 @@ impl<G: Dimension> DetectorIn<G> {
         }
         // Pairs come sorted; so do the contacts, once those of each pair are.
         self.contacts[first..].sort_by_key(|contact| contact.id);
-        Ok(())
+        Ok(answer)
     }
 
-    fn point(&self, pair: [usize; 2], facing: &Facing<G::Vector>) -> ContactIn<G> {
+    fn point(
+        &self,
+        pair: [usize; 2],
+        placed: &[G::Motion; 2],
+        facing: &Facing<G::Vector>,
+    ) -> ContactIn<G> {
         let [first, second] = pair.map(|i| &self.colliders[i]);
-        let points = [0, 1].map(|k| G::apply(&self.placed[pair[k]], &facing.points[k]));
-        let bodies = [first.body(), second.body()];
-        let arm = |k: usize| match bodies[k] {
-            Some(_) => G::apply(&self.colliders[pair[k]].place, &facing.points[k]),
-            None => points[k],
-        };
+        let points = [0, 1].map(|k| G::apply(&placed[k], &facing.points[k]));
+        let arms = [0, 1].map(|k| G::apply(&self.colliders[pair[k]].place, &facing.points[k]));
         let combined = || {
             [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
         };
         let [restitution, friction] = self.surfaces.get(&pair).copied().unwrap_or_else(combined);
         ContactIn {
             id: facing.id(pair),
-            bodies,
+            bodies: [first.body(), second.body()],
             gap: facing.gap,
-            normal: G::turn(&self.placed[pair[0]], &facing.normal),
+            normal: G::turn(&placed[0], &facing.normal),
             points,
-            arms: [arm(0), arm(1)],
+            arms,
             restitution,
             friction,
         }

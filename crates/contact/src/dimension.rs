@@ -110,8 +110,7 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     #[doc(hidden)]
     fn reach(shape: &Self::Shape, place: &Self::Motion) -> f64;
 
-    /// Appends where two shapes face each other across at most `margin`; false where the library
-    /// has no query for them.
+    /// Appends where two shapes face each other across at most `margin`.
     #[doc(hidden)]
     fn face(
         shapes: [&Self::Shape; 2],
@@ -119,7 +118,20 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
         margin: f64,
         room: &mut Self::Room,
         found: &mut Vec<Facing<Self::Vector>>,
-    ) -> bool;
+    ) -> Answer;
+}
+
+/// What is known of where two shapes face each other.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// There is no query for them.
+    None,
+    /// Where they are now.
+    Now,
+    /// Corners of one face a plane of the other, the first (0) or the second (1): after a small
+    /// motion they still do.
+    Plane(usize),
 }
 
 /// Two points of shapes that face each other.

@@ -116,6 +116,9 @@ pub enum ContactError {
     /// A stiffness that must be positive and finite.
     #[error("the stiffness is {0} N/m; it must be positive and finite")]
     Stiffness(f64),
+    /// A depth of overlaps that may be left.
+    #[error("the depth to which bodies may overlap is {0} m; it must be finite and not negative")]
+    Depth(f64),
     /// A tolerance that must be positive and finite.
     #[error("the tolerance is {0}; it must be positive and finite")]
     Tolerance(f64),

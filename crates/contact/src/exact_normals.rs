@@ -10,7 +10,6 @@
 use stationary_calculus::Vector;
 
 use crate::projection::{all, project_with};
-use crate::rigid_contact::RigidContact;
 use crate::sweeps::{Island, Sweeps};
 use crate::{ContactError, ContactPoint, ContactRows, Impact, InverseMass};
 
@@ -18,6 +17,7 @@ use crate::{ContactError, ContactPoint, ContactRows, Impact, InverseMass};
 const CONTACTS: usize = 300;
 
 /// Bodies before any impulse of this step.
+#[derive(Clone, Copy)]
 pub(crate) struct Unpushed<'a> {
     pub(crate) points: &'a [ContactPoint],
     pub(crate) q: &'a [f64],
@@ -28,15 +28,15 @@ pub(crate) struct Unpushed<'a> {
 }
 
 impl Unpushed<'_> {
-    /// Replaces the impulses of an island by those of the projection; says whether it did.
+    /// Replaces the impulses of an island, whose contacts have these numbers, by those of the
+    /// projection; says whether it did.
     pub(crate) fn project(
         &self,
+        members: &[usize],
         island: Island,
-        packed: &[RigidContact],
         x: &mut [[f64; 3]],
         sweeps: &mut Sweeps,
     ) -> Result<bool, ContactError> {
-        let members = island.contacts;
         if members.len() > CONTACTS {
             return Ok(false);
         }
@@ -44,13 +44,13 @@ impl Unpushed<'_> {
         members.iter().for_each(|&i| self.points[i].push_row(self.q, &mut rows));
         let impact = Impact::new(rows, self.mass, vec![0.0; members.len()])?;
         let bias: Vec<f64> = members.iter().map(|&i| self.bias[i]).collect();
-        let guess: Vec<f64> = members.iter().map(|&i| x[i][0]).collect();
+        let guess: Vec<f64> = x.iter().map(|x| x[0]).collect();
         let mut v = Vector(self.v.to_vec());
         let done = project_with(&impact, &all(members.len()), &bias, &guess, v.view_mut());
         let Ok(done) = done else { return Ok(false) };
-        for (&i, push) in members.iter().zip(done.impulses) {
-            packed[i].push(&[push - x[i][0], -x[i][1], -x[i][2]], &mut sweeps.w);
-            x[i] = [push, 0.0, 0.0];
+        for ((contact, x), push) in island.contacts.iter().zip(x).zip(done.impulses) {
+            contact.push(&[push - x[0], -x[1], -x[2]], &mut sweeps.w);
+            *x = [push, 0.0, 0.0];
         }
         Ok(true)
     }

@@ -130,7 +130,7 @@ mod tests {
         let velocity = [v[0], v[1], v[2], 0.0, 0.0, 0.0];
         let q = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
         let placed = [Placed::new(0, scale(&body), &q, &velocity)];
-        let contact = RigidContact::new(0, &point, 0.0, &placed).unwrap();
+        let contact = RigidContact::new(0, &point, point.tangents(), 0.0, &placed).unwrap();
         let (mut x, mut w) = ([0.0; 3], [[0.0; 6]; 2]);
         contact.relax(&mut x, &mut w);
         let [x1, y1, z1, ..] = placed[0].after(&w[0]);

@@ -67,16 +67,21 @@ impl<G: Dimension> LastImpulses<G> {
 
     /// What was saved.
     pub(crate) fn load(saved: &Saved) -> Result<Self, StepError> {
-        if saved.method != NAME {
-            return Err(StepError::Saved("it is another method's"));
+        match saved.method == NAME {
+            true => Self::read(&saved.numbers),
+            false => Err(StepError::Saved("it is another method's")),
         }
+    }
+
+    /// What the numbers say that were saved.
+    pub(crate) fn read(numbers: &[f64]) -> Result<Self, StepError> {
         let refused = Err(StepError::Saved("it has numbers that no contacts leave behind"));
-        let Some((&step, rest)) = saved.numbers.split_first() else { return refused };
+        let Some((&step, rest)) = numbers.split_first() else { return refused };
         let contacts = rest.chunks_exact(NAMED + G::TRANSLATION);
         if !contacts.remainder().is_empty() || !step.is_finite() {
             return refused;
         }
-        let by_contact: Option<Vec<_>> = contacts.map(read::<G>).collect();
+        let by_contact: Option<Vec<_>> = contacts.map(contact::<G>).collect();
         match by_contact {
             Some(by_contact) if by_contact.is_sorted_by(|a, b| a.0 < b.0) => {
                 match step > 0.0 || (step == 0.0 && by_contact.is_empty()) {
@@ -90,7 +95,7 @@ impl<G: Dimension> LastImpulses<G> {
 }
 
 /// An identifier and an impulse.
-fn read<G: Dimension>(numbers: &[f64]) -> Option<(ContactId, G::Vector)> {
+fn contact<G: Dimension>(numbers: &[f64]) -> Option<(ContactId, G::Vector)> {
     let whole = |&x: &f64| (f64::from(x as u32) == x).then_some(x as u32);
     let (names, components) = numbers.split_at(NAMED);
     let names: Vec<u32> = names.iter().map(whole).collect::<Option<_>>()?;

@@ -41,8 +41,8 @@
 //! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension,
 //! their shapes, and what happens, solved exactly. Last, many bodies of space that touch
 //! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island with sparse systems between them, impulses kept from step to step; and bodies
-//! that overlap, pushed apart.
+//! over an island with sparse systems between them, impulses and contact points kept from step to
+//! step, what rests on them; and bodies that overlap, pushed apart.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
@@ -103,6 +103,8 @@ mod rigid_contact;
 #[cfg(feature = "3d")]
 mod friction;
 #[cfg(feature = "3d")]
+mod settling;
+#[cfg(feature = "3d")]
 mod islands;
 #[cfg(feature = "3d")]
 mod block_cholesky;
@@ -112,8 +114,14 @@ mod proximal;
 mod sweeps;
 #[cfg(feature = "3d")]
 mod exact_normals;
+#[cfg(feature = "3d")]
+mod island_solver;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod last_impulses;
+#[cfg(feature = "3d")]
+mod kept_contacts;
+#[cfg(feature = "3d")]
+mod resting;
 #[cfg(feature = "3d")]
 mod touching_bodies;
 #[cfg(any(feature = "2d", feature = "3d"))]
@@ -170,12 +178,14 @@ pub use rigid_path::RigidPath;
 pub use rigid_time_of_impact::{Mover, RigidHit, rigid_bodies_meet, rigid_bodies_that_meet};
 pub use rows::ContactRows;
 #[cfg(feature = "3d")]
+pub use settling::{Settling, TouchingReport};
+#[cfg(feature = "3d")]
 pub use shape::Shape;
 #[cfg(feature = "3d")]
 pub use spatial::Spatial;
 pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "3d")]
-pub use touching_bodies::{Bodies, Settling, TouchingBodies, TouchingReport};
+pub use touching_bodies::{Bodies, TouchingBodies};
 #[cfg(feature = "2d")]
 pub use world::PlanarWorld;
 #[cfg(feature = "3d")]

@@ -23,7 +23,7 @@ use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
 use crate::Shape;
 use crate::box_axes::farthest;
 use crate::convert::from_vector;
-use crate::dimension::Facing;
+use crate::dimension::{Answer, Facing};
 
 type Manifold = ContactManifold<(), ()>;
 
@@ -40,26 +40,29 @@ const WIDE: f64 = 1e-7;
 /// Points this part of a box farther apart than they need be are the closest.
 const SHORT: f64 = 1e-9;
 
-/// Appends where two shapes face each other; false where there is no query for them.
+/// Appends where two shapes face each other.
 pub(crate) fn facing(
     shapes: [&Shape; 2],
     relative: &Pose,
     margin: f64,
     room: &mut Manifolds,
     found: &mut Vec<Facing<Vector3<f64>>>,
-) -> bool {
+) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
     let Manifolds { found: manifolds, one } = room;
     if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
-            Clipped::Faces => append(one, wide.excess(one.local_n2), margin, found),
+            Clipped::Faces(answer) => {
+                append(one, wide.excess(one.local_n2), margin, found);
+                return answer;
+            }
             Clipped::Corners => {
                 closest(both, relative, margin, one);
                 append(one, 0.0, margin, found);
             }
         }
-        return true;
+        return Answer::Now;
     }
     manifolds.truncate(1);
     if both.iter().any(|shape| shape.as_composite_shape().is_some()) {
@@ -72,7 +75,7 @@ pub(crate) fn facing(
     let dispatcher = DefaultQueryDispatcher;
     let [a, b] = both;
     if dispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None).is_err() {
-        return false;
+        return Answer::None;
     }
     for manifold in manifolds.iter() {
         let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
@@ -89,7 +92,10 @@ pub(crate) fn facing(
         append(one, 0.0, margin, found);
         (one.subshape1, one.subshape2) = (0, 0);
     }
-    true
+    let solid =
+        |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
+    let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
+    [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
 }
 
 fn part(shape: &dyn Geometry, part: u32) -> Option<Triangle> {
@@ -108,7 +114,7 @@ enum Clipped {
     /// They are farther apart than the margin.
     Apart,
     /// The closest points are among those of the faces.
-    Faces,
+    Faces(Answer),
     /// The closest points are corners, or on edges, that do not face each other.
     Corners,
 }
@@ -125,16 +131,22 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     PolygonalFeature::contacts(relative, &back, n1, n2, &faces[0], &faces[1], manifold, false);
     (manifold.local_n1, manifold.local_n2) = (n1, n2);
     let size = halves[0].min_element().min(halves[1].min_element());
-    match too_far(axis.separation, manifold, size) {
-        true => Clipped::Corners,
-        false => Clipped::Faces,
+    if too_far(axis.separation, manifold, size) {
+        return Clipped::Corners;
     }
+    // What lies deepest is a corner above a face; elsewhere edges slide over edges.
+    let above = deepest(manifold) <= axis.separation + SHORT * size;
+    Clipped::Faces(axis.face.filter(|_| above).map_or(Answer::Now, Answer::Plane))
+}
+
+/// The least gap of a manifold's points.
+fn deepest(manifold: &Manifold) -> f64 {
+    manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether the points of a manifold are farther apart than shapes of this size that are apart.
 fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
-    let deepest = manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min);
-    separation > WIDE * size && deepest > separation + SHORT * size
+    separation > WIDE * size && deepest(manifold) > separation + SHORT * size
 }
 
 /// Whether axes of a box and a triangle were tried and none leads to the closest points, which are

@@ -11,7 +11,7 @@ use parry2d_f64::math::Pose;
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
-use crate::dimension::{Facing, sealed::Sealed};
+use crate::dimension::{Answer, Facing, sealed::Sealed};
 use crate::error::check_finite;
 use crate::planar_narrow_phase::{Manifolds, facing};
 use crate::{ContactError, Dimension, PlanarShape, planar_convert};
@@ -124,7 +124,7 @@ impl Dimension for Planar {
         margin: f64,
         room: &mut Manifolds,
         found: &mut Vec<Facing<Vector2<f64>>>,
-    ) -> bool {
+    ) -> Answer {
         facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
     }
 }

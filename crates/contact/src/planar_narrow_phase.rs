@@ -16,7 +16,7 @@ use parry2d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQuer
 use parry2d_f64::shape::{ConvexPolygon, PackedFeatureId};
 
 use crate::PlanarShape;
-use crate::dimension::Facing;
+use crate::dimension::{Answer, Facing};
 use crate::planar_convert::from_vector;
 
 type Found = Vec<Facing<Vector2<f64>>>;
@@ -25,14 +25,14 @@ type Found = Vec<Facing<Vector2<f64>>>;
 #[derive(Default)]
 pub struct Manifolds(Vec<ContactManifold<(), ()>>);
 
-/// Appends where two shapes face each other; false where there is no query for them.
+/// Appends where two shapes face each other.
 pub(crate) fn facing(
     shapes: [&PlanarShape; 2],
     relative: &Pose,
     margin: f64,
     room: &mut Manifolds,
     found: &mut Found,
-) -> bool {
+) -> Answer {
     let [a, b] = shapes.map(PlanarShape::convex_pieces);
     if a.is_empty() || b.is_empty() {
         return ask(shapes, relative, margin, room, found);
@@ -44,7 +44,7 @@ pub(crate) fn facing(
             pair.append(margin, found);
         }
     }
-    true
+    Answer::Now
 }
 
 /// Asks the geometry library.
@@ -54,7 +54,7 @@ fn ask(
     margin: f64,
     room: &mut Manifolds,
     found: &mut Found,
-) -> bool {
+) -> Answer {
     let [a, b] = shapes.map(|shape| &**shape.geometry());
     let manifolds = &mut room.0;
     manifolds.clear();
@@ -73,7 +73,7 @@ fn ask(
             gap: point.dist,
         }));
     }
-    answer.is_ok()
+    answer.map_or(Answer::None, |()| Answer::Now)
 }
 
 /// Two convex polygons, everything seen from the first.

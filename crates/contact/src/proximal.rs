@@ -10,9 +10,10 @@
 //! from, `C_i` those that push, with friction within `mu` times the normal impulse of `a_i`, `e` a
 //! small part of each row's compliance. The problem is convex and has one solution, whatever
 //! contacts are redundant and however their gaps fail to fit each other; after a few such steps `x`
-//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do, and
-//! is factored sparsely; a heap is nearly a tree. Where Newton's method is cut short, the last line
-//! still lowers the energy.
+//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do. From
+//! one Newton step to the next only contacts that answer otherwise are added to it again, and it is
+//! factored where it has changed, sparsely: a heap is nearly a tree. Where Newton's method is cut
+//! short, the last line still lowers the energy.
 //!
 //! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
 //! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
@@ -45,10 +46,11 @@ pub(crate) struct Proximal {
     /// Where the step starts, impulses and velocities.
     centre: Vec<[f64; 3]>,
     from: Vec<Six>,
-    /// The rates, those by which contacts are judged, and how much Newton's step changes them.
+    /// The rates, and how much Newton's step changes them.
     rates: Vec<[f64; 3]>,
-    judged: Vec<[f64; 3]>,
     turn: Vec<[f64; 3]>,
+    /// How stiffly each contact answers in the matrix.
+    stiff: Vec<Stiffness>,
     /// Newton's step, by the numbers of the bodies.
     step: Vec<Six>,
     /// One over the compliance that is added to a row, relative to the row's own.
@@ -72,28 +74,32 @@ impl Answer {
         let across = firm * mass.across_mass;
         let reach = contact.friction * a[0];
         let wanted = [a[1] - s * across, a[2] - t * across];
-        let [p, q] = disc(wanted, reach);
-        let push = (a[0] - n * firm * mass.normal_mass).max(0.0);
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
-        Answer { x: [push, p, q], wanted, length, reach }
+        let scale = if length > reach { reach / length } else { 1.0 };
+        let push = (a[0] - n * firm * mass.normal_mass).max(0.0);
+        Answer { x: [push, wanted[0] * scale, wanted[1] * scale], wanted, length, reach }
     }
 
-    /// How stiffly it answers along the normal and along two directions across, and these; rows
-    /// that do not answer have zeros.
+    /// How stiffly it answers.
     #[inline]
-    fn stiffness(&self, contact: &RigidContact, firm: f64) -> ([f64; 3], [[f64; 2]; 2]) {
+    fn stiffness(&self, contact: &RigidContact, firm: f64) -> Stiffness {
         let normal = if self.x[0] > 0.0 { firm * contact.compliance.normal_mass } else { 0.0 };
         let across = firm * contact.compliance.across_mass;
         if self.reach <= 0.0 {
-            return ([normal, 0.0, 0.0], [[0.0; 2]; 2]);
+            return [normal, 0.0, 0.0, 0.0];
         }
         if self.length < SLIDES * self.reach {
-            return ([normal, across, across], [[1.0, 0.0], [0.0, 1.0]]);
+            return [normal, across, across, 0.0];
         }
-        let [p, q] = self.wanted.map(|wanted| wanted / self.length);
-        ([normal, across * self.reach / self.length, 0.0], [[-q, p], [0.0; 2]])
+        // What slides answers across its sliding alone.
+        let [p, q] = [self.wanted[0] / self.length, self.wanted[1] / self.length];
+        let across = across * self.reach / self.length;
+        [normal, across * q * q, across * p * p, -across * p * q]
     }
 }
+
+/// How stiffly a contact answers: along its normal, along its tangents, and from one to the other.
+type Stiffness = [f64; 4];
 
 impl Proximal {
     /// Changes the impulses of an island, and the velocities with them, given the compliance that
@@ -102,22 +108,21 @@ impl Proximal {
     pub(crate) fn step(
         &mut self,
         island: Island,
-        contacts: &[RigidContact],
         [soft, left]: [f64; 2],
         x: &mut [[f64; 3]],
         w: &mut [Six],
     ) -> usize {
         self.firm = soft.recip();
-        self.start(island, contacts, x, w);
+        self.start(island, x, w);
         let mut solved = 0;
-        for _ in 0..NEWTONS {
-            self.assemble(island, contacts, w);
-            if !self.matrix.factor() {
+        for newton in 0..NEWTONS {
+            let changed = self.assemble(island, w, newton == 0);
+            if (newton == 0 || changed) && !self.matrix.factor() {
                 break;
             }
             let promised = self.matrix.solve(&mut self.step);
             solved += 1;
-            let part = self.search(island, contacts, w, promised);
+            let part = self.search(island, w, promised);
             for (&body, step) in island.bodies.iter().zip(&self.step) {
                 (0..6).for_each(|f| w[body][f] += part * step[f]);
             }
@@ -128,14 +133,13 @@ impl Proximal {
             if promised <= SMALL * kinetic + DONE * left {
                 break;
             }
-            self.judged.clone_from(&self.rates);
         }
-        self.go(island, contacts, x, w);
+        self.go(island, x, w);
         solved
     }
 
     /// Numbers the bodies of an island, says which are joined, and remembers where it starts.
-    fn start(&mut self, island: Island, contacts: &[RigidContact], x: &[[f64; 3]], w: &[Six]) {
+    fn start(&mut self, island: Island, x: &[[f64; 3]], w: &[Six]) {
         let still = w.len() - 1;
         self.number.resize(still, 0);
         for (number, &body) in island.bodies.iter().enumerate() {
@@ -143,8 +147,8 @@ impl Proximal {
         }
         self.joints.clear();
         let mut last = [still; 2];
-        for &i in island.contacts {
-            let bodies = contacts[i].bodies;
+        for contact in island.contacts {
+            let bodies = contact.bodies;
             if bodies != last && !bodies.contains(&still) {
                 self.joints.push(bodies.map(|body| self.number[body]));
             }
@@ -153,57 +157,71 @@ impl Proximal {
         self.from.clear();
         self.from.extend(island.bodies.iter().map(|&body| w[body]));
         self.centre.clear();
-        self.centre.extend(island.contacts.iter().map(|&i| x[i]));
+        self.centre.extend(x.iter().copied());
         self.rates.clear();
-        self.rates.extend(island.contacts.iter().map(|&i| contacts[i].rates(w)));
-        // At first, whoever pushes and sticks is taken to go on.
-        self.judged.clear();
-        self.judged.resize(self.rates.len(), [0.0; 3]);
+        self.rates.extend(island.contacts.iter().map(|contact| contact.rates(w)));
+        self.matrix.reset(island.bodies.len(), &self.joints);
+        self.stiff.clear();
+        self.stiff.resize(self.rates.len(), [0.0; 4]);
     }
 
-    /// Writes Newton's matrix, and the right side in the place of the step.
-    fn assemble(&mut self, island: Island, contacts: &[RigidContact], w: &[Six]) {
+    /// Brings Newton's matrix up to date, and writes the right side in the place of the step; says
+    /// whether the matrix has changed. At first, whoever pushes and sticks is taken to go on.
+    fn assemble(&mut self, island: Island, w: &[Six], first: bool) -> bool {
         let still = w.len() - 1;
-        self.matrix.reset(island.bodies.len(), &self.joints);
         self.step.clear();
-        self.step.extend(island.bodies.iter().map(|&body| w[body].map(|w| -w)));
-        for (k, &i) in island.contacts.iter().enumerate() {
-            let contact = &contacts[i];
-            let answer = |rates| Answer::of(contact, &self.centre[k], rates, self.firm);
-            let (x, judged) = (answer(self.rates[k]).x, answer(self.judged[k]));
-            let numbers = contact.bodies.map(|body| (body < still).then(|| self.number[body]));
-            let (stiffness, along) = judged.stiffness(contact, self.firm);
-            let rows = [0, 1].map(|side| turned(contact.rows(side), &along));
-            for (side, number) in numbers.into_iter().enumerate() {
+        self.step.resize(island.bodies.len(), [0.0; 6]);
+        for (step, &body) in self.step.iter_mut().zip(island.bodies) {
+            (0..6).for_each(|f| step[f] = -w[body][f]);
+        }
+        let mut changed = false;
+        for (k, contact) in island.contacts.iter().enumerate() {
+            let answer = Answer::of(contact, &self.centre[k], self.rates[k], self.firm);
+            let judged = match first {
+                true => Answer::of(contact, &self.centre[k], [0.0; 3], self.firm),
+                false => answer,
+            };
+            let x = answer.x;
+            let [a, b] = contact.bodies;
+            let number = |body: usize| if body < still { Some(self.number[body]) } else { None };
+            let numbers = [number(a), number(b)];
+            for (side, &number) in numbers.iter().enumerate() {
                 let Some(number) = number else { continue };
-                add(self.matrix.of(number), &rows[side], &rows[side], &stiffness);
-                for (row, x) in contact.rows(side).iter().zip(&x) {
-                    (0..6).for_each(|f| self.step[number][f] += x * row[f]);
+                let [n, s, t] = contact.rows(side);
+                for (f, step) in self.step[number].iter_mut().enumerate() {
+                    *step += x[0] * n[f] + x[1] * s[f] + x[2] * t[f];
                 }
             }
+            let stiffness = judged.stiffness(contact, self.firm);
+            let before = std::mem::replace(&mut self.stiff[k], stiffness);
+            if stiffness == before {
+                continue;
+            }
+            changed = true;
+            let more: Stiffness = std::array::from_fn(|c| stiffness[c] - before[c]);
+            for (side, &number) in numbers.iter().enumerate() {
+                let Some(number) = number else { continue };
+                let rows = contact.rows(side);
+                add(self.matrix.of(number), rows, &stiff(rows, &more));
+            }
             if let [Some(a), Some(b)] = numbers {
-                let (block, first) = self.matrix.between(a, b);
-                let [row, column] = if first { [0, 1] } else { [1, 0] };
-                add(block, &rows[row], &rows[column], &stiffness);
+                let (block, of_first) = self.matrix.between(a, b);
+                let [row, column] = if of_first { [0, 1] } else { [1, 0] };
+                add(block, contact.rows(row), &stiff(contact.rows(column), &more));
             }
         }
+        changed
     }
 
     /// The part of Newton's step to go: all of it, or to where the function is flat along it.
-    fn search(
-        &mut self,
-        island: Island,
-        contacts: &[RigidContact],
-        w: &[Six],
-        promised: f64,
-    ) -> f64 {
+    fn search(&mut self, island: Island, w: &[Six], promised: f64) -> f64 {
         let still = w.len() - 1;
         let (number, step) = (&self.number, &self.step);
         let of = |body: usize| if body < still { step[number[body]] } else { [0.0; 6] };
         self.turn.clear();
-        self.turn.extend(island.contacts.iter().map(|&i| {
-            let [a, b] = contacts[i].bodies;
-            contacts[i].pull(&of(a), &of(b))
+        self.turn.extend(island.contacts.iter().map(|contact| {
+            let [a, b] = contact.bodies;
+            contact.pull(&of(a), &of(b))
         }));
         let both = island.bodies.iter().zip(step);
         let (along, own) = both.fold((0.0, 0.0), |(along, own), (&body, step)| {
@@ -211,10 +229,10 @@ impl Proximal {
         });
         let slope = |part: f64| {
             let mut sum = along + part * own;
-            for (k, &i) in island.contacts.iter().enumerate() {
+            for (k, contact) in island.contacts.iter().enumerate() {
                 let (u, turn) = (&self.rates[k], &self.turn[k]);
-                let u = [0, 1, 2].map(|k| u[k] + part * turn[k]);
-                let x = Answer::of(&contacts[i], &self.centre[k], u, self.firm).x;
+                let u = [u[0] + part * turn[0], u[1] + part * turn[1], u[2] + part * turn[2]];
+                let x = Answer::of(contact, &self.centre[k], u, self.firm).x;
                 sum -= x[0] * turn[0] + x[1] * turn[1] + x[2] * turn[2];
             }
             sum
@@ -223,22 +241,23 @@ impl Proximal {
     }
 
     /// Goes towards the answers to the velocities that were found, as far as the energy falls.
-    fn go(&mut self, island: Island, contacts: &[RigidContact], x: &mut [[f64; 3]], w: &mut [Six]) {
+    fn go(&mut self, island: Island, x: &mut [[f64; 3]], w: &mut [Six]) {
         let back = |from: &[Six], w: &mut [Six]| {
             island.bodies.iter().zip(from).for_each(|(&body, from)| w[body] = *from);
         };
         back(&self.from, w);
         let mut slope = 0.0;
         self.turn.clear();
-        for (k, &i) in island.contacts.iter().enumerate() {
-            let to = Answer::of(&contacts[i], &self.centre[k], self.rates[k], self.firm).x;
-            let u = contacts[i].rates(w);
-            let change = [0, 1, 2].map(|c| to[c] - self.centre[k][c]);
+        for (k, contact) in island.contacts.iter().enumerate() {
+            let to = Answer::of(contact, &self.centre[k], self.rates[k], self.firm).x;
+            let u = contact.rates(w);
+            let from = &self.centre[k];
+            let change = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
             slope += u[0] * change[0] + u[1] * change[1] + u[2] * change[2];
             self.turn.push(change);
         }
-        for (&i, change) in island.contacts.iter().zip(&self.turn) {
-            contacts[i].push(change, w);
+        for (contact, change) in island.contacts.iter().zip(&self.turn) {
+            contact.push(change, w);
         }
         let changed = |(&body, from): (&usize, &Six)| {
             let change: Six = std::array::from_fn(|f| w[body][f] - from[f]);
@@ -247,12 +266,13 @@ impl Proximal {
         let curve: f64 = island.bodies.iter().zip(&self.from).map(changed).sum();
         let part = if slope < 0.0 && curve > 0.0 { (-slope / curve).min(1.0) } else { 0.0 };
         back(&self.from, w);
-        for (k, &i) in island.contacts.iter().enumerate() {
+        for (k, (contact, x)) in island.contacts.iter().zip(x).enumerate() {
             let a = self.centre[k];
-            let [n, s, t] = [0, 1, 2].map(|c| a[c] + part * self.turn[k][c]);
-            let [s, t] = disc([s, t], contacts[i].friction * n);
-            x[i] = [n, s, t];
-            contacts[i].push(&[n - a[0], s - a[1], t - a[2]], w);
+            let [n, s, t] = self.turn[k];
+            let [n, s, t] = [a[0] + part * n, a[1] + part * s, a[2] + part * t];
+            let [s, t] = disc([s, t], contact.friction * n);
+            *x = [n, s, t];
+            contact.push(&[n - a[0], s - a[1], t - a[2]], w);
         }
     }
 }
@@ -288,20 +308,23 @@ fn product(a: &Six, b: &Six) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The normal row, and the rows across combined along two directions.
+/// The rows of a body times a stiffness.
 #[inline]
-fn turned(rows: &[Six; 3], along: &[[f64; 2]; 2]) -> [Six; 3] {
-    let across = |[p, q]: [f64; 2]| std::array::from_fn(|f| p * rows[1][f] + q * rows[2][f]);
-    [rows[0], across(along[0]), across(along[1])]
+fn stiff([n, s, t]: &[Six; 3], [normal, first, second, both]: &Stiffness) -> [Six; 3] {
+    [
+        std::array::from_fn(|f| normal * n[f]),
+        std::array::from_fn(|f| first * s[f] + both * t[f]),
+        std::array::from_fn(|f| both * s[f] + second * t[f]),
+    ]
 }
 
-/// `block += row^T stiffness column`
+/// `block += row^T column`
 #[inline]
-fn add(block: &mut Block, row: &[Six; 3], column: &[Six; 3], stiffness: &[f64; 3]) {
-    for k in (0..3).filter(|&k| stiffness[k] > 0.0) {
-        for (to, by) in block.iter_mut().zip(&column[k]) {
-            let by = stiffness[k] * by;
-            (0..6).for_each(|r| to[r] += row[k][r] * by);
+fn add(block: &mut Block, row: &[Six; 3], column: &[Six; 3]) {
+    for (c, to) in block.iter_mut().enumerate() {
+        let by = [column[0][c], column[1][c], column[2][c]];
+        for (r, to) in to.iter_mut().enumerate() {
+            *to += row[0][r] * by[0] + row[1][r] * by[1] + row[2][r] * by[2];
         }
     }
 }

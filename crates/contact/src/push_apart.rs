@@ -19,14 +19,17 @@ const ROUNDS: usize = 100;
 /// Moves bodies of a system until none overlaps by more than `depth` (m); says in how many rounds.
 ///
 /// # Errors
-/// Poses that are none, and bodies that still overlap after a hundred rounds; the poses are then as
-/// they were.
+/// A depth that is negative or no number, poses that are none, and bodies that still overlap after
+/// a hundred rounds; the poses are then as they were.
 pub fn push_apart<G: Dimension, P: Potential>(
     system: &BodiesIn<G, P>,
     detector: &mut DetectorIn<G>,
     q: &mut [f64],
     depth: f64,
 ) -> Result<usize, ContactError> {
+    if !(depth >= 0.0 && depth.is_finite()) {
+        return Err(ContactError::Depth(depth));
+    }
     let mass = InverseMass::of(system.metric())?;
     let mut next = q.to_vec();
     let mut near = depth;

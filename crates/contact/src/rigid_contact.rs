@@ -22,24 +22,32 @@ pub(crate) type Six = [f64; 6];
 /// Where a body is and how impulses move it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
-    /// Into world axes.
-    rotation: Matrix3<f64>,
+    /// Where its centre is, and how it turns into world axes.
+    pub(crate) centre: Vector3<f64>,
+    pub(crate) rotation: Matrix3<f64>,
     /// One over the root of mass and moments; zeros where no impulse moves it.
-    scale: Six,
+    pub(crate) scale: Six,
     /// Its velocity before any impulse.
-    velocity: Six,
+    pub(crate) velocity: Six,
 }
 
 impl Placed {
     /// A body at its pose among `q` with its velocity among `v`.
     pub(crate) fn new(body: usize, scale: Six, q: &[f64], v: &[f64]) -> Self {
-        let rotation = Poses::pose(q, body).rotation.matrix();
-        Placed { rotation, scale, velocity: std::array::from_fn(|k| v[6 * body + k]) }
+        let pose = Poses::pose(q, body);
+        let (centre, rotation) = (pose.translation, pose.rotation.matrix());
+        Placed { centre, rotation, scale, velocity: std::array::from_fn(|k| v[6 * body + k]) }
     }
 
     /// Its velocity after scaled changes.
     pub(crate) fn after(&self, w: &Six) -> Six {
         std::array::from_fn(|k| self.velocity[k] + self.scale[k] * w[k])
+    }
+
+    /// How fast what is within a radius of its centre moves, before any impulse, at most.
+    pub(crate) fn speed(&self, radius: f64) -> f64 {
+        let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        length(&self.velocity[..3]) + radius * length(&self.velocity[3..])
     }
 
     /// The velocity of a point of it, world axes.
@@ -48,7 +56,8 @@ impl Placed {
         Vector3::new(x, y, z) + self.rotation * Vector3::new(a, b, c).cross(arm)
     }
 
-    fn moves(&self) -> bool {
+    /// Whether impulses move it.
+    pub(crate) fn moves(&self) -> bool {
         self.scale[0] > 0.0
     }
 }
@@ -121,14 +130,15 @@ impl Compliance {
 }
 
 impl RigidContact {
-    /// The contact at a point between bodies that are placed; an error where neither moves.
+    /// The contact at a point with these tangents, between bodies that are placed; an error where
+    /// neither moves.
     pub(crate) fn new(
         number: usize,
         point: &ContactPoint,
+        [first, second]: [Vector3<f64>; 2],
         bias: f64,
         placed: &[Placed],
     ) -> Result<Self, ContactError> {
-        let [first, second] = point.tangents();
         let mut contact = RigidContact {
             bodies: [placed.len(); 2],
             friction: point.friction,
@@ -138,7 +148,7 @@ impl RigidContact {
         };
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             if let Some(body) = point.bodies[side] {
-                let directions = [point.normal, first, second].map(|direction| direction * sign);
+                let directions = [point.normal * sign, first * sign, second * sign];
                 contact.reach(side, body, &point.arms[side], &directions, placed);
             }
         }
@@ -222,7 +232,8 @@ impl RigidContact {
 
 #[inline]
 fn dot(a: &Six, b: &Six) -> f64 {
-    let [x, y] = [0, 1].map(|k| a[k] * b[k] + a[k + 2] * b[k + 2] + a[k + 4] * b[k + 4]);
+    let x = a[0] * b[0] + a[2] * b[2] + a[4] * b[4];
+    let y = a[1] * b[1] + a[3] * b[3] + a[5] * b[5];
     x + y
 }
 

@@ -12,7 +12,7 @@ use stationary_rigid::{
     BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Poses, RigidMotion, force_at_point,
 };
 
-use crate::dimension::{Facing, sealed::Sealed};
+use crate::dimension::{Answer, Facing, sealed::Sealed};
 use crate::narrow_phase::{Manifolds, facing};
 use crate::{ContactError, Dimension, Shape, convert};
 
@@ -125,7 +125,7 @@ impl Dimension for Spatial {
         margin: f64,
         room: &mut Manifolds,
         found: &mut Vec<Facing<Vector3<f64>>>,
-    ) -> bool {
+    ) -> Answer {
         facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
     }
 }

@@ -35,10 +35,10 @@ pub(crate) struct Sweeps {
     proximal: Proximal,
 }
 
-/// One island: its contacts and its bodies, by their numbers.
+/// One island: its contacts, and its bodies by their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Island<'a> {
-    pub(crate) contacts: &'a [usize],
+    pub(crate) contacts: &'a [RigidContact],
     pub(crate) bodies: &'a [usize],
 }
 
@@ -52,29 +52,26 @@ struct Change {
 }
 
 impl Sweeps {
-    /// Starts from impulses on bodies whose velocities are as they were.
-    pub(crate) fn start(&mut self, bodies: usize, contacts: &[RigidContact], x: &[[f64; 3]]) {
+    /// So many bodies whose velocities are as they were.
+    pub(crate) fn start(&mut self, bodies: usize) {
         self.w.clear();
         self.w.resize(bodies + 1, [0.0; 6]);
-        for (contact, x) in contacts.iter().zip(x) {
-            contact.push(x, &mut self.w);
-        }
+    }
+
+    /// Gives the bodies of an island impulses.
+    pub(crate) fn push(&mut self, island: Island, x: &[[f64; 3]]) {
+        island.contacts.iter().zip(x).for_each(|(contact, x)| contact.push(x, &mut self.w));
     }
 
     /// How far the normal conditions and Coulomb's law of an island are from being met, m/s.
-    pub(crate) fn residuals(
-        &self,
-        island: Island,
-        contacts: &[RigidContact],
-        x: &[[f64; 3]],
-    ) -> [f64; 2] {
-        let one = |&i: &usize| contacts[i].residuals(&x[i], &self.w);
+    pub(crate) fn residuals(&self, island: Island, x: &[[f64; 3]]) -> [f64; 2] {
+        let one = |(contact, x): (&RigidContact, _)| contact.residuals(x, &self.w);
         let worst = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.max(d)];
-        island.contacts.iter().map(one).fold([0.0; 2], worst)
+        island.contacts.iter().zip(x).map(one).fold([0.0; 2], worst)
     }
 
-    fn is_met(&self, island: Island, contacts: &[RigidContact], x: &[[f64; 3]], by: f64) -> bool {
-        self.residuals(island, contacts, x).iter().all(|&left| left <= by)
+    fn is_met(&self, island: Island, x: &[[f64; 3]], by: f64) -> bool {
+        self.residuals(island, x).iter().all(|&left| left <= by)
     }
 
     /// Sweeps over an island until none of its contacts changes a velocity by more than `settled`,
@@ -83,7 +80,6 @@ impl Sweeps {
     pub(crate) fn settle(
         &mut self,
         island: Island,
-        contacts: &[RigidContact],
         x: &mut [[f64; 3]],
         settled: f64,
         bound: usize,
@@ -93,8 +89,8 @@ impl Sweeps {
         // last sweep came after a step.
         let (mut wait, mut patience, mut stepped) = (0, 1, false);
         for sweep in 1..=bound {
-            let Change { fastest, energy, part } = self.sweep(island, contacts, x);
-            let done = fastest <= settled && self.is_met(island, contacts, x, FELT * settled);
+            let Change { fastest, energy, part } = self.sweep(island, x);
+            let done = fastest <= settled && self.is_met(island, x, FELT * settled);
             if done || sweep == bound {
                 return [sweep, solved];
             }
@@ -108,21 +104,20 @@ impl Sweeps {
                 continue;
             }
             let soft = (SOFT * part).clamp(FIRMEST, SOFTEST);
-            solved += self.proximal.step(island, contacts, [soft, energy], x, &mut self.w);
+            solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
         }
         [bound, solved]
     }
 
     /// Relaxes each contact once.
-    fn sweep(&mut self, island: Island, contacts: &[RigidContact], x: &mut [[f64; 3]]) -> Change {
+    fn sweep(&mut self, island: Island, x: &mut [[f64; 3]]) -> Change {
         let (mut fastest, mut energy, mut whole) = (0.0_f64, 0.0, 0.0);
         let square = |roots: [f64; 3]| roots.iter().map(|root| root * root).sum::<f64>();
-        for &i in island.contacts {
-            let contact = &contacts[i];
-            let change = contact.relax(&mut x[i], &mut self.w);
+        for (contact, x) in island.contacts.iter().zip(x) {
+            let change = contact.relax(x, &mut self.w);
             fastest = fastest.max(contact.speed(&change));
             energy += square(contact.root(&change));
-            whole += square(contact.root(&x[i]));
+            whole += square(contact.root(x));
         }
         // Where nothing pushes there is nothing to change either.
         let part = if whole > 0.0 { (energy / whole).sqrt() } else { 0.0 };

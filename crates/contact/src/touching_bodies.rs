@@ -8,16 +8,20 @@
 //! ```
 //! `v` velocities of bodies (m/s in world axes, rad/s in body axes). Gaps are linear over the step:
 //! what slides or rests keeps its gap to rounding; corners that turn overlap by order `h^2`, and a
-//! fifth of that is given back each step. Approach of the order of a kick is rest and has no
-//! restitution. A moving obstacle has infinite mass: contacts do not change its velocity, and the
-//! work that it does is reported. On an error the state is as it was.
+//! fifth of that is given back each step. A gap that is worth no change of velocity is none: one
+//! with `|g|/h` within what counts as settled, a fifth of it where bodies overlap. Approach of the
+//! order of a kick is rest and has no restitution. A moving obstacle has infinite mass: contacts do not change
+//! its velocity, and the work that it does is reported. On an error the state is as it was.
 //!
 //! Impulses start from those of the last step, and each island of bodies that hang together is
-//! solved on its own, so that what rests is only looked at. Small islands without friction so far
-//! are projected exactly; else sweeps and sparse systems by turns settle them, and take no memory
-//! once as many contacts have been met. How far the contact conditions are settled is a choice
-//! ([`Settling`]); what is left of them is reported. Source: notes 11.4, 11.5.1; Stewart and
-//! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
+//! looked at on its own. Where those impulses still meet the conditions nothing is solved (see
+//! `resting.rs`), and where they change no velocity none changes: what stands does not move at all.
+//! Small islands without friction so far are projected exactly; else sweeps and sparse systems by
+//! turns settle them, and take no memory once as many contacts have been met. Contact points of
+//! bodies that hardly move against each other are kept (see `kept_contacts.rs`). How far the
+//! contact conditions are settled is a choice ([`Settling`]); what is left of them is reported.
+//! Source: notes 11.4, 11.5.1; Stewart and Trinkle 1996, Anitescu and Potra 1997 for contact by
+//! velocities.
 
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
@@ -27,55 +31,19 @@ use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Po
 use crate::error::check_finite;
 use crate::exact_normals::Unpushed;
 use crate::impact_rounds::ImpactRounds;
+use crate::island_solver::{Conditions, IslandSolver};
 use crate::islands::Islands;
+use crate::kept_contacts::KeptContacts;
 use crate::last_impulses::LastImpulses;
-use crate::rigid_contact::{Placed, RigidContact, Six, scale};
-use crate::sweeps::{Island, Sweeps};
-use crate::{ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Spatial, gap_rows};
+use crate::resting::{Guessed, Resting};
+use crate::rigid_contact::{Placed, Six, scale};
+use crate::{
+    ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Settling, Spatial,
+    TouchingReport, gap_rows,
+};
 
 /// Bodies under a potential.
 pub type Bodies<P> = System<BodyMetric<Poses>, P, Poses>;
-
-/// What a step of touching bodies took and left.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TouchingReport {
-    /// Contact points within reach of the step.
-    pub contacts: usize,
-    /// Islands of bodies that hang together by them.
-    pub islands: usize,
-    /// Islands solved by the exact projection without friction.
-    pub projected: usize,
-    /// Contacts relaxed, over all sweeps; none where everything rests as it did.
-    pub relaxed: usize,
-    /// Sparse systems solved between sweeps.
-    pub solved: usize,
-    /// Passes of the impact law.
-    pub impacts: usize,
-    /// How far the normal conditions are from being met, m/s.
-    pub residual: f64,
-    /// How far Coulomb's law is from being met, m/s.
-    pub coulomb: f64,
-    /// The deepest overlap that the step started with, m.
-    pub overlap: f64,
-    /// The work that obstacles did on the other bodies, J.
-    pub work: f64,
-}
-
-/// How far the contact conditions of a step are settled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settling {
-    /// Sweeps end where no contact changes a velocity by more than this, m/s; rounding ends them
-    /// in any case.
-    pub change: f64,
-    /// The most sweeps over an island in a step.
-    pub sweeps: usize,
-}
-
-impl Default for Settling {
-    fn default() -> Self {
-        Settling { change: 0.0, sweeps: 200 }
-    }
-}
 
 /// The part of an overlap that a step gives back.
 const GIVEN_BACK: f64 = 0.2;
@@ -83,8 +51,13 @@ const GIVEN_BACK: f64 = 0.2;
 const REACH: f64 = 1e-6;
 /// Changes of velocities relative to the fastest that are rounding.
 const ROUNDING: f64 = 1e-12;
-/// Gaps relative to the farthest coordinate that are rounding: what moves no more rests.
+/// Gaps relative to the farthest coordinate that are rounding, and so are none: what moves no more
+/// rests.
 const GAPS: f64 = 2.0 * f64::EPSILON;
+/// What nearly rests is settled to this part of what counts as settled, so that it may rest.
+const FINE: f64 = 1.0 / 256.0;
+/// The name under which impulses and contacts are saved.
+const NAME: &str = "touching-bodies";
 
 /// Steps of bodies that touch.
 #[derive(Debug)]
@@ -96,6 +69,7 @@ pub struct TouchingBodies<'s, P> {
     law: ImpactLaw,
     settling: Settling,
     last: LastImpulses<Spatial>,
+    kept: KeptContacts,
     memory: Memory,
 }
 
@@ -107,11 +81,12 @@ struct Memory {
     dv: Covector<Vec<f64>>,
     scales: Vec<Six>,
     placed: Vec<Placed>,
-    contacts: Vec<RigidContact>,
     bias: Vec<f64>,
+    /// The impulse of each contact on its second body, world axes, N s.
+    pushes: Vec<Vector3<f64>>,
     islands: Islands,
-    x: Vec<[f64; 3]>,
-    sweeps: Sweeps,
+    resting: Resting,
+    solver: IslandSolver,
     next: State<Vec<f64>>,
 }
 
@@ -135,6 +110,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
             law: ImpactLaw::GeneralizedReflections,
             settling: Settling::default(),
             last: LastImpulses::default(),
+            kept: KeptContacts::default(),
             memory,
         })
     }
@@ -166,17 +142,30 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         &mut self.detector
     }
 
-    /// Everything on which the next steps depend beside the state: the impulses of the last.
+    /// Everything on which the next steps depend beside the state: the impulses of the last, and
+    /// from where its contact points are kept.
     pub fn save(&self) -> Saved {
-        self.last.save()
+        let last = self.last.save().numbers;
+        let mut numbers = vec![last.len() as f64];
+        numbers.extend(last);
+        numbers.extend(self.kept.save());
+        Saved { method: NAME.to_owned(), numbers }
     }
 
     /// Takes over what the same bodies had saved, and goes on from their state to the same bits.
     ///
     /// # Errors
-    /// Numbers that no bodies leave behind; the impulses are then as they were.
+    /// Numbers that no bodies leave behind; what is remembered is then as it was.
     pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
-        self.last = LastImpulses::load(saved)?;
+        if saved.method != NAME {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let short = || StepError::Saved("it has fewer numbers than it says");
+        let (&count, rest) = saved.numbers.split_first().ok_or_else(short)?;
+        let (last, kept) = rest.split_at_checked(count as usize).ok_or_else(short)?;
+        let last = LastImpulses::read(last)?;
+        self.kept = KeptContacts::load(kept, &mut self.detector)?;
+        self.last = last;
         Ok(())
     }
 
@@ -195,10 +184,15 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         self.system.metric().sharp(state.p.view(), self.memory.v.view_mut());
         self.kick(state, h);
         let reach = self.reach(h);
-        self.detector.detect(&state.q, reach)?;
-        let contacts = self.detector.take_contacts();
+        let Memory { v, scales, placed, .. } = &mut self.memory;
+        SizeError::check("the poses' numbers", 7 * scales.len(), state.q.len())?;
+        let place = |(body, &scale): (usize, &Six)| Placed::new(body, scale, &state.q, &v.0);
+        placed.clear();
+        placed.extend(scales.iter().enumerate().map(place));
+        self.kept.detect(&mut self.detector, placed, &state.q, reach)?;
+        let contacts = self.kept.take_found();
         let stepped = self.step_with(&contacts, state, h);
-        self.detector.put_back(contacts);
+        self.kept.put_back(contacts);
         let report = stepped?;
         std::mem::swap(state, &mut self.memory.next);
         Ok(report)
@@ -216,14 +210,17 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         if contacts.iter().any(|contact| contact.restitution > 0.0) {
             self.impacts(contacts, &state.q, h, &mut report)?;
         }
-        let Memory { v, kick, .. } = &mut self.memory;
+        let Memory { v, kick, pushes, .. } = &mut self.memory;
         v.add_scaled(1.0, kick.view());
+        pushes.clear();
+        let guesses = self.last.guess(contacts.iter(), h);
+        pushes.extend(guesses.map(Option::unwrap_or_default));
         if !contacts.is_empty() {
             self.rest(contacts, &state.q, h, &mut report)?;
         }
         self.move_freely(state, h)?;
-        let whole = |(contact, x): (&ContactPoint, &[f64; 3])| (contact.id, impulse(contact, x));
-        self.last.keep(h, contacts.iter().zip(&self.memory.x).map(whole));
+        let pushes = self.memory.pushes.iter().copied();
+        self.last.keep(h, contacts.iter().map(|contact| contact.id).zip(pushes));
         Ok(report)
     }
 
@@ -250,61 +247,53 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         h: f64,
         report: &mut TouchingReport,
     ) -> Result<(), ContactError> {
-        let memory = &mut self.memory;
-        let bodies = memory.scales.len();
-        let v = &memory.v.0;
-        let placed = |(body, &scale): (usize, &Six)| Placed::new(body, scale, q, v);
-        memory.placed.clear();
-        memory.placed.extend(memory.scales.iter().enumerate().map(placed));
-        memory.contacts.clear();
-        memory.bias.clear();
-        let mut fastest = 0.0_f64;
-        for (number, contact) in contacts.iter().enumerate() {
+        let Memory { v, kick, placed, bias, pushes, islands, resting, solver, .. } =
+            &mut self.memory;
+        for (placed, v) in placed.iter_mut().zip(v.0.chunks_exact(6)) {
+            placed.velocity.copy_from_slice(v);
+        }
+        find(islands, placed, contacts)?;
+        let radius = |body: usize| self.detector.radius(body);
+        let speed = |&body: &usize| placed[body].speed(radius(body));
+        let fastest = islands.iter().flat_map(|(_, of)| of).map(speed).fold(0.0, f64::max);
+        let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let settled = self.settling.change.max(ROUNDING * fastest).max(GAPS * farthest / h);
+        let fine = (FINE * settled).max(ROUNDING * fastest);
+        bias.clear();
+        // What is not worth a change of velocity is none.
+        bias.extend(contacts.iter().map(|contact| {
             let share = if contact.gap < 0.0 { GIVEN_BACK } else { 1.0 };
             let bias = share * contact.gap / h;
-            let packed = RigidContact::new(number, contact, bias, &memory.placed)?;
-            let [normal, first, second] = packed.offset;
-            let speed = (normal - bias).abs().max(first.abs()).max(second.abs());
-            fastest = fastest.max(speed);
-            memory.contacts.push(packed);
-            memory.bias.push(bias);
-        }
-        memory.x.clear();
-        let guesses = contacts.iter().zip(self.last.guess(contacts.iter(), h));
-        memory.x.extend(guesses.map(|(contact, impulse)| along(contact, impulse)));
-        let packed = &memory.contacts;
-        memory.islands.find(bodies, |i| packed[i].bodies, packed.len());
-        memory.sweeps.start(bodies, packed, &memory.x);
-        let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let rounding = (ROUNDING * fastest).max(GAPS * farthest / h);
-        let settled = self.settling.change.max(rounding);
-        let (v, bias) = (&memory.v.0, &memory.bias);
-        let unpushed = Unpushed { points: contacts, q, v, mass: &self.mass, bias };
-        for (members, of) in memory.islands.iter() {
-            let island = Island { contacts: members, bodies: of };
-            let (x, sweeps) = (&mut memory.x, &mut memory.sweeps);
-            let met = |left: &[f64; 2]| left.iter().all(|left| *left <= settled);
-            let smooth = |&i: &usize| packed[i].speed(&[0.0, x[i][1], x[i][2]]) <= settled;
-            let smooth = members.iter().all(smooth);
-            let mut left = sweeps.residuals(island, packed, x);
-            if !met(&left) && smooth && unpushed.project(island, packed, x, sweeps)? {
-                report.projected += 1;
-                left = sweeps.residuals(island, packed, x);
-            }
-            if !met(&left) {
-                let [taken, solved] =
-                    sweeps.settle(island, packed, x, settled, self.settling.sweeps);
-                report.relaxed += taken * members.len();
-                report.solved += solved;
-                left = sweeps.residuals(island, packed, x);
-            }
+            if bias.abs() <= settled { 0.0 } else { bias }
+        }));
+        resting.start(placed, radius, &kick.0, Guessed { points: contacts, pushes, bias });
+        solver.start(placed.len());
+        for (members, bodies) in islands.iter() {
+            let guessed = Guessed { points: contacts, pushes, bias };
+            let off = match resting.off(members, guessed, settled) {
+                Some(off) => {
+                    let stands = bodies.iter().all(|&body| resting.stands(body, settled));
+                    for &body in bodies {
+                        let velocity = resting.velocity(body, stands);
+                        v.0[6 * body..][..6].copy_from_slice(velocity);
+                    }
+                    off
+                }
+                None => {
+                    let (v_f, mass, sweeps) = (&v.0, &self.mass, self.settling.sweeps);
+                    let unpushed = Unpushed { points: contacts, q, v: v_f, mass, bias };
+                    let conditions = Conditions { unpushed, placed, settled, fine, sweeps };
+                    let off = solver.solve([members, bodies], conditions, pushes, report)?;
+                    for &body in bodies {
+                        let after = placed[body].after(solver.change(body));
+                        v.0[6 * body..][..6].copy_from_slice(&after);
+                    }
+                    off
+                }
+            };
             report.islands += 1;
-            report.residual = report.residual.max(left[0]);
-            report.coulomb = report.coulomb.max(left[1]);
-        }
-        for body in memory.islands.iter().flat_map(|(_, of)| of) {
-            let after = memory.placed[*body].after(&memory.sweeps.w[*body]);
-            memory.v.0[6 * body..][..6].copy_from_slice(&after);
+            report.residual = report.residual.max(off[0]);
+            report.coulomb = report.coulomb.max(off[1]);
         }
         report.work = self.work(contacts);
         Ok(())
@@ -312,8 +301,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
 
     /// The work that obstacles do by the impulses.
     fn work(&self, contacts: &[ContactPoint]) -> f64 {
-        let of = |(contact, x): (&ContactPoint, &[f64; 3])| -> f64 {
-            let on_second = impulse(contact, x);
+        let of = |(contact, on_second): (&ContactPoint, &Vector3<f64>)| -> f64 {
             let side = |k: usize, sign: f64| match contact.bodies[k] {
                 Some(body) if self.mass.is_held(6 * body) => {
                     let velocity = self.memory.placed[body].velocity_at(&contact.arms[k]);
@@ -325,7 +313,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         };
         match self.obstacles.is_empty() {
             true => 0.0,
-            false => contacts.iter().zip(&self.memory.x).map(of).sum(),
+            false => contacts.iter().zip(&self.memory.pushes).map(of).sum(),
         }
     }
 
@@ -374,15 +362,19 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     }
 }
 
-/// The impulse on the second body of a contact, world axes, N s.
-fn impulse(contact: &ContactPoint, [n, s, t]: &[f64; 3]) -> Vector3<f64> {
-    let [first, second] = contact.tangents();
-    contact.normal * *n + first * *s + second * *t
-}
-
-/// An impulse along the normal and the tangents of a contact; zeros for none.
-fn along(contact: &ContactPoint, impulse: Option<Vector3<f64>>) -> [f64; 3] {
-    let Some(impulse) = impulse else { return [0.0; 3] };
-    let [first, second] = contact.tangents();
-    [contact.normal, first, second].map(|direction| impulse.dot(&direction))
+/// The islands of bodies that impulses move; an error where a contact is between none.
+fn find(
+    islands: &mut Islands,
+    placed: &[Placed],
+    contacts: &[ContactPoint],
+) -> Result<(), ContactError> {
+    let moving = |contact: &ContactPoint| {
+        let moves = |&body: &usize| placed[body].moves();
+        contact.bodies.map(|body| body.filter(moves).unwrap_or(placed.len()))
+    };
+    if let Some(contact) = contacts.iter().position(|c| moving(c) == [placed.len(); 2]) {
+        return Err(ContactError::Immovable { contact });
+    }
+    islands.find(placed.len(), |i| moving(&contacts[i]), contacts.len());
+    Ok(())
 }

@@ -50,3 +50,20 @@ fn boxes_thrown_together_are_freed_and_move_by_about_as_much_as_they_overlapped(
     println!("overlap {before:e} to {after:e} in {rounds} rounds, moved by {moved:e}");
     assert!(before > 0.05 && after <= 1e-6 && moved < 10.0 * before, "{before} {after} {moved}");
 }
+
+#[test]
+fn a_depth_that_is_none_is_refused_by_name_and_the_poses_stay() {
+    let boxes = falling_boxes(2).unwrap();
+    let mut detector = boxes.detector().unwrap();
+    let mut q = boxes.state.q.clone();
+    q[2] = 0.4;
+    let start = q.clone();
+    for depth in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-9] {
+        let refused = push_apart(&boxes.system, &mut detector, &mut q, depth).unwrap_err();
+        assert!(matches!(refused, ContactError::Depth(_)), "{refused}");
+        assert!(refused.to_string().contains(&depth.to_string()), "{refused}");
+        assert_eq!(q, start);
+    }
+    assert!(push_apart(&boxes.system, &mut detector, &mut q, 0.0).unwrap() > 0);
+    assert!(q[2] >= 0.5 - 1e-12, "{}", q[2]);
+}

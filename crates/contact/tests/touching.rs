@@ -3,7 +3,7 @@
 #![cfg(feature = "3d")]
 
 use nalgebra::Vector3;
-use stationary_contact::problems::{columns_of_boxes, falling_boxes};
+use stationary_contact::problems::{FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
 use stationary_contact::{
     Bodies, Collider, ContactError, Detector, Settling, Shape, TouchingBodies, TouchingReport,
 };
@@ -88,6 +88,103 @@ fn columns_that_rest_are_only_looked_at() {
     }
     println!("visits to 160 contacts in 200 steps: {visits}, residual {worst:e}");
     assert!(visits <= 160 && worst < 1e-10, "{visits} {worst}");
+}
+
+#[test]
+fn columns_that_stand_do_not_move_at_all_and_a_push_moves_them() {
+    let boxes = columns_of_boxes(4, 5).unwrap();
+    let mut state = boxes.state.clone();
+    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector().unwrap()).unwrap();
+    bodies.step(&mut state, 1e-3).unwrap();
+    for _ in 0..2_000 {
+        let report = bodies.step(&mut state, 1e-3).unwrap();
+        assert_eq!((report.projected, report.relaxed), (0, 0));
+        assert!(report.residual < 1e-13 && report.coulomb < 1e-13, "{report:?}");
+    }
+    let off = state.q.iter().zip(&boxes.state.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let speed = state.p.0.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    println!("moved by {off:e}, speed {speed:e}");
+    assert!(off < 1e-13 && speed < 1e-13, "{off} {speed}");
+    let (top, speed, slows) = (4, 0.1, FRICTION * GRAVITY);
+    state.p.0[6 * top] = speed;
+    for _ in 0..100 {
+        bodies.step(&mut state, 1e-3).unwrap();
+    }
+    let slid = state.q[7 * top] - boxes.state.q[7 * top];
+    let expected = speed * speed / (2.0 * slows) - 0.5e-3 * speed;
+    assert!((slid - expected).abs() < 1e-5, "{slid} {expected}");
+    assert!(state.p.0.iter().all(|p| p.abs() < 1e-9));
+}
+
+#[test]
+fn a_ball_rolls_down_the_gentlest_slope() {
+    let angle = 1e-7_f64;
+    let normal = Vector3::new(angle.sin(), 0.0, angle.cos());
+    let (system, mut state) = weighty(vec![ball(0.5)], &[still(at(0.0, 0.0, 0.5))]);
+    let round = Collider::on_body(0, Shape::ball(0.5).unwrap()).with_friction(0.5);
+    let detector = Detector::new(vec![round, floor(normal).with_friction(0.5)], 1).unwrap();
+    let mut bodies = TouchingBodies::new(&system, detector).unwrap();
+    for _ in 0..1_000 {
+        bodies.step(&mut state, 1e-3).unwrap();
+    }
+    let expected = 5.0 / 7.0 * G * angle.sin();
+    assert!((state.p.0[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", state.p.0[0]);
+}
+
+/// Housner 1963: a block that rocks keeps its angular momentum about the corner that it lands on,
+/// and so 1 - 3/2 sin^2 of its slope of what turns it.
+#[test]
+fn a_block_that_rocks_loses_what_housner_says_at_each_landing() {
+    let half = [0.25_f64, 0.5, 1.0];
+    let tilt = Rotation::exp(Vector3::y() * 0.05);
+    let corner = tilt.rotate(&Vector3::new(half[0], 0.0, -half[2]));
+    let pose = RigidMotion { translation: Vector3::new(0.0, 0.0, -corner.z), rotation: tilt };
+    let body = Body::solid_box(1.0, half).unwrap();
+    let (system, mut state) = weighty(vec![body], &[still(pose)]);
+    let block = Collider::on_body(0, Shape::cuboid(half).unwrap()).with_friction(1.0);
+    let detector = Detector::new(vec![block, floor(Vector3::z())], 1).unwrap();
+    let mut bodies = TouchingBodies::new(&system, detector).unwrap();
+    let mut turning = Vec::new();
+    for _ in 0..20_000 {
+        bodies.step(&mut state, 1e-4).unwrap();
+        turning.push(state.p.0[4] / body.moments().y);
+    }
+    let slope = (half[0] / half[2]).atan();
+    let expected = 1.0 - 1.5 * slope.sin().powi(2);
+    // A landing takes the step in which the gap closes, and the next.
+    let mut kept = Vec::new();
+    let mut step = 0;
+    while step + 3 < turning.len() {
+        let (before, next, after) = (turning[step], turning[step + 1], turning[step + 3]);
+        if before.abs() > 0.1 && (next - before).abs() > 0.01 * before.abs() {
+            kept.push(after / before);
+            step += 3;
+        }
+        step += 1;
+    }
+    println!("kept at each landing: {kept:?}, {expected}");
+    assert!(kept.len() >= 3, "{kept:?}");
+    assert!(kept.iter().all(|part| (part - expected).abs() < 0.01), "{kept:?} {expected}");
+}
+
+#[test]
+fn a_heap_that_has_come_to_rest_is_only_looked_at() {
+    let boxes = falling_boxes(27).unwrap();
+    let mut state = boxes.state.clone();
+    let bodies = TouchingBodies::new(&boxes.system, boxes.detector().unwrap()).unwrap();
+    let mut bodies = bodies.with_settling(Settling { change: 1e-5, sweeps: 60 });
+    for _ in 0..2_500 {
+        bodies.step(&mut state, 1e-3).unwrap();
+    }
+    let (mut visits, start) = (0, state.clone());
+    for _ in 0..200 {
+        let report = bodies.step(&mut state, 1e-3).unwrap();
+        visits += report.relaxed;
+        assert!(report.residual < 1e-5 && report.coulomb < 1e-5, "{report:?}");
+    }
+    let off = state.q.iter().zip(&start.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("visits {visits}, moved by {off:e}");
+    assert!(visits < 200 && off < 1e-6, "{visits} {off}");
 }
 
 #[test]

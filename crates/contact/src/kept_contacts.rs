@@ -1,0 +1,379 @@
+//! Contact points that are kept while two bodies hardly move against each other.
+//!
+//! ```text
+//! g = g0 + n.(x2 - x1) - n0.(x20 - x10)     corners against a plane that has the normal n
+//! kept while |t - t0| <= 1e-6 r and |R - R0| <= 1e-6
+//! ```
+//! `x1 x2` the points that face each other, fixed in their bodies; `n` fixed in the body whose face
+//! it is the normal of; `t` and `R` the pose of the second body as seen from the first, with zeros
+//! where the points were found; `r` the smaller radius (m). A corner's distance from a plane is
+//! exact however far they have moved: what the bound limits is how far points may have slid past
+//! edges, and by how much another face may have become the nearest. Pairs that face each other
+//! otherwise, and those that moved on, are asked for afresh.
+//!
+//! What is kept has been found from the relative pose alone, so that it is found again to the same
+//! bits from the poses that are saved; and only pairs within the margin are kept, whatever else the
+//! broad phase let through.
+
+use nalgebra::Vector3;
+use stationary_integrators::StepError;
+use stationary_rigid::{BodySpace, LieGroup, Poses, RigidMotion, Rotation};
+
+use crate::dimension::Answer;
+use crate::rigid_contact::Placed;
+use crate::{ContactError, ContactPoint, Detector};
+
+/// How far bodies may move against each other, as a part of the smaller radius, and turn, radians.
+const MOVED: f64 = 1e-6;
+/// Pairs are asked for up to this many times the margin, so that a margin may grow a little.
+const WIDER: f64 = 1.5;
+/// Boxes are compared up to this many times the margin, so that rounding loses no pair.
+const BROADER: f64 = 1.1;
+/// Numbers that save a pair.
+const SAVED: usize = 10;
+
+/// Contact points of a step, and those of the step before that may serve again.
+#[derive(Debug, Default)]
+pub(crate) struct KeptContacts {
+    pairs: Vec<KeptPair>,
+    last: Vec<KeptPair>,
+    spare: Vec<Vec<KeptPoint>>,
+    found: Vec<ContactPoint>,
+}
+
+/// A pair of colliders whose corners and planes face each other.
+#[derive(Debug)]
+struct KeptPair {
+    colliders: [usize; 2],
+    /// The second body's pose as seen from the first where its points were found.
+    relative: RigidMotion,
+    /// Up to which gap they were found, m.
+    margin: f64,
+    /// How far the bodies may move from there, m.
+    bound: f64,
+    /// In whose axes the normals are.
+    side: usize,
+    points: Vec<KeptPoint>,
+}
+
+/// A contact point as it was found, and its gap less what the bodies' poses say of it.
+#[derive(Clone, Copy, Debug)]
+struct KeptPoint {
+    contact: ContactPoint,
+    offset: f64,
+}
+
+/// The two bodies of a pair, now.
+struct Two<'a> {
+    placed: [Option<&'a Placed>; 2],
+    relative: RigidMotion,
+    /// From the centre of the first to that of the second, world axes.
+    apart: Vector3<f64>,
+}
+
+impl<'a> Two<'a> {
+    fn of(bodies: [Option<usize>; 2], placed: &'a [Placed], q: &[f64]) -> Self {
+        let pose = |body: Option<usize>| {
+            body.map_or_else(RigidMotion::identity, |body| Poses::pose(q, body))
+        };
+        let [first, second] = bodies.map(pose);
+        let apart = second.translation - first.translation;
+        let relative = RigidMotion {
+            translation: first.rotation.rotate_back(&apart),
+            rotation: first.rotation.inverse().compose(&second.rotation),
+        };
+        Two { placed: bodies.map(|body| body.map(|body| &placed[body])), relative, apart }
+    }
+
+    /// A direction of one of the bodies as seen from the world.
+    fn turn(&self, side: usize, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.placed[side].map_or(*direction, |placed| placed.rotation * direction)
+    }
+
+    fn centre(&self, side: usize) -> Vector3<f64> {
+        self.placed[side].map_or_else(Vector3::zeros, |placed| placed.centre)
+    }
+}
+
+impl KeptPair {
+    /// Whether its points serve at the poses of now, up to a margin.
+    fn serves(&self, now: &RigidMotion, margin: f64) -> bool {
+        let [a, b] = [now, &self.relative].map(|motion| motion.rotation.quaternion());
+        let turned: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
+        let moved = (now.translation - self.relative.translation).norm_squared();
+        // A quaternion turns by half the angle.
+        4.0 * turned <= MOVED * MOVED
+            && moved <= self.bound * self.bound
+            && margin + 4.0 * self.bound <= self.margin
+    }
+
+    /// Appends its contacts within a margin as they are now; says whether there are any.
+    fn append(&self, two: &Two, margin: f64, found: &mut Vec<ContactPoint>) -> bool {
+        let centres = [0, 1].map(|side| two.centre(side));
+        let first = found.len();
+        for KeptPoint { contact, offset } in &self.points {
+            let arms = [0, 1].map(|side| two.turn(side, &contact.arms[side]));
+            let normal = two.turn(self.side, &contact.normal);
+            let gap = offset + normal.dot(&(two.apart + arms[1] - arms[0]));
+            if gap <= margin {
+                let points = [centres[0] + arms[0], centres[1] + arms[1]];
+                found.push(ContactPoint { gap, normal, points, ..*contact });
+            }
+        }
+        found.len() > first
+    }
+
+    fn save(&self) -> [f64; SAVED] {
+        let [a, b] = self.colliders;
+        let t = self.relative.translation;
+        let [w, x, y, z] = self.relative.rotation.quaternion();
+        [a as f64, b as f64, self.margin, t.x, t.y, t.z, w, x, y, z]
+    }
+}
+
+impl KeptContacts {
+    /// The contact points whose gap is at most a margin, as [`Detector::detect`] finds them but for
+    /// what is kept.
+    pub(crate) fn detect(
+        &mut self,
+        detector: &mut Detector,
+        placed: &[Placed],
+        q: &[f64],
+        margin: f64,
+    ) -> Result<(), ContactError> {
+        detector.broad_phase(q, BROADER * margin)?;
+        std::mem::swap(&mut self.pairs, &mut self.last);
+        self.pairs.clear();
+        self.found.clear();
+        let (mut last, spare) = (self.last.drain(..).peekable(), &mut self.spare);
+        for k in 0..detector.candidates().len() {
+            let (a, b) = detector.candidates()[k];
+            while let Some(gone) = last.next_if(|kept| kept.colliders < [a, b]) {
+                spare.push(gone.points);
+            }
+            let two = Two::of([a, b].map(|i| detector.colliders()[i].body()), placed, q);
+            if let Some(kept) = last.next_if(|kept| kept.colliders == [a, b]) {
+                if kept.serves(&two.relative, margin) {
+                    match kept.append(&two, margin, &mut self.found) {
+                        true => self.pairs.push(kept),
+                        false => spare.push(kept.points),
+                    }
+                    continue;
+                }
+                spare.push(kept.points);
+            }
+            let points = spare.pop().unwrap_or_default();
+            let (found, lasts) = find(detector, [a, b], two.relative, margin, points)?;
+            if found.append(&two, margin, &mut self.found) && lasts {
+                self.pairs.push(found);
+            } else {
+                spare.push(found.points);
+            }
+        }
+        spare.extend(last.map(|gone| gone.points));
+        Ok(())
+    }
+
+    /// What [`KeptContacts::detect`] found last, to be given back by [`KeptContacts::put_back`].
+    pub(crate) fn take_found(&mut self) -> Vec<ContactPoint> {
+        std::mem::take(&mut self.found)
+    }
+
+    /// Reuses the memory of contacts that are no longer needed.
+    pub(crate) fn put_back(&mut self, found: Vec<ContactPoint>) {
+        self.found = found;
+    }
+
+    /// From which relative poses the points that are kept were found.
+    pub(crate) fn save(&self) -> impl Iterator<Item = f64> {
+        self.pairs.iter().flat_map(KeptPair::save)
+    }
+
+    /// What was saved, found again.
+    pub(crate) fn load(numbers: &[f64], detector: &mut Detector) -> Result<Self, StepError> {
+        const REFUSED: StepError = StepError::Saved("it has poses at which no contacts are kept");
+        let saved = numbers.chunks_exact(SAVED);
+        if !saved.remainder().is_empty() {
+            return Err(REFUSED);
+        }
+        let mut kept = KeptContacts::default();
+        for numbers in saved {
+            let pair = read(numbers, detector).ok_or(REFUSED)?;
+            if kept.pairs.last().is_some_and(|last| last.colliders >= pair.colliders) {
+                return Err(REFUSED);
+            }
+            kept.pairs.push(pair);
+        }
+        Ok(kept)
+    }
+}
+
+fn read(numbers: &[f64], detector: &mut Detector) -> Option<KeptPair> {
+    let &[a, b, wide, ref pose @ ..] = numbers else { return None };
+    let colliders = [a, b].map(|x| x as usize);
+    let [first, second] = colliders;
+    let named = [first as f64, second as f64] == [a, b] && first < second;
+    let there = named && second < detector.colliders().len();
+    let finite = wide > 0.0 && wide.is_finite();
+    if !(there && finite && Poses::check(pose).is_ok()) {
+        return None;
+    }
+    let relative = Poses::pose(pose, 0);
+    let (pair, lasts) = find_within(detector, colliders, relative, wide, Vec::new()).ok()?;
+    (lasts && !pair.points.is_empty()).then_some(pair)
+}
+
+/// The points of a pair a little beyond a margin, and whether they may be kept.
+fn find(
+    detector: &mut Detector,
+    colliders: [usize; 2],
+    relative: RigidMotion,
+    margin: f64,
+    points: Vec<KeptPoint>,
+) -> Result<(KeptPair, bool), ContactError> {
+    let wide = WIDER * margin + 4.0 * bound(detector, colliders);
+    find_within(detector, colliders, relative, wide, points)
+}
+
+/// How far the bodies of two colliders may move against each other, m.
+fn bound(detector: &Detector, colliders: [usize; 2]) -> f64 {
+    let bodies = colliders.iter().filter_map(|&i| detector.colliders()[i].body());
+    MOVED * bodies.map(|body| detector.radius(body)).fold(f64::INFINITY, f64::min)
+}
+
+fn find_within(
+    detector: &mut Detector,
+    colliders: [usize; 2],
+    relative: RigidMotion,
+    margin: f64,
+    mut points: Vec<KeptPoint>,
+) -> Result<(KeptPair, bool), ContactError> {
+    let bound = bound(detector, colliders);
+    let (answer, found) = detector.meet_alone(colliders, &relative, margin)?;
+    let (side, lasts) = match answer {
+        Answer::Plane(side) => (side, true),
+        Answer::Now | Answer::None => (0, false),
+    };
+    let seen = if side == 0 { Rotation::identity() } else { relative.rotation };
+    points.clear();
+    points.extend(found.iter().map(|point| {
+        let [from, to] = point.points;
+        let normal = seen.rotate_back(&point.normal);
+        let offset = point.gap - point.normal.dot(&(to - from));
+        KeptPoint { contact: ContactPoint { normal, ..*point }, offset }
+    }));
+    Ok((KeptPair { colliders, relative, margin, bound, side, points }, lasts))
+}
+
+#[cfg(test)]
+mod tests {
+    use stationary_calculus::{Space, SplitMix64, Vector};
+
+    use super::*;
+    use crate::problems::columns_of_boxes;
+
+    /// Two boxes on each other and on the floor, shifted a little, and what finds their contacts.
+    fn stacked() -> (Vec<f64>, Detector) {
+        let boxes = columns_of_boxes(1, 2).unwrap();
+        let mut q = boxes.state.q.clone();
+        Poses.advance(&mut q, 1.0, Vector(&[0.0; 12]));
+        (q[7], q[8]) = (0.2, -0.13);
+        (q, boxes.detector().unwrap())
+    }
+
+    fn moved(q: &[f64], by: f64, random: &mut SplitMix64) -> Vec<f64> {
+        let mut next = q.to_vec();
+        let v: Vec<f64> = (0..12).map(|_| by * random.symmetric()).collect();
+        Poses.advance(&mut next, 1.0, Vector(&v));
+        next
+    }
+
+    fn see(kept: &mut KeptContacts, detector: &mut Detector, q: &[f64]) -> Vec<ContactPoint> {
+        let placed: Vec<_> =
+            (0..2).map(|body| Placed::new(body, [1.0; 6], q, &[0.0; 12])).collect();
+        kept.detect(detector, &placed, q, 1e-4).unwrap();
+        let found = kept.take_found();
+        kept.put_back(found.clone());
+        found
+    }
+
+    /// The largest difference of the gaps of two lists of the same contacts.
+    fn apart(a: &[ContactPoint], b: &[ContactPoint]) -> f64 {
+        let ids = |contacts: &[ContactPoint]| contacts.iter().map(|c| c.id).collect::<Vec<_>>();
+        assert_eq!(ids(a), ids(b));
+        a.iter().zip(b).map(|(a, b)| (a.gap - b.gap).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn gaps_of_what_is_kept_are_those_found_afresh_to_a_few_1e_minus_12_of_a_box() {
+        let (q, mut detector) = stacked();
+        let mut random = SplitMix64::new(11);
+        let (mut served, mut worst) = (0, 0.0_f64);
+        for _ in 0..500 {
+            let mut kept = KeptContacts::default();
+            see(&mut kept, &mut detector, &q);
+            let before: Vec<f64> = kept.save().collect();
+            let near = moved(&q, 4e-7, &mut random);
+            let found = see(&mut kept, &mut detector, &near);
+            served += usize::from(kept.save().collect::<Vec<_>>() == before);
+            assert_eq!(found.len(), 8);
+            worst = worst.max(apart(&found, detector.detect(&near, 1e-4).unwrap()));
+        }
+        println!("kept {served} of 500 times, gaps off by {worst:e}");
+        assert!(served > 150 && worst < 4e-12, "{served} {worst}");
+    }
+
+    #[test]
+    fn what_has_moved_is_found_afresh_and_what_has_left_is_forgotten() {
+        let (q, mut detector) = stacked();
+        let mut random = SplitMix64::new(12);
+        let mut kept = KeptContacts::default();
+        for _ in 0..100 {
+            let far = moved(&q, 2e-5, &mut random);
+            let before: Vec<f64> = kept.save().collect();
+            let found = see(&mut kept, &mut detector, &far);
+            assert!(kept.save().collect::<Vec<_>>() != before);
+            assert!(apart(&found, detector.detect(&far, 1e-4).unwrap()) < 1e-15);
+        }
+        assert_eq!(kept.save().count(), 2 * SAVED);
+        let mut up = q.clone();
+        up[9] += 1e-3;
+        assert_eq!(see(&mut kept, &mut detector, &up).len(), 4);
+        assert_eq!(kept.save().count(), SAVED);
+    }
+
+    #[test]
+    fn what_was_saved_is_found_again_to_the_same_bits_and_numbers_that_were_not_are_refused() {
+        let (q, mut detector) = stacked();
+        let mut random = SplitMix64::new(13);
+        let mut kept = KeptContacts::default();
+        see(&mut kept, &mut detector, &moved(&q, 1e-5, &mut random));
+        let q = moved(&q, 1e-7, &mut random);
+        see(&mut kept, &mut detector, &q);
+        let saved: Vec<f64> = kept.save().collect();
+        let mut again = KeptContacts::load(&saved, &mut detector).unwrap();
+        let near = moved(&q, 1e-8, &mut random);
+        let both = [&mut kept, &mut again].map(|kept| see(kept, &mut detector, &near));
+        assert_eq!(both[0], both[1]);
+        assert_eq!(again.save().collect::<Vec<_>>(), saved);
+        let changed = |place: usize, to: f64| {
+            let mut other = saved.clone();
+            other[place] = to;
+            other
+        };
+        let up = saved[5] + 1.0;
+        for bad in [
+            saved[1..].to_vec(),
+            [&saved[SAVED..], &saved[..SAVED]].concat(),
+            changed(0, 1.0),
+            changed(1, 7.0),
+            changed(1, 0.5),
+            changed(2, f64::NAN),
+            changed(5, up),
+            changed(6, 2.0),
+        ] {
+            let refused = KeptContacts::load(&bad, &mut detector).unwrap_err();
+            assert!(matches!(refused, StepError::Saved(_)), "{bad:?}");
+        }
+    }
+}
