@@ -1,7 +1,5 @@
 //! Steps down to a microsecond: impulses of single impacts are those of the closed form.
 
-#![cfg(feature = "2d")]
-
 use nalgebra::Vector2;
 use stationary_calculus::{DiagonalMetric, System};
 use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, World};

@@ -1,7 +1,5 @@
 //! Rigid bodies that rest, slide, roll and bounce on each other.
 
-#![cfg(feature = "3d")]
-
 use nalgebra::Vector3;
 use stationary_contact::problems::{FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
 use stationary_contact::{

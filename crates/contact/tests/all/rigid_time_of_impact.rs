@@ -1,7 +1,5 @@
 //! Times of impact of rigid bodies against dense sampling of their distance.
 
-#![cfg(feature = "3d")]
-
 use nalgebra::{Vector3, Vector6};
 use stationary_calculus::SplitMix64;
 use stationary_contact::{

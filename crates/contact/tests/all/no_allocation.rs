@@ -1,7 +1,5 @@
 //! A step takes no memory once as many contacts have been met: counted by an allocator.
 
-#![cfg(feature = "3d")]
-
 use allocation_counter::measure;
 use nalgebra::Vector3;
 use stationary_contact::problems::{Boxes, falling_boxes};

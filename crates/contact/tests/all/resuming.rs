@@ -1,7 +1,5 @@
 //! Bodies that touch go on from what was saved to the same bits.
 
-#![cfg(all(feature = "2d", feature = "3d"))]
-
 use stationary_contact::problems::falling_boxes;
 use stationary_contact::{Arch, ContactError, Settling, TouchingBodies};
 use stationary_integrators::{Saved, State, StepError};

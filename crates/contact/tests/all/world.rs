@@ -1,7 +1,5 @@
 //! Worlds of the plane and of space: cradles, racks, stacks, inclines and an arch.
 
-#![cfg(all(feature = "2d", feature = "3d"))]
-
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{DiagonalMetric, SplitMix64, System};
 use stationary_contact::{

@@ -1,7 +1,5 @@
 //! What overlaps at the start may be pushed apart.
 
-#![cfg(all(feature = "2d", feature = "3d"))]
-
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{DiagonalMetric, SplitMix64, System};
 use stationary_contact::problems::falling_boxes;

@@ -1,7 +1,5 @@
 //! Gaps in the plane, their differentials and their names, on every pair of shapes.
 
-#![cfg(feature = "2d")]
-
 use nalgebra::Vector2;
 use stationary_calculus::{SplitMix64, Vector};
 use stationary_contact::{

@@ -1,7 +1,5 @@
 //! Gaps, their differentials and their names, on every pair of shapes.
 
-#![cfg(feature = "3d")]
-
 use nalgebra::Vector3;
 use stationary_calculus::{Space, SplitMix64, Vector};
 use stationary_contact::{Collider, ContactError, ContactPoint, Detector, Shape, gap_rows};

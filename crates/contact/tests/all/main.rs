@@ -1,0 +1,24 @@
+//! What holds of `stationary-contact`, in one binary: what is generic is compiled once.
+
+#[cfg(feature = "3d")]
+mod detection;
+mod impact_laws;
+#[cfg(feature = "3d")]
+mod no_allocation;
+#[cfg(feature = "2d")]
+mod planar_detection;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod push_apart;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod resuming;
+#[cfg(feature = "3d")]
+mod rigid_time_of_impact;
+#[cfg(feature = "2d")]
+mod small_steps;
+mod thin_sheet;
+mod time_of_impact;
+#[cfg(feature = "3d")]
+mod touching;
+mod when;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod world;

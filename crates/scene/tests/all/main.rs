@@ -1,0 +1,18 @@
+//! What holds of `stationary-scene`, in one binary: what is generic is compiled once.
+
+mod any_input;
+mod bodies;
+mod body_diagnostics;
+mod built;
+mod checkpoints;
+mod diagnostics;
+mod files;
+mod heat;
+mod output;
+mod quadratic;
+mod runs;
+mod schema;
+mod solids;
+mod steppings;
+mod touching;
+mod touching_bodies;
