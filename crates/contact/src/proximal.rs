@@ -10,10 +10,10 @@
 //! from, `C_i` those that push, with friction within `mu` times the normal impulse of `a_i`, `e` a
 //! small part of each row's compliance. The problem is convex and has one solution, whatever
 //! contacts are redundant and however their gaps fail to fit each other; after a few such steps `x`
-//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do. From
-//! one Newton step to the next only contacts that answer otherwise are added to it again, and it is
-//! factored where it has changed, sparsely: a heap is nearly a tree. Where Newton's method is cut
-//! short, the last line still lowers the energy.
+//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do.
+//! From one Newton step to the next only contacts that answer otherwise are added to it again, and
+//! it is factored where it has changed, sparsely: a heap is nearly a tree. Where Newton's method is
+//! cut short, the last line still lowers the energy.
 //!
 //! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
 //! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).

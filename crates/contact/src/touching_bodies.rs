@@ -10,8 +10,9 @@
 //! what slides or rests keeps its gap to rounding; corners that turn overlap by order `h^2`, and a
 //! fifth of that is given back each step. A gap that is worth no change of velocity is none: one
 //! with `|g|/h` within what counts as settled, a fifth of it where bodies overlap. Approach of the
-//! order of a kick is rest and has no restitution. A moving obstacle has infinite mass: contacts do not change
-//! its velocity, and the work that it does is reported. On an error the state is as it was.
+//! order of a kick is rest and has no restitution. A moving obstacle has infinite mass: contacts do
+//! not change its velocity, and the work that it does is reported. On an error the state is as it
+//! was.
 //!
 //! Impulses start from those of the last step, and each island of bodies that hang together is
 //! looked at on its own. Where those impulses still meet the conditions nothing is solved (see
