@@ -9,8 +9,8 @@
 //! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
-//! that do not shrink prove nothing: their uncertainty is infinite; where the third rung is not
-//! stable there are two alone. How fast those of own steps shrink is not trusted: at the border of
+//! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
+//! where there is no third that did not, there are two alone. How fast those of own steps shrink is not trusted: at the border of
 //! stability a tighter tolerance may change less than it should.
 
 use std::cmp::Reverse;
@@ -169,15 +169,8 @@ impl Reference {
     /// The answer by a family as its rungs up to this one give it.
     pub fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
         let (kind, order) = (lab.family(family).kind, lab.family(family).order);
-        let known = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
-        let before = match kind {
-            Kind::OwnSteps => (0..finest).rev().find(known).unwrap_or(finest - 1),
-            Kind::EqualSteps | Kind::Modes => finest - 1,
-        };
-        let mut course = |rung| lab.measure(At { family, rung }).whole().cloned();
-        let middle = course(before);
-        let fine = course(finest)?;
-        let middle = middle?;
+        let fine = lab.measure(At { family, rung: finest }).whole().cloned()?;
+        let (before, middle) = Reference::coarser(lab, family, finest)?;
         let scale = fine.scale;
         let last = apart(&fine.values, &middle.values);
         let reference = |course, extrapolated, error: f64| {
@@ -190,23 +183,20 @@ impl Reference {
         if kind == Kind::OwnSteps {
             return reference(fine, Extrapolated::No, last);
         }
-        if finest < 2 {
+        let Some((third, coarse)) = Reference::coarser(lab, family, before) else {
             // Whoever has nothing to compare with must show that differences shrink.
             let alone = lab.ladder().families.iter().filter(|f| f.converges()).count() == 1;
             let uncertainty = if alone { f64::INFINITY } else { last };
             return reference(fine, Extrapolated::No, uncertainty);
-        }
-        // A coarser step is not stable: two rungs alone.
-        let Some(coarse) = course(finest - 2) else {
-            return reference(fine, Extrapolated::No, last);
         };
+        let halved = finest - before == 1 && before - third == 1;
         let ratio = apart(&middle.values, &coarse.values) / last;
         let power = f64::from(1_u32 << order);
         // Nothing differs where an observable is kept to rounding.
         if last <= 1e-13 * scale {
             return reference(fine, Extrapolated::No, last);
         }
-        if ratio > power / NEAR && ratio < power * NEAR {
+        if halved && ratio > power / NEAR && ratio < power * NEAR {
             let weight = 1.0 / (power - 1.0);
             let best = extrapolated(&middle.values, &fine.values, weight);
             let before = extrapolated(&coarse.values, &middle.values, weight);
@@ -215,6 +205,21 @@ impl Reference {
         }
         let error = if ratio < SHRINKING { f64::INFINITY } else { last / (ratio - 1.0).min(1.0) };
         reference(fine, Extrapolated::No, error)
+    }
+
+    /// The next coarser rung of a family that came to its end: the one before, or where that failed,
+    /// or tolerances are meant, one that was run already.
+    fn coarser(lab: &mut Lab, family: usize, rung: usize) -> Option<(usize, Course)> {
+        let before = At { family, rung: rung.checked_sub(1)? };
+        let looser = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
+        let known = lab.family(family).kind == Kind::OwnSteps && (0..rung).any(|r| looser(&r));
+        if !known {
+            lab.measure(before);
+        }
+        (0..rung).rev().find_map(|rung| {
+            let run = lab.seen(At { family, rung })?;
+            Some((rung, run.whole()?.clone()))
+        })
     }
 
     /// The error of a course as far as it goes, relative to the scale.
