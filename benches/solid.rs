@@ -151,8 +151,7 @@ fn main() {
     in_turn::ratio("energy, neo-Hookean / quadratic", || other.energy(), || one.energy());
     in_turn::ratio("differential", || other.differential(), || one.differential());
     in_turn::ratio("Hessian", || other.hessian(), || one.hessian());
-    let bar = || Bench::new(&mesh, quadratic, 1);
-    projection("Saint Venant-Kirchhoff", bar);
+    projection("Saint Venant-Kirchhoff", || Bench::new(&mesh, quadratic, 1));
     projection("neo-Hookean", || Bench::new(&mesh, rubber, 1));
     // From within the pool, as a program would that calls many times: entering it costs a wake-up.
     let on = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -161,9 +160,7 @@ fn main() {
         in_turn::ratio(
             "differential, two parts / one, one thread",
             || two.differential(),
-            || {
-                one.differential();
-            },
+            || one.differential(),
         );
         in_turn::ratio("Hessian", || two.hessian(), || one.hessian());
     });
@@ -187,13 +184,14 @@ fn main() {
 
 /// The elements' Hessians, projected over exact, in three shapes.
 fn projection<M: Material<3, 3>>(name: &str, bar: impl Fn() -> Bench<M>) {
-    let shapes: [(&str, fn(Bench<M>) -> Bench<M>); 3] =
-        [("bent", |bar| bar), ("swollen", Bench::swollen), ("crushed", Bench::crushed)];
-    for (shape, of) in shapes {
-        let (mut exact, mut projected) = (of(bar()), of(bar()).projected());
+    let ratio = |shape: &str, mut exact: Bench<M>, projected: Bench<M>| {
+        let mut projected = projected.projected();
         let name = format!("{name}, blocks, projected / exact, {shape}");
         in_turn::ratio(&name, || projected.blocks(), || exact.blocks());
-    }
+    };
+    ratio("bent", bar(), bar());
+    ratio("swollen", bar().swollen(), bar().swollen());
+    ratio("crushed", bar().crushed(), bar().crushed());
 }
 
 /// A loop that two threads share nothing of: four chains of products, no memory.

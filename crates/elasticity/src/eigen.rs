@@ -140,15 +140,11 @@ fn started<T: Real, const R: usize>(s: &[[T; R]; R]) -> ([[T; R]; R], [[T; R]; R
 #[inline(always)]
 pub(crate) fn frame_of<T: Real, const R: usize>(s: &[[T; R]; R], q: &mut [[T; R]; R]) {
     let mut three = [[T::splat(0.0); 3]; 3];
-    for k in 0..3 {
-        for l in 0..3 {
-            three[k][l] = s[k][l];
-        }
+    for (column, of_s) in three.iter_mut().zip(s) {
+        column.copy_from_slice(&of_s[..3]);
     }
     for (column, of_frame) in q.iter_mut().zip(frame(&three)) {
-        for l in 0..3 {
-            column[l] = of_frame[l];
-        }
+        column[..3].copy_from_slice(&of_frame);
     }
 }
 

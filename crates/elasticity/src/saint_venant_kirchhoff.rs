@@ -12,8 +12,8 @@
 //!
 //! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt
 //! 3 and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1).
-//! Where T pulls more than it pushes, along any two directions, the second derivative is positive
-//! semidefinite: a test that costs little.
+//! Where T pulls more than it pushes, along any two directions together, the second derivative is
+//! positive semidefinite: a test that costs little.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
 use crate::material::{TakesTangent, hookean_block};
@@ -86,9 +86,9 @@ impl<const D: usize, const R: usize> Material<D, R> for SaintVenantKirchhoff<R> 
         }
     }
 
-    /// Where `lambda >= 0`: of a sheet or a bar if T is; of what fills its space already if the sums
-    /// of pairs of T's eigenvalues are positive, and `T + 2 mu F^T F` is. The eigenvalues of twists
-    /// and flips are at least half such a sum, and the matrix of the scalings is at least the other.
+    /// Where `lambda >= 0`: of a sheet or a bar if T is; of what fills its space already if
+    /// `tr T I - T` and `T + 2 mu F^T F` are. In space the eigenvalues of twists and flips are at
+    /// least half those of the one; those of the scalings are at least those of the other.
     #[inline(always)]
     fn is_semidefinite<T: Real>(&self, f: &[[T; D]; R]) -> bool {
         if self.lame.lambda() < 0.0 {

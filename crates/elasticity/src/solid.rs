@@ -82,7 +82,9 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     /// The same body computed in so many parts, side by side with the feature `threads`: energy,
     /// differential and Hessian keep their bits. One for each thread is right; elements at the
     /// borders between parts are computed twice, few of them where neighbours in the mesh have
-    /// close numbers. A matrix that was analysed for another number of parts refuses this one.
+    /// close numbers. A matrix that was analysed for another number of parts refuses this one. From
+    /// outside the threads' pool each call has to wake two of them, from within it one: what calls
+    /// often had better run there.
     #[must_use]
     pub fn in_parts(self, count: usize) -> Self {
         let division = Division::new(&self.freedoms, &self.groups, count);
