@@ -4,14 +4,17 @@
 //! the least of many runs, on the mesh and the configuration of a reference in C++ with Eigen that
 //! was run beside it: a bar of 52 x 13 x 13 cells of six tetrahedra, bent and stretched. The
 //! Hessian goes into the fixed pattern of its sparse lower triangle. Then ratios of runs taken in
-//! turn: materials, the projection to positive semidefinite, two threads.
+//! turn: materials, the projection to positive semidefinite where the bar is bent (part of each
+//! section is pressed), swollen (nothing is) and crushed (elements of a random shape, some inside
+//! out), two threads, the work that two parts do more than one, and what the machine itself gives
+//! two threads: a loop of arithmetic that neither waits for memory nor shares any.
 
 mod in_turn;
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use stationary_calculus::{Covector, Curvature, Potential, Sink, SymmetricMatrix};
+use stationary_calculus::{Covector, Curvature, Potential, Sink, SymmetricMatrix, side_by_side};
 use stationary_elasticity::{
     Elements, FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean,
     SaintVenantKirchhoff, Solid,
@@ -77,8 +80,22 @@ impl<M: Material<3, 3>> Bench<M> {
         Bench { solid, dv: vec![0.0; q.len()], q, matrix: matrix.expect("a pattern") }
     }
 
-    fn with_curvature(self, curvature: Curvature) -> Self {
-        Bench { solid: self.solid.with_curvature(curvature), ..self }
+    fn projected(self) -> Self {
+        Bench { solid: self.solid.with_curvature(Curvature::Semidefinite), ..self }
+    }
+
+    fn swollen(mut self) -> Self {
+        self.q.iter_mut().for_each(|q| *q *= 1.1);
+        self
+    }
+
+    /// Every vertex is shifted by up to four tenths of a cell.
+    fn crushed(mut self) -> Self {
+        let noise = |k: usize| (12.9898 * k as f64).sin() * 43758.5453;
+        for (k, q) in self.q.iter_mut().enumerate() {
+            *q = 0.8 * *q + (noise(k).rem_euclid(1.0) - 0.5) * 0.8 / 13.0;
+        }
+        self
     }
 
     fn energy(&mut self) {
@@ -134,12 +151,54 @@ fn main() {
     in_turn::ratio("energy, neo-Hookean / quadratic", || other.energy(), || one.energy());
     in_turn::ratio("differential", || other.differential(), || one.differential());
     in_turn::ratio("Hessian", || other.hessian(), || one.hessian());
-    let mut projected = Bench::new(&mesh, quadratic, 1).with_curvature(Curvature::Semidefinite);
-    in_turn::ratio("blocks, projected / exact", || projected.blocks(), || one.blocks());
-    let mut projected = Bench::new(&mesh, rubber, 1).with_curvature(Curvature::Semidefinite);
-    in_turn::ratio("the same, neo-Hookean", || projected.blocks(), || other.blocks());
+    projection("Saint Venant-Kirchhoff", || Bench::new(&mesh, quadratic, 1));
+    projection("neo-Hookean", || Bench::new(&mesh, rubber, 1));
+    // From within the pool, as a program would that calls many times: entering it costs a wake-up.
+    let on = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let mut two = Bench::new(&mesh, quadratic, 2);
-    in_turn::ratio("energy, one part / two on two threads", || one.energy(), || two.energy());
-    in_turn::ratio("differential", || one.differential(), || two.differential());
-    in_turn::ratio("Hessian", || one.hessian(), || two.hessian());
+    on(1).expect("a thread").install(|| {
+        in_turn::ratio(
+            "differential, two parts / one, one thread",
+            || two.differential(),
+            || one.differential(),
+        );
+        in_turn::ratio("Hessian", || two.hessian(), || one.hessian());
+    });
+    on(2).expect("two threads").install(|| {
+        in_turn::ratio("energy, one part / two on two threads", || one.energy(), || two.energy());
+        in_turn::ratio("differential", || one.differential(), || two.differential());
+        in_turn::ratio("Hessian", || one.hessian(), || two.hessian());
+        for (name, steps) in [("arithmetic of 1 ms", 1 << 19), ("arithmetic of 8 ms", 1 << 22)] {
+            in_turn::ratio(
+                name,
+                || {
+                    black_box([arithmetic(steps / 2), arithmetic(steps / 2)]);
+                },
+                || {
+                    black_box(side_by_side(|| arithmetic(steps / 2), || arithmetic(steps / 2)));
+                },
+            );
+        }
+    });
+}
+
+/// The elements' Hessians, projected over exact, in three shapes.
+fn projection<M: Material<3, 3>>(name: &str, bar: impl Fn() -> Bench<M>) {
+    let ratio = |shape: &str, mut exact: Bench<M>, projected: Bench<M>| {
+        let mut projected = projected.projected();
+        let name = format!("{name}, blocks, projected / exact, {shape}");
+        in_turn::ratio(&name, || projected.blocks(), || exact.blocks());
+    };
+    ratio("bent", bar(), bar());
+    ratio("swollen", bar().swollen(), bar().swollen());
+    ratio("crushed", bar().crushed(), bar().crushed());
+}
+
+/// A loop that two threads share nothing of: four chains of products, no memory.
+fn arithmetic(steps: usize) -> f64 {
+    let mut chains = black_box([1.0, 1.1, 1.2, 1.3]);
+    for _ in 0..steps {
+        chains = chains.map(|x: f64| x * 0.999_999 + 1e-6);
+    }
+    chains.iter().sum()
 }

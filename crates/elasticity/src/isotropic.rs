@@ -15,7 +15,8 @@
 //! cost no digits. Source: Smith, de Goes and Kim, Analytic Eigensystems for Isotropic Distortion
 //! Energies (2019).
 
-use crate::singular::{singular, spectral, symmetric_eigen};
+use crate::eigen::{spectral, symmetric_eigen};
+use crate::singular::{Singular, singular};
 use crate::tensor::is_positive;
 use crate::{Real, Tangent};
 
@@ -63,7 +64,7 @@ pub(crate) fn others<T: Real, const R: usize>(s: &[T; R], left_out: [usize; 2]) 
 impl<T: Real, const R: usize> PrincipalCurvature<T, R> {
     /// The nearest positive semidefinite one.
     #[inline(always)]
-    fn projected(&self) -> Self {
+    pub(crate) fn projected(&self) -> Self {
         let floor = |row: [T; R]| row.map(T::positive_part);
         let scaling = if is_positive(&self.scaling) {
             self.scaling
@@ -96,23 +97,19 @@ impl<T: Real, const D: usize, const R: usize> PrincipalTangent<T, D, R> {
     /// The second derivative itself.
     #[inline(always)]
     pub(crate) fn exact(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
-        PrincipalTangent::new(f, weight, |s| material.curvature(s))
+        let frame = singular(f);
+        PrincipalTangent::new(&frame, &material.curvature(&frame.values), weight)
     }
 
     /// Its nearest positive semidefinite neighbour.
     #[inline(always)]
     pub(crate) fn semidefinite(material: &impl Isotropic<R>, f: &[[T; D]; R], weight: T) -> Self {
-        PrincipalTangent::new(f, weight, |s| material.curvature(s).projected())
+        let frame = singular(f);
+        PrincipalTangent::new(&frame, &material.curvature(&frame.values).projected(), weight)
     }
 
     #[inline(always)]
-    fn new(
-        f: &[[T; D]; R],
-        weight: T,
-        curvature: impl Fn(&[T; R]) -> PrincipalCurvature<T, R>,
-    ) -> Self {
-        let frame = singular(f);
-        let c = curvature(&frame.values);
+    pub(crate) fn new(frame: &Singular<T, D, R>, c: &PrincipalCurvature<T, R>, weight: T) -> Self {
         let half = |sign: f64| pairs(|i, j| (c.flip[i][j] + c.twist[i][j] * sign) * 0.5);
         let tangent = PrincipalTangent {
             left: frame.left,
@@ -198,6 +195,7 @@ mod tests {
     use super::*;
     use crate::{
         FixedCorotated, FullTangent, Lame, Lanes, Material, NeoHookean, SaintVenantKirchhoff,
+        TakesTangent,
     };
     use proptest::prelude::*;
 
@@ -217,7 +215,24 @@ mod tests {
         flat(a).iter().zip(flat(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// The principal form is the closed one, and its projection the one found by iteration.
+    /// The sum of what is handed over.
+    struct Handed<const D: usize, const R: usize>(FullTangent<Lanes, D, R>);
+
+    impl<const D: usize, const R: usize> TakesTangent<Lanes, D, R> for Handed<D, R> {
+        fn take(&mut self, tangent: &impl Tangent<Lanes, D, R>) {
+            self.0 = FullTangent::of(tangent);
+        }
+
+        fn add(&mut self, tangent: &impl Tangent<Lanes, D, R>) {
+            let part = FullTangent::of(tangent);
+            let sums = self.0.0.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+            let parts = part.0.as_flattened().as_flattened().as_flattened();
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += *part);
+        }
+    }
+
+    /// The principal form is the closed one, and its projection the one found by iteration, however
+    /// it is put together.
     fn agree<M, const D: usize, const R: usize>(material: &M, f: &[[f64; D]; R])
     where
         M: Isotropic<R> + Material<D, R>,
@@ -228,9 +243,22 @@ mod tests {
         assert!(largest_gap(&closed, &principal) < 1e-11, "{f:?}");
         let projected = FullTangent::of(&material.semidefinite(&f, weight));
         assert!(largest_gap(&closed.projected(), &projected) < 1e-11, "{f:?}");
+        let mut handed = Handed(closed);
+        material.hand_semidefinite(&f, weight, &mut handed);
+        assert!(largest_gap(&handed.0, &projected) < 1e-11, "{f:?}");
         if material.is_semidefinite(&f) {
             assert!(largest_gap(&closed, &projected) < 1e-11, "{f:?}");
         }
+    }
+
+    /// The same with all lanes close to F, each a bit further.
+    fn agree_near_rest<M: Isotropic<3> + Material<3, 3>>(material: &M, f: &[[f64; 3]; 3]) {
+        let grown = |x: f64| Lanes([x, 0.98 * x, 1.02 * x, 1.05 * x]);
+        let (f, weight) = (f.map(|column| column.map(grown)), Lanes([0.5, 1.0, 2.0, 3.0]));
+        let closed = FullTangent::of(&material.tangent(&f, weight));
+        let mut handed = Handed(closed);
+        material.hand_semidefinite(&f, weight, &mut handed);
+        assert!(largest_gap(&closed.projected(), &handed.0) < 1e-13, "{f:?}");
     }
 
     proptest! {
@@ -251,6 +279,39 @@ mod tests {
             agree(&NeoHookean::new(plane).unwrap(), &square);
         }
 
+        /// From rest to the strains at which only some directions are negative.
+        #[test]
+        fn a_body_near_rest_loses_its_negative_twists_only(
+            f in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)),
+            strain in -12.0..-0.5_f64,
+            poisson in 0.0..0.45,
+        ) {
+            let space = Lame::<3>::from_young_poisson(1.0, poisson).unwrap();
+            let size = 10.0_f64.powf(strain);
+            let near = crate::tensor::shifted(crate::tensor::scaled(&f, size), 1.0);
+            agree_near_rest(&SaintVenantKirchhoff::new(space), &near);
+            agree_near_rest(&NeoHookean::new(space).unwrap(), &near);
+        }
+
+        #[test]
+        fn degenerate_elements_are_projected_too(
+            f in prop::array::uniform3(prop::array::uniform3(-1.5..1.5_f64)),
+            flat in -300.0..0.0_f64,
+        ) {
+            let space = Lame::<3>::from_young_poisson(1.0, 0.3).unwrap();
+            let small = 10.0_f64.powf(flat);
+            for f in [
+                [f[0], f[1], f[2].map(|x| small * x)],
+                [f[0], f[0].map(|x| (1.0 + small) * x), f[1]],
+                [f[0], f[1], [0.0; 3]],
+                [f[0], [0.0; 3], [0.0; 3]],
+                [[0.0; 3]; 3],
+            ] {
+                agree(&SaintVenantKirchhoff::new(space), &f);
+                agree(&NeoHookean::new(space).unwrap(), &f);
+            }
+        }
+
         #[test]
         fn stretched_bodies_need_no_projection(
             s in prop::array::uniform3(1.0..2.0_f64), angle in -3.0..3.0_f64,
@@ -261,6 +322,39 @@ mod tests {
             prop_assert!(SaintVenantKirchhoff::new(space).is_semidefinite(&f));
             let pressed = f.map(|column| column.map(|x| 0.4 * x));
             prop_assert!(!SaintVenantKirchhoff::new(space).is_semidefinite(&pressed));
+        }
+    }
+
+    #[test]
+    fn a_pulled_body_is_seen_to_need_no_projection_even_if_it_is_pressed_a_little_sideways() {
+        let pulled = [[1.1, 0.0, 0.0], [0.0, 0.96, 0.0], [0.0, 0.0, 0.975]];
+        for poisson in [0.0, 0.3, 0.45] {
+            let space = Lame::<3>::from_young_poisson(1.0, poisson).unwrap();
+            let body = SaintVenantKirchhoff::new(space);
+            let exact = FullTangent::of(&body.tangent(&lanes(&pulled), Lanes([1.0; 4])));
+            let needed = largest_gap(&exact, &exact.projected()) > 1e-3;
+            assert!(needed, "a lane of the four is inside out");
+            let seen = body.is_semidefinite(&pulled);
+            let alone = FullTangent::of(
+                &body.tangent(&pulled.map(|c| c.map(|x| Lanes([x; 4]))), Lanes([1.0; 4])),
+            );
+            assert_eq!(seen, largest_gap(&alone, &alone.projected()) == 0.0, "{poisson}");
+        }
+    }
+
+    #[test]
+    fn a_swollen_rubber_is_seen_to_need_no_projection_and_a_pressed_one_to_need_it() {
+        let space = Lame::<3>::from_young_poisson(1.0, 0.3).unwrap();
+        let rubber = NeoHookean::new(space).unwrap();
+        let stretched = |s: [f64; 3]| [[s[0], 0.0, 0.0], [0.0, 0.0, s[1]], [0.0, -s[2], 0.0]];
+        for s in [[1.01, 1.01, 1.01], [1.1, 1.05, 1.1], [1.2, 1.2, 1.25], [1.3, 1.1, 1.2]] {
+            assert!(rubber.is_semidefinite(&stretched(s)), "{s:?}");
+        }
+        for s in [[0.99, 1.0, 1.0], [0.9, 0.9, 0.9], [1.0, 0.5, 1.0], [-1.1, 1.1, 1.1]] {
+            let f = stretched(s);
+            assert!(!rubber.is_semidefinite(&f), "{s:?}");
+            let exact = FullTangent::of(&rubber.tangent(&lanes(&f), Lanes([1.0; 4])));
+            assert!(largest_gap(&exact, &exact.projected()) > 1e-3, "{s:?}");
         }
     }
 

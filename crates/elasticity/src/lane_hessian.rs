@@ -7,6 +7,7 @@
 //! `K` the second derivative of the energy density between gradients of shape functions (Pa/m^2),
 //! `w` volumes (m^3). What a body's Hessian and the matrix of its damping have in common.
 
+use crate::material::TakesTangent;
 use crate::{Lanes, Tangent};
 
 /// Blocks `[b][a][d][c]` of four elements, a >= b: rows of node a, columns of node b.
@@ -22,37 +23,49 @@ pub(crate) fn begin<const N: usize, const D: usize, const Q: usize>(
     }
 }
 
-/// Adds the lower triangle of the blocks between the nodes after the first; sets it where there is
-/// only one point.
-#[inline(always)]
-pub(crate) fn accumulate<
-    A: Tangent<Lanes, D, R>,
-    const N: usize,
-    const D: usize,
-    const R: usize,
-    const Q: usize,
->(
-    hessian: &mut LaneHessian<N, D>,
-    tangent: &A,
-    gradients: &[[Lanes; R]; N],
-) {
-    let mut nodes = [tangent.node(&gradients[0]); N];
-    for a in 1..N {
-        nodes[a] = tangent.node(&gradients[a]);
-    }
-    for b in 1..N {
-        for a in b..N {
-            let block = tangent.block(&nodes[a], &nodes[b]);
-            for d in 0..D {
-                for c in 0..D {
-                    if Q == 1 {
-                        hessian[b][a][d][c] = block[d][c];
-                    } else {
-                        hessian[b][a][d][c] += block[d][c];
+/// Sums the lower triangle of the blocks between the nodes after the first.
+pub(crate) struct Accumulation<'a, const N: usize, const D: usize, const R: usize, const Q: usize> {
+    pub(crate) hessian: &'a mut LaneHessian<N, D>,
+    pub(crate) gradients: &'a [[Lanes; R]; N],
+}
+
+impl<const N: usize, const D: usize, const R: usize, const Q: usize> Accumulation<'_, N, D, R, Q> {
+    #[inline(always)]
+    fn visit<A: Tangent<Lanes, D, R>>(&mut self, tangent: &A, put: impl Fn(&mut Lanes, Lanes)) {
+        let mut nodes = [tangent.node(&self.gradients[1]); N];
+        for a in 2..N {
+            nodes[a] = tangent.node(&self.gradients[a]);
+        }
+        for b in 1..N {
+            for a in b..N {
+                let block = tangent.block(&nodes[a], &nodes[b]);
+                for d in 0..D {
+                    for c in 0..D {
+                        put(&mut self.hessian[b][a][d][c], block[d][c]);
                     }
                 }
             }
         }
+    }
+}
+
+impl<const N: usize, const D: usize, const R: usize, const Q: usize> TakesTangent<Lanes, D, R>
+    for Accumulation<'_, N, D, R, Q>
+{
+    /// Adds it, or sets the sum where there is only one point.
+    #[inline(always)]
+    fn take(&mut self, tangent: &impl Tangent<Lanes, D, R>) {
+        if Q == 1 {
+            self.visit(tangent, |sum, entry| *sum = entry);
+        } else {
+            self.visit(tangent, |sum, entry| *sum += entry);
+        }
+    }
+
+    // Once in the program for all the directions that are added.
+    #[inline(never)]
+    fn add(&mut self, tangent: &impl Tangent<Lanes, D, R>) {
+        self.visit(tangent, |sum, entry| *sum += entry);
     }
 }
 

@@ -53,6 +53,10 @@ pub trait Real:
     #[must_use]
     fn larger(self, other: Self) -> Self;
 
+    /// One number where it is above a bound, else the other.
+    #[must_use]
+    fn where_above(self, bound: Self, above: Self, otherwise: Self) -> Self;
+
     /// Zero where it is negative.
     #[must_use]
     fn positive_part(self) -> Self;
@@ -151,6 +155,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn where_above(self, bound: Self, above: Self, otherwise: Self) -> Self {
+        if self > bound { above } else { otherwise }
+    }
+
+    #[inline(always)]
     fn positive_part(self) -> Self {
         positive_part(self)
     }
@@ -224,6 +233,15 @@ impl Real for Lanes {
         let mut result = self.0;
         for (result, other) in result.iter_mut().zip(other.0) {
             *result = result.max(other);
+        }
+        Lanes(result)
+    }
+
+    #[inline(always)]
+    fn where_above(self, bound: Self, above: Self, otherwise: Self) -> Self {
+        let mut result = [0.0; LANES];
+        for (lane, result) in result.iter_mut().enumerate() {
+            *result = self.0[lane].where_above(bound.0[lane], above.0[lane], otherwise.0[lane]);
         }
         Lanes(result)
     }
@@ -327,6 +345,7 @@ mod tests {
         (-x).multiply_add(y, x * 3.0) - T::splat(0.5) * y
             + T::each(&[x, y], |[x, y]| [x.atan2(*y)])[0]
             + x.magnitude().square_root().signed_by(y) * x.larger(y).positive_part()
+            + x.where_above(y, x * y, y)
     }
 
     #[test]

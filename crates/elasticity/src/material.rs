@@ -25,6 +25,17 @@ pub trait Material<const D: usize, const R: usize>: Copy + Send + Sync {
     /// The energy density `W(F)`, J/m^3.
     fn energy<T: Real>(&self, f: &[[T; D]; R]) -> T;
 
+    /// The energy densities at several F, that of number k being `f(k)`.
+    ///
+    /// The same as [`Material::energy`] of each, which it falls back to; but where a number has to
+    /// be waited for, the others need not wait with it.
+    #[inline(always)]
+    fn energies<T: Real>(&self, mut f: impl FnMut(usize) -> [[T; D]; R], densities: &mut [T]) {
+        for (k, density) in densities.iter_mut().enumerate() {
+            *density = self.energy(&f(k));
+        }
+    }
+
     /// The stress `P`, Pa, by columns.
     fn stress<T: Real>(&self, f: &[[T; D]; R]) -> [[T; D]; R];
 
@@ -40,6 +51,26 @@ pub trait Material<const D: usize, const R: usize>: Copy + Send + Sync {
 
     /// The second derivative's nearest positive semidefinite neighbour, times a weight.
     fn semidefinite<T: Real>(&self, f: &[[T; D]; R], weight: T) -> Self::Semidefinite<T>;
+
+    /// Hands that neighbour over as the sum that is cheapest at this F.
+    #[inline(always)]
+    fn hand_semidefinite<T: Real>(
+        &self,
+        f: &[[T; D]; R],
+        weight: T,
+        taker: &mut impl TakesTangent<T, D, R>,
+    ) {
+        taker.take(&self.semidefinite(f, weight));
+    }
+}
+
+/// Takes a second derivative in whatever form it comes.
+pub trait TakesTangent<T: Real, const D: usize, const R: usize> {
+    /// Takes the first part of it.
+    fn take(&mut self, tangent: &impl Tangent<T, D, R>);
+
+    /// Adds another part.
+    fn add(&mut self, tangent: &impl Tangent<T, D, R>);
 }
 
 /// A second derivative of an energy density, asked for between gradients of shape functions.

@@ -154,7 +154,7 @@ mod tests {
             let (c, d) = (angle.cos(), angle.sin());
             // F = R diag(s) R^T with R a turn about the third axis.
             let r = [[c, d, 0.0], [-d, c, 0.0], [0.0, 0.0, 1.0]];
-            let f = crate::singular::spectral(&r, &s);
+            let f = crate::eigen::spectral(&r, &s);
             for measure in Measure::ALL {
                 let tensor = measure.tensor(&f);
                 for (k, v) in r.iter().enumerate() {

@@ -17,8 +17,11 @@
 //! state has no energy, and carried over to two dimensions.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, others, pairs};
-use crate::tensor::{apply, cofactor, cross, determinant, dot, inner};
-use crate::{ElasticityError, Lame, Material, Real, Tangent};
+use crate::material::TakesTangent;
+use crate::tensor::{
+    apply, cofactor, cross, determinant, dot, gram, inner, is_positive, scaled, shifted,
+};
+use crate::{ElasticityError, Lame, Material, Real, Tangent, convexified};
 
 /// The stable neo-Hookean material of bodies that fill their space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,10 +50,55 @@ impl<const D: usize> NeoHookean<D> {
         self.lame
     }
 
+    /// `I - d` and the energy of the volume.
+    #[inline(always)]
+    fn excess_and_volume<T: Real>(&self, f: &[[T; D]; D]) -> (T, T) {
+        let growth = determinant(f) + T::splat(-1.0);
+        let volume = growth * (growth * (0.5 * self.volume) + T::splat(-self.lame.mu()));
+        (inner(f, f) + T::splat(-(D as f64)), volume)
+    }
+
+    /// The energy of the stretches on top of that of the volume.
+    #[inline(always)]
+    fn softened<T: Real>(&self, excess: T, volume: T) -> T {
+        let softening = log_of_one_and(excess * (1.0 / (D as f64 + 1.0)));
+        (excess - softening).multiply_add(T::splat(0.5 * self.stretch), volume)
+    }
+
     /// `1/(I + 1)`.
     #[inline(always)]
     fn softening<T: Real>(f: &[[T; D]; D]) -> T {
         T::reciprocal(inner(f, f) + T::splat(1.0))
+    }
+
+    /// Whether the matrix of the scalings is positive, in space: by the second and the third of its
+    /// invariants, as the first one is where the twists' eigenvalues are.
+    ///
+    /// ```text
+    /// w_ij = a (i = j),  b s_k (i, j, k distinct),  + n s_i s_j + l c_i c_j
+    /// c_i = J/s_i,   I = sum s_i^2,   II = sum c_i^2,   n = 2 m/(I + 1)^2
+    /// w_2 = 3 a^2 - b^2 I + 2 n (a I - 3 b J) + 2 l (a II - b J I) + n l (I II - 9 J^2)
+    /// w_3 = a^3 + 2 b^3 J - a b^2 I
+    ///     + n (a^2 I - b^2 (I^2 - 4 II) - 6 a b J) + l (a^2 II + 3 b^2 J^2 - 2 a b J I)
+    ///     + n l (a (I II - 9 J^2) - 2 b J (I^2 - 3 II))
+    /// ```
+    #[inline(always)]
+    fn stretches_convexly<T: Real>(&self, f: &[[T; D]; D], [a, b]: [T; 2], softening: T) -> bool {
+        let (cofactor, l) = (cofactor(f), self.volume);
+        let n = softening * softening * (2.0 * self.stretch);
+        let (one, two, j) = (inner(f, f), inner(&cofactor, &cofactor), dot(&f[0], &cofactor[0]));
+        let (aa, ab, bb) = (a * a, a * b, b * b);
+        let (jj, bj) = (j * j, b * j);
+        let spread = one * two - jj * 9.0;
+        let second = aa * 3.0 - bb * one
+            + n * (a * one - bj * 3.0) * 2.0
+            + (a * two - bj * one) * (2.0 * l)
+            + n * spread * l;
+        let third = a * aa + bb * bj * 2.0 - a * bb * one
+            + n * (aa * one - bb * (one * one - two * 4.0) - ab * j * 6.0)
+            + (aa * two + bb * jj * 3.0 - ab * j * one * 2.0) * l
+            + n * (a * spread - bj * (one * one - two * 3.0) * 2.0) * l;
+        second.all(|x| x > 0.0) && third.all(|x| x > 0.0)
     }
 
     /// The pressure-like `b`.
@@ -66,12 +114,23 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
 
     #[inline(always)]
     fn energy<T: Real>(&self, f: &[[T; D]; D]) -> T {
-        let d = D as f64;
-        let excess = inner(f, f) + T::splat(-d);
-        let softening = log_of_one_and(excess * (1.0 / (d + 1.0)));
-        let growth = determinant(f) + T::splat(-1.0);
-        let volume = growth * (growth * (0.5 * self.volume) + T::splat(-self.lame.mu()));
-        (excess - softening).multiply_add(T::splat(0.5 * self.stretch), volume)
+        let (excess, volume) = self.excess_and_volume(f);
+        self.softened(excess, volume)
+    }
+
+    /// The logarithms come after all the rest: their long chains of dependent terms overlap.
+    #[inline(always)]
+    fn energies<T: Real>(&self, mut f: impl FnMut(usize) -> [[T; D]; D], densities: &mut [T]) {
+        const BATCH: usize = 16;
+        for (batch, densities) in densities.chunks_mut(BATCH).enumerate() {
+            let mut excess = [T::splat(0.0); BATCH];
+            for (k, density) in densities.iter_mut().enumerate() {
+                (excess[k], *density) = self.excess_and_volume(&f(BATCH * batch + k));
+            }
+            for (density, excess) in densities.iter_mut().zip(excess) {
+                *density = self.softened(excess, *density);
+            }
+        }
     }
 
     #[inline(always)]
@@ -101,36 +160,68 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
         }
     }
 
+    /// In space. Twists and flips have the eigenvalues `a +- b s_k`; that the matrix of the
+    /// scalings is positive is seen by its invariants.
+    #[inline(always)]
+    fn is_semidefinite<T: Real>(&self, f: &[[T; D]; D]) -> bool {
+        if D != 3 {
+            return false;
+        }
+        let softening = Self::softening(f);
+        let (a, b) = ((T::splat(1.0) - softening) * self.stretch, self.volume_stress(f));
+        let twists = shifted(scaled(&gram(f), -(b * b)), a * a);
+        is_positive(&twists) && self.stretches_convexly(f, [a, b], softening)
+    }
+
     fn semidefinite<T: Real>(&self, f: &[[T; D]; D], weight: T) -> PrincipalTangent<T, D, D> {
         PrincipalTangent::semidefinite(self, f, weight)
     }
+
+    #[inline(always)]
+    fn hand_semidefinite<T: Real>(
+        &self,
+        f: &[[T; D]; D],
+        weight: T,
+        taker: &mut impl TakesTangent<T, D, D>,
+    ) {
+        convexified::hand_semidefinite(self, f, weight, taker);
+    }
 }
 
-/// Below this `|y/(2 + y)|` the series of [`log_of_one_and`] is exact to rounding: for y from -0.29
-/// to 0.41.
-const SERIES: f64 = 0.1716;
+/// Below this `(y/(2 + y))^2` the polynomial of [`log_of_one_and`] is exact to rounding: for y from
+/// -0.29 to 0.41.
+const MODERATE: f64 = 0.1716 * 0.1716;
 
-/// `log(1 + y) = 2 atanh(y/(2 + y))`, by the series of atanh where every element's y is moderate: a
-/// fraction of the time that logarithms take one by one.
+/// `log(1 + y) = 2 atanh r`, `r = y/(2 + y)`: a polynomial of r where every element's y is moderate,
+/// for a fraction of the time that logarithms take one by one.
 #[inline(always)]
 fn log_of_one_and<T: Real>(y: T) -> T {
     let r = y * (y + T::splat(2.0)).reciprocal();
-    if r.any(|r| r.is_nan() || r.abs() >= SERIES) {
+    let t = r * r;
+    if t.any(|t| t.is_nan() | (t >= MODERATE)) {
         let [log] = T::each(&[y], |[y]| [y.ln_1p()]);
         return log;
     }
-    // The terms in pairs, pairs of pairs, and so on: a sum one by one would wait for itself.
-    let t = r * r;
-    let [square, fourth] = [t * t, (t * t) * (t * t)];
-    let pair = |k: usize| {
-        let term = |k: usize| T::splat(1.0 / (2 * k + 1) as f64);
-        term(k + 1).multiply_add(t, term(k))
-    };
-    let last = square.multiply_add(T::splat(1.0 / 21.0), pair(8));
-    let high = last.multiply_add(fourth, pair(6).multiply_add(square, pair(4)));
-    let sum = high.multiply_add(fourth, pair(2).multiply_add(square, pair(0)));
-    (r + r) * sum
+    // The terms in pairs, and pairs of pairs: a sum one by one would wait for itself.
+    let (square, fourth) = (t * t, (t * t) * (t * t));
+    let pair = |k: usize| T::splat(ATANH[k + 1]).multiply_add(t, T::splat(ATANH[k]));
+    let low = pair(2).multiply_add(square, pair(0));
+    let high = T::splat(ATANH[6]).multiply_add(square, pair(4));
+    let sum = high.multiply_add(fourth, low);
+    let twice = r + r;
+    (twice * t).multiply_add(sum, twice)
 }
+
+/// `(atanh(r)/r - 1)/r^2` as a polynomial of `r^2`, through Chebyshev points from 0 to [`MODERATE`].
+const ATANH: [f64; 7] = [
+    0.333_333_333_333_333_5,
+    0.199_999_999_999_496_55,
+    0.142_857_143_130_316_9,
+    0.111_111_055_602_246_49,
+    0.090_914_450_851_569_85,
+    0.076_658_434_343_192_14,
+    0.073_084_394_595_149_11,
+];
 
 /// The second derivative of the neo-Hookean energy, times a weight.
 #[derive(Clone, Copy, Debug)]

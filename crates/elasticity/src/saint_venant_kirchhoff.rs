@@ -12,14 +12,15 @@
 //!
 //! For small strains only. Pressed along one direction, the force of a bar turns at stretch 1/sqrt
 //! 3 and is zero at stretch 0: nothing keeps an element from turning inside out (errata 13.1).
-//! Where T is positive semidefinite so is the second derivative, a test that costs next to nothing.
+//! Where T pulls more than it pushes, along any two directions together, the second derivative is
+//! positive semidefinite: a test that costs little.
 
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, pairs};
-use crate::material::hookean_block;
+use crate::material::{TakesTangent, hookean_block};
 use crate::tensor::{
-    apply, dot, green, inner, is_positive, outer_gram, product, scaled, shifted, trace,
+    apply, dot, gram, green, inner, is_positive, outer_gram, product, scaled, shifted, trace,
 };
-use crate::{Lame, Material, Real, Tangent};
+use crate::{Lame, Material, Real, Tangent, convexified};
 
 /// The Saint Venant-Kirchhoff material of bodies of `R` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,15 +86,43 @@ impl<const D: usize, const R: usize> Material<D, R> for SaintVenantKirchhoff<R> 
         }
     }
 
+    /// Where `lambda >= 0`: of a sheet or a bar if T is; of what fills its space already if
+    /// `tr T I - T` and `T + 2 mu F^T F` are. In space the eigenvalues of twists and flips are at
+    /// least half those of the one; those of the scalings are at least those of the other.
     #[inline(always)]
     fn is_semidefinite<T: Real>(&self, f: &[[T; D]; R]) -> bool {
+        if self.lame.lambda() < 0.0 {
+            return false;
+        }
         // Rounding of the rest state, where T is zero, must not look like compression.
         let slack = T::splat(1e-13 * self.lame.mu());
-        is_positive(&shifted(self.second_stress(f), slack)) && self.lame.lambda() >= 0.0
+        let stress = self.second_stress(f);
+        if D != R {
+            return is_positive(&shifted(stress, slack));
+        }
+        let (mut sums, mut scalings) =
+            (shifted(stress, -trace(&stress)), scaled(&gram(f), T::splat(2.0 * self.lame.mu())));
+        for k in 0..R {
+            for l in 0..R {
+                sums[k][l] = -sums[k][l];
+                scalings[k][l] += stress[k][l];
+            }
+        }
+        is_positive(&shifted(sums, slack)) && is_positive(&scalings)
     }
 
     fn semidefinite<T: Real>(&self, f: &[[T; D]; R], weight: T) -> PrincipalTangent<T, D, R> {
         PrincipalTangent::semidefinite(self, f, weight)
+    }
+
+    #[inline(always)]
+    fn hand_semidefinite<T: Real>(
+        &self,
+        f: &[[T; D]; R],
+        weight: T,
+        taker: &mut impl TakesTangent<T, D, R>,
+    ) {
+        convexified::hand_semidefinite(self, f, weight, taker);
     }
 }
 

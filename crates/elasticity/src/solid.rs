@@ -19,8 +19,9 @@ use stationary_calculus::{Covector, Curvature, Parts, Potential, Sink, in_parts,
 
 use crate::division::Division;
 use crate::group::{Group, deformation};
-use crate::lane_hessian::{LaneHessian, accumulate, begin, complete};
+use crate::lane_hessian::{Accumulation, LaneHessian, begin, complete};
 use crate::lanes::LANES;
+use crate::material::TakesTangent;
 use crate::shape::visit_points;
 use crate::tensor::{apply, determinant, scaled};
 use crate::{ElasticityError, Elements, Freedoms, Lanes, Material, Real, Reference};
@@ -39,6 +40,9 @@ pub struct Solid<M, const N: usize, const D: usize, const R: usize, const Q: usi
 /// Groups whose energies are summed in a row: a thousand elements are worth a thread's while.
 const ROW: usize = 256;
 
+/// Quadrature points whose energy densities are computed at once.
+const BATCH: usize = 16;
+
 impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
     Solid<M, N, D, R, Q>
 {
@@ -56,6 +60,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         freedoms: Freedoms<D>,
     ) -> Result<Self, ElasticityError> {
         const { assert!(R <= D && R <= G, "a body fits into its space") };
+        const { assert!(1 <= Q && Q <= BATCH, "an element is computed at once") };
         freedoms.check_vertices(mesh.count())?;
         if !(section > 0.0 && section.is_finite()) {
             return Err(ElasticityError::Section(section));
@@ -77,7 +82,9 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     /// The same body computed in so many parts, side by side with the feature `threads`: energy,
     /// differential and Hessian keep their bits. One for each thread is right; elements at the
     /// borders between parts are computed twice, few of them where neighbours in the mesh have
-    /// close numbers. A matrix that was analysed for another number of parts refuses this one.
+    /// close numbers. A matrix that was analysed for another number of parts refuses this one. From
+    /// outside the threads' pool each call has to wake two of them, from within it one: what calls
+    /// often had better run there.
     #[must_use]
     pub fn in_parts(self, count: usize) -> Self {
         let division = Division::new(&self.freedoms, &self.groups, count);
@@ -163,11 +170,20 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
             };
             return one + other;
         }
-        let mut sum = Lanes::default();
-        for group in groups {
-            let x = group.corners(&self.freedoms, q);
-            for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
-                let density = self.material.energy(&deformation(&x, gradients));
+        let (mut sum, mut densities) = (Lanes::default(), [Lanes::default(); BATCH]);
+        for groups in groups.chunks(BATCH / Q) {
+            let densities = &mut densities[..Q * groups.len()];
+            let mut x = [[Lanes::default(); D]; N];
+            let deformation = |k: usize| {
+                let (group, point) = (&groups[k / Q], k % Q);
+                if point == 0 {
+                    x = group.corners(&self.freedoms, q);
+                }
+                deformation(&x, &group.gradients[point])
+            };
+            self.material.energies(deformation, densities);
+            let weights = groups.iter().flat_map(|group| group.weights);
+            for (density, weight) in densities.iter().zip(weights) {
                 sum = density.multiply_add(weight, sum);
             }
         }
@@ -220,12 +236,11 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         begin::<N, D, Q>(hessian);
         for (gradients, &weight) in group.gradients.iter().zip(&group.weights) {
             let f = deformation(x, gradients);
+            let mut sum = Accumulation::<'_, N, D, R, Q> { hessian, gradients };
             if self.curvature == Curvature::Exact || self.material.is_semidefinite(&f) {
-                let tangent = self.material.tangent(&f, weight);
-                accumulate::<_, N, D, R, Q>(hessian, &tangent, gradients);
+                sum.take(&self.material.tangent(&f, weight));
             } else {
-                let tangent = self.material.semidefinite(&f, weight);
-                accumulate::<_, N, D, R, Q>(hessian, &tangent, gradients);
+                self.material.hand_semidefinite(&f, weight, &mut sum);
             }
         }
         complete(hessian);

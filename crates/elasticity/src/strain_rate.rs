@@ -16,7 +16,8 @@
 use stationary_calculus::{Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector};
 
 use crate::group::deformation;
-use crate::lane_hessian::{accumulate, begin, complete};
+use crate::lane_hessian::{Accumulation, begin, complete};
+use crate::material::TakesTangent;
 use crate::material::hookean_block;
 use crate::tensor::{apply, dot, outer_gram, product, scaled, shifted, trace};
 use crate::{
@@ -96,7 +97,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
                 let f = deformation(&x, gradients);
                 let pair = [weight * self.pair().lambda(), weight * self.pair().mu()];
                 let viscosity = Viscosity { spread: outer_gram(&f), f, pair };
-                accumulate::<_, N, D, R, Q>(&mut lanes, &viscosity, gradients);
+                let hessian = &mut lanes;
+                Accumulation::<'_, N, D, R, Q> { hessian, gradients }.take(&viscosity);
             }
             complete(&mut lanes);
             self.body.scatter(group, &lanes, damping);
