@@ -318,7 +318,10 @@ fn conclusion(all: &Cases) -> String {
     )
 }
 
-fn sorted(cases: &[Case], of: fn(&Case) -> f64) -> Vec<f64> {
+/// What choosing cost, in runs of one kind.
+type Effort = fn(&Case) -> f64;
+
+fn sorted(cases: &[Case], of: Effort) -> Vec<f64> {
     let mut all: Vec<f64> = cases.iter().map(of).collect();
     all.sort_by(f64::total_cmp);
     all
@@ -354,7 +357,7 @@ fn effort(cases: &[Case]) -> Lines {
 fn distribution(cases: &[Case]) -> Lines {
     let x = Axis::log("work of choosing / work of the run", "");
     let lines = Lines::new("Work of choosing, all pairs", x, Axis::linear("part of the pairs", ""));
-    let kinds: [(&str, fn(&Case) -> f64); 2] = [
+    let kinds: [(&str, Effort); 2] = [
         ("the run that is chosen", |case| case.effort),
         ("the cheapest of the scene as written", |case| case.effort_written),
     ];
