@@ -5,14 +5,19 @@
 //! 2. Each other family is tried six rungs below the finest that would be cheaper. A rung that
 //!    misses the tolerance is followed by the next that can meet it, were the family's order one
 //!    better than it is; a family ends where that rung would be dearer than the choice.
-//!    It ends as well where a family of the same or a higher order did better for the same work: it
-//!    will also do so with finer steps. Of families of one order up to 2, or of one that solve
-//!    equations, only the cheapest is tried, unless that comes near to the choice.
-//! 3. A rung that meets it is the new choice where it is cheaper, and coarser ones are tried.
+//!    What was learned from others ends it as well (`evidence`). Of families of one order up to 2,
+//!    or of one that solve equations, only the cheapest is tried, unless that comes near to the
+//!    choice.
+//! 3. A rung that meets it is the new choice where it is cheaper, and coarser ones are tried: of the
+//!    reference's own family last, when there may be something cheaper.
 //!
-//! Every run is stopped at the first moment at which it misses, or costs more than the choice.
+//! Every run is stopped at the first moment at which it misses, costs more than the choice, or goes
+//! on to cost twice as much.
 //! A rung whose error is nearer to the tolerance than the reference is certain is not decided: the
-//! reference is refined where the rung would be the choice, and else it counts as missing.
+//! reference is refined where the rung would be the choice, likely meets the tolerance, and saves
+//! much or costs little to decide; else it counts as missing.
+
+mod evidence;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::lab::{At, Lab};
 use super::ladder::{Family, Kind};
 use super::reference::Reference;
-use super::run::{End, Failure, Foresight, Measured, Trial};
+use super::run::{End, Failure, Foresight, Trial};
 
 /// What the reference says of a rung.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,20 +68,12 @@ const SATURATED: f64 = 0.3;
 const REFINEMENTS: u32 = 1;
 /// Beyond so many tolerances a model's error is no matter of luck with a step.
 const CLEAR: f64 = 1.25;
-/// A family that would need so much more work than the choice speaks for others of its order.
-const FAR: f64 = 4.0;
 /// Families that come to no solution of a step speak for others of their sort.
 const FAILURES: u32 = 2;
 /// A rung that is so much cheaper than the choice is worth any refinement of the reference, and one
 /// that is not is worth so many runs of itself.
 const MUCH: f64 = 1.5;
 const LITTLE: u64 = 4;
-/// Errors that differ by less are the same, and methods that must have the same one.
-const SHARED: f64 = 1.05;
-const SHARING: usize = 2;
-/// Over so few moments an error is a matter of luck, unless it is smaller by such a factor.
-const FEW_MOMENTS: usize = 3;
-const NO_LUCK: f64 = 0.25;
 /// Modes that are tried first.
 const FIRST_MODES: usize = 3;
 
@@ -204,54 +201,10 @@ impl<'a> Climb<'a> {
         }
     }
 
-    /// Whether stability bounds the explicit steps: then what takes the least of them is likely.
-    fn is_stiff(&self) -> bool {
-        self.lab.used().any(|(at, run)| {
-            let family = self.lab.family(at.family);
-            let unstable = matches!(run.end, End::Failed(Failure::Unstable(_)));
-            family.kind == Kind::EqualSteps && family.order == 2 && unstable
-        })
-    }
-
-    /// Whether a family that solves equations was tried and every rung of it is too dear.
-    fn is_dearer(&self, family: usize) -> bool {
-        let solves = sort(self.lab.family(family)).3;
-        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
-        solves
-            && own.peek().is_some()
-            && own.all(|(at, _)| matches!(self.said(at), Judgement::Dearer))
-    }
-
-    /// Whether a family was tried, and no rung of it has an error to speak of.
-    fn only_failed(&self, family: usize) -> bool {
-        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
-        own.peek().is_some()
-            && own
-                .all(|(at, _)| matches!(self.said(at), Judgement::Failed(Failure::NotConverged(_))))
-    }
-
     /// The rung at which a family of own steps is tried first.
     fn first(&self, family: usize) -> usize {
         let decades = (-self.tolerance.log10()).round().max(2.0) as usize - 2;
         decades.min(self.lab.family(family).rungs.len() - 1)
-    }
-
-    /// Whether a family that was tried would need far more work than the choice.
-    fn is_far(&self, family: usize) -> bool {
-        let Some((_, best)) = self.best else { return false };
-        let own = self.lab.family(family);
-        let needs = self.lab.used().filter(|(at, _)| at.family == family).filter_map(
-            |(at, run)| match self.said(at) {
-                Judgement::Meets(_) => Some(run.work as f64),
-                Judgement::Misses(error) | Judgement::Unclear(error) => {
-                    let power = f64::from(own.order.max(1));
-                    Some(run.expected() as f64 * (error / self.tolerance).powf(1.0 / power))
-                }
-                Judgement::Dearer | Judgement::Failed(_) => None,
-            },
-        );
-        let least = needs.reduce(f64::min);
-        own.kind == Kind::EqualSteps && least.is_some_and(|least| least > FAR * best as f64)
     }
 
     /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones
@@ -315,67 +268,6 @@ impl<'a> Climb<'a> {
                 Judgement::Failed(_) => at.rung += 1,
             }
         }
-    }
-
-    /// Whether finer steps change nothing any more: what is left is the model's error.
-    fn is_still(&self, at: At, before: Option<At>) -> bool {
-        let seen = |at: At| self.lab.seen(at).map(|run| &run.course);
-        let (Some(fine), Some(coarse)) = (seen(at), before.and_then(seen)) else { return false };
-        let moments = fine.values.len().min(coarse.values.len());
-        let [now, then] = [fine, coarse].map(|course| self.reference.error_until(course, moments));
-        let family = self.lab.family(at.family);
-        let steps = !family.converges() && family.kind != Kind::Modes;
-        steps && moments > 1 && now > then / SAME && now < then * SAME
-    }
-
-    /// Whether other methods have the same error by the same model: then it is the model's.
-    fn is_shared(&self, at: At) -> bool {
-        let family = self.lab.family(at.family);
-        let Some(own) = self.lab.seen(at).map(|run| &run.course) else { return false };
-        if family.converges() || own.values.len() < 2 {
-            return false;
-        }
-        let error = self.reference.error_until(own, own.values.len());
-        let same = |other: f64| other > error / SHARED && other < error * SHARED;
-        let sharing = self.lab.used().filter(|(other, run)| {
-            other.family != at.family
-                && self.lab.family(other.family).model == family.model
-                && self.error_until(run, own.values.len()).is_some_and(same)
-        });
-        let families: BTreeSet<usize> = sharing.map(|(other, _)| other.family).collect();
-        families.len() >= SHARING
-    }
-
-    /// Whether a family of the same or a higher order has a smaller error for the same work, as far
-    /// as both were run.
-    fn outdone(&self, at: At, error: f64) -> bool {
-        let family = self.lab.family(at.family);
-        let work = self.lab.predicted(at) as f64;
-        let moments = self.lab.seen(at).map_or(0, |run| run.course.values.len());
-        self.lab.used().any(|(other, run)| {
-            let other_family = self.lab.family(other.family);
-            let no_dearer = run.expected() as f64 <= SAME * work;
-            let comparable = other_family.kind == Kind::EqualSteps
-                && family.kind != Kind::Modes
-                && other_family.model == family.model
-                && other_family.order >= family.order;
-            // What was stopped may have failed later on, as this one did; and what finds its own
-            // steps is stable where equal ones are not.
-            let equal = family.kind == Kind::EqualSteps;
-            let judged = equal && error.is_finite() || run.end == End::Whole;
-            let luck = if moments <= FEW_MOMENTS { NO_LUCK } else { 1.0 };
-            let better = |own: f64| judged && own < luck * error && own < SATURATED;
-            other.family != at.family
-                && comparable
-                && no_dearer
-                && self.error_until(run, moments).is_some_and(better)
-        })
-    }
-
-    /// The error of a run over its first moments, where it has so many.
-    fn error_until(&self, run: &Measured, moments: usize) -> Option<f64> {
-        let enough = !matches!(run.end, End::Failed(_)) && run.course.values.len() >= moments;
-        enough.then(|| self.reference.error_until(&run.course, moments))
     }
 
     /// Tries coarser rungs than one that meets the tolerance, while they do.
