@@ -15,6 +15,9 @@ use crate::{ContactError, ContactRows, Impact, ImpactLaw, ImpactReport, InverseM
 /// Approach below this part of the largest velocity or kick is rest: gaps have rounding of their
 /// own, which a short step turns into velocity.
 const STILL: f64 = 1e-9;
+/// What of it may be left by an impact: velocities after a step have the rounding of its kick, beside
+/// which the impacts of what all but rests are smaller still.
+const LEFT: f64 = 1e-3;
 
 /// Contacts about to be stepped over.
 pub(crate) struct ImpactRounds<'a> {
@@ -55,7 +58,7 @@ impl ImpactRounds<'_> {
             closing.sort_unstable();
             let own = closing.iter().map(|&i| restitution(i)).collect();
             let impact = Impact::new(self.rows.reordered(&closing), self.mass, own)?;
-            let done = self.law.apply(&impact, v.view_mut())?;
+            let done = self.law.apply_down_to(&impact, LEFT * still, v.view_mut())?;
             seen(&impact, &closing, &done, v);
         }
         Ok(())

@@ -113,6 +113,16 @@ impl ImpactLaw {
         self.apply_within(impact, PASSES, v)
     }
 
+    /// The same where an approach of up to `still`, m/s, is rest.
+    pub(crate) fn apply_down_to(
+        self,
+        impact: &Impact,
+        still: f64,
+        v: Vector<&mut [f64]>,
+    ) -> Result<ImpactReport, ContactError> {
+        self.run(impact, PASSES, still, v)
+    }
+
     /// The same with another bound on the passes.
     pub fn apply_within(
         self,
@@ -120,8 +130,18 @@ impl ImpactLaw {
         bound: usize,
         v: Vector<&mut [f64]>,
     ) -> Result<ImpactReport, ContactError> {
+        self.run(impact, bound, 0.0, v)
+    }
+
+    fn run(
+        self,
+        impact: &Impact,
+        bound: usize,
+        still: f64,
+        v: Vector<&mut [f64]>,
+    ) -> Result<ImpactReport, ContactError> {
         impact.check_velocity(v.0)?;
-        let rounding = impact.rounding(Vector(v.0));
+        let rounding = impact.rounding(Vector(v.0)).max(still);
         let mut next = Vector(v.0.to_vec());
         let mut report = ImpactReport { impulses: vec![0.0; impact.len()], passes: 0, solves: 0 };
         while impact.approach(next.view()) > rounding {
