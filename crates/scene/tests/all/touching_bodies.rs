@@ -49,6 +49,21 @@ fn what_rests_in_a_stack_stays_until_something_falls_onto_it() {
     }
 }
 
+/// What all but rests is pushed about by less than a kick is rounded to, for as long as nobody says
+/// that this is rest.
+#[test]
+fn a_stack_that_was_hit_comes_to_rest_at_other_steps_as_well() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/box-stack.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    for step in ["step = 0.005", "step = 0.01"] {
+        let scene = Scene::parse("stack.toml", &text.replace("step = 0.005", step)).unwrap();
+        let run = scene.run().unwrap_or_else(|error| panic!("{step}: {error}"));
+        let [before, end] = [1, 2].map(|back| place(&run, run.times().len() - back, "falling"));
+        let moved = (0..3).map(|c| (end[c] - before[c]).abs()).fold(0.0, f64::max);
+        assert!(moved < 1e-6, "{step}: {moved}");
+    }
+}
+
 #[test]
 fn the_wrench_flies_a_parabola_and_keeps_its_spin() {
     let run = shipped("tumbling-wrench").run().unwrap();
