@@ -309,11 +309,11 @@ mod tests {
         };
         (0..4).for_each(|lane| assert_frames(&of(lane)));
         let lanes: [[Lanes; 3]; 3] = std::array::from_fn(|k| {
-            std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| of(lane)[k][i])))
+            std::array::from_fn(|i| Lanes::from(std::array::from_fn(|lane| of(lane)[k][i])))
         });
         let together = frame(&lanes);
         for lane in 0..4 {
-            assert_eq!(together.map(|column| column.map(|x| x.0[lane])), frame(&of(lane)));
+            assert_eq!(together.map(|column| column.map(|x| x.lane(lane))), frame(&of(lane)));
         }
         let bad = frame(&[[f64::NAN, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(bad.as_flattened().iter().any(|x| x.is_nan()));

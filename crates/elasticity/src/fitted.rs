@@ -14,7 +14,7 @@ use num_dual::{Dual64, HyperDual64};
 use stationary_calculus::Number;
 
 use crate::group::deformation;
-use crate::{ElasticityError, Material, SaintVenantKirchhoff, Solid};
+use crate::{ElasticityError, Lanes, Material, Real, SaintVenantKirchhoff, Solid};
 use crate::{Linear, NeoHookean};
 
 /// A material known by `K` numbers.
@@ -95,10 +95,10 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
             for (gradients, weight) in group.gradients.iter().zip(&group.weights) {
                 let (f, rate) = (deformation(&x, gradients), deformation(&u, gradients));
                 for lane in 0..group.filled {
-                    let of = |tensor: &[[crate::Lanes; D]; R]| {
-                        tensor.map(|column| column.map(|entry| entry.0[lane]))
+                    let of = |tensor: &[[Lanes; D]; R]| {
+                        tensor.map(|column| column.map(|entry| entry.lane(lane)))
                     };
-                    see(&of(&f), &of(&rate), weight.0[lane]);
+                    see(&of(&f), &of(&rate), weight.lane(lane));
                 }
             }
         }

@@ -114,10 +114,10 @@ mod tests {
             std::array::from_fn(|i| {
                 let at = |lane: usize| ((7 * k + 3 * i + lane) as f64).sin();
                 let stretch = |lane: usize| if k == i { 0.4 + 0.3 * lane as f64 } else { 0.0 };
-                Lanes(std::array::from_fn(|lane| stretch(lane) + 0.1 * at(lane)))
+                Lanes::from(std::array::from_fn(|lane| stretch(lane) + 0.1 * at(lane)))
             })
         });
-        let full = FullTangent::of(&material.tangent(&f, Lanes([1.0; 4])));
+        let full = FullTangent::of(&material.tangent(&f, Lanes::from([1.0; 4])));
         let projected = full.projected();
         let mut changed = 0;
         for lane in 0..4 {

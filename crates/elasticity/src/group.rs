@@ -37,7 +37,7 @@ impl<const N: usize, const R: usize, const Q: usize> Group<N, R, Q> {
             let lane = |lane: usize| &pairs[lane.min(filled - 1)];
             let weight =
                 |l: usize, q: usize| if l < filled { lane(l).1[q].size * section } else { 0.0 };
-            let from_lanes = |of: &dyn Fn(usize) -> f64| Lanes(std::array::from_fn(of));
+            let from_lanes = |of: &dyn Fn(usize) -> f64| Lanes::from(std::array::from_fn(of));
             Group {
                 nodes: std::array::from_fn(|l| lane(l).0.starts),
                 filled,
@@ -62,12 +62,10 @@ impl<const N: usize, const R: usize, const Q: usize> Group<N, R, Q> {
         q: &[f64],
     ) -> [[Lanes; D]; N] {
         let mut x = [[Lanes::default(); D]; N];
-        for (lane, nodes) in self.nodes.iter().enumerate() {
-            for (corner, &node) in x.iter_mut().zip(nodes) {
-                let position = freedoms.position(node, q);
-                for c in 0..D {
-                    corner[c].0[lane] = position[c];
-                }
+        for a in 0..N {
+            let positions = self.nodes.map(|nodes| freedoms.position(nodes[a], q));
+            for c in 0..D {
+                x[a][c] = Lanes::from(positions.map(|position| position[c]));
             }
         }
         for a in 1..N {

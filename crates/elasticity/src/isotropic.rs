@@ -201,7 +201,7 @@ mod tests {
 
     fn lanes<const D: usize, const R: usize>(f: &[[f64; D]; R]) -> [[Lanes; D]; R] {
         // A lane at rest, one turned inside out, and two on the way.
-        f.map(|column| column.map(|x| Lanes([x, 0.3 * x, -x, 1.7 * x])))
+        f.map(|column| column.map(|x| Lanes::from([x, 0.3 * x, -x, 1.7 * x])))
     }
 
     fn largest_gap<const D: usize, const R: usize>(
@@ -210,7 +210,7 @@ mod tests {
     ) -> f64 {
         let flat = |t: &FullTangent<Lanes, D, R>| -> Vec<f64> {
             let entries = t.0.as_flattened().as_flattened().as_flattened();
-            entries.iter().flat_map(|entry| entry.0).collect()
+            entries.iter().flat_map(|entry| (0..4).map(|lane| entry.lane(lane))).collect()
         };
         flat(a).iter().zip(flat(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
@@ -237,7 +237,7 @@ mod tests {
     where
         M: Isotropic<R> + Material<D, R>,
     {
-        let (f, weight) = (lanes(f), Lanes([0.5, 1.0, 2.0, 3.0]));
+        let (f, weight) = (lanes(f), Lanes::from([0.5, 1.0, 2.0, 3.0]));
         let closed = FullTangent::of(&material.tangent(&f, weight));
         let principal = FullTangent::of(&PrincipalTangent::exact(material, &f, weight));
         assert!(largest_gap(&closed, &principal) < 1e-11, "{f:?}");
@@ -253,8 +253,8 @@ mod tests {
 
     /// The same with all lanes close to F, each a bit further.
     fn agree_near_rest<M: Isotropic<3> + Material<3, 3>>(material: &M, f: &[[f64; 3]; 3]) {
-        let grown = |x: f64| Lanes([x, 0.98 * x, 1.02 * x, 1.05 * x]);
-        let (f, weight) = (f.map(|column| column.map(grown)), Lanes([0.5, 1.0, 2.0, 3.0]));
+        let grown = |x: f64| Lanes::from([x, 0.98 * x, 1.02 * x, 1.05 * x]);
+        let (f, weight) = (f.map(|column| column.map(grown)), Lanes::from([0.5, 1.0, 2.0, 3.0]));
         let closed = FullTangent::of(&material.tangent(&f, weight));
         let mut handed = Handed(closed);
         material.hand_semidefinite(&f, weight, &mut handed);
@@ -331,13 +331,15 @@ mod tests {
         for poisson in [0.0, 0.3, 0.45] {
             let space = Lame::<3>::from_young_poisson(1.0, poisson).unwrap();
             let body = SaintVenantKirchhoff::new(space);
-            let exact = FullTangent::of(&body.tangent(&lanes(&pulled), Lanes([1.0; 4])));
+            let exact = FullTangent::of(&body.tangent(&lanes(&pulled), Lanes::from([1.0; 4])));
             let needed = largest_gap(&exact, &exact.projected()) > 1e-3;
             assert!(needed, "a lane of the four is inside out");
             let seen = body.is_semidefinite(&pulled);
-            let alone = FullTangent::of(
-                &body.tangent(&pulled.map(|c| c.map(|x| Lanes([x; 4]))), Lanes([1.0; 4])),
-            );
+            let alone =
+                FullTangent::of(&body.tangent(
+                    &pulled.map(|c| c.map(|x| Lanes::from([x; 4]))),
+                    Lanes::from([1.0; 4]),
+                ));
             assert_eq!(seen, largest_gap(&alone, &alone.projected()) == 0.0, "{poisson}");
         }
     }
@@ -353,7 +355,7 @@ mod tests {
         for s in [[0.99, 1.0, 1.0], [0.9, 0.9, 0.9], [1.0, 0.5, 1.0], [-1.1, 1.1, 1.1]] {
             let f = stretched(s);
             assert!(!rubber.is_semidefinite(&f), "{s:?}");
-            let exact = FullTangent::of(&rubber.tangent(&lanes(&f), Lanes([1.0; 4])));
+            let exact = FullTangent::of(&rubber.tangent(&lanes(&f), Lanes::from([1.0; 4])));
             assert!(largest_gap(&exact, &exact.projected()) > 1e-3, "{s:?}");
         }
     }

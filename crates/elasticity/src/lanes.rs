@@ -3,13 +3,16 @@
 //! ```text
 //! Lanes [a b c d] op [e f g h] = [a op e, b op f, c op g, d op h]
 //! ```
-//! A kernel written once over [`Real`] serves a single element and four side by side, which the
-//! compiler turns into vector instructions. `multiply_add` fuses only where the machine that is
-//! compiled for has the instruction: without it a fused product is a library call.
+//! A kernel written once over [`Real`] serves a single element and four side by side. Four are a
+//! vector to the compiler as well: left to itself it would look for vectors along other loops.
+//! `multiply_add` fuses only where the machine that is compiled for has the instruction: without it
+//! a fused product is a library call.
 //! Not for numbers that carry derivatives: those are [`Number`](stationary_calculus::Number)s.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
+
+use wide::f64x4;
 
 /// How many elements are computed side by side.
 pub(crate) const LANES: usize = 4;
@@ -72,7 +75,7 @@ pub trait Real:
     const WIDTH: usize;
 
     /// The number of one element.
-    fn lane(self, lane: usize) -> f64;
+    fn lane(&self, lane: usize) -> f64;
 
     /// Sets the number of one element.
     fn set_lane(&mut self, lane: usize, number: f64);
@@ -99,8 +102,14 @@ mod sealed {
 
 /// Four numbers, one for each of four elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(32))]
-pub struct Lanes(pub [f64; LANES]);
+pub struct Lanes(f64x4);
+
+impl From<[f64; LANES]> for Lanes {
+    #[inline(always)]
+    fn from(numbers: [f64; LANES]) -> Self {
+        Lanes(f64x4::new(numbers))
+    }
+}
 
 #[inline(always)]
 fn fused(a: f64, b: f64, c: f64) -> f64 {
@@ -175,8 +184,8 @@ impl Real for f64 {
     const WIDTH: usize = 1;
 
     #[inline(always)]
-    fn lane(self, _lane: usize) -> f64 {
-        self
+    fn lane(&self, _lane: usize) -> f64 {
+        *self
     }
 
     #[inline(always)]
@@ -188,67 +197,52 @@ impl Real for f64 {
 impl Real for Lanes {
     #[inline(always)]
     fn splat(number: f64) -> Self {
-        Lanes([number; LANES])
+        Lanes(f64x4::splat(number))
     }
 
     #[inline(always)]
     fn multiply_add(self, factor: Self, summand: Self) -> Self {
-        let mut result = [0.0; LANES];
-        for (lane, result) in result.iter_mut().enumerate() {
-            *result = fused(self.0[lane], factor.0[lane], summand.0[lane]);
+        if cfg!(target_feature = "fma") {
+            Lanes(self.0.mul_add(factor.0, summand.0))
+        } else {
+            self * factor + summand
         }
-        Lanes(result)
     }
 
     #[inline(always)]
     fn reciprocal(self) -> Self {
-        let mut result = [0.0; LANES];
-        for (result, number) in result.iter_mut().zip(self.0) {
-            *result = 1.0 / number;
-        }
-        Lanes(result)
+        Lanes(f64x4::splat(1.0) / self.0)
     }
 
     #[inline(always)]
     fn square_root(self) -> Self {
-        self.lanewise(f64::sqrt)
+        Lanes(self.0.sqrt())
     }
 
     #[inline(always)]
     fn magnitude(self) -> Self {
-        self.lanewise(f64::abs)
+        Lanes(self.0.abs())
     }
 
     #[inline(always)]
     fn signed_by(self, other: Self) -> Self {
-        let mut result = self.0;
-        for (result, other) in result.iter_mut().zip(other.0) {
-            *result = signed_by(*result, other);
-        }
-        Lanes(result)
+        Lanes(self.0 ^ (other.0 & f64x4::splat(-0.0)))
     }
 
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
-        let mut result = self.0;
-        for (result, other) in result.iter_mut().zip(other.0) {
-            *result = result.max(other);
-        }
-        Lanes(result)
+        Lanes(self.0.max(other.0))
     }
 
     #[inline(always)]
     fn where_above(self, bound: Self, above: Self, otherwise: Self) -> Self {
-        let mut result = [0.0; LANES];
-        for (lane, result) in result.iter_mut().enumerate() {
-            *result = self.0[lane].where_above(bound.0[lane], above.0[lane], otherwise.0[lane]);
-        }
-        Lanes(result)
+        Lanes(self.0.simd_gt(bound.0).select(above.0, otherwise.0))
     }
 
     #[inline(always)]
     fn positive_part(self) -> Self {
-        self.lanewise(positive_part)
+        let zero = f64x4::splat(0.0);
+        Lanes(self.0.simd_lt(zero).select(zero, self.0))
     }
 
     #[inline(always)]
@@ -258,9 +252,9 @@ impl Real for Lanes {
     ) -> [Self; O] {
         let mut outputs = [Lanes::default(); O];
         for lane in 0..LANES {
-            let values = f(&std::array::from_fn(|i| inputs[i].0[lane]));
+            let values = f(&std::array::from_fn(|i| inputs[i].lane(lane)));
             for (output, value) in outputs.iter_mut().zip(values) {
-                output.0[lane] = value;
+                output.set_lane(lane, value);
             }
         }
         outputs
@@ -269,23 +263,13 @@ impl Real for Lanes {
     const WIDTH: usize = LANES;
 
     #[inline(always)]
-    fn lane(self, lane: usize) -> f64 {
-        self.0[lane]
+    fn lane(&self, lane: usize) -> f64 {
+        self.0.as_array()[lane]
     }
 
     #[inline(always)]
     fn set_lane(&mut self, lane: usize, number: f64) {
-        self.0[lane] = number;
-    }
-}
-
-impl Lanes {
-    #[inline(always)]
-    fn lanewise(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for number in &mut self.0 {
-            *number = f(*number);
-        }
-        self
+        self.0.as_mut_array()[lane] = number;
     }
 }
 
@@ -296,11 +280,7 @@ macro_rules! lanewise {
 
             #[inline(always)]
             fn $method(self, other: Lanes) -> Lanes {
-                let mut result = [0.0; LANES];
-                for (lane, result) in result.iter_mut().enumerate() {
-                    *result = self.0[lane].$method(other.0[lane]);
-                }
-                Lanes(result)
+                Lanes(self.0.$method(other.0))
             }
         }
     )*};
@@ -313,7 +293,7 @@ impl Mul<f64> for Lanes {
 
     #[inline(always)]
     fn mul(self, factor: f64) -> Lanes {
-        self * Lanes([factor; LANES])
+        self * Lanes::splat(factor)
     }
 }
 
@@ -322,11 +302,7 @@ impl Neg for Lanes {
 
     #[inline(always)]
     fn neg(self) -> Lanes {
-        let mut result = [0.0; LANES];
-        for (result, number) in result.iter_mut().zip(self.0) {
-            *result = -number;
-        }
-        Lanes(result)
+        Lanes(-self.0)
     }
 }
 
@@ -350,10 +326,10 @@ mod tests {
 
     #[test]
     fn every_lane_is_what_it_would_be_alone() {
-        let (x, y) = (Lanes([1.0, -2.0, 0.3, 7.5]), Lanes([0.1, 4.0, -1.0, 2.0]));
+        let (x, y) = (Lanes::from([1.0, -2.0, 0.3, 7.5]), Lanes::from([0.1, 4.0, -1.0, 2.0]));
         let side_by_side = polynomial(x, y);
         for lane in 0..LANES {
-            assert_eq!(side_by_side.0[lane], polynomial(x.0[lane], y.0[lane]));
+            assert_eq!(side_by_side.lane(lane), polynomial(x.lane(lane), y.lane(lane)));
         }
         assert!(x.all(|x| x < 8.0) && !x.all(|x| x > 0.0));
     }

@@ -296,14 +296,15 @@ mod tests {
             _ => 1e-90 * ((5 * k + 2 * i) as f64).cos(),
         };
         let lanes: [[Lanes; 3]; 3] = std::array::from_fn(|k| {
-            std::array::from_fn(|i| Lanes(std::array::from_fn(|lane| at(lane, k, i))))
+            std::array::from_fn(|i| Lanes::from(std::array::from_fn(|lane| at(lane, k, i))))
         });
         let together = singular(&lanes);
         for lane in 0..4 {
             let f: [[f64; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|i| at(lane, k, i)));
             let largest = f.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             assert_decomposes(&f, 3.0 * largest);
-            let (mut alone, mut values) = (singular(&f).values, together.values.map(|s| s.0[lane]));
+            let (mut alone, mut values) =
+                (singular(&f).values, together.values.map(|s| s.lane(lane)));
             alone.sort_by(f64::total_cmp);
             values.sort_by(f64::total_cmp);
             for (a, b) in alone.iter().zip(values) {

@@ -152,7 +152,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
             for (&node, force) in nodes.iter().zip(&forces) {
                 let mut part = [0.0; D];
                 for c in 0..D {
-                    part[c] = force[c].0[lane];
+                    part[c] = force[c].lane(lane);
                 }
                 add(node, &part);
             }
@@ -187,7 +187,7 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
                 sum = density.multiply_add(weight, sum);
             }
         }
-        sum.0.iter().sum()
+        (0..LANES).map(|lane| sum.lane(lane)).sum()
     }
 
     #[inline(always)]
@@ -221,7 +221,9 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     ) {
         for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
             let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
-            sink.add_lower(&freedoms, |b, d, a| std::array::from_fn(|c| lanes[b][a][d][c].0[lane]));
+            sink.add_lower(&freedoms, |b, d, a| {
+                std::array::from_fn(|c| lanes[b][a][d][c].lane(lane))
+            });
         }
     }
 
@@ -324,7 +326,7 @@ impl<M: Material<D, D>, const N: usize, const D: usize, const Q: usize> Solid<M,
             let x = group.corners(&self.freedoms, q);
             for lane in 0..group.filled {
                 let bad = |gradients: &[[Lanes; D]; N]| {
-                    let volume = determinant(&deformation(&x, gradients)).0[lane];
+                    let volume = determinant(&deformation(&x, gradients)).lane(lane);
                     volume <= 0.0 || volume.is_nan()
                 };
                 if group.gradients.iter().any(bad) {

@@ -81,7 +81,7 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
             }
             for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
                 for (&node, force) in nodes.iter().zip(&forces) {
-                    self.resting.add(node, &force.map(|component| component.0[lane]), f);
+                    self.resting.add(node, &force.map(|component| component.lane(lane)), f);
                 }
             }
         }
