@@ -31,8 +31,8 @@ const HEAP: f64 = 2.75;
 /// Steps between two looks at rapier's conditions.
 const LOOKS: usize = 25;
 /// Contact conditions of ours are settled so far, m/s, in at most so many sweeps.
-const CHANGE: f64 = 1e-5;
-const SWEEPS: [usize; 3] = [4, 12, 60];
+const CHANGE: f64 = 1e-4;
+const SWEEPS: [usize; 3] = [12, 60, 400];
 /// Iterations of rapier's solver; its default first.
 const ITERATIONS: [usize; 3] = [4, 20, 100];
 

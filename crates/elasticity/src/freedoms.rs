@@ -219,21 +219,22 @@ impl<const D: usize> Freedoms<D> {
     /// Adds to those free components of which `dv`, from the freedom `first` on, holds the sums.
     #[inline(always)]
     pub(crate) fn add_within(&self, start: u32, part: &[f64; D], first: usize, dv: &mut [f64]) {
-        let start = start as usize;
-        if start >= self.free {
-            return self.add_mixed_within(start, part, first, dv);
-        }
-        let start = start.wrapping_sub(first);
-        if let Some(sum) = dv.get_mut(start..start.wrapping_add(D)) {
-            for c in 0..D {
-                sum[c] += part[c];
+        let from = (start as usize).wrapping_sub(first);
+        match dv.get_mut(from..from.wrapping_add(D)) {
+            Some(sum) => {
+                for c in 0..D {
+                    sum[c] += part[c];
+                }
             }
+            None => self.add_mixed_within(start as usize, part, first, dv),
         }
     }
 
     #[cold]
     fn add_mixed_within(&self, start: usize, part: &[f64; D], first: usize, dv: &mut [f64]) {
-        for (coordinate, part) in self.numbering.mixed[start - self.free].iter().zip(part) {
+        // A vertex of another part has no place among the mixed ones.
+        let mixed = start.checked_sub(self.free).map(|mixed| &self.numbering.mixed[mixed]);
+        for (coordinate, part) in mixed.into_iter().flatten().zip(part) {
             if let Coordinate::Free(freedom) = coordinate
                 && let Some(sum) = dv.get_mut((*freedom as usize).wrapping_sub(first))
             {
