@@ -30,10 +30,25 @@ impl fmt::Display for NewtonFailure {
 
 /// A failed solve, with the size of the residual at each iterate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("Newton's method {failure}; residuals {history:?}")]
+#[error("Newton's method {failure}; the residual was {}", Course(&self.history))]
 pub struct NewtonError {
     /// What failed.
     pub failure: NewtonFailure,
     /// The residual's size at the initial guess and after each step.
     pub history: Vec<f64>,
+}
+
+/// Where residuals began and where they ended.
+struct Course<'a>(&'a [f64]);
+
+impl fmt::Display for Course<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [] => f.write_str("never computed"),
+            [only] => write!(f, "{only:.1e}"),
+            [first, .., last] => {
+                write!(f, "{first:.1e} at first, {last:.1e} after {} steps", self.0.len() - 1)
+            }
+        }
+    }
 }

@@ -222,3 +222,15 @@ fn a_root_at_zero_among_rounding_noise_is_found() {
         report.unwrap();
     }
 }
+
+#[test]
+fn a_failure_is_told_in_a_line_however_many_steps_it_took() {
+    let tells = |history: Vec<f64>| {
+        NewtonError { failure: NewtonFailure::NotConverged, history }.to_string()
+    };
+    let why = "Newton's method reached its bound on the iterations; the residual was";
+    assert_eq!(tells(vec![]), format!("{why} never computed"));
+    assert_eq!(tells(vec![0.04]), format!("{why} 4.0e-2"));
+    let grown = tells((0..51).map(|k| 0.04 * 2.0_f64.powi(k)).collect());
+    assert_eq!(grown, format!("{why} 4.0e-2 at first, 4.5e13 after 50 steps"));
+}
