@@ -163,20 +163,10 @@ fn main() {
         in_turn::ratio(name, || two.differential(), || one.differential());
         in_turn::ratio("Hessian", || two.hessian(), || one.hessian());
     });
-    // A call alone waits for its threads to wake, calls in a row only at first.
-    for calls in [1, 10] {
-        on(2).expect("two threads").install(|| {
-            let many = |call: &mut dyn FnMut()| (0..calls).for_each(|_| call());
-            let turns = |name: &str, one: &mut dyn FnMut(), two: &mut dyn FnMut()| {
-                let name = format!("{name}, one part / two on two threads, {calls} in a row");
-                in_turn::ratio(&name, || many(one), || many(two));
-            };
-            turns("energy", &mut || one.energy(), &mut || two.energy());
-            turns("differential", &mut || one.differential(), &mut || two.differential());
-            turns("Hessian", &mut || one.hessian(), &mut || two.hessian());
-        });
-    }
     on(2).expect("two threads").install(|| {
+        in_turn::ratio("energy, one part / two on two threads", || one.energy(), || two.energy());
+        in_turn::ratio("differential", || one.differential(), || two.differential());
+        in_turn::ratio("Hessian", || one.hessian(), || two.hessian());
         for (name, steps) in [("arithmetic of 1 ms", 1 << 19), ("arithmetic of 8 ms", 1 << 22)] {
             in_turn::ratio(
                 name,

@@ -223,21 +223,6 @@ pub struct Interruption {
 /// The names of the coordinates.
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// The error, with the first and the last residual where it has a list of them.
-fn brief(error: &StepFailure) -> String {
-    let text = error.to_string();
-    let StepFailure::Step(StepError::Newton(NewtonError { history, .. })) = error else {
-        return text;
-    };
-    let before = text.split("; residuals").next().unwrap_or_default();
-    match (history.first(), history.last()) {
-        (Some(first), Some(last)) => {
-            format!("{before}, its residual first {first:.1e}, last {last:.1e}")
-        }
-        _ => before.to_owned(),
-    }
-}
-
 /// The rod's place among those left, where it is one that cannot be held.
 pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
     match error {
@@ -269,15 +254,14 @@ impl Interruption {
             }
             other if self.rod.is_some() => {
                 let rod = self.rod.as_deref().unwrap_or_default();
-                format!("{}; that is the rod {rod}", brief(other))
+                format!("{other}; that is the rod {rod}")
             }
             other if unknown(other).is_some() => {
-                format!("{}; that is `{particle}` in {coordinate}", brief(other))
+                format!("{other}; that is `{particle}` in {coordinate}")
             }
-            other => format!(
-                "{}; the largest acceleration is that of `{particle}` in {coordinate}",
-                brief(other)
-            ),
+            other => {
+                format!("{other}; the largest acceleration is that of `{particle}` in {coordinate}")
+            }
         }
     }
 }

@@ -1,19 +1,16 @@
 //! Steps of bodies that joints hold: RATTLE along their free motion.
 
 use stationary_calculus::{Metric, Potential, Space, System};
-use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, Few, FreeMotion, Many, Rattle, Redundancy, Straight,
-};
-use stationary_integrators::{Saved, State, StepReport};
+use stationary_constraints::{Constraint, Few, FreeMotion, Many, Rattle, Redundancy, Straight};
+use stationary_integrators::State;
 use stationary_rigid::{
     AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies, Joint, PlanarJoint,
     Poses,
 };
 
 use crate::body_system::{PlanarSystem, SpatialSystem};
-use crate::checkpoint::{Before, CheckpointError};
-use crate::error::StepFailure;
-use crate::steps::{Stepped, Steps};
+use crate::lasting_steps::Lasting;
+use crate::steps::Steps;
 use crate::{AssemblyError, Built};
 
 type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
@@ -55,39 +52,10 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
     let built = Built { equations: equations as u64, ..Built::default() };
     if equations > FEW {
         let many = Many(Redundancy::LeastNorm);
-        let rattle = Box::new(Rattle::along(motion, system, joints, initial, many)?);
-        return Ok(Box::new(Held { rattle, built: Built { sparse_solvers: 1, ..built } }));
+        let integrator = Box::new(Rattle::along(motion, system, joints, initial, many)?);
+        return Ok(Box::new(Lasting { integrator, built: Built { sparse_solvers: 1, ..built } }));
     }
     let few = Few::<FEW>(Redundancy::LeastNorm);
-    let rattle = Box::new(Rattle::along(motion, system, joints, initial, few)?);
-    Ok(Box::new(Held { rattle, built }))
-}
-
-struct Held<'a> {
-    rattle: Box<dyn ConstrainedIntegrator<Vec<f64>> + 'a>,
-    built: Built,
-}
-
-impl Steps for Held<'_> {
-    fn step(
-        &mut self,
-        state: &mut State<Vec<f64>>,
-        h: f64,
-        _: f64,
-    ) -> Result<Stepped, StepFailure> {
-        let differentials = self.rattle.step(state, h)?.differentials;
-        Ok(Stepped::done(StepReport { differentials, ..StepReport::default() }))
-    }
-
-    fn save(&mut self) -> Saved {
-        self.rattle.save()
-    }
-
-    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        Ok(self.rattle.load(&before.memory)?)
-    }
-
-    fn built(&self) -> Built {
-        self.built
-    }
+    let integrator = Box::new(Rattle::along(motion, system, joints, initial, few)?);
+    Ok(Box::new(Lasting { integrator, built }))
 }

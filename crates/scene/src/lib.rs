@@ -178,6 +178,8 @@ mod system;
 
 // What a crate above the integrators is needed for, and what stands for it without.
 #[cfg(feature = "constraints")]
+mod lasting_steps;
+#[cfg(feature = "constraints")]
 mod rod_steps;
 #[cfg(feature = "rigid")]
 mod bodies;

@@ -10,6 +10,7 @@ use stationary_integrators::{Facts, Integrator, Method, Saved, State, StepError,
 use crate::checkpoint::{Before, CheckpointError};
 use crate::equal_steps::Equal;
 use crate::error::StepFailure;
+use crate::lasting_steps::{Lasting, counted};
 use crate::run::BrokenRod;
 use crate::stepping::{Constrained, Stepping};
 use crate::steps::{Chosen, Stepped, Steps, Way};
@@ -44,7 +45,7 @@ impl<const D: usize> Way<D> for Held {
         let (rods, many) = (scene.constraint::<D>()?, Many::default());
         // The equations are solved by a sparse matrix of their own.
         let built = Built { equations: rods.count() as u64, sparse_solvers: 1, ..Built::default() };
-        let kept: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's> = match *self {
+        let integrator: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's> = match *self {
             Held::Constrained(Constrained::Rattle) => {
                 let rattle = Rattle::new(system, rods, initial, many)?;
                 return Ok(Box::new(Breaking { scene, rattle, built }));
@@ -56,44 +57,10 @@ impl<const D: usize> Way<D> for Held {
                 let Equal { integrator, built: own } = Equal::new(problem, method)?;
                 let built = built + own;
                 let kept = StepAndProject::new(Owned(integrator), system, rods, initial, many)?;
-                return Ok(Box::new(Lasting { kept: Box::new(kept), built }));
+                return Ok(Box::new(Lasting { integrator: Box::new(kept), built }));
             }
         };
-        Ok(Box::new(Lasting { kept, built }))
-    }
-}
-
-/// Steps of rods that do not break.
-struct Lasting<'s> {
-    kept: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>,
-    built: Built,
-}
-
-impl Steps for Lasting<'_> {
-    fn step(
-        &mut self,
-        state: &mut State<Vec<f64>>,
-        h: f64,
-        _: f64,
-    ) -> Result<Stepped, StepFailure> {
-        let report = self.kept.step(state, h)?;
-        Ok(Stepped::done(counted(report.differentials, report.iterations)))
-    }
-
-    fn multipliers(&self) -> &[f64] {
-        self.kept.multipliers()
-    }
-
-    fn save(&mut self) -> Saved {
-        self.kept.save()
-    }
-
-    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        Ok(self.kept.load(&before.memory)?)
-    }
-
-    fn built(&self) -> Built {
-        self.built
+        Ok(Box::new(Lasting { integrator, built }))
     }
 }
 
@@ -115,8 +82,7 @@ impl<const D: usize> Steps for Breaking<'_, D> {
     ) -> Result<Stepped, StepFailure> {
         let (report, broken) = self.rattle.step_and_break(state, h, Many::default())?;
         let broken = broken.map(|rod| BrokenRod { rod: rod.index, time: to, tension: rod.tension });
-        let report = counted(report.differentials, report.iterations);
-        Ok(Stepped { broken, ..Stepped::done(report) })
+        Ok(Stepped { broken, ..Stepped::done(counted(&report)) })
     }
 
     fn multipliers(&self) -> &[f64] {
@@ -141,11 +107,6 @@ impl<const D: usize> Steps for Breaking<'_, D> {
     fn built(&self) -> Built {
         self.built
     }
-}
-
-/// A step towards a feasible configuration counts as a solve.
-fn counted(differentials: u32, iterations: u32) -> StepReport {
-    StepReport { differentials, hessians: iterations, ..StepReport::default() }
 }
 
 /// An integrator behind a pointer is one.

@@ -2,26 +2,17 @@
 
 use std::f64::consts::PI;
 
-use stationary_calculus::{Energy, NewtonFailure, Number, Unsolvable};
+use stationary_calculus::{NewtonFailure, Unsolvable};
 use stationary_integrators::problems::DoublePendulum;
 use stationary_integrators::{
     Action, ActionError, DiscreteLagrangian, Integrator, Mechanical, Quadrature, Sampled, State,
     Stationary, Variational,
 };
 
-/// A unit mass on a spring of stiffness 1.
-#[derive(Clone, Copy, Debug)]
-struct Spring;
-
-impl Energy<1> for Spring {
-    fn energy<R: Number>(&self, [q]: [R; 1]) -> R {
-        q * q * 0.5
-    }
-}
+use crate::discrete_lagrangians::{Spring, sampled};
 
 fn spring() -> Sampled<Mechanical<Spring, 1>> {
-    let lagrangian = Mechanical::new([1.0], Spring).unwrap();
-    Sampled { lagrangian, quadrature: Quadrature::Middle }
+    sampled(Spring, Quadrature::Middle)
 }
 
 fn double_pendulum() -> Sampled<DoublePendulum> {

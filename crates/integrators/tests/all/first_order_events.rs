@@ -2,31 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::Storage;
 use stationary_integrators::problems::kepler;
 use stationary_integrators::{
-    AdaptiveError, AdaptiveMethod, BackwardDifferences, Direction, DormandPrince853, Event,
-    FunctionField, MechanicalField, Moment, OutputTimes, RadauIia5, StepControl, Tolerance,
-    VectorField, integrate, integrate_to_event,
+    AdaptiveError, Direction, Event, FunctionField, MechanicalField, Moment, OutputTimes,
+    integrate, integrate_to_event,
 };
 
-fn control(tolerance: f64) -> StepControl {
-    Tolerance::new(tolerance, tolerance).unwrap().into()
-}
-
-/// DOP853, Radau and BDF on a field, from the same moment.
-fn all<'f, F: VectorField, C: Storage + 'f>(
-    field: &'f F,
-    control: &StepControl,
-    start: &Moment<C>,
-) -> [Box<dyn AdaptiveMethod<C> + 'f>; 3] {
-    let (control, start) = (|| control.clone(), || start.clone());
-    [
-        Box::new(DormandPrince853::new(field, control(), start()).unwrap()),
-        Box::new(RadauIia5::new(field, control(), start()).unwrap()),
-        Box::new(BackwardDifferences::new(field, control(), start()).unwrap()),
-    ]
-}
+use crate::first_order_methods::{all, control};
 
 #[test]
 fn an_event_is_located_to_rounding_and_ends_the_run_there() {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
 use stationary_calculus::{Covector, check_jacobian};
-use stationary_calculus::{DiagonalMetric, Force, Sink, Storage, System, Vector, assert_jacobian};
+use stationary_calculus::{DiagonalMetric, Force, Sink, System, Vector, assert_jacobian};
 use stationary_integrators::problems::{
     StiffProblem, constrained_robertson, hires, robertson, spring_pendulum, van_der_pol,
 };
@@ -14,23 +14,7 @@ use stationary_integrators::{
     Tolerance, VectorField, integrate,
 };
 
-fn control(tolerance: f64) -> StepControl {
-    Tolerance::new(tolerance, tolerance).unwrap().into()
-}
-
-/// DOP853, Radau and BDF on a field, from the same moment.
-fn all<'f, F: VectorField, C: Storage + 'f>(
-    field: &'f F,
-    control: &StepControl,
-    start: &Moment<C>,
-) -> [Box<dyn AdaptiveMethod<C> + 'f>; 3] {
-    let (control, start) = (|| control.clone(), || start.clone());
-    [
-        Box::new(DormandPrince853::new(field, control(), start()).unwrap()),
-        Box::new(RadauIia5::new(field, control(), start()).unwrap()),
-        Box::new(BackwardDifferences::new(field, control(), start()).unwrap()),
-    ]
-}
+use crate::first_order_methods::{all, control};
 
 /// The error of both stiff methods at the end of a problem, each at its own tolerance.
 fn stiff_errors<F: VectorField, const N: usize>(

@@ -1,37 +1,12 @@
 //! Forces that no potential gives, in variational steps: drag and loads by Lagrange-d'Alembert.
 
-use stationary_calculus::{Covector, Energy, Number};
+use stationary_calculus::Covector;
 use stationary_integrators::problems::kepler;
 use stationary_integrators::{
     Drag, Integrator, Load, Mechanical, Quadrature, Sampled, State, Variational, angular_momentum,
 };
 
-/// A planet about a fixed sun: V = -1/|q|.
-#[derive(Clone, Copy, Debug)]
-struct Sun;
-
-impl Energy<2> for Sun {
-    fn energy<R: Number>(&self, [x, y]: [R; 2]) -> R {
-        -(x * x + y * y).sqrt().recip()
-    }
-}
-
-/// A unit mass on a spring of stiffness 1: V = q^2/2.
-#[derive(Clone, Copy, Debug)]
-struct Spring;
-
-impl Energy<1> for Spring {
-    fn energy<R: Number>(&self, [q]: [R; 1]) -> R {
-        q * q * 0.5
-    }
-}
-
-fn sampled<E: Energy<N>, const N: usize>(
-    energy: E,
-    quadrature: Quadrature,
-) -> Sampled<Mechanical<E, N>> {
-    Sampled { lagrangian: Mechanical::new([1.0; N], energy).unwrap(), quadrature }
-}
+use crate::discrete_lagrangians::{Spring, Sun, sampled};
 
 type Driven<S> =
     Variational<Sampled<Mechanical<Spring, 1>>, 1, (Drag<[f64; 1]>, Load<[f64; 1], S>)>;

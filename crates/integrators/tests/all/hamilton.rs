@@ -5,19 +5,11 @@ use std::f64::consts::TAU;
 use stationary_calculus::{Covector, Energy, Number, Vector};
 use stationary_integrators::problems::{DoublePendulum, kepler, pendulum};
 use stationary_integrators::{
-    DiscreteLagrangian, EulerLagrange, Integrator, Lagrangian, Mechanical, Method, Quadrature,
-    Sampled, Stability, State, StepError, Symplecticity, Trapezoid, VARIATIONAL, Variational,
+    DiscreteLagrangian, EulerLagrange, Integrator, Lagrangian, Method, Quadrature, Sampled,
+    Stability, State, StepError, Symplecticity, Trapezoid, VARIATIONAL, Variational,
 };
 
-/// A planet about a fixed sun: V = -1/|q|.
-#[derive(Clone, Copy, Debug)]
-struct Sun;
-
-impl Energy<2> for Sun {
-    fn energy<R: Number>(&self, [x, y]: [R; 2]) -> R {
-        -(x * x + y * y).sqrt().recip()
-    }
-}
+use crate::discrete_lagrangians::{Spring, Sun, sampled};
 
 /// A unit pendulum: V = -cos theta.
 #[derive(Clone, Copy, Debug)]
@@ -29,16 +21,6 @@ impl Energy<1> for Rod {
     }
 }
 
-/// A unit mass on a spring of stiffness 1: V = q^2/2.
-#[derive(Clone, Copy, Debug)]
-struct Spring;
-
-impl Energy<1> for Spring {
-    fn energy<R: Number>(&self, [q]: [R; 1]) -> R {
-        q * q * 0.5
-    }
-}
-
 /// The method that each quadrature is said to reproduce.
 const TWINS: [(Quadrature, Method); 4] = [
     (Quadrature::End, Method::SymplecticEulerDriftKick),
@@ -46,13 +28,6 @@ const TWINS: [(Quadrature, Method); 4] = [
     (Quadrature::Middle, Method::ImplicitMidpoint),
     (Quadrature::Ends, Method::StormerVerlet),
 ];
-
-fn sampled<E: Energy<N>, const N: usize>(
-    energy: E,
-    quadrature: Quadrature,
-) -> Sampled<Mechanical<E, N>> {
-    Sampled { lagrangian: Mechanical::new([1.0; N], energy).unwrap(), quadrature }
-}
 
 fn apart<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     let of = |a: &[f64; N], b: &[f64; N]| {

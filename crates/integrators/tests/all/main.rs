@@ -2,10 +2,12 @@
 
 mod action;
 mod bad_input;
+mod discrete_lagrangians;
 mod facts;
 mod first_order_allocation;
 mod first_order_events;
 mod first_order_facts;
+mod first_order_methods;
 mod first_order_runs;
 mod forces;
 mod gautschi;
