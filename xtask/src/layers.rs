@@ -43,7 +43,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Optional("parry3d-f64"),
         ],
     ),
-    ("elasticity", &[Always("nalgebra"), Always("num-dual"), Always("thiserror")]),
+    ("elasticity", &[Always("nalgebra"), Always("num-dual"), Always("thiserror"), Always("wide")]),
     ("modal", &[Always("nalgebra"), Always("thiserror"), Always("faer")]),
     ("laplacian", &[Always("nalgebra"), Always("thiserror"), Always("faer")]),
     (
