@@ -33,7 +33,7 @@ use stationary_integrators::Evaluation;
 use stationary_scene::Scene;
 
 pub use answer::{Answer, Row, Verdict};
-use climb::rungs_to_go;
+use climb::{rungs_to_go, sort};
 pub use climb::{Climb, Judgement, judge};
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
@@ -258,11 +258,18 @@ fn confirmed(
     Confirmed::No
 }
 
-/// The next rung of a family that may agree with the reference.
+/// The next rung of a family that may agree with the reference: of one that was not run yet, the
+/// next to what all others of its sort that were run were too coarse for.
 fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<At> {
-    let last = lab.used().filter(|(at, _)| at.family == family).map(|(at, _)| at).last();
-    let rung = match last {
-        None => 0,
+    let of = |family: usize| lab.used().map(|(at, _)| at).filter(move |at| at.family == family);
+    let alike = |other: usize| {
+        other != reference.family && sort(lab.family(other)) == sort(lab.family(family))
+    };
+    let rung = match of(family).last() {
+        None => {
+            let alike = (0..lab.ladder().families.len()).filter(|&other| alike(other));
+            alike.filter_map(|other| of(other).last()).map(|at| at.rung + 1).max().unwrap_or(0)
+        }
         Some(at) => match judge(lab, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
                 at.rung + rungs_to_go(lab.family(family), tolerance, error)

@@ -115,9 +115,9 @@ pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
 }
 
 /// What families have in common that likely fail and do well together.
-type Sort = (usize, Kind, u32, bool);
+pub type Sort = (usize, Kind, u32, bool);
 
-fn sort(family: &Family) -> Sort {
+pub fn sort(family: &Family) -> Sort {
     let solves = family.evaluation == stationary_integrators::Evaluation::Implicit;
     (family.model, family.kind, family.order, solves)
 }
