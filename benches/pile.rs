@@ -3,13 +3,13 @@
 //! `cargo bench --bench pile --features peers -- [boxes]` (1,000 by default) drops boxes from a
 //! loose grid with friction: ours with at most 12 sweeps a step and with as many as it takes to
 //! settle to 1e-3 and to 1e-4 m/s, rapier with 4 (its default), 20 and 100 iterations, all from the
-//! same state, a step of each in turn. A line for
-//! each: its time over that of rapier's default, in flight (the first second) and afterwards; how
-//! far the contact conditions are from being met at worst, in flight and in the last quarter of a
-//! second; how deep boxes overlap, how fast the fastest is at the end, and the energy. For rapier
-//! the conditions are only how fast its boxes still close once their gaps are used up (a lower
-//! bound of the residual of ours, which counts impulses and friction as well). Below, what is left
-//! against the time as a chart. Nothing sleeps; one thread each.
+//! same state, a step of each in turn. A line for each: its time over that of rapier's default, in
+//! flight (the first second) and afterwards; how far the contact conditions are from being met at
+//! worst, in flight and in the last quarter of a second; how deep boxes overlap, how fast the
+//! fastest is at the end, and the energy. For rapier the conditions are only how fast its boxes
+//! still close once their gaps are used up (a lower bound of the residual of ours, which counts
+//! impulses and friction as well). Below, what is left against the time as a chart. Nothing sleeps;
+//! one thread each.
 
 use std::time::Instant;
 
@@ -173,7 +173,9 @@ fn main() {
         run
     });
     let runs: Vec<Run> = ours.into_iter().chain(theirs.map(|(_, _, run)| run)).collect();
-    println!("{boxes} boxes, {steps} steps of {STEP} s, ours settled so far in at most so many sweeps");
+    println!(
+        "{boxes} boxes, {steps} steps of {STEP} s, ours settled so far in at most so many sweeps"
+    );
     report(&runs, runs[SETTLED.len()].times);
 }
 

@@ -33,8 +33,8 @@ use stationary_integrators::Evaluation;
 use stationary_scene::Scene;
 
 pub use answer::{Answer, Row, Verdict};
-use climb::{rungs_to_go, sort};
 pub use climb::{Climb, Judgement, judge};
+use climb::{rungs_to_go, sort};
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
