@@ -192,6 +192,9 @@ enum Confirmed {
 /// that agrees, and of runs that lead to where it is.
 const PATIENCE: u64 = 4;
 
+/// How much dearer a run may be that is as much likelier to agree.
+const UNLIKELY: u64 = 4;
+
 /// How near a run of another kind must come to a reference: what it is to rule out is that the
 /// reference is of another motion. How uncertain it is, its own runs say.
 const NEAR: f64 = 0.1;
@@ -219,7 +222,7 @@ fn confirmed(
         return Confirmed::Alone;
     }
     // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
-    // higher order does not agree, one of a lower order comes last.
+    // higher order does not agree, one of a lower order must be much cheaper.
     while !lab.late() {
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
         let unlikely = |at: At| {
@@ -233,7 +236,8 @@ fn confirmed(
                 matches!(judge(lab, reference, tolerance, run), Some(Judgement::Misses(_)))
             })
         };
-        let cheapest = next.min_by_key(|&at| (unlikely(at), lab.predicted(at), at));
+        let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
+        let cheapest = next.min_by_key(|&at| (dear(at), at));
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
             break;
         };
@@ -258,18 +262,12 @@ fn confirmed(
     Confirmed::No
 }
 
-/// The next rung of a family that may agree with the reference: of one that was not run yet, the
-/// next to what all others of its sort that were run were too coarse for.
+/// The next rung of a family that may agree with the reference, finer than what others of its sort
+/// were too coarse for.
 fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<At> {
-    let of = |family: usize| lab.used().map(|(at, _)| at).filter(move |at| at.family == family);
-    let alike = |other: usize| {
-        other != reference.family && sort(lab.family(other)) == sort(lab.family(family))
-    };
-    let rung = match of(family).last() {
-        None => {
-            let alike = (0..lab.ladder().families.len()).filter(|&other| alike(other));
-            alike.filter_map(|other| of(other).last()).map(|at| at.rung + 1).max().unwrap_or(0)
-        }
+    let last = |of: usize| lab.used().map(|(at, _)| at).filter(|at| at.family == of).last();
+    let own = match last(family) {
+        None => 0,
         Some(at) => match judge(lab, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
                 at.rung + rungs_to_go(lab.family(family), tolerance, error)
@@ -277,6 +275,16 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
             _ => at.rung + 1,
         },
     };
+    let alike = |other: &usize| {
+        *other != reference.family && sort(lab.family(*other)) == sort(lab.family(family))
+    };
+    // Which step is stable differs from one to the other.
+    let stable = |at: &At| {
+        let end = lab.seen(*at).map(|run| &run.end);
+        !matches!(end, Some(End::Failed(Failure::Unstable(_))))
+    };
+    let others = (0..lab.ladder().families.len()).filter(alike).filter_map(last).filter(stable);
+    let rung = others.map(|at| at.rung + 1).fold(own, usize::max);
     (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
 }
 

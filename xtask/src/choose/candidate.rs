@@ -21,13 +21,17 @@ pub struct Candidate {
     pub evaluation: Evaluation,
     /// Whether it solves by one factor, made before the first step.
     pub factors_once: bool,
+    /// Whether rods are a part of its steps; others are projected back after each.
+    pub holds_rods: bool,
 }
 
 impl Candidate {
     fn of(stepping: Stepping, kind: Kind, order: u32, stages: u64, evaluation: Evaluation) -> Self {
         let factors_once =
             matches!(stepping, Stepping::Heat(method) if method != HeatMethod::ExplicitEuler);
-        Candidate { name: stepping.name(), kind, order, stages, evaluation, factors_once }
+        let holds_rods = matches!(stepping, Stepping::Constrained(_));
+        let name = stepping.name();
+        Candidate { name, kind, order, stages, evaluation, factors_once, holds_rods }
     }
 }
 

@@ -114,12 +114,13 @@ pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
     ((error / tolerance).log10() / per_rung).ceil().max(1.0) as usize
 }
 
-/// What families have in common that likely fail and do well together.
-pub type Sort = (usize, Kind, u32, bool);
+/// What families have in common that likely fail and do well together: model, kind, order, whether
+/// they solve equations, and whether rods are a part of their steps.
+pub type Sort = (usize, Kind, u32, bool, bool);
 
 pub fn sort(family: &Family) -> Sort {
     let solves = family.evaluation == stationary_integrators::Evaluation::Implicit;
-    (family.model, family.kind, family.order, solves)
+    (family.model, family.kind, family.order, solves, family.holds_rods)
 }
 
 impl<'a> Climb<'a> {

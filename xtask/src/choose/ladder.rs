@@ -70,6 +70,8 @@ pub struct Family {
     pub order: u32,
     /// Whether its steps solve equations.
     pub evaluation: Evaluation,
+    /// Whether rods are a part of its steps; others are projected back after each.
+    pub holds_rods: bool,
     /// Its rungs.
     pub rungs: Vec<Rung>,
 }
@@ -140,8 +142,8 @@ fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) 
         Sight::AsWritten => candidate.name.to_owned(),
         _ => format!("{} {}", candidate.name, model.words),
     };
-    let Candidate { kind, order, evaluation, .. } = *candidate;
-    Family { name, model: place, kind, order, evaluation, rungs }
+    let Candidate { kind, order, evaluation, holds_rods, .. } = *candidate;
+    Family { name, model: place, kind, order, evaluation, holds_rods, rungs }
 }
 
 fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
