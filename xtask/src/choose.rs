@@ -192,7 +192,7 @@ enum Confirmed {
 /// that agrees, and of runs that lead to where it is.
 const PATIENCE: u64 = 4;
 
-/// How much dearer a run may be that is as much likelier to agree.
+/// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
 
 /// How near a run of another kind must come to a reference: what it is to rule out is that the

@@ -22,6 +22,8 @@ mod evidence;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
+use stationary_integrators::Evaluation;
+
 use super::lab::{At, Lab};
 use super::ladder::{Family, Kind};
 use super::reference::Reference;
@@ -114,13 +116,19 @@ pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
     ((error / tolerance).log10() / per_rung).ceil().max(1.0) as usize
 }
 
-/// What families have in common that likely fail and do well together: model, kind, order, whether
-/// they solve equations, and whether rods are a part of their steps.
-pub type Sort = (usize, Kind, u32, bool, bool);
+/// What families have in common that likely fail and do well together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Sort {
+    model: usize,
+    kind: Kind,
+    order: u32,
+    solves: bool,
+    holds_rods: bool,
+}
 
 pub fn sort(family: &Family) -> Sort {
-    let solves = family.evaluation == stationary_integrators::Evaluation::Implicit;
-    (family.model, family.kind, family.order, solves, family.holds_rods)
+    let &Family { model, kind, order, evaluation, holds_rods, .. } = family;
+    Sort { model, kind, order, solves: evaluation == Evaluation::Implicit, holds_rods }
 }
 
 impl<'a> Climb<'a> {
@@ -159,7 +167,7 @@ impl<'a> Climb<'a> {
         let mut failed: BTreeMap<Sort, u32> = BTreeMap::new();
         for family in others {
             let of = sort(self.lab.family(family));
-            if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.0) {
+            if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.model) {
                 continue;
             }
             self.try_family(family);
@@ -171,7 +179,7 @@ impl<'a> Climb<'a> {
             }
             // At high orders the constants differ by more than the orders.
             let far = self.is_far(family) || self.is_dearer(family);
-            hopeless.insert(of, (of.2 <= 2 || of.3) && far);
+            hopeless.insert(of, (of.order <= 2 || of.solves) && far);
         }
         // By now something cheaper is known than what the reference is made of.
         if let Some(rung) = coarsest {

@@ -43,7 +43,7 @@ impl Climb<'_> {
 
     /// Whether a family that solves equations was tried and every rung of it is too dear.
     pub(super) fn is_dearer(&self, family: usize) -> bool {
-        let solves = sort(self.lab.family(family)).3;
+        let solves = sort(self.lab.family(family)).solves;
         let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
         solves
             && own.peek().is_some()
