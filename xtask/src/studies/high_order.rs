@@ -136,6 +136,9 @@ fn steps(method: Method, least: u32, most: u32) -> Vec<u64> {
     (least..=most).map(|k| 1_u64 << k).take_while(within).collect()
 }
 
+/// An error above this, of motions of size one, is of none at all, and would leave the others no
+/// room on a chart.
+const LOST: f64 = 1e3;
 /// Errors between these show the order of a method of order above 4: three decades above rounding.
 const DECADES: std::ops::Range<f64> = 2e-12..2e-9;
 
@@ -180,7 +183,11 @@ fn orders<M: Metric, P: Potential, const N: usize>(
         let errors = measured.errors();
         let slope = order(method, &errors).unwrap_or(f64::NAN);
         table.push([facts.name.into(), u64::from(facts.order).into(), slope.into()]);
-        let mut series = Series::new(facts.name, errors);
+        let (lost, kept): (Vec<_>, Vec<_>) = errors.into_iter().partition(|(_, e)| *e > LOST);
+        let mut series = Series::new(facts.name, kept);
+        for (step, error) in lost {
+            series = series.failed(step, format!("thrown out: the error is {error:.0e}"));
+        }
         for row in &measured.rows {
             if let Err(failure) = &row.outcome {
                 series = series.failed(row.horizon.step(), failure.to_string());
