@@ -10,7 +10,8 @@ use nalgebra::Vector3;
 
 use crate::exact_normals::Unpushed;
 use crate::rigid_contact::{Placed, RigidContact, Six};
-use crate::sweeps::{Island, Sweeps};
+use crate::sweeps::{Goal, Island, Sweeps};
+use crate::unsettled_parts::UnsettledParts;
 use crate::{ContactError, ContactPoint, TouchingReport};
 
 /// The contacts of one island, packed, and their impulses.
@@ -20,6 +21,7 @@ pub(crate) struct IslandSolver {
     tangents: Vec<[Vector3<f64>; 2]>,
     x: Vec<[f64; 3]>,
     sweeps: Sweeps,
+    parts: UnsettledParts,
 }
 
 /// What is to be met, and how far.
@@ -29,14 +31,16 @@ pub(crate) struct Conditions<'a> {
     pub(crate) placed: &'a [Placed],
     /// What may be left, m/s.
     pub(crate) settled: f64,
-    /// What is left of what nearly rests, m/s.
+    /// Whether its bodies hardly move.
+    pub(crate) slow: bool,
+    /// What may be left of what nearly rests, m/s.
     pub(crate) fine: f64,
     /// The most sweeps.
     pub(crate) sweeps: usize,
 }
 
-/// What is off by no more than so many times what may be left will soon rest, if only its impulses
-/// are good enough to be kept.
+/// What is off by no more than so many times what may be left will soon rest, if it hardly moves
+/// and its impulses are good enough to be kept.
 const NEAR: f64 = 30.0;
 
 impl IslandSolver {
@@ -60,7 +64,7 @@ impl IslandSolver {
         let island = Island { contacts: &self.contacts, bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
-        let near = left.iter().all(|left| *left <= NEAR * settled);
+        let near = conditions.slow && left.iter().all(|left| *left <= NEAR * settled);
         let goal = if near { conditions.fine } else { settled };
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
         let rubs = |(contact, x): (&RigidContact, &[f64; 3])| contact.speed(&[0.0, x[1], x[2]]);
@@ -71,8 +75,13 @@ impl IslandSolver {
             left = sweeps.residuals(island, x);
         }
         if !met(&left) {
-            let [taken, solved] = sweeps.settle(island, x, goal, conditions.sweeps);
-            report.relaxed += taken * members.len();
+            let most = conditions.sweeps;
+            let [relaxed, solved] = match near {
+                // Sweeps leave what they change slowly, and it would move what is to rest.
+                true => sweeps.alternate(island, x, Goal { change: goal, alone: 0.0 }, most),
+                false => self.parts.settle(sweeps, island, x, goal, most),
+            };
+            report.relaxed += relaxed;
             report.solved += solved;
             left = sweeps.residuals(island, x);
         }

@@ -41,8 +41,8 @@
 //! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension,
 //! their shapes, and what happens, solved exactly. Last, many bodies of space that touch
 //! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island with sparse systems between them, impulses and contact points kept from step to
-//! step, what rests on them; and bodies that overlap, pushed apart.
+//! over an island with sparse systems between them, its parts each on its own, impulses and contact
+//! points kept from step to step, what rests on them; and bodies that overlap, pushed apart.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
@@ -112,6 +112,8 @@ mod block_cholesky;
 mod proximal;
 #[cfg(feature = "3d")]
 mod sweeps;
+#[cfg(feature = "3d")]
+mod unsettled_parts;
 #[cfg(feature = "3d")]
 mod exact_normals;
 #[cfg(feature = "3d")]

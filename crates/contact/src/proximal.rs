@@ -1,14 +1,15 @@
 //! All contacts of an island at once: a step of the proximal-point method, by Newton's.
 //!
 //! ```text
-//! min_w 1/2 |w|^2 + sum_i max_(x_i in C_i) (-x_i.u_i(w) - e_i/2 |x_i - a_i|^2)
-//! x_i(w) = proj_i (a_i - u_i(w)/e_i),     w = J~^T x(w)            where that is smallest
-//! (1 + J~^T D J~) dw = J~^T x(w) - w,     D = -dx/du             Newton's step, with a line search
+//! min_w 1/2 |w - b|^2 + sum_i max_(x_i in C_i) (-x_i.u_i(w) - e_i/2 |x_i - a_i|^2)
+//! x_i(w) = proj_i (a_i - u_i(w)/e_i),     w = J~^T x(w) + b        where that is smallest
+//! (1 + J~^T D J~) dw = J~^T x(w) + b - w,     D = -dx/du         Newton's step, with a line search
 //! x <- a + t (x(w) - a)                                            0 <= t <= 1, of least energy
 //! ```
-//! `w` scaled velocities, `u = J~ w + o` rates (m/s), `a` the impulses (N s) that the step starts
-//! from, `C_i` those that push, with friction within `mu` times the normal impulse of `a_i`, `e` a
-//! small part of each row's compliance. The problem is convex and has one solution, whatever
+//! `w` scaled velocities, `b` those by the impulses of what is not of the island, `u = J~ w + o`
+//! rates (m/s), `a` the impulses (N s) that the step starts from, `C_i` those that push, with
+//! friction within `mu` times the normal impulse of `a_i`, `e` a small part of each row's
+//! compliance. The problem is convex and has one solution, whatever
 //! contacts are redundant and however their gaps fail to fit each other; after a few such steps `x`
 //! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do.
 //! From one Newton step to the next only contacts that answer otherwise are added to it again, and
@@ -32,7 +33,7 @@ const FLAT: f64 = 0.05;
 /// A decrease, relative to the kinetic energy and to the energy of what is left, that ends Newton's
 /// method.
 const SMALL: f64 = 1e-28;
-const DONE: f64 = 1e-3;
+const DONE: f64 = 0.03;
 /// Friction this close to its reach slides.
 const SLIDES: f64 = 1.0 - 1e-9;
 
@@ -43,9 +44,10 @@ pub(crate) struct Proximal {
     number: Vec<usize>,
     joints: Vec<[usize; 2]>,
     matrix: BlockCholesky,
-    /// Where the step starts, impulses and velocities.
+    /// Where the step starts, impulses and velocities, and these without the impulses.
     centre: Vec<[f64; 3]>,
     from: Vec<Six>,
+    base: Vec<Six>,
     /// The rates, and how much Newton's step changes them.
     rates: Vec<[f64; 3]>,
     turn: Vec<[f64; 3]>,
@@ -156,6 +158,16 @@ impl Proximal {
         }
         self.from.clear();
         self.from.extend(island.bodies.iter().map(|&body| w[body]));
+        self.base.clone_from(&self.from);
+        for (contact, x) in island.contacts.iter().zip(x) {
+            for (side, &body) in contact.bodies.iter().enumerate() {
+                if body < still {
+                    let [n, s, t] = contact.rows(side);
+                    let base = &mut self.base[self.number[body]];
+                    (0..6).for_each(|f| base[f] -= x[0] * n[f] + x[1] * s[f] + x[2] * t[f]);
+                }
+            }
+        }
         self.centre.clear();
         self.centre.extend(x.iter().copied());
         self.rates.clear();
@@ -171,8 +183,8 @@ impl Proximal {
         let still = w.len() - 1;
         self.step.clear();
         self.step.resize(island.bodies.len(), [0.0; 6]);
-        for (step, &body) in self.step.iter_mut().zip(island.bodies) {
-            (0..6).for_each(|f| step[f] = -w[body][f]);
+        for ((step, &body), base) in self.step.iter_mut().zip(island.bodies).zip(&self.base) {
+            (0..6).for_each(|f| step[f] = base[f] - w[body][f]);
         }
         let mut changed = false;
         for (k, contact) in island.contacts.iter().enumerate() {
@@ -223,9 +235,9 @@ impl Proximal {
             let [a, b] = contact.bodies;
             contact.pull(&of(a), &of(b))
         }));
-        let both = island.bodies.iter().zip(step);
-        let (along, own) = both.fold((0.0, 0.0), |(along, own), (&body, step)| {
-            (along + product(&w[body], step), own + product(step, step))
+        let all = island.bodies.iter().zip(&self.base).zip(step);
+        let (along, own) = all.fold((0.0, 0.0), |(along, own), ((&body, base), step)| {
+            (along + product(&w[body], step) - product(base, step), own + product(step, step))
         });
         let slope = |part: f64| {
             let mut sum = along + part * own;

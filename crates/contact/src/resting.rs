@@ -44,6 +44,8 @@ struct Moved {
     /// The velocities with the impulses and at the step's start, as they are stored.
     after: Six,
     before: Six,
+    /// Whether the step's kick is faster than what it had at the start.
+    slow: bool,
 }
 
 /// One island's contacts, and what is asked of them.
@@ -75,6 +77,7 @@ impl Resting {
             change: [zero; 2],
             after: placed.velocity,
             before: placed.velocity,
+            slow: false,
         };
         self.moved.clear();
         self.moved.extend(placed.iter().enumerate().map(still));
@@ -130,6 +133,11 @@ impl Resting {
         v.norm() + reach * w.norm() <= CHANGE * settled
     }
 
+    /// Whether a body moved by no more than what a step's kick gives it.
+    pub(crate) fn is_slow(&self, body: usize) -> bool {
+        self.moved[body].slow
+    }
+
     /// The velocity of a body as it is stored: that of the step's start where its island stands.
     pub(crate) fn velocity(&self, body: usize, stands: bool) -> &Six {
         let Moved { before, after, .. } = &self.moved[body];
@@ -164,6 +172,9 @@ impl Moved {
             [Vector3::new(a, b, c), placed.rotation * Vector3::new(d, e, f)]
         };
         self.velocity = halves(&self.after);
+        let speed = |[v, w]: [Vector3<f64>; 2]| v.norm() + self.reach * w.norm();
+        let kick: Six = std::array::from_fn(|f| kick[f]);
+        self.slow = speed(halves(&self.before)) <= speed(halves(&kick));
         self.change = halves(&std::array::from_fn(|f| kick[f] + pushed[f]));
     }
 }

@@ -3,12 +3,15 @@
 //!
 //! ```text
 //! x <- sweep(x),   e = 1.5 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
+//! ln(s/max_i |dx_i|)/ln r < 30,   r = |dx|/|dx before|                  where sweeps alone will do
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
-//! changes. Sweeps tell who pushes, sticks and slides, and how far the conditions are from being
-//! met, but carry far only slowly: a column that rocks takes hundreds of them. Proximal steps carry
-//! far at once (see [`Proximal`]), the farther the closer `x` is already. The last sweep is taken
-//! as it is, so that no impulse pulls and no friction exceeds its reach.
+//! changes, `s` what counts as settled. Sweeps tell who pushes, sticks and slides, and how far the
+//! conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
+//! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
+//! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
+//! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
+//! no friction exceeds its reach.
 
 use crate::proximal::Proximal;
 use crate::rigid_contact::{RigidContact, Six};
@@ -24,14 +27,16 @@ const FELT: f64 = 30.0;
 /// A proximal step helps if the next sweep changes no more than this part of the energy of the one
 /// before; if it does not, as where it has come down to rounding, some sweeps follow without.
 const HELPS: f64 = 0.25;
-/// The most sweeps that follow.
-const PATIENCE: usize = 512;
+/// A proximal step takes as long as so many sweeps.
+pub(crate) const WORTH: f64 = 30.0;
 
 /// Scaled velocities of all bodies, and the memory of the sweeps.
 #[derive(Debug, Default)]
 pub(crate) struct Sweeps {
     /// The scaled change of each body's velocity, and zeros for what does not move.
     pub(crate) w: Vec<Six>,
+    /// What the last sweep changed at each contact, as a velocity, m/s.
+    pub(crate) changes: Vec<f64>,
     proximal: Proximal,
 }
 
@@ -42,8 +47,18 @@ pub(crate) struct Island<'a> {
     pub(crate) bodies: &'a [usize],
 }
 
+/// What sweeps are to reach.
+#[derive(Clone, Copy)]
+pub(crate) struct Goal {
+    /// No contact changes a velocity by more than this, m/s.
+    pub(crate) change: f64,
+    /// Sweeps that would do alone, at their rate, are not helped by proximal steps if they are
+    /// fewer.
+    pub(crate) alone: f64,
+}
+
 /// What a sweep changed.
-struct Change {
+pub(crate) struct Change {
     /// The most at one contact, as a velocity, m/s.
     fastest: f64,
     /// Of all, J, and relative to that of the impulses.
@@ -70,18 +85,26 @@ impl Sweeps {
         island.contacts.iter().zip(x).map(one).fold([0.0; 2], worst)
     }
 
-    fn is_met(&self, island: Island, x: &[[f64; 3]], by: f64) -> bool {
-        self.residuals(island, x).iter().all(|&left| left <= by)
+    /// Whether a sweep changed no velocity by more than this, and no contact is off by much more.
+    pub(crate) fn has_settled(
+        &self,
+        change: &Change,
+        island: Island,
+        x: &[[f64; 3]],
+        by: f64,
+    ) -> bool {
+        let met = || self.residuals(island, x).iter().all(|&left| left <= FELT * by);
+        change.fastest <= by && met()
     }
 
-    /// Sweeps over an island until none of its contacts changes a velocity by more than `settled`,
-    /// nor is off by much more, at most `bound` times; says how many times, and how many sparse
+    /// Sweeps over an island, and proximal steps where sweeps alone would take long, until it has
+    /// settled, at most `bound` times; says how many contacts were relaxed, and how many sparse
     /// systems were solved.
-    pub(crate) fn settle(
+    pub(crate) fn alternate(
         &mut self,
         island: Island,
         x: &mut [[f64; 3]],
-        settled: f64,
+        goal: Goal,
         bound: usize,
     ) -> [usize; 2] {
         let (mut solved, mut last) = (0, f64::INFINITY);
@@ -89,33 +112,39 @@ impl Sweeps {
         // last sweep came after a step.
         let (mut wait, mut patience, mut stepped) = (0, 1, false);
         for sweep in 1..=bound {
-            let Change { fastest, energy, part } = self.sweep(island, x);
-            let done = fastest <= settled && self.is_met(island, x, FELT * settled);
-            if done || sweep == bound {
-                return [sweep, solved];
+            let change = self.sweep(island, x);
+            if sweep == bound || self.has_settled(&change, island, x, goal.change) {
+                return [sweep * x.len(), solved];
             }
+            let Change { fastest, energy, part } = change;
             if stepped && energy > HELPS * last {
-                (wait, patience) = (patience, (2 * patience).min(PATIENCE));
+                (wait, patience) = (patience, 2 * patience);
             }
+            let rate = (energy / last).sqrt();
+            let sweeps = (goal.change / fastest).ln() / rate.ln();
+            let soon = !stepped && rate < 1.0 && sweeps < goal.alone;
             last = energy;
-            stepped = wait == 0;
-            if !stepped {
+            stepped = wait == 0 && !soon;
+            if stepped {
+                let soft = (SOFT * part).clamp(FIRMEST, SOFTEST);
+                solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
+            } else if !soon {
                 wait -= 1;
-                continue;
             }
-            let soft = (SOFT * part).clamp(FIRMEST, SOFTEST);
-            solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
         }
-        [bound, solved]
+        [bound * x.len(), solved]
     }
 
     /// Relaxes each contact once.
-    fn sweep(&mut self, island: Island, x: &mut [[f64; 3]]) -> Change {
+    pub(crate) fn sweep(&mut self, island: Island, x: &mut [[f64; 3]]) -> Change {
         let (mut fastest, mut energy, mut whole) = (0.0_f64, 0.0, 0.0);
         let square = |roots: [f64; 3]| roots.iter().map(|root| root * root).sum::<f64>();
+        self.changes.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
             let change = contact.relax(x, &mut self.w);
-            fastest = fastest.max(contact.speed(&change));
+            let speed = contact.speed(&change);
+            self.changes.push(speed);
+            fastest = fastest.max(speed);
             energy += square(contact.root(&change));
             whole += square(contact.root(x));
         }

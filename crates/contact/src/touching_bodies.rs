@@ -283,7 +283,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
                 None => {
                     let (v_f, mass, sweeps) = (&v.0, &self.mass, self.settling.sweeps);
                     let unpushed = Unpushed { points: contacts, q, v: v_f, mass, bias };
-                    let conditions = Conditions { unpushed, placed, settled, fine, sweeps };
+                    let slow = bodies.iter().all(|&body| resting.is_slow(body));
+                    let conditions = Conditions { unpushed, placed, settled, slow, fine, sweeps };
                     let off = solver.solve([members, bodies], conditions, pushes, report)?;
                     for &body in bodies {
                         let after = placed[body].after(solver.change(body));
