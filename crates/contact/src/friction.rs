@@ -1,5 +1,5 @@
 //! Coulomb friction at one contact, by staggered projections: the normal impulse, then friction
-//! within what it allows, by turns.
+//! within what it allows.
 //!
 //! ```text
 //! lambda <- max(0, lambda - u_n/W_nn)                            the normal projection
@@ -15,12 +15,9 @@
 //!
 //! `off` and `off_t` are how far the normal conditions and Coulomb's law are from being met; both
 //! are reported. Source: Kaufman, Sueda, James and Pai 2008 (staggered projections); Jean 1999 for
-//! the turns at one contact after another.
+//! one contact after another.
 
 use crate::rigid_contact::{Compliance, RigidContact, Six};
-
-/// Turns at each visit.
-const TURNS: usize = 2;
 
 impl RigidContact {
     /// Changes the impulses of this contact to what the others leave to it; says by how much.
@@ -33,25 +30,14 @@ impl RigidContact {
 
     #[inline]
     fn stagger(&self, [n, s, t]: [f64; 3], x: &[f64; 3]) -> [f64; 3] {
-        let compliance = &self.compliance;
-        let ([a, b], [xx, yy, xy]) = (compliance.coupling, compliance.tangent);
-        let [mut push, mut along, mut across] = [0.0; 3];
-        for _ in 0..TURNS {
-            let rate = n + (compliance.normal * push + a * along + b * across);
-            push = (x[0] + push - rate * compliance.normal_mass).max(0.0) - x[0];
-            let reach = self.friction * (x[0] + push);
-            if reach <= 0.0 {
-                (along, across) = (-x[1], -x[2]);
-                continue;
-            }
-            let rates = [
-                s + (a * push + xx * along + xy * across),
-                t + (b * push + xy * along + yy * across),
-            ];
-            let [p, q] = self.rub([x[1] + along, x[2] + across], rates, reach);
-            (along, across) = (p - x[1], q - x[2]);
+        let Compliance { normal_mass, coupling: [a, b], .. } = self.compliance;
+        let push = (x[0] - n * normal_mass).max(0.0) - x[0];
+        let reach = self.friction * (x[0] + push);
+        if reach <= 0.0 {
+            return [push, -x[1], -x[2]];
         }
-        [push, along, across]
+        let [p, q] = self.rub([x[1], x[2]], [s + a * push, t + b * push], reach);
+        [push, p - x[1], q - x[2]]
     }
 
     /// The friction within a disc of radius `reach`, from the rates of sliding.

@@ -89,13 +89,12 @@ pub(crate) struct Compliance {
     pub(crate) normal: f64,
     /// Of the normal with each tangent.
     pub(crate) coupling: [f64; 2],
-    /// `W_tt`: its diagonal, then what is beside it.
-    pub(crate) tangent: [f64; 3],
     /// The largest eigenvalue of `W_tt`.
     pub(crate) across: f64,
     /// One over the compliance along the normal.
     pub(crate) normal_mass: f64,
-    /// The inverse of `W_tt`, like it; zeros where one direction does not give way.
+    /// The inverse of `W_tt`: its diagonal, then what is beside it; zeros where one direction does
+    /// not give way.
     pub(crate) tangent_mass: [f64; 3],
     /// One over `across`.
     pub(crate) across_mass: f64,
@@ -119,7 +118,6 @@ impl Compliance {
         Compliance {
             normal,
             coupling,
-            tangent: [xx, yy, xy],
             across,
             normal_mass: normal.recip(),
             tangent_mass,
