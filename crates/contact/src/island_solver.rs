@@ -31,16 +31,14 @@ pub(crate) struct Conditions<'a> {
     pub(crate) placed: &'a [Placed],
     /// What may be left, m/s.
     pub(crate) settled: f64,
-    /// Whether its bodies hardly move.
-    pub(crate) slow: bool,
-    /// What may be left of what nearly rests, m/s.
-    pub(crate) fine: f64,
+    /// What may be left of what nearly rests, m/s, if these bodies hardly move.
+    pub(crate) fine: Option<f64>,
     /// The most sweeps.
     pub(crate) sweeps: usize,
 }
 
-/// What is off by no more than so many times what may be left will soon rest, if it hardly moves
-/// and its impulses are good enough to be kept.
+/// What hardly moves and is off by no more than so many times what may be left will soon rest, if
+/// only its impulses are good enough to be kept.
 const NEAR: f64 = 30.0;
 
 impl IslandSolver {
@@ -64,8 +62,9 @@ impl IslandSolver {
         let island = Island { contacts: &self.contacts, bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
-        let near = conditions.slow && left.iter().all(|left| *left <= NEAR * settled);
-        let goal = if near { conditions.fine } else { settled };
+        let near = left.iter().all(|left| *left <= NEAR * settled);
+        let fine = conditions.fine.filter(|_| near);
+        let goal = fine.unwrap_or(settled);
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
         let rubs = |(contact, x): (&RigidContact, &[f64; 3])| contact.speed(&[0.0, x[1], x[2]]);
         let mut rubs = self.contacts.iter().zip(x.iter()).map(rubs);
@@ -76,10 +75,10 @@ impl IslandSolver {
         }
         if !met(&left) {
             let most = conditions.sweeps;
-            let [relaxed, solved] = match near {
+            let [relaxed, solved] = match fine {
                 // Sweeps leave what they change slowly, and it would move what is to rest.
-                true => sweeps.alternate(island, x, Goal { change: goal, alone: 0.0 }, most),
-                false => self.parts.settle(sweeps, island, x, goal, most),
+                Some(change) => sweeps.alternate(island, x, Goal { change, alone: 0.0 }, most),
+                None => self.parts.settle(sweeps, island, x, settled, most),
             };
             report.relaxed += relaxed;
             report.solved += solved;

@@ -9,12 +9,12 @@
 //! `w` scaled velocities, `b` those by the impulses of what is not of the island, `u = J~ w + o`
 //! rates (m/s), `a` the impulses (N s) that the step starts from, `C_i` those that push, with
 //! friction within `mu` times the normal impulse of `a_i`, `e` a small part of each row's
-//! compliance. The problem is convex and has one solution, whatever
-//! contacts are redundant and however their gaps fail to fit each other; after a few such steps `x`
-//! stays where it is, and `e` has no say any more. Newton's matrix joins bodies as contacts do.
-//! From one Newton step to the next only contacts that answer otherwise are added to it again, and
-//! it is factored where it has changed, sparsely: a heap is nearly a tree. Where Newton's method is
-//! cut short, the last line still lowers the energy.
+//! compliance. The problem is convex and has one solution, whatever contacts are redundant and
+//! however their gaps fail to fit each other; after a few such steps `x` stays where it is, and `e`
+//! has no say any more. Newton's matrix joins bodies as contacts do. From one Newton step to the
+//! next only contacts that answer otherwise are added to it again, and it is factored where it has
+//! changed, sparsely: a heap is nearly a tree. Where Newton's method is cut short, the last line
+//! still lowers the energy.
 //!
 //! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
 //! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
@@ -141,7 +141,7 @@ impl Proximal {
     }
 
     /// Numbers the bodies of an island, says which are joined, and remembers where it starts.
-    fn start(&mut self, island: Island, x: &[[f64; 3]], w: &[Six]) {
+    fn start(&mut self, island: Island, x: &[[f64; 3]], w: &mut [Six]) {
         let still = w.len() - 1;
         self.number.resize(still, 0);
         for (number, &body) in island.bodies.iter().enumerate() {
@@ -158,16 +158,12 @@ impl Proximal {
         }
         self.from.clear();
         self.from.extend(island.bodies.iter().map(|&body| w[body]));
-        self.base.clone_from(&self.from);
+        self.base.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
-            for (side, &body) in contact.bodies.iter().enumerate() {
-                if body < still {
-                    let [n, s, t] = contact.rows(side);
-                    let base = &mut self.base[self.number[body]];
-                    (0..6).for_each(|f| base[f] -= x[0] * n[f] + x[1] * s[f] + x[2] * t[f]);
-                }
-            }
+            contact.push(&x.map(|x| -x), w);
         }
+        self.base.extend(island.bodies.iter().map(|&body| w[body]));
+        give(island, &self.from, w);
         self.centre.clear();
         self.centre.extend(x.iter().copied());
         self.rates.clear();
@@ -254,10 +250,7 @@ impl Proximal {
 
     /// Goes towards the answers to the velocities that were found, as far as the energy falls.
     fn go(&mut self, island: Island, x: &mut [[f64; 3]], w: &mut [Six]) {
-        let back = |from: &[Six], w: &mut [Six]| {
-            island.bodies.iter().zip(from).for_each(|(&body, from)| w[body] = *from);
-        };
-        back(&self.from, w);
+        give(island, &self.from, w);
         let mut slope = 0.0;
         self.turn.clear();
         for (k, contact) in island.contacts.iter().enumerate() {
@@ -277,7 +270,7 @@ impl Proximal {
         };
         let curve: f64 = island.bodies.iter().zip(&self.from).map(changed).sum();
         let part = if slope < 0.0 && curve > 0.0 { (-slope / curve).min(1.0) } else { 0.0 };
-        back(&self.from, w);
+        give(island, &self.from, w);
         for (k, (contact, x)) in island.contacts.iter().zip(x).enumerate() {
             let a = self.centre[k];
             let [n, s, t] = self.turn[k];
@@ -287,6 +280,11 @@ impl Proximal {
             contact.push(&[n - a[0], s - a[1], t - a[2]], w);
         }
     }
+}
+
+/// Gives the bodies of an island these velocities.
+fn give(island: Island, velocities: &[Six], w: &mut [Six]) {
+    island.bodies.iter().zip(velocities).for_each(|(&body, velocity)| w[body] = *velocity);
 }
 
 /// Where a slope that grows from `-promised` is flat between 0 and 1; 1 where it is not positive

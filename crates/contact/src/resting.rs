@@ -44,8 +44,6 @@ struct Moved {
     /// The velocities with the impulses and at the step's start, as they are stored.
     after: Six,
     before: Six,
-    /// Whether the step's kick is faster than what it had at the start.
-    slow: bool,
 }
 
 /// One island's contacts, and what is asked of them.
@@ -77,7 +75,6 @@ impl Resting {
             change: [zero; 2],
             after: placed.velocity,
             before: placed.velocity,
-            slow: false,
         };
         self.moved.clear();
         self.moved.extend(placed.iter().enumerate().map(still));
@@ -133,15 +130,14 @@ impl Resting {
         v.norm() + reach * w.norm() <= CHANGE * settled
     }
 
-    /// Whether a body moved by no more than what a step's kick gives it.
-    pub(crate) fn is_slow(&self, body: usize) -> bool {
-        self.moved[body].slow
+    /// The velocity of a body at the step's start, as it is stored.
+    pub(crate) fn before(&self, body: usize) -> &Six {
+        &self.moved[body].before
     }
 
-    /// The velocity of a body as it is stored: that of the step's start where its island stands.
-    pub(crate) fn velocity(&self, body: usize, stands: bool) -> &Six {
-        let Moved { before, after, .. } = &self.moved[body];
-        if stands { before } else { after }
+    /// The velocity of a body with the impulses that are guessed, as it is stored.
+    pub(crate) fn after(&self, body: usize) -> &Six {
+        &self.moved[body].after
     }
 
     /// How fast the second point leaves the first, and how much faster than at the step's start.
@@ -172,9 +168,6 @@ impl Moved {
             [Vector3::new(a, b, c), placed.rotation * Vector3::new(d, e, f)]
         };
         self.velocity = halves(&self.after);
-        let speed = |[v, w]: [Vector3<f64>; 2]| v.norm() + self.reach * w.norm();
-        let kick: Six = std::array::from_fn(|f| kick[f]);
-        self.slow = speed(halves(&self.before)) <= speed(halves(&kick));
         self.change = halves(&std::array::from_fn(|f| kick[f] + pushed[f]));
     }
 }

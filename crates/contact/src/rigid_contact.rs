@@ -44,12 +44,6 @@ impl Placed {
         std::array::from_fn(|k| self.velocity[k] + self.scale[k] * w[k])
     }
 
-    /// How fast what is within a radius of its centre moves, before any impulse, at most.
-    pub(crate) fn speed(&self, radius: f64) -> f64 {
-        let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        length(&self.velocity[..3]) + radius * length(&self.velocity[3..])
-    }
-
     /// The velocity of a point of it, world axes.
     pub(crate) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         let [x, y, z, a, b, c] = self.velocity;
@@ -60,6 +54,12 @@ impl Placed {
     pub(crate) fn moves(&self) -> bool {
         self.scale[0] > 0.0
     }
+}
+
+/// How fast what is within a radius of a body's centre moves at most, at this velocity of the body.
+pub(crate) fn speed(velocity: &[f64], radius: f64) -> f64 {
+    let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    length(&velocity[..3]) + radius * length(&velocity[3..])
 }
 
 /// How impulses scale the velocities of a body.

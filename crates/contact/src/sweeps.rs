@@ -52,8 +52,7 @@ pub(crate) struct Island<'a> {
 pub(crate) struct Goal {
     /// No contact changes a velocity by more than this, m/s.
     pub(crate) change: f64,
-    /// Sweeps that would do alone, at their rate, are not helped by proximal steps if they are
-    /// fewer.
+    /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
     pub(crate) alone: f64,
 }
 

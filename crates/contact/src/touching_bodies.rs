@@ -37,7 +37,7 @@ use crate::islands::Islands;
 use crate::kept_contacts::KeptContacts;
 use crate::last_impulses::LastImpulses;
 use crate::resting::{Guessed, Resting};
-use crate::rigid_contact::{Placed, Six, scale};
+use crate::rigid_contact::{Placed, Six, scale, speed};
 use crate::{
     ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Settling, Spatial,
     TouchingReport, gap_rows,
@@ -55,7 +55,8 @@ const ROUNDING: f64 = 1e-12;
 /// Gaps relative to the farthest coordinate that are rounding, and so are none: what moves no more
 /// rests.
 const GAPS: f64 = 2.0 * f64::EPSILON;
-/// What nearly rests is settled to this part of what counts as settled, so that it may rest.
+/// What nearly rests, and is no faster than a step's kick, is settled to this part of what counts as
+/// settled, so that it may rest.
 const FINE: f64 = 1.0 / 256.0;
 /// The name under which impulses and contacts are saved.
 const NAME: &str = "touching-bodies";
@@ -255,8 +256,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         }
         find(islands, placed, contacts)?;
         let radius = |body: usize| self.detector.radius(body);
-        let speed = |&body: &usize| placed[body].speed(radius(body));
-        let fastest = islands.iter().flat_map(|(_, of)| of).map(speed).fold(0.0, f64::max);
+        let pushed = |&body: &usize| speed(&placed[body].velocity, radius(body));
+        let fastest = islands.iter().flat_map(|(_, of)| of).map(pushed).fold(0.0, f64::max);
         let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let settled = self.settling.change.max(ROUNDING * fastest).max(GAPS * farthest / h);
         let fine = (FINE * settled).max(ROUNDING * fastest);
@@ -275,7 +276,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
                 Some(off) => {
                     let stands = bodies.iter().all(|&body| resting.stands(body, settled));
                     for &body in bodies {
-                        let velocity = resting.velocity(body, stands);
+                        let velocity =
+                            if stands { resting.before(body) } else { resting.after(body) };
                         v.0[6 * body..][..6].copy_from_slice(velocity);
                     }
                     off
@@ -283,8 +285,11 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
                 None => {
                     let (v_f, mass, sweeps) = (&v.0, &self.mass, self.settling.sweeps);
                     let unpushed = Unpushed { points: contacts, q, v: v_f, mass, bias };
-                    let slow = bodies.iter().all(|&body| resting.is_slow(body));
-                    let conditions = Conditions { unpushed, placed, settled, slow, fine, sweeps };
+                    let kick = |body: usize| speed(&kick.0[6 * body..][..6], radius(body));
+                    let slow =
+                        |&body: &usize| speed(resting.before(body), radius(body)) <= kick(body);
+                    let fine = bodies.iter().all(slow).then_some(fine);
+                    let conditions = Conditions { unpushed, placed, settled, fine, sweeps };
                     let off = solver.solve([members, bodies], conditions, pushes, report)?;
                     for &body in bodies {
                         let after = placed[body].after(solver.change(body));
@@ -333,10 +338,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// How far apart two bodies may be and still meet in a step.
     fn reach(&self, h: f64) -> f64 {
         let fastest = |(body, (v, kick)): (usize, (&[f64], &[f64]))| {
-            let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
             let radius = self.detector.radius(body);
-            let speed = |v: &[f64]| length(&v[..3]) + radius * length(&v[3..]);
-            h * (speed(v) + speed(kick)) + REACH * radius
+            h * (speed(v, radius) + speed(kick, radius)) + REACH * radius
         };
         let Memory { v, kick, .. } = &self.memory;
         let bodies = v.0.chunks_exact(6).zip(kick.0.chunks_exact(6)).enumerate();
