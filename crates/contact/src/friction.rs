@@ -23,6 +23,9 @@ impl RigidContact {
     /// Changes the impulses of this contact to what the others leave to it; says by how much.
     #[inline]
     pub(crate) fn relax(&self, x: &mut [f64; 3], w: &mut [Six]) -> [f64; 3] {
+        if self.is_idle(x, w) {
+            return [0.0; 3];
+        }
         let change = self.visit(w, |rates| self.stagger(rates, x));
         x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
         change
@@ -52,11 +55,11 @@ impl RigidContact {
         disc([beta[0] - s * slip, beta[1] - t * slip], reach)
     }
 
-    /// A change of impulses as the root of its energy, J^1/2.
+    /// The energy of a change of impulses, J.
     #[inline]
-    pub(crate) fn root(&self, [n, s, t]: &[f64; 3]) -> [f64; 3] {
-        let [normal, across] = self.compliance.roots;
-        [normal * n, across * s, across * t]
+    pub(crate) fn energy(&self, [n, s, t]: &[f64; 3]) -> f64 {
+        let Compliance { normal, across, .. } = self.compliance;
+        normal * n * n + across * (s * s + t * t)
     }
 
     /// A change of impulses as a velocity, m/s.
@@ -69,6 +72,9 @@ impl RigidContact {
     /// How far the normal conditions and Coulomb's law are from being met, m/s.
     #[inline]
     pub(crate) fn residuals(&self, x: &[f64; 3], w: &[Six]) -> [f64; 2] {
+        if self.is_idle(x, w) {
+            return [0.0; 2];
+        }
         let [n, s, t] = self.rates(w);
         let Compliance { normal, across, across_mass, .. } = self.compliance;
         let wanted = [x[1] - s * across_mass, x[2] - t * across_mass];

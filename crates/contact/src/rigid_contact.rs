@@ -84,7 +84,7 @@ pub(crate) struct RigidContact {
 }
 
 /// The symmetric matrix `W` of a contact, and what is divided by it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Compliance {
     pub(crate) normal: f64,
     /// Of the normal with each tangent.
@@ -98,8 +98,6 @@ pub(crate) struct Compliance {
     pub(crate) tangent_mass: [f64; 3],
     /// One over `across`.
     pub(crate) across_mass: f64,
-    /// The roots of `normal` and `across`.
-    pub(crate) roots: [f64; 2],
 }
 
 /// An inverse is taken where the smaller eigenvalue is more than rounding of the larger.
@@ -111,7 +109,8 @@ impl Compliance {
             |k: usize, l: usize| -> f64 { rows.iter().map(|rows| dot(&rows[k], &rows[l])).sum() };
         let (normal, coupling) = (product(0, 0), [product(0, 1), product(0, 2)]);
         let [xx, yy, xy] = [product(1, 1), product(2, 2), product(1, 2)];
-        let across = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+        let half = 0.5 * (xx - yy);
+        let across = 0.5 * (xx + yy) + (half * half + xy * xy).sqrt();
         let determinant = xx * yy - xy * xy;
         let regular = determinant > SINGULAR * across * across;
         let tangent_mass = if regular { [yy, xx, -xy].map(|x| x / determinant) } else { [0.0; 3] };
@@ -122,7 +121,6 @@ impl Compliance {
             normal_mass: normal.recip(),
             tangent_mass,
             across_mass: across.recip(),
-            roots: [normal.sqrt(), across.sqrt()],
         }
     }
 }
@@ -141,7 +139,7 @@ impl RigidContact {
             bodies: [placed.len(); 2],
             friction: point.friction,
             offset: [bias, 0.0, 0.0],
-            compliance: Compliance::of(&[[[0.0; 6]; 3]; 2]),
+            compliance: Compliance::default(),
             rows: [[[0.0; 6]; 3]; 2],
         };
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
@@ -186,9 +184,19 @@ impl RigidContact {
 
     #[inline]
     fn rates_of(&self, a: &Six, b: &Six) -> [f64; 3] {
-        std::array::from_fn(|k| {
-            self.offset[k] + (dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
-        })
+        std::array::from_fn(|k| self.rate(k, a, b))
+    }
+
+    #[inline]
+    fn rate(&self, k: usize, a: &Six, b: &Six) -> f64 {
+        self.offset[k] + (dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+    }
+
+    /// Whether it neither pushes nor closes: the answer for a good third, from a third of the rows.
+    #[inline]
+    pub(crate) fn is_idle(&self, x: &[f64; 3], w: &[Six]) -> bool {
+        let [a, b] = self.bodies;
+        *x == [0.0; 3] && self.rate(0, &w[a], &w[b]) >= 0.0
     }
 
     /// The rows of one of its bodies.

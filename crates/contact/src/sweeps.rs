@@ -60,9 +60,8 @@ pub(crate) struct Goal {
 pub(crate) struct Change {
     /// The most at one contact, as a velocity, m/s.
     fastest: f64,
-    /// Of all, J, and relative to that of the impulses.
+    /// Of all, J.
     energy: f64,
-    part: f64,
 }
 
 impl Sweeps {
@@ -115,7 +114,7 @@ impl Sweeps {
             if sweep == bound || self.has_settled(&change, island, x, goal.change) {
                 return [sweep * x.len(), solved];
             }
-            let Change { fastest, energy, part } = change;
+            let Change { fastest, energy } = change;
             if stepped && energy > HELPS * last {
                 (wait, patience) = (patience, 2 * patience);
             }
@@ -125,6 +124,7 @@ impl Sweeps {
             last = energy;
             stepped = wait == 0 && !soon;
             if stepped {
+                let part = (energy / self::energy(island, x)).sqrt();
                 let soft = (SOFT * part).clamp(FIRMEST, SOFTEST);
                 solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
             } else if !soon {
@@ -136,19 +136,20 @@ impl Sweeps {
 
     /// Relaxes each contact once.
     pub(crate) fn sweep(&mut self, island: Island, x: &mut [[f64; 3]]) -> Change {
-        let (mut fastest, mut energy, mut whole) = (0.0_f64, 0.0, 0.0);
-        let square = |roots: [f64; 3]| roots.iter().map(|root| root * root).sum::<f64>();
+        let (mut fastest, mut energy) = (0.0_f64, 0.0);
         self.changes.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
             let change = contact.relax(x, &mut self.w);
             let speed = contact.speed(&change);
             self.changes.push(speed);
             fastest = fastest.max(speed);
-            energy += square(contact.root(&change));
-            whole += square(contact.root(x));
+            energy += contact.energy(&change);
         }
-        // Where nothing pushes there is nothing to change either.
-        let part = if whole > 0.0 { (energy / whole).sqrt() } else { 0.0 };
-        Change { fastest, energy, part }
+        Change { fastest, energy }
     }
+}
+
+/// The energy of impulses, J.
+fn energy(island: Island, x: &[[f64; 3]]) -> f64 {
+    island.contacts.iter().zip(x).map(|(contact, x)| contact.energy(x)).sum()
 }

@@ -2,12 +2,14 @@
 //!
 //! ```text
 //! sweep over the island,   U = { i : a body of i is one of j's, |dx_j| > s }
-//! each connected part of U: sweeps and proximal steps, the other impulses kept;   and again
+//! each part of U that hangs together by x_j > 0:
+//!     sweeps and proximal steps, the other impulses kept;   and again
 //! ```
-//! `dx_j` what the sweep changed at a contact and `s` what counts as settled, as velocities (m/s).
-//! What happens in a heap happens in places: where a box has just landed. Each takes as many sweeps
-//! as it needs, and what it does to its surroundings the next sweep over the whole island shows:
-//! descent by blocks of coordinates. Source: Bertsekas and Tsitsiklis 1989.
+//! `x_j` the impulse of a contact, `dx_j` what the sweep changed there and `s` what counts as
+//! settled, as velocities (m/s). What happens in a heap happens in places: where a box has just
+//! landed. Each takes as many sweeps as it needs, and what it does to its surroundings, or to
+//! contacts that did not push, the next sweep over the whole island shows: descent by blocks of
+//! coordinates. Source: Bertsekas and Tsitsiklis 1989.
 
 use crate::islands::Islands;
 use crate::rigid_contact::RigidContact;
@@ -23,7 +25,7 @@ pub(crate) struct UnsettledParts {
     number: Vec<usize>,
     /// Whether a contact of each of its bodies is not settled.
     unsettled: Vec<bool>,
-    /// The contacts of those bodies, and how they hang together.
+    /// The contacts of those bodies that push, and how they hang together.
     chosen: Vec<usize>,
     parts: Islands,
     part: Part,
@@ -62,7 +64,7 @@ impl UnsettledParts {
             if most == 0 {
                 continue;
             }
-            self.find(island, sweeps, settled);
+            self.find(island, x, sweeps, settled);
             let UnsettledParts { chosen, parts, part, .. } = self;
             for (members, bodies) in parts.iter() {
                 let members = members.iter().map(|&member| chosen[member]);
@@ -83,13 +85,11 @@ impl UnsettledParts {
     }
 
     /// Finds the parts after a sweep.
-    fn find(&mut self, island: Island, sweeps: &Sweeps, settled: f64) {
+    fn find(&mut self, island: Island, x: &[[f64; 3]], sweeps: &Sweeps, settled: f64) {
         let still = island.bodies.len();
-        self.number.clear();
         self.number.resize(sweeps.w.len(), still);
-        for (number, &body) in island.bodies.iter().enumerate() {
-            self.number[body] = number;
-        }
+        island.bodies.iter().enumerate().for_each(|(i, &body)| self.number[body] = i);
+        self.number[sweeps.w.len() - 1] = still;
         let number = |contact: &RigidContact| contact.bodies.map(|body| self.number[body]);
         self.unsettled.clear();
         self.unsettled.resize(still + 1, false);
@@ -99,7 +99,9 @@ impl UnsettledParts {
             }
         }
         self.unsettled[still] = false;
-        let unsettled = |i: &usize| number(&island.contacts[*i]).iter().any(|&b| self.unsettled[b]);
+        let unsettled = |i: &usize| {
+            x[*i] != [0.0; 3] && number(&island.contacts[*i]).iter().any(|&b| self.unsettled[b])
+        };
         self.chosen.clear();
         self.chosen.extend((0..island.contacts.len()).filter(unsettled));
         let of = |member: usize| number(&island.contacts[self.chosen[member]]);
@@ -168,7 +170,7 @@ mod tests {
     fn what_happens_at_one_end_of_a_row_is_settled_there() {
         // All of them part, but for the last three, which meet.
         let mut before: Vec<f64> = (0..200).map(f64::from).collect();
-        before[197..].copy_from_slice(&[1000.0, 1000.0, 997.0]);
+        before[197..].copy_from_slice(&[1002.0, 1000.0, 995.0]);
         let mut after = before.clone();
         after[197..].fill(999.0);
         let [relaxed, solved] = by_parts(&before, &after);
