@@ -23,10 +23,7 @@ impl RigidContact {
     /// Changes the impulses of this contact to what the others leave to it; says by how much.
     #[inline]
     pub(crate) fn relax(&self, x: &mut [f64; 3], w: &mut [Six]) -> [f64; 3] {
-        if self.is_idle(x, w) {
-            return [0.0; 3];
-        }
-        let change = self.visit(w, |rates| self.stagger(rates, x));
+        let change = self.visit(w, x, |rates| self.stagger(rates, x));
         x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
         change
     }
@@ -72,9 +69,6 @@ impl RigidContact {
     /// How far the normal conditions and Coulomb's law are from being met, m/s.
     #[inline]
     pub(crate) fn residuals(&self, x: &[f64; 3], w: &[Six]) -> [f64; 2] {
-        if self.is_idle(x, w) {
-            return [0.0; 2];
-        }
         let [n, s, t] = self.rates(w);
         let Compliance { normal, across, across_mass, .. } = self.compliance;
         let wanted = [x[1] - s * across_mass, x[2] - t * across_mass];

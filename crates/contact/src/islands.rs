@@ -13,8 +13,9 @@ use crate::inverse_mass::Groups;
 #[derive(Debug, Default)]
 pub(crate) struct Islands {
     groups: Groups,
-    /// The island of each body, by the representative of its group.
-    island_of: Vec<usize>,
+    /// The island of each contact and of each body.
+    of_contact: Vec<usize>,
+    of_body: Vec<usize>,
     contacts: Sorted,
     bodies: Sorted,
 }
@@ -29,39 +30,33 @@ struct Sorted {
 const NONE: usize = usize::MAX;
 
 impl Islands {
-    /// Finds the islands of `bodies` bodies; the body numbered `bodies` stands for what does not
-    /// move. A contact has at least one body that does.
-    pub(crate) fn find(
-        &mut self,
-        bodies: usize,
-        contacts: impl Fn(usize) -> [usize; 2],
-        count: usize,
-    ) {
+    /// Finds the islands of `bodies` bodies, given the two of each contact; the body numbered
+    /// `bodies` stands for what does not move. A contact has at least one body that does.
+    pub(crate) fn find(&mut self, bodies: usize, contacts: impl Iterator<Item = [usize; 2]>) {
         self.groups.reset(bodies);
-        for contact in 0..count {
-            let [a, b] = contacts(contact);
+        self.of_contact.clear();
+        for [a, b] in contacts {
             if a < bodies && b < bodies {
                 self.groups.join(a, b);
             }
+            self.of_contact.push(a.min(b));
         }
-        self.island_of.clear();
-        self.island_of.resize(bodies, NONE);
+        self.of_body.clear();
+        self.of_body.resize(bodies, NONE);
         let mut islands = 0;
-        for contact in 0..count {
-            let root = self.groups.find(contacts(contact)[0].min(contacts(contact)[1]));
-            if self.island_of[root] == NONE {
-                self.island_of[root] = islands;
+        for of in &mut self.of_contact {
+            let root = self.groups.find(*of);
+            if self.of_body[root] == NONE {
+                self.of_body[root] = islands;
                 islands += 1;
             }
+            *of = self.of_body[root];
         }
         for body in 0..bodies {
-            let root = self.groups.find(body);
-            self.island_of[body] = self.island_of[root];
+            self.of_body[body] = self.of_body[self.groups.find(body)];
         }
-        let island_of = &self.island_of;
-        let of_contact = |i: usize| island_of[contacts(i)[0].min(contacts(i)[1])];
-        self.contacts.sort(islands, count, of_contact);
-        self.bodies.sort(islands, bodies, |body| island_of[body]);
+        self.contacts.sort(islands, &self.of_contact);
+        self.bodies.sort(islands, &self.of_body);
     }
 
     /// The contacts and the bodies of each island.
@@ -71,19 +66,18 @@ impl Islands {
 }
 
 impl Sorted {
-    fn sort(&mut self, islands: usize, count: usize, of: impl Fn(usize) -> usize) {
+    fn sort(&mut self, islands: usize, of: &[usize]) {
         self.starts.clear();
         self.starts.resize(islands + 1, 0);
-        let belongs = |&i: &usize| of(i) != NONE;
-        (0..count).filter(belongs).for_each(|i| self.starts[of(i)] += 1);
+        of.iter().filter(|&&of| of != NONE).for_each(|&of| self.starts[of] += 1);
         let mut sum = 0;
         for start in &mut self.starts {
             (*start, sum) = (sum, sum + *start);
         }
         self.members.clear();
         self.members.resize(sum, 0);
-        for i in (0..count).filter(belongs) {
-            let place = &mut self.starts[of(i)];
+        for (i, &of) in of.iter().enumerate().filter(|&(_, &of)| of != NONE) {
+            let place = &mut self.starts[of];
             self.members[*place] = i;
             *place += 1;
         }
@@ -106,7 +100,7 @@ mod tests {
         let contacts = [[6, 1], [1, 4], [3, 6], [4, 5], [6, 3]];
         let mut islands = Islands::default();
         for _ in 0..2 {
-            islands.find(6, |i| contacts[i], contacts.len());
+            islands.find(6, contacts.into_iter());
             let found: Vec<_> = islands.iter().map(|(c, b)| (c.to_vec(), b.to_vec())).collect();
             assert_eq!(found, [(vec![0, 1, 3], vec![1, 4, 5]), (vec![2, 4], vec![3])]);
         }
@@ -115,7 +109,7 @@ mod tests {
     #[test]
     fn without_contacts_there_are_no_islands() {
         let mut islands = Islands::default();
-        islands.find(3, |_| [0, 0], 0);
+        islands.find(3, std::iter::empty());
         assert_eq!(islands.iter().count(), 0);
     }
 }

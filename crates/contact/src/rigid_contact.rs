@@ -179,24 +179,12 @@ impl RigidContact {
     #[inline]
     pub(crate) fn rates(&self, w: &[Six]) -> [f64; 3] {
         let [a, b] = self.bodies;
-        self.rates_of(&w[a], &w[b])
-    }
-
-    #[inline]
-    fn rates_of(&self, a: &Six, b: &Six) -> [f64; 3] {
-        std::array::from_fn(|k| self.rate(k, a, b))
+        std::array::from_fn(|k| self.rate(k, &w[a], &w[b]))
     }
 
     #[inline]
     fn rate(&self, k: usize, a: &Six, b: &Six) -> f64 {
         self.offset[k] + (dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
-    }
-
-    /// Whether it neither pushes nor closes: the answer for a good third, from a third of the rows.
-    #[inline]
-    pub(crate) fn is_idle(&self, x: &[f64; 3], w: &[Six]) -> bool {
-        let [a, b] = self.bodies;
-        *x == [0.0; 3] && self.rate(0, &w[a], &w[b]) >= 0.0
     }
 
     /// The rows of one of its bodies.
@@ -219,16 +207,23 @@ impl RigidContact {
         }
     }
 
-    /// Lets impulses be changed by what `respond` makes of the rates.
+    /// Lets its impulses `x` be changed by what `respond` makes of the rates; says by how much.
     #[inline]
     pub(crate) fn visit(
         &self,
         w: &mut [Six],
+        x: &[f64; 3],
         respond: impl FnOnce([f64; 3]) -> [f64; 3],
     ) -> [f64; 3] {
         let [a, b] = self.bodies;
         let (mut first, mut second) = (w[a], w[b]);
-        let change = respond(self.rates_of(&first, &second));
+        let rate = |k: usize| self.rate(k, &first, &second);
+        let normal = rate(0);
+        // What neither pushes nor closes needs no other rate: a good third of all visits.
+        if *x == [0.0; 3] && normal >= 0.0 {
+            return [0.0; 3];
+        }
+        let change = respond([normal, rate(1), rate(2)]);
         add(&self.rows[0], &change, &mut first);
         add(&self.rows[1], &change, &mut second);
         (w[a], w[b]) = (first, second);

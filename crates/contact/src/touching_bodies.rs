@@ -380,6 +380,6 @@ fn find(
     if let Some(contact) = contacts.iter().position(|c| moving(c) == [placed.len(); 2]) {
         return Err(ContactError::Immovable { contact });
     }
-    islands.find(placed.len(), |i| moving(&contacts[i]), contacts.len());
+    islands.find(placed.len(), contacts.iter().map(moving));
     Ok(())
 }

@@ -104,8 +104,8 @@ impl UnsettledParts {
         };
         self.chosen.clear();
         self.chosen.extend((0..island.contacts.len()).filter(unsettled));
-        let of = |member: usize| number(&island.contacts[self.chosen[member]]);
-        self.parts.find(still, of, self.chosen.len());
+        let of = |&member: &usize| number(&island.contacts[member]);
+        self.parts.find(still, self.chosen.iter().map(of));
     }
 }
 
