@@ -4,12 +4,12 @@
 //! loose grid with friction: ours with at most 12 sweeps a step and with as many as it takes to
 //! settle to 3e-3, 1e-3 and 1e-4 m/s, rapier with 4 (its default), 20 and 100 iterations, all from
 //! the same state, a step of each in turn. A line for each: its time over that of rapier's default,
-//! in flight (the first second) and afterwards; how far the contact conditions are from being met
-//! at worst, in flight and in the last quarter of a second; how deep boxes overlap, how fast the
-//! fastest is at the end, and the energy. For rapier the conditions are only how fast its boxes
-//! still close once their gaps are used up (a lower bound of the residual of ours, which counts
-//! impulses and friction as well). Below, what is left against the time as a chart. Nothing sleeps;
-//! one thread each.
+//! in flight (the first second), afterwards and in all; how far the contact conditions are from
+//! being met at worst, in flight and in the last quarter of a second; how deep boxes overlap, how
+//! fast the fastest is at the end, and the energy. For rapier the conditions are only how fast its
+//! boxes still close once their gaps are used up (a lower bound of the residual of ours, which
+//! counts impulses and friction as well). Below, what is left against the time as a chart. Nothing
+//! sleeps; one thread each.
 
 use std::time::Instant;
 
@@ -183,14 +183,23 @@ fn main() {
 /// A line for each run, and a chart of what is left in flight against the time.
 fn report(runs: &[Run], base: [f64; 2]) {
     println!(
-        "{:>23} | {:>7} {:>7} | {:>8} {:>8} | {:>8} {:>8} {:>9}",
-        "time over rapier's", "flight", "then", "flight", "at rest", "overlap", "speed", "energy"
+        "{:>23} | {:>7} {:>7} {:>7} | {:>8} {:>8} | {:>8} {:>8} {:>9}",
+        "time over rapier's",
+        "flight",
+        "then",
+        "in all",
+        "flight",
+        "at rest",
+        "overlap",
+        "speed",
+        "energy"
     );
     for Run { name, times, left, overlap, end } in runs {
         println!(
-            "{name:>23} | {:7.2} {:7.2} | {:8.1e} {:8.1e} | {overlap:8.1e} {:8.1e} {:9.1}",
+            "{name:>23} | {:7.2} {:7.2} {:7.2} | {:8.1e} {:8.1e} | {overlap:8.1e} {:8.1e} {:9.1}",
             times[0] / base[0],
             times[1] / base[1],
+            times.iter().sum::<f64>() / base.iter().sum::<f64>(),
             left[0],
             left[1],
             end.speed,

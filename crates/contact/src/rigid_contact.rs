@@ -178,8 +178,8 @@ impl RigidContact {
     /// The rates along the normal and the tangents, m/s.
     #[inline]
     pub(crate) fn rates(&self, w: &[Six]) -> [f64; 3] {
-        let [a, b] = self.bodies;
-        std::array::from_fn(|k| self.rate(k, &w[a], &w[b]))
+        let [a, b] = self.bodies.map(|body| &w[body]);
+        std::array::from_fn(|k| self.rate(k, a, b))
     }
 
     #[inline]
