@@ -8,8 +8,8 @@ const PAIRS: usize = 41;
 const TIME: Duration = Duration::from_secs(1);
 
 /// Prints the median of `ours / theirs` over many pairs of runs, with its quartiles, and the ratio of
-/// the least times, which a machine's other guests disturb the least.
-pub fn ratio(name: &str, mut ours: impl FnMut(), mut theirs: impl FnMut()) {
+/// the least times, which a machine's other guests disturb the least; and returns the median.
+pub fn ratio(name: &str, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> f64 {
     let time = |run: &mut dyn FnMut()| {
         let start = Instant::now();
         run();
@@ -33,4 +33,5 @@ pub fn ratio(name: &str, mut ours: impl FnMut(), mut theirs: impl FnMut()) {
         quartile(1),
         quartile(3)
     );
+    quartile(2)
 }

@@ -11,19 +11,17 @@
 //! counts impulses and friction as well). Below, what is left against the time as a chart. Nothing
 //! sleeps; one thread each.
 
+mod box_quality;
+mod rapier_boxes;
+
 use std::time::Instant;
 
-use nalgebra::Vector3;
-use rapier3d_f64::prelude::{
-    ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, Rotation as Turn, Vector,
-};
-use stationary_calculus::Vector as Velocity;
-use stationary_contact::problems::{FRICTION, GRAVITY, falling_boxes};
-use stationary_contact::{Detector, Settling, TouchingBodies, gap_rows};
-use stationary_rigid::{Body, LieGroup, RigidMotion};
+use stationary_contact::problems::falling_boxes;
+use stationary_contact::{Settling, TouchingBodies};
 
-/// The step, seconds.
-const STEP: f64 = 1e-3;
+use self::box_quality::{Quality, look, poses, velocities};
+use self::rapier_boxes::{STEP, rapier};
+
 /// How long the pile falls, seconds.
 const TIME: f64 = 3.0;
 /// Until when it is in flight, and from when it is looked at as a heap, seconds.
@@ -41,68 +39,6 @@ const SETTLED: [Settling; 4] = [
 ];
 /// Iterations of rapier's solver; its default first.
 const ITERATIONS: [usize; 3] = [4, 20, 100];
-
-fn rapier(starts: &[RigidMotion]) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
-    let gravity = Vector::Z * -GRAVITY;
-    let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
-    world.integration_parameters.dt = STEP;
-    let floor = ColliderBuilder::cuboid(1000.0, 1000.0, 1.0).translation(Vector::Z * -1.0);
-    world.insert(RigidBodyBuilder::fixed(), floor.friction(FRICTION));
-    let insert = |start: &RigidMotion| {
-        let [x, y, z] = start.translation.into();
-        let turn = start.rotation.log();
-        let body = RigidBodyBuilder::dynamic()
-            .translation(Vector::new(x, y, z))
-            .rotation(Vector::new(turn.x, turn.y, turn.z))
-            .can_sleep(false);
-        let cube = ColliderBuilder::cuboid(0.5, 0.5, 0.5).friction(FRICTION);
-        world.insert(body, cube).0
-    };
-    let handles = starts.iter().map(insert).collect();
-    (world, handles)
-}
-
-/// Poses and velocities as ours are.
-fn poses(world: &PhysicsWorld, handles: &[RigidBodyHandle]) -> (Vec<f64>, Vec<f64>) {
-    let (mut q, mut v) = (Vec::new(), Vec::new());
-    for handle in handles {
-        let body = &world.bodies[*handle];
-        let (at, turn): (Vector, Turn) = (body.translation(), *body.rotation());
-        q.extend([at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z]);
-        let (linear, angular) = (body.linvel(), turn.inverse() * body.angvel());
-        v.extend([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);
-    }
-    (q, v)
-}
-
-/// What a pile is like.
-#[derive(Clone, Copy, Default)]
-struct Quality {
-    overlap: f64,
-    closing: f64,
-    speed: f64,
-    energy: f64,
-}
-
-/// Looks at velocities over a step that starts at some poses.
-fn look(detector: &mut Detector, q: &[f64], v: &[f64], body: &Body) -> Quality {
-    let mut quality = Quality::default();
-    let contacts = detector.detect(q, 0.02).expect("detection");
-    let rows = gap_rows(contacts, q);
-    for (i, contact) in contacts.iter().enumerate() {
-        quality.overlap = quality.overlap.max(-contact.gap);
-        let closing = -rows.along(i, Velocity(v)) - contact.gap.max(0.0) / STEP;
-        quality.closing = quality.closing.max(closing);
-    }
-    for (q, v) in q.chunks_exact(7).zip(v.chunks_exact(6)) {
-        let linear = Vector3::from_column_slice(&v[..3]);
-        let angular = Vector3::from_column_slice(&v[3..]);
-        quality.speed = quality.speed.max(linear.norm());
-        let kinetic = linear.norm_squared() + angular.dot(&body.angular_momentum(&angular));
-        quality.energy += 0.5 * kinetic + GRAVITY * q[2];
-    }
-    quality
-}
 
 /// What a run took and left.
 #[derive(Clone, Default)]
@@ -143,7 +79,7 @@ fn main() {
         (bodies.with_settling(settling), pile.state.clone(), run)
     });
     let mut theirs = ITERATIONS.map(|iterations| {
-        let (mut world, handles) = rapier(&pile.starts);
+        let (mut world, handles) = rapier(&pile.starts, false);
         world.integration_parameters.num_solver_iterations = iterations;
         let run = Run { name: format!("rapier, {iterations} iterations"), ..Run::default() };
         (world, handles, run)
@@ -163,14 +99,13 @@ fn main() {
             world.step();
             run.took(t, start.elapsed().as_secs_f64());
             if let Some(before) = before {
-                run.end = look(&mut watch, &before, &poses(world, handles).1, &cube);
+                run.end = look(&mut watch, &before, &poses(world, handles).1, &cube, STEP);
                 run.saw(t, run.end.closing, run.end.overlap);
             }
         }
     }
     let ours = ours.map(|(_, state, mut run)| {
-        let v: Vec<f64> = state.p.0.chunks_exact(6).flat_map(|p| velocity(p, &cube)).collect();
-        run.end = look(&mut watch, &state.q, &v, &cube);
+        run.end = look(&mut watch, &state.q, &velocities(&state.p.0, &cube), &cube, STEP);
         run
     });
     let runs: Vec<Run> = ours.into_iter().chain(theirs.map(|(_, _, run)| run)).collect();
@@ -216,9 +151,4 @@ fn report(runs: &[Run], base: [f64; 2]) {
             println!("{left:8.1e} |{:column$}* {time:.2} {name}", "");
         }
     }
-}
-
-fn velocity(p: &[f64], body: &Body) -> [f64; 6] {
-    let w = body.angular_velocity(&Vector3::from_column_slice(&p[3..]));
-    [p[0], p[1], p[2], w.x, w.y, w.z]
 }
