@@ -280,8 +280,8 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
     };
     // Which step is stable differs from one to the other.
     let stable = |at: &At| {
-        let end = lab.seen(*at).map(|run| &run.end);
-        !matches!(end, Some(End::Failed(Failure::Unstable(_))))
+        let said = judge(lab, reference, tolerance, *at);
+        !matches!(said, Some(Judgement::Failed(Failure::Unstable(_))))
     };
     let others = (0..lab.ladder().families.len()).filter(alike).filter_map(last).filter(stable);
     let rung = others.map(|at| at.rung + 1).fold(own, usize::max);

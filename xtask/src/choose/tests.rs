@@ -171,6 +171,38 @@ fn what_confirms_a_long_swing_costs_no_more_than_ten_runs_of_the_choice() {
 }
 
 #[test]
+fn steps_that_were_too_coarse_for_one_are_passed_over_by_its_like_but_not_those_that_were_unstable()
+{
+    // A bob that swings at 1 per second, and a step of a 20th of the horizon: the one method is
+    // stable up to 1.6 s, the other up to 2.8 s.
+    let next = |horizon: f64| {
+        let text = format!(
+            "dimension = 1\nintegrator = \"runge-kutta-4\"\nstep = 0.1\nhorizon = {horizon}\n\
+             particles = [\n{{ name = \"hook\", position = [0], pinned = true }},\n\
+             {{ name = \"bob\", position = [1.5], mass = 1 }}]\n\
+             springs = [{{ between = [\"hook\", \"bob\"], stiffness = 1, rest_length = 1 }}]"
+        );
+        let mut lab = laboratory("a.toml", &text, &question("position=bob", 1e-2)).unwrap();
+        let families = preferred(&lab, 1e-6);
+        let reference = refer(&mut lab, &families, 1e-6).unwrap();
+        let family = |lab: &Lab, name: &str| {
+            lab.ladder().families.iter().position(|family| family.name == name).unwrap()
+        };
+        let (tried, like) = (family(&lab, "triple-jump-4"), family(&lab, "runge-kutta-4"));
+        let (most_work, foresight) = (u64::MAX, Foresight::None);
+        let trial = Trial { reference: &reference, most_error: 1e-2, most_work, foresight };
+        lab.attempt(At { family: tried, rung: 0 }, &trial);
+        let next = next_rung(&lab, &reference, 1e-2, like).map(|at| at.rung);
+        (judge(&lab, &reference, 1e-2, At { family: tried, rung: 0 }).unwrap(), next)
+    };
+    let (said, rung) = next(20.0);
+    assert!(matches!(said, Judgement::Misses(_)) && rung == Some(1), "{said:?} {rung:?}");
+    let (said, rung) = next(50.0);
+    let unstable = matches!(said, Judgement::Failed(Failure::Unstable(_)));
+    assert!(unstable && rung == Some(0), "{said:?} {rung:?}");
+}
+
+#[test]
 fn the_horizon_is_a_parameter() {
     let question = Question { horizon: Some(1.0), ..question("position=planet", 1e-3) };
     let (answer, _) = asked(PLANET, &question);
