@@ -124,7 +124,7 @@ impl Sweeps {
             last = energy;
             stepped = wait == 0 && !soon;
             if stepped {
-                let part = (energy / self::energy(island, x)).sqrt();
+                let part = (energy / energy_of(island, x)).sqrt();
                 let soft = (SOFT * part).clamp(FIRMEST, SOFTEST);
                 solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
             } else if !soon {
@@ -150,6 +150,6 @@ impl Sweeps {
 }
 
 /// The energy of impulses, J.
-fn energy(island: Island, x: &[[f64; 3]]) -> f64 {
+fn energy_of(island: Island, x: &[[f64; 3]]) -> f64 {
     island.contacts.iter().zip(x).map(|(contact, x)| contact.energy(x)).sum()
 }
