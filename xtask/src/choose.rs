@@ -243,7 +243,8 @@ fn confirmed(
         };
         let most_error = tolerance + reference.uncertainty;
         let most_work = u64::MAX;
-        lab.attempt(at, &Trial { reference, most_error, most_work, foresight: Foresight::None });
+        let (reference, foresight) = (Some(reference), Foresight::None);
+        lab.attempt(at, &Trial { reference, most_error, most_work, foresight });
         if agrees(lab, at) {
             return Confirmed::Yes;
         }

@@ -229,7 +229,9 @@ impl<'a> Climb<'a> {
     /// What was run for the reference is judged; the coarsest rung of its family that meets the
     /// tolerance, where one does.
     fn take_over(&mut self, family: usize) -> Option<usize> {
-        let run: Vec<At> = self.lab.used().map(|(at, _)| at).collect();
+        // What was stopped for its cost is tried in its turn.
+        let ended = self.lab.used().filter(|(_, run)| run.end != End::Cut);
+        let run: Vec<At> = ended.map(|(at, _)| at).collect();
         let mut coarsest = None;
         for at in run.into_iter().rev() {
             if matches!(self.judged(at), Judgement::Meets(_)) && at.family == family {
@@ -334,7 +336,7 @@ impl<'a> Climb<'a> {
     /// Runs a rung as long as it may be the choice, and returns its work.
     fn attempted(&mut self, at: At) -> u64 {
         let trial = Trial {
-            reference: &self.reference,
+            reference: Some(&self.reference),
             most_error: self.tolerance + self.reference.uncertainty,
             most_work: self.best.map_or(u64::MAX, |(_, work)| work),
             foresight: Foresight::Steady,

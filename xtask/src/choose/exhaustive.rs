@@ -36,7 +36,7 @@ pub fn exhaustive(
                 break;
             }
             let trial = Trial {
-                reference: truth,
+                reference: Some(truth),
                 most_error: tolerance,
                 most_work: most,
                 foresight: Foresight::None,

@@ -19,7 +19,7 @@ use stationary_integrators::Evaluation;
 
 use super::lab::{At, Lab};
 use super::ladder::Kind;
-use super::run::{Course, Failure, apart, distance};
+use super::run::{Course, End, Failure, Foresight, Trial, apart, distance};
 
 /// The best answer so far.
 #[derive(Clone, Debug)]
@@ -101,21 +101,54 @@ impl Making {
         };
         let far = self.uncertainty().min(SATURATED) / enough;
         // Where nothing is known yet, the next one may do.
-        let rungs = if self.best.is_some() { far.ln() / f64::ln(shrinks) } else { 1.0 };
+        let rungs = if self.is_known(lab) { far.ln() / f64::ln(shrinks) } else { 1.0 };
         Some((0..rungs.ceil().max(1.0) as i32).map(|rung| next * f64::powi(grows, rung)).sum())
     }
 
-    /// The work of the next rung, where there is one.
-    fn next(&self, lab: &Lab) -> Option<u64> {
-        let at = At { family: self.family, rung: self.finest };
-        let there = self.finest < lab.family(self.family).rungs.len() && lab.affords(at);
-        // A rung alone is no reference.
-        let before = At { rung: self.finest - 1, ..at };
-        let alone = self.best.is_none() && lab.seen(before).is_none();
-        there.then(|| lab.predicted(at) + if alone { lab.predicted(before) } else { 0 })
+    /// Whether what was run says how far there is to go: what equal steps differ from across those
+    /// that failed does not.
+    fn is_known(&self, lab: &Lab) -> bool {
+        let came = |rung: &usize| {
+            let run = lab.seen(At { family: self.family, rung: *rung });
+            run.is_some_and(|run| run.whole().is_some())
+        };
+        let own = lab.family(self.family).kind == Kind::OwnSteps;
+        let first = self.finest.saturating_sub(2);
+        self.best.is_some() && (own || (first..self.finest).all(|rung| came(&rung)))
     }
 
-    fn advance(&mut self, lab: &mut Lab) {
+    /// The work of the next rung, where there is one, and of another where that would be alone: the
+    /// coarser one, or where that failed, a finer one.
+    fn next(&self, lab: &Lab) -> Option<u64> {
+        let rungs = lab.family(self.family).rungs.len();
+        let at = |rung: usize| At { family: self.family, rung };
+        if self.finest >= rungs || !lab.affords(at(self.finest)) {
+            return None;
+        }
+        let before = lab.seen(at(self.finest - 1));
+        let other = match before {
+            _ if self.is_known(lab) => None,
+            None => Some(self.finest - 1),
+            Some(run) if run.whole().is_some() => None,
+            Some(_) => Some(self.finest + 1).filter(|&after| after < rungs),
+        };
+        let other = other.map_or(0, |other| lab.predicted(at(other)));
+        Some(lab.predicted(at(self.finest)) + other)
+    }
+
+    /// Tries the next rung; where that goes on to cost far more than what others have left, it is
+    /// stopped, and tried again only where those turn out to be dearer still.
+    fn advance(&mut self, lab: &mut Lab, others: f64) {
+        let trial = Trial {
+            reference: None,
+            most_error: f64::INFINITY,
+            most_work: others as u64,
+            foresight: Foresight::Steady,
+        };
+        let at = At { family: self.family, rung: self.finest };
+        if lab.attempt(at, &trial).end == End::Cut {
+            return;
+        }
         let next = Reference::at(lab, self.family, self.finest);
         let hopeless = next.as_ref().is_none_or(|next| next.uncertainty > SATURATED);
         // A decade of tolerance costs little.
@@ -142,8 +175,11 @@ impl Reference {
         while !lab.late() && making.iter().all(|making| making.uncertainty() > enough) {
             let left = making.iter_mut();
             let left = left.filter_map(|making| Some((making.left(lab, enough)?, making)));
-            let Some((_, cheapest)) = left.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cheapest.advance(lab);
+            let mut left: Vec<(f64, &mut Making)> = left.collect();
+            left.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut left = left.into_iter();
+            let Some((_, cheapest)) = left.next() else { break };
+            cheapest.advance(lab, left.next().map_or(f64::INFINITY, |(others, _)| others));
         }
         let made = making.into_iter().filter_map(|making| making.best);
         made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))

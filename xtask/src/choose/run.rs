@@ -88,8 +88,8 @@ pub struct Measured {
 /// What a run is stopped by as soon as it shows at a moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'r> {
-    /// What it is judged by.
-    pub reference: &'r Reference,
+    /// What it is judged by, where there is something yet.
+    pub reference: Option<&'r Reference>,
     /// An error above this is one too many.
     pub most_error: f64,
     /// Work above this is too much.
@@ -113,7 +113,7 @@ const FAR: u64 = 2;
 
 impl Trial<'_> {
     fn is_lost(&self, moment: usize, observed: &[f64], work: u64) -> bool {
-        let error = self.reference.error_at(moment, observed);
+        let error = self.reference.map_or(0.0, |known| known.error_at(moment, observed));
         let foreseen = match self.foresight {
             Foresight::Steady if moment >= WATCHED => {
                 work / FAR * MOMENTS / moment as u64 > self.most_work
