@@ -172,6 +172,10 @@ impl Answer {
                 "for a true error of at most {asked:e}, {name} needs `tolerance = {set}`: it gives \
                  {error:.1e}{others}"
             ),
+            None if of_name().any(|row| row.judgement == Some(Judgement::Dearer)) => format!(
+                "{name} was stopped as too dear before it showed which tolerance keeps to \
+                 {asked:e}{others}"
+            ),
             None => format!("no tolerance that {name} was run with keeps to {asked:e}{others}"),
         }
     }
@@ -201,7 +205,9 @@ impl Row {
             }
             Some(Judgement::Misses(_)) => "misses it".to_owned(),
             Some(Judgement::Unclear(_)) => "too close to tell".to_owned(),
-            Some(Judgement::Dearer) => "dearer than the choice".to_owned(),
+            Some(Judgement::Dearer) => {
+                format!("too dear, stopped at {} of {MOMENTS}", self.moment)
+            }
             Some(Judgement::Failed(failure)) => failure.to_string(),
             None => "not judged".to_owned(),
         }

@@ -302,3 +302,13 @@ fn a_scene_that_names_a_tolerance_learns_which_one_to_name() {
     assert!(off <= 1e-3 * 1.5, "{advice}\n{off:e}");
     assert!(answer.to_string().contains("for a true error of at most 1e-3, "), "{answer}");
 }
+
+#[test]
+fn a_method_that_is_too_dear_says_so_and_is_asked_all_the_same_where_the_scene_names_it() {
+    let named = STIFF.replace("\"stormer-verlet\"", "\"dormand-prince-853\"\ntolerance = 1e-6");
+    let question = question("position=bob", 1e-2);
+    let said = |text: &str| asked(text, &question).0.tolerances().join("\n");
+    let (of_another, of_its_own) = (said(STIFF), said(&named));
+    assert!(of_another.contains("dormand-prince-853 was stopped as too dear"), "{of_another}");
+    assert!(of_its_own.contains("dormand-prince-853 needs `tolerance = "), "{of_its_own}");
+}
