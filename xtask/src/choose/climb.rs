@@ -38,7 +38,7 @@ pub enum Judgement {
     Unclear(f64),
     /// Its error, which is certainly beyond the tolerance: at the moment at which it was stopped.
     Misses(f64),
-    /// It was stopped where it cost more than the choice, or far more than another reference would.
+    /// It was stopped where it cost more than the choice, or had more to do than another reference.
     Dearer,
     /// There is no error to speak of.
     Failed(Failure),

@@ -9,8 +9,8 @@ use super::ladder::{Family, Kind, Ladder};
 use super::run::{End, Failure, Measured, Trial, measure};
 
 /// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
-/// the border of its stability: 15 a step that is 3 times as long, `|h w| < 6.1` over 2.
-const STAGES_A_LIMIT: u64 = 5;
+/// the border of its stability: 12 a step that is 3 times as long, `|h w| < 6.1` over 2.
+const STAGES_A_LIMIT: u64 = 4;
 
 /// A rung's place: its family and its place in that, from coarse to fine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

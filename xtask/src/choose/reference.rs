@@ -136,14 +136,14 @@ impl Making {
         Some(lab.predicted(at(self.finest)) + other)
     }
 
-    /// Tries the next rung; where that goes on to cost far more than what others have left, it is
-    /// stopped, and tried again only where those turn out to be dearer still.
+    /// Tries the next rung; where that has more to do still than others, it is stopped, and tried
+    /// again only where those turn out to be dearer.
     fn advance(&mut self, lab: &mut Lab, others: f64) {
         let trial = Trial {
             reference: None,
             most_error: f64::INFINITY,
             most_work: others as u64,
-            foresight: Foresight::Steady,
+            foresight: Foresight::Rest,
         };
         let at = At { family: self.family, rung: self.finest };
         if lab.attempt(at, &trial).end == End::Cut {

@@ -105,6 +105,8 @@ pub enum Foresight {
     None,
     /// When it will be by far, going on as it began.
     Steady,
+    /// When what it has still to do is too much, going on as it began: what it cost is spent.
+    Rest,
 }
 
 /// Moments that a run is watched before it is foreseen, and the factor by which it must be too dear.
@@ -114,13 +116,14 @@ const FAR: u64 = 2;
 impl Trial<'_> {
     fn is_lost(&self, moment: usize, observed: &[f64], work: u64) -> bool {
         let error = self.reference.map_or(0.0, |known| known.error_at(moment, observed));
-        let foreseen = match self.foresight {
-            Foresight::Steady if moment >= WATCHED => {
-                work / FAR * MOMENTS / moment as u64 > self.most_work
-            }
-            _ => false,
+        let (most, past) = (self.most_work, moment as u64);
+        let foreseen = |moments: u64| moment >= WATCHED && work * moments / past > most;
+        let dear = match self.foresight {
+            Foresight::None => work > most,
+            Foresight::Steady => work > most || foreseen(MOMENTS / FAR),
+            Foresight::Rest => foreseen(MOMENTS.saturating_sub(past)),
         };
-        work > self.most_work || foreseen || error.is_nan() || error > self.most_error
+        dear || error.is_nan() || error > self.most_error
     }
 }
 
