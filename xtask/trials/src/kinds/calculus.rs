@@ -1,0 +1,6 @@
+//! What calculus promises, on random problems.
+
+use crate::Kind;
+
+/// The kinds of trials of calculus.
+pub const KINDS: &[Kind] = &[];

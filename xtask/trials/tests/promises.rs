@@ -1,0 +1,44 @@
+//! As many random cases of each kind as fit into a minute for all, and all that were ever found wrong.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use stationary_trials::{Draw, Kind, Plan, Verdict};
+
+/// The seed of the tests' cases.
+const SEED: u64 = 20_261_122;
+
+#[test]
+fn no_kind_has_a_wrong_case() {
+    let mut wrong = Vec::new();
+    for kind in Kind::all() {
+        assert!(kind.in_tests >= 50, "{} runs {} cases", kind.name, kind.in_tests);
+        let plan = Plan { seed: SEED, cases: kind.in_tests, shard: (0, 1), limit: Duration::MAX };
+        let tally = plan.run(kind);
+        assert_eq!(tally.tried, kind.in_tests);
+        wrong.extend(tally.faults.into_iter().map(|fault| (kind.name, fault)));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Each line of `found/*.tsv`: the kind, the case's seed, what was wrong before it was mended.
+#[test]
+fn what_trials_have_found_is_mended() {
+    let mut wrong = Vec::new();
+    for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("found")).unwrap() {
+        let text = fs::read_to_string(entry.unwrap().path()).unwrap();
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
+            let mut cells = line.split('\t');
+            let (name, case) = (cells.next().unwrap(), cells.next().unwrap());
+            let Some(kind) = Kind::all().find(|kind| kind.name == name) else {
+                panic!("no kind `{name}`");
+            };
+            let verdict = (kind.trial)(&mut Draw::new(case.parse().unwrap()));
+            if matches!(verdict, Verdict::Wrong { .. }) {
+                wrong.push((line.to_owned(), verdict));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
