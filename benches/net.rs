@@ -16,8 +16,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Par, linalg::cholesky::llt::factor::LltRegularization};
 use stationary_calculus::{
-    DiagonalMetric, HessianSolver, Metric, Potential, SparseCholesky, SparseSolver, Stencils,
-    SymmetricMatrix, System,
+    Covector, DiagonalMetric, HessianSolver, Metric, Potential, SparseCholesky, SparseSolver,
+    Stencils, SymmetricMatrix, System,
 };
 use stationary_elasticity::{Net, Spring, Strain, net};
 use stationary_integrators::{ImplicitEuler, Integrator, State, StormerVerlet, UniformGravity};
@@ -67,7 +67,7 @@ fn hanging<const D: usize>(side: usize) -> (Hanging<D>, State<Vec<f64>>) {
     let system = System::new(metric, (springs, gravity)).expect("one size");
     let q: Vec<f64> = (0..free).flat_map(position).collect();
     let p = vec![0.0; q.len()];
-    (system, State::new(q, p))
+    (system, State::new(q, Covector(p)))
 }
 
 fn implicit<const D: usize>(criterion: &mut Criterion) {

@@ -9,7 +9,8 @@
 use std::time::Instant;
 
 use stationary_calculus::{
-    Curvature, Metric, Ordering, Potential, SparseCholesky, SparseSolver, SymmetricMatrix, System,
+    Covector, Curvature, Metric, Ordering, Potential, SparseCholesky, SparseSolver,
+    SymmetricMatrix, System,
 };
 use stationary_elasticity::{
     Elements, Freedoms, Lame, LinearTetrahedron, NeoHookean, Solid, lumped_mass,
@@ -53,7 +54,7 @@ fn main() {
     println!("{} elements, {} freedoms", mesh.simplices().len(), q.len());
     println!("iterations   step [s]   factor and solve [s]   an iteration over it");
     let mut ratios = Vec::new();
-    let mut state = State::new(q, vec![0.0; mass.dim()]);
+    let mut state = State::new(q, Covector(vec![0.0; mass.dim()]));
     for _ in 0..STEPS {
         let filled = matrix.refill(|sink| {
             mass.add_matrix(sink.weighted(1.0));

@@ -14,7 +14,7 @@ mod stiff;
 
 use contest::contest;
 use mechanics::{Small, contestants, nystrom, their_dop853};
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_integrators::problems::{Problem, kepler, pleiades, van_der_pol};
 use stationary_integrators::{Pair12, State};
 use stationary_scene::{ScenePotential, SceneProblem, problems::outer_solar_system};
@@ -33,7 +33,7 @@ fn on_the_stack(planets: &SceneProblem<3>) -> Planets<'_> {
     Problem {
         name: planets.name,
         system: System::new(masses, planets.system.potential()).expect("18 freedoms"),
-        initial: State::new(eighteen(&planets.initial.q), eighteen(&planets.initial.p.0)),
+        initial: State::new(eighteen(&planets.initial.q), Covector(eighteen(&planets.initial.p.0))),
         horizon: planets.horizon,
         period: planets.period,
         scale: planets.scale,

@@ -43,7 +43,7 @@ fn no_method_allocates_in_a_step() {
     let State { q, p, .. } = planet.initial.clone();
     for &method in Method::ALL {
         checked(method, &planet.system, &planet.initial, 0.01);
-        checked(method, &planet.system, &State::new(q.to_vec(), p.0.to_vec()), 0.01);
+        checked(method, &planet.system, &State::new(q.to_vec(), Covector(p.0.to_vec())), 0.01);
     }
 }
 
@@ -67,7 +67,7 @@ fn allocations_of_a_run<T: NystromPair<S>, C: Storage, const S: usize>(state: St
 #[test]
 fn no_run_with_adaptive_steps_allocates() {
     let initial = kepler(0.6).unwrap().initial;
-    let long = State::new(initial.q.to_vec(), initial.p.0.to_vec());
+    let long = State::new(initial.q.to_vec(), Covector(initial.p.0.to_vec()));
     assert_eq!(allocations_of_a_run::<Pair8, _, 9>(initial.clone()), 0);
     assert_eq!(allocations_of_a_run::<Pair12, _, 17>(initial), 0);
     assert_eq!(allocations_of_a_run::<Pair8, _, 9>(long.clone()), 0);
@@ -84,7 +84,7 @@ fn no_implicit_method_allocates_in_a_sparse_step() {
     let q: Vec<f64> = (0..200)
         .map(|i| 0.1 * [i / 2 % 10, i / 2 / 10][i % 2] as f64 * (1.0 + 0.02 * (i as f64).sin()))
         .collect();
-    let state = State::new(q.clone(), vec![0.0; 200]);
+    let state = State::new(q.clone(), Covector(vec![0.0; 200]));
     for &method in Method::ALL {
         if method.facts().evaluation == Evaluation::Implicit {
             let solver = SparseSolver::new(system.metric(), system.potential(), &q).unwrap();
@@ -116,7 +116,7 @@ fn no_method_with_a_second_force_allocates_in_a_step() {
     let planet = kepler(0.6).unwrap();
     let (system, soft) = (&planet.system, planet.system.potential());
     let State { q, p, .. } = planet.initial.clone();
-    let state = State::new(q.to_vec(), p.0.to_vec());
+    let state = State::new(q.to_vec(), Covector(p.0.to_vec()));
     let weights = NewmarkWeights::generalized_alpha(0.5).unwrap();
     let stiffness = BilinearForm(dmatrix![4.0, 1.0; 1.0, 9.0]);
     let methods: [Box<dyn Integrator<Vec<f64>>>; 3] = [
@@ -133,7 +133,7 @@ fn no_method_with_a_second_force_allocates_in_a_step() {
 fn no_reversible_step_allocates() {
     let planet = kepler(0.6).unwrap();
     let State { q, p, .. } = planet.initial.clone();
-    let mut state = State::new(q.to_vec(), p.0.to_vec());
+    let mut state = State::new(q.to_vec(), Covector(p.0.to_vec()));
     let density = PotentialPower { potential: planet.system.potential(), power: 1.5, scale: 20.0 };
     let verlet = StormerVerlet::new(&planet.system).unwrap();
     let mut steps = ReversibleSteps::new(&planet.system, verlet, density).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p stationary-constraints --example four_ways`
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Few, Penalty, Rattle, Redundancy,
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let few = Few::<1>(Redundancy::Refuse);
     println!("reduced coordinates");
     let angle = ArcsinePendulum::new(1.0, 1.0, 1.0)?;
-    let mut reduced = State::new([exact.angle(START)], [exact.rate(START)]);
+    let mut reduced = State::new([exact.angle(START)], Covector([exact.rate(START)]));
     reduced.t = START;
     worst(&exact, 0.01, |state| {
         angle.step(&mut reduced, 0.01)?;

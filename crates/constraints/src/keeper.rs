@@ -120,7 +120,7 @@ where
             g: numbers.clone(),
             displacement: Vector(zeros(n)?),
             before: Covector(zeros(n)?),
-            next: State::new(zeros(stored)?, zeros(n)?),
+            next: State::new(zeros(stored)?, Covector(zeros(n)?)),
             impulse: numbers,
             differentials: 0,
         };

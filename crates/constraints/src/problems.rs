@@ -17,7 +17,7 @@ mod revolution;
 mod slider_crank;
 mod square;
 
-use stationary_calculus::{DiagonalMetric, Storage, System};
+use stationary_calculus::{Covector, DiagonalMetric, Storage, System};
 use stationary_integrators::{State, UniformGravity};
 
 use crate::{ConstraintError, Rods};
@@ -57,5 +57,5 @@ fn hanging<C: Storage>(
         .map_err(|_| ConstraintError::NonFinite { what: "mass", index: 0 })?;
     let gravity = UniformGravity { acceleration: [0.0, -g], masses: vec![1.0; n / 2] };
     let system = System::new(metric, gravity)?;
-    Ok(RodProblem { system, rods, initial: State::new(q, p) })
+    Ok(RodProblem { system, rods, initial: State::new(q, Covector(p)) })
 }

@@ -13,7 +13,7 @@
 //! the motion. Source: notes 6.3; errata 6.3 (usable, but the velocity needs a projection of its
 //! own).
 
-use stationary_calculus::{Metric, Potential, Space, Storage, System};
+use stationary_calculus::{Covector, Metric, Potential, Space, Storage, System};
 use stationary_integrators::{
     Conservation, EnergyBehavior, Facts, Integrator, Saved, State, StepError, Symplecticity,
 };
@@ -61,7 +61,7 @@ where
         Scales::new(projection.constraint())?.check(&g, state.q.as_ref())?;
         Ok(StepAndProject {
             integrator,
-            next: State::new(zeros(state.q.as_ref().len())?, zeros(system.dim())?),
+            next: State::new(zeros(state.q.as_ref().len())?, Covector(zeros(system.dim())?)),
             lambda: X::Numbers::clone(&projection.lambda),
             projection,
         })

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example bouncing_ball -p stationary-contact`
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::{Balls, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for &when in When::ALL {
             let law = ImpactLaw::GeneralizedReflections;
             let mut impacting = Impacting::new(&system, &gaps, RESTITUTION, law, when)?;
-            let mut state = State::new(vec![1.0 + RADIUS], vec![0.0]);
+            let mut state = State::new(vec![1.0 + RADIUS], Covector(vec![0.0]));
             let (mut impacts, mut top) = (0, 0.0_f64);
             while impacts < 2 && state.t < 5.0 {
                 impacts += impacting.step(&mut state, h)?.impacts;

@@ -11,7 +11,7 @@
 //! study of the arch finds it by statics and by letting arches go).
 
 use nalgebra::Vector2;
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_integrators::State;
 use stationary_mesh::Polygon;
 use stationary_rigid::{LieGroup, PlanarMass, PlanarMotion, PlanarWeight};
@@ -60,7 +60,7 @@ impl Arch {
         let system = System::new(metric, PlanarWeight { gravity, masses })?;
         let detector = PlanarDetector::new(colliders, self.wedges)?;
         let rest = vec![0.0; q.len()];
-        Ok((World::new(system, detector)?, State::new(q, rest)))
+        Ok((World::new(system, detector)?, State::new(q, Covector(rest))))
     }
 
     /// The corners of a wedge, counterclockwise.

@@ -111,7 +111,7 @@ mod tests {
         let balls = Balls::new(vec![1.0], vec![wall]).unwrap();
         let penalty = OneSidedPenalty::new(Inequality(balls), stiffness).unwrap();
         let system = System::new(DiagonalMetric::new(vec![1.0]).unwrap(), penalty).unwrap();
-        let mut state = State::new(vec![1.0 + 0.3 * h], vec![-1.0]);
+        let mut state = State::new(vec![1.0 + 0.3 * h], Covector(vec![-1.0]));
         let mut verlet = StormerVerlet::new(&system).unwrap();
         for _ in 0..10_000 {
             verlet.step(&mut state, h).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example discrete_hamilton -p stationary-integrators`
 
-use stationary_calculus::Number;
+use stationary_calculus::{Covector, Number};
 use stationary_integrators::{
     Action, DiscreteLagrangian, Facts, Integrator, State, VARIATIONAL, Variational,
 };
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("spun this fast, the bead stays at {:.4} rad", (0.25_f64).acos());
     for h in [0.1, 0.05, 0.025] {
         let mut integrator = Variational::new(&hoop)?;
-        let mut state = State::new([0.5], [0.0]);
+        let mut state = State::new([0.5], Covector([0.0]));
         let (start, mut path) = (hoop.energy(&state), vec![state.q]);
         let (mut least, mut most, mut off) = (f64::INFINITY, 0.0_f64, 0.0_f64);
         for _ in 0..20_000 {

@@ -31,7 +31,7 @@ impl Potential for TwoWells {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = System::new(DiagonalMetric::new([1.0])?, TwoWells)?;
     for speed in [0.70, 0.71] {
-        let mut state = State::new([1.0], [speed]);
+        let mut state = State::new([1.0], Covector([speed]));
         let mut midpoint = ImplicitMidpoint::new(&system)?;
         let mut crossings = 0;
         let mut last = 1.0;

@@ -103,7 +103,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
             difference: Vector(zero.clone()),
             blend: Covector(zero.clone()),
             middle: zero.clone(),
-            next: State::new(zero.clone(), zero),
+            next: State::new(zero.clone(), Covector(zero)),
             history: Vec::with_capacity(ITERATIONS + 1),
         })
     }
@@ -336,7 +336,7 @@ mod tests {
         let points = [10, 14, 20, 28, 40].map(|steps| {
             let h = 2.0 / f64::from(steps);
             let mut gauss = GaussLegendre::new(&system, nodes).unwrap();
-            let mut state = State::new([0.0, 0.0], [k / (k - 1.0), 1e20]);
+            let mut state = State::new([0.0, 0.0], Covector([k / (k - 1.0), 1e20]));
             let mut error = 0.0_f64;
             for step in 1..=steps {
                 gauss.step(&mut state, h).unwrap();

@@ -168,7 +168,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             left: zero.clone(),
             left_step: 0.0,
             flat: Covector(zero.clone()),
-            next: State::new(zero.clone(), zero),
+            next: State::new(zero.clone(), Covector(zero)),
         })
     }
 

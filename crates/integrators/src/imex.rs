@@ -15,7 +15,7 @@
 //! is that of the midpoint rule. Source: Stern and Grinspun 2009.
 
 use stationary_calculus::{
-    DenseSolver, HessianSolver, Metric, Potential, SizeError, Storage, System,
+    Covector, DenseSolver, HessianSolver, Metric, Potential, SizeError, Storage, System,
 };
 
 use crate::integrator::{Remembered, check_step, zeros};
@@ -54,7 +54,7 @@ impl<'s, M: Metric, P: Potential, Q: Potential, C: Storage, L: HessianSolver>
         soft: Q,
     ) -> Result<Self, SizeError> {
         SizeError::check("the soft potential's freedoms", n, soft.dim())?;
-        let next = State::new(zeros(n)?, zeros(n)?);
+        let next = State::new(zeros(n)?, Covector(zeros(n)?));
         Ok(Imex { stiff, soft, remembered: Remembered::new(n)?, next })
     }
 }
@@ -91,7 +91,7 @@ mod tests {
     fn largest(omega: f64, h: f64) -> f64 {
         let stiff = oscillator(omega).unwrap();
         let mut imex = Imex::new(&stiff.system, Linear::<1> { stiffness: 1.0 }).unwrap();
-        let mut state = State::new([1.0], [0.5]);
+        let mut state = State::new([1.0], Covector([0.5]));
         let mut largest = 0.0_f64;
         for _ in 0..2000 {
             if imex.step(&mut state, h).is_err() {
@@ -125,7 +125,7 @@ mod tests {
         let metric = DiagonalMetric::new([1.0]).unwrap();
         let stiff = System::new(metric, Linear::<1> { stiffness: 9.0 }).unwrap();
         let after = |steps: u32| {
-            let mut state = State::new([1.0], [0.3]);
+            let mut state = State::new([1.0], Covector([0.3]));
             let mut imex = Imex::new(&stiff, PendulumPotential).unwrap();
             for _ in 0..steps {
                 let report = imex.step(&mut state, 1.0 / f64::from(steps)).unwrap();
@@ -148,7 +148,7 @@ mod tests {
         let stiff = oscillator(10.0).unwrap();
         let mut imex = Imex::new(&stiff.system, PendulumPotential).unwrap();
         imex.stiff = imex.stiff.with_newton(Newton { tolerance: 0.0, iterations: 0 }).unwrap();
-        let mut state = State::new([1.0], [0.3]);
+        let mut state = State::new([1.0], Covector([0.3]));
         let start = state.clone();
         assert!(imex.step(&mut state, 0.1).is_err());
         assert_eq!(state, start);

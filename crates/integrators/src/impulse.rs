@@ -49,7 +49,7 @@ pub fn simulate_with_impulses<C: Storage, I: Integrator<C> + ?Sized>(
     let (start, _) = horizon.span();
     let done = impulses.partition_point(|impulse| impulse.time < start - border(horizon.step()));
     let n = state.q.as_ref().len();
-    let before = State::new(zeros(n)?, zeros(state.p.components().len())?);
+    let before = State::new(zeros(n)?, Covector(zeros(state.p.components().len())?));
     let mut struck = Struck { integrator, impulses, next: done, before };
     Ok(simulate(&mut struck, state, horizon, observe)?)
 }
@@ -253,7 +253,7 @@ mod tests {
         assert_eq!(error, ImpulseError::NonFinite { index: 0, freedom: 0 });
         let problem = oscillator(1.0).unwrap();
         let mut verlet = StormerVerlet::new(&problem.system).unwrap();
-        let mut state = State::new(vec![1.0], vec![0.0]);
+        let mut state = State::new(vec![1.0], Covector(vec![0.0]));
         let wrong = [Impulse { time: 0.5, momentum: Covector(vec![1.0, 2.0]) }];
         let horizon = Horizon::new(1.0, 0.1).unwrap();
         let go_on = |_: Observation<'_, _>| ControlFlow::Continue(());

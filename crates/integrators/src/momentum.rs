@@ -153,9 +153,9 @@ mod tests {
             let of = |q: &[f64], p: &[f64], a: usize, b: usize| q[a] * p[b] - q[b] * p[a];
             let expected = [(1, 2), (2, 0), (0, 1)]
                 .map(|(a, b)| of(&q[..3], &p[..3], a, b) + of(&q[3..], &p[3..], a, b));
-            let measured = angular_momentum::<3>(&State::new(q, p));
+            let measured = angular_momentum::<3>(&State::new(q, Covector(p)));
             prop_assert!((0..3).all(|c| (measured[c] - expected[c]).abs() < 1e-13));
-            let flat = angular_momentum::<2>(&State::new(q, p));
+            let flat = angular_momentum::<2>(&State::new(q, Covector(p)));
             let expected: f64 = [0, 2, 4].iter().map(|&i| of(&q[i..], &p[i..], 0, 1)).sum();
             prop_assert!(flat[0] == 0.0 && flat[1] == 0.0 && (flat[2] - expected).abs() < 1e-13);
         }
@@ -163,6 +163,6 @@ mod tests {
 
     #[test]
     fn a_line_does_not_turn() {
-        assert_eq!(angular_momentum::<1>(&State::new([1.0, 2.0], [3.0, 4.0])), [0.0; 3]);
+        assert_eq!(angular_momentum::<1>(&State::new([1.0, 2.0], Covector([3.0, 4.0]))), [0.0; 3]);
     }
 }

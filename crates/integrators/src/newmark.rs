@@ -118,10 +118,10 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
             memory: memory.ok_or(missing)?,
             equation: AlphaEquation::new(system, force, solver, &zero),
             rate: Covector(zero.clone()),
-            left: State::new(zero.clone(), zero.clone()),
+            left: State::new(zero.clone(), Covector(zero.clone())),
             left_step: 0.0,
             next_rate: Covector(zero.clone()),
-            next: State::new(zero.clone(), zero),
+            next: State::new(zero.clone(), Covector(zero)),
         })
     }
 

@@ -57,7 +57,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Nystrom4<'s, M, P, C> {
             bend: Vector(zeros(n)?),
             differential: Covector(zeros(n)?),
             stage: zeros(n)?,
-            next: State::new(zeros(n)?, zeros(n)?),
+            next: State::new(zeros(n)?, Covector(zeros(n)?)),
         })
     }
 

@@ -54,8 +54,8 @@ impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
             system,
             displacement: Vector(zeros(n)?),
             differential: Covector(zeros(n)?),
-            stage: State::new(zeros(n)?, zeros(n)?),
-            next: State::new(zeros(n)?, zeros(n)?),
+            stage: State::new(zeros(n)?, Covector(zeros(n)?)),
+            next: State::new(zeros(n)?, Covector(zeros(n)?)),
         })
     }
 }

@@ -39,7 +39,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Splitting<'s, M, P, C> {
             remembered: Remembered::new(n)?,
             differential: Covector(zeros(n)?),
             displacement: Vector(zeros(n)?),
-            next: State::new(zeros(n)?, zeros(n)?),
+            next: State::new(zeros(n)?, Covector(zeros(n)?)),
         })
     }
 

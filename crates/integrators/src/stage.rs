@@ -174,7 +174,10 @@ macro_rules! implicit_method {
                 Ok($name {
                     stage: Stage::new(system, solver, Newton::default())?,
                     velocity: Vector(zeros(system.dim())?),
-                    next: State::new(zeros(system.dim())?, zeros(system.dim())?),
+                    next: State::new(
+                        zeros(system.dim())?,
+                        stationary_calculus::Covector(zeros(system.dim())?),
+                    ),
                 })
             }
 

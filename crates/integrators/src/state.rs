@@ -64,8 +64,16 @@ impl<C: Storage> State<C> {
 
 impl<C: AsRef<[f64]>> State<C> {
     /// The state at configuration `q` with momentum `p` at time zero.
-    pub fn new(q: C, p: C) -> Self {
-        State { t: 0.0, q, p: Covector(p) }
+    ///
+    /// A velocity is no momentum: the metric makes one of the other.
+    ///
+    /// ```compile_fail,E0308
+    /// use stationary_calculus::Vector;
+    /// let velocity = Vector([0.5]);
+    /// stationary_integrators::State::new([1.0], velocity);
+    /// ```
+    pub fn new(q: C, p: Covector<C>) -> Self {
+        State { t: 0.0, q, p }
     }
 
     /// An error that names the first number that is not finite, if there is one.

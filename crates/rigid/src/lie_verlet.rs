@@ -49,7 +49,7 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation> LieVerlet<'s, P, S, R> {
             system,
             evaluated: Vec::with_capacity(stored),
             differential: Covector(vec![0.0; n]),
-            next: State::new(vec![0.0; stored], vec![0.0; n]),
+            next: State::new(vec![0.0; stored], Covector(vec![0.0; n])),
             rotation: PhantomData,
         })
     }

@@ -66,7 +66,7 @@ impl<S: BodySpace> BodyMetric<S> {
         }
         S::check(&q)?;
         check_finite("the momentum", &p)?;
-        Ok(State::new(q, p))
+        Ok(State::new(q, Covector(p)))
     }
 }
 

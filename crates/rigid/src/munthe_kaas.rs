@@ -56,7 +56,7 @@ impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
     /// The method on a system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
         let n = system.dim();
-        let state = State::new(vec![0.0; system.space().stored(n)], vec![0.0; n]);
+        let state = State::new(vec![0.0; system.space().stored(n)], Covector(vec![0.0; n]));
         Ok(MuntheKaas4 {
             system,
             displacement: Vector(vec![0.0; n]),

@@ -52,7 +52,7 @@ impl<'s, P: Potential, S: BodySpace> RenormalizedEuler<'s, P, S> {
         Ok(RenormalizedEuler {
             system,
             differential: Covector(vec![0.0; n]),
-            next: State::new(vec![0.0; system.space().stored(n)], vec![0.0; n]),
+            next: State::new(vec![0.0; system.space().stored(n)], Covector(vec![0.0; n])),
         })
     }
 }

@@ -7,7 +7,7 @@
 //! ```
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{DiagonalMetric, Metric, Potential, System};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
 use stationary_integrators::State;
 use stationary_rigid::{
     Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, LieGroup, PlanarAttachment,
@@ -216,7 +216,7 @@ impl Scene {
         Ok(InThePlane {
             system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
             joints: joints.collect::<Result<_, _>>()?,
-            initial: State::new(q, p),
+            initial: State::new(q, Covector(p)),
         })
     }
 }

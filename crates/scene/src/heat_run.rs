@@ -8,7 +8,7 @@
 //! constant is among the modes, besides N others.
 
 use nalgebra::SVector;
-use stationary_calculus::{DiagonalMetric, Potential};
+use stationary_calculus::{Covector, DiagonalMetric, Potential};
 use stationary_integrators::{Saved, State, StepReport};
 use stationary_laplacian::{
     Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, lowest_modes,
@@ -88,7 +88,7 @@ impl Scene {
             Ok((shares, domain, mass, f))
         };
         let (shares, domain, mass, f) = made().map_err(AssemblyError::from)?;
-        let state = State::new(f, Vec::new());
+        let state = State::new(f, Covector(Vec::new()));
         let (shares, alpha) = (shares.masses(), body.diffusivity);
         let built = Built { heated: body.simplices.len() as u64, ..Built::default() };
         let (domain, mass) = (&domain, &mass);

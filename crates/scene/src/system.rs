@@ -134,7 +134,7 @@ impl Scene {
         Ok(Problem {
             name: "scene",
             system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
-            initial: State::new(q, momenta),
+            initial: State::new(q, Covector(momenta)),
             horizon: self.timing.horizon(),
             period: self.timing.horizon(),
             scale: self.scale(),

@@ -5,7 +5,7 @@
 //! ```
 
 use nalgebra::Complex;
-use stationary_calculus::{Column, Energy, Number, Table};
+use stationary_calculus::{Column, Covector, Energy, Number, Table};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
     AdaptiveMethod, DormandPrince853, Drag, Integrator, Mechanical, MechanicalField, Moment,
@@ -79,7 +79,7 @@ impl Way {
     fn outcome(self, h: f64, c: f64) -> Result<&'static str, StudyError> {
         let problem = oscillator(1.0).map_err(StudyError::at("the oscillator"))?;
         let drag = Drag::new([c]).map_err(StudyError::at("the drag"))?;
-        let start = State::new([1.0], [0.3]);
+        let start = State::new([1.0], Covector([0.3]));
         let system = &problem.system;
         let stays = match self {
             Way::Variational => {

@@ -156,7 +156,8 @@ fn distance(width: f64, place: Place) -> Result<f64, StudyError> {
     let mut forced = Variational::forced(recipe(Spring)?, load).map_err(StudyError::at(stage))?;
     let mut free = Variational::new(recipe(Spring)?).map_err(StudyError::at(stage))?;
     let impulse = Impulse { time: ARRIVAL, momentum: Covector([IMPULSE]) };
-    let (mut pushed, mut struck) = (State::new([1.0], [0.0]), State::new([1.0], [0.0]));
+    let (mut pushed, mut struck) =
+        (State::new([1.0], Covector([0.0])), State::new([1.0], Covector([0.0])));
     let parts = [
         (0.0, start, AROUND, None),
         (start, start + width, STEPS, Some(impulse)),
@@ -196,7 +197,7 @@ struct Found {
 /// The motion from zero with a momentum, as configurations.
 fn motion<E: Energy<1>>(energy: E, momentum: f64, h: f64) -> Result<Vec<[f64; 1]>, StudyError> {
     let mut integrator = Variational::new(recipe(energy)?).map_err(StudyError::at("the motion"))?;
-    let mut state = State::new([0.0], [momentum]);
+    let mut state = State::new([0.0], Covector([momentum]));
     let mut path = vec![state.q];
     for _ in 0..POINTS {
         integrator.step(&mut state, h).map_err(StudyError::at("the motion"))?;

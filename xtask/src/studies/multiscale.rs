@@ -112,7 +112,7 @@ fn survives(scheme: &str, w: f64, h: f64) -> Result<bool, StudyError> {
         "hairer-lubich" => Box::new(trigonometric(Filter::Long)?),
         _ => Box::new(StormerVerlet::new(&both).map_err(StudyError::at("Stormer-Verlet"))?),
     };
-    let mut state = State::new([1.0, 1.0 / w], [0.3, 0.7]);
+    let mut state = State::new([1.0, 1.0 / w], Covector([0.3, 0.7]));
     let energy = |state: &State<[f64; 2]>| both.energy(&state.q, state.p.view());
     let start = energy(&state);
     for _ in 0..STEPS {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, matrix};
-use stationary_calculus::{Column, Table};
+use stationary_calculus::{Column, Covector, Table};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
     ImplicitEuler, Integrator, Newmark, NewmarkWeights, ParameterError, State, Trapezoid,
@@ -92,7 +92,7 @@ fn motion(
         }
         None => Box::new(ImplicitEuler::new(&spring.system).map_err(StudyError::at("euler"))?),
     };
-    let mut state = State::new([1.0], [0.0]);
+    let mut state = State::new([1.0], Covector([0.0]));
     let mut sizes = Vec::new();
     for _ in 0..steps {
         method.step(&mut state, h).map_err(StudyError::at("a step"))?;
@@ -198,7 +198,7 @@ fn ringing(
     // The average acceleration is the trapezoid rule: the same q, to rounding.
     let spring = oscillator(1.0).map_err(StudyError::at("the oscillator"))?;
     let mut rule = Trapezoid::new(&spring.system).map_err(StudyError::at("the trapezoid rule"))?;
-    let mut state = State::new([1.0], [0.0]);
+    let mut state = State::new([1.0], Covector([0.0]));
     let mut apart = 0.0_f64;
     for size in motion(Some(trapezoid), 100.0, 30)? {
         rule.step(&mut state, 100.0).map_err(StudyError::at("a step"))?;

@@ -1,6 +1,6 @@
 //! Figure 4.1: one step of every method through the whirlpool of the oscillator.
 
-use stationary_calculus::{Column, Table};
+use stationary_calculus::{Column, Covector, Table};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{EnergyBehavior, Method, State};
 
@@ -53,7 +53,7 @@ fn study() -> Result<Study, StudyError> {
         let facts = method.facts();
         let mut integrator =
             method.integrator(&problem.system).map_err(StudyError::at(facts.name))?;
-        let mut state = State::new([START.0], [START.1]);
+        let mut state = State::new([START.0], Covector([START.1]));
         let start = problem.energy(&state);
         integrator.step(&mut state, H).map_err(StudyError::at(facts.name))?;
         let (q, p) = (state.q[0], state.p.0[0]);
@@ -78,7 +78,7 @@ fn study() -> Result<Study, StudyError> {
         (Method::ImplicitEuler, 1.0 / (1.0 + square), "1/(1 + h²) = 0.6098"),
         (Method::ImplicitMidpoint, 1.0, "1"),
     ] {
-        let mut state = State::new([START.0], [START.1]);
+        let mut state = State::new([START.0], Covector([START.1]));
         let start = problem.energy(&state);
         let mut integrator =
             method.integrator(&problem.system).map_err(StudyError::at("one step"))?;

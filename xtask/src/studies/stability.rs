@@ -1,7 +1,7 @@
 //! Step against stiffness: where each method survives, where it should, and where it should but
 //! does not.
 
-use stationary_calculus::{Column, Metric, Potential, Table};
+use stationary_calculus::{Column, Covector, Metric, Potential, Table};
 use stationary_integrators::problems::{Problem, oscillator, spring_pendulum};
 use stationary_integrators::{Method, Stability, State};
 
@@ -95,7 +95,7 @@ fn linear(size: Size) -> Result<Study, StudyError> {
             let problem = oscillator(k.sqrt()).map_err(StudyError::at("the oscillator"))?;
             for h in spaced(1e-3, 1.0, count) {
                 // In general position: no coincidence of the start hides a growing mode.
-                let start = State::new([1.0], [0.3 * k.sqrt()]);
+                let start = State::new([1.0], Covector([0.3 * k.sqrt()]));
                 let outcome = outcome(&problem, &start, 0.0, method, h)?;
                 map.cell(h, k, outcome);
                 table.push([facts.name.into(), h.into(), k.into(), outcome.into()]);

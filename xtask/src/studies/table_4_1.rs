@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_calculus::{Column, Covector, Table, loglog_slope};
 use stationary_integrators::problems::{kepler, oscillator, three_bodies};
 use stationary_integrators::{
     Conservation, Convergence, ErrorGrowth, Horizon, Integrator, Method, Stability, State,
@@ -178,7 +178,7 @@ fn claims_on(method: Method, row: &Row) -> Vec<Claim> {
 /// The slope of the error of one step, from a state in general position.
 fn one_step_order(method: Method) -> Result<f64, StudyError> {
     let problem = kepler(0.3).map_err(StudyError::at("the orbit"))?;
-    let start = State::new([0.4, -0.7], [0.9, 0.5]);
+    let start = State::new([0.4, -0.7], Covector([0.9, 0.5]));
     let stepped = |method: Method, h: f64, steps: u32| -> Result<[f64; 4], StudyError> {
         let mut state = start.clone();
         let mut integrator =
@@ -269,7 +269,7 @@ fn survives(method: Method, h: f64) -> Result<bool, StudyError> {
     let problem = oscillator(1.0).map_err(StudyError::at("the oscillator"))?;
     let mut integrator: Box<dyn Integrator<[f64; 1]>> =
         method.integrator(&problem.system).map_err(StudyError::at("stability"))?;
-    let mut state = State::new([1.0], [0.3]);
+    let mut state = State::new([1.0], Covector([0.3]));
     for _ in 0..4000 {
         if integrator.step(&mut state, h).is_err() || state.q[0].abs() > 1e4 {
             return Ok(false);

@@ -8,6 +8,7 @@
 //! `theta` the angle from hanging, counterclockwise, radians. Jacobi's functions by the descending
 //! Landen transformation (Abramowitz and Stegun 16.4, 22.2). Source: notes 6; errata 0.1.
 
+use stationary_calculus::Covector;
 use stationary_integrators::State;
 
 use super::{RodProblem, hanging};
@@ -73,7 +74,7 @@ impl Pendulum {
     /// The true state at a time.
     pub fn state(&self, t: f64) -> State<[f64; 2]> {
         let (s, c) = self.angle(t).sin_cos();
-        let mut state = State::new([s, -c], [self.rate(t) * c, self.rate(t) * s]);
+        let mut state = State::new([s, -c], Covector([self.rate(t) * c, self.rate(t) * s]));
         state.t = t;
         state
     }

@@ -1,6 +1,6 @@
 //! Bad input is refused by name, and leaves the state as it was.
 
-use stationary_calculus::{DiagonalMetric, Number, Sink, System};
+use stationary_calculus::{Covector, DiagonalMetric, Number, Sink, System};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum};
 use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
@@ -172,7 +172,7 @@ fn a_state_of_another_size_is_refused() {
     let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0] };
     let system = System::new(metric, gravity).unwrap();
     let rods = Rods::new(1, vec![[0.0, 0.0]], vec![Rod::new([1, 0], 1.0)]).unwrap();
-    let state = State::new(vec![0.0, -1.0, 0.0], vec![0.0; 2]);
+    let state = State::new(vec![0.0, -1.0, 0.0], Covector(vec![0.0; 2]));
     let error = Rattle::new(&system, rods, &state, FEW).unwrap_err();
     assert!(matches!(error, ConstraintError::Size(_)), "{error}");
 }

@@ -17,7 +17,7 @@ fn stepped(
     [angle, momentum]: [f64; 2],
 ) -> [f64; 2] {
     let (s, c) = angle.sin_cos();
-    let mut state = State::new([s, -c], [momentum * c, momentum * s]);
+    let mut state = State::new([s, -c], Covector([momentum * c, momentum * s]));
     method.step(&mut state, 0.1).unwrap();
     let [x, y] = state.q;
     [x.atan2(-y), x * state.p.0[1] - y * state.p.0[0]]
@@ -80,7 +80,7 @@ impl Potential for Spring {
 fn a_bead_with_a_spring_on_a_line_is_unstable_above_two_over_omega() {
     let system = System::new(DiagonalMetric::new([1.0; 2]).unwrap(), Spring).unwrap();
     let line = Linear::new(vec![(vec![(1, 1.0)], 0.0)]).unwrap();
-    let initial = State::new([1.0, 0.0], [0.3, 0.0]);
+    let initial = State::new([1.0, 0.0], Covector([0.3, 0.0]));
     let grows = |method: &mut dyn ConstrainedIntegrator<[f64; 2]>, h: f64| {
         let mut state = initial.clone();
         for _ in 0..1000 {

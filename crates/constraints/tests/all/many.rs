@@ -1,6 +1,6 @@
 //! Many equations: the sparse solvers against the dense one, and the work of a chain.
 
-use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
+use stationary_calculus::{Covector, SparseMetric, SymmetricMatrix, System};
 use stationary_constraints::problems::{
     RodProblem, chain, folded_chain, four_bar, square, writhing_chain,
 };
@@ -43,7 +43,7 @@ fn a_metric_that_couples_needs_the_saddle_system() {
     let system = System::new(mass, gravity).unwrap();
     let links = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
     let rods = Rods::new(2, vec![[0.0; 2]], links).unwrap();
-    let initial = State::new(vec![1.0, 0.0, 1.0, -1.0], vec![0.0; 4]);
+    let initial = State::new(vec![1.0, 0.0, 1.0, -1.0], Covector(vec![0.0; 4]));
     let error = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap_err();
     assert!(matches!(error, ConstraintError::Coupled { .. }), "{error}");
     let mut coupled = Rattle::new(&system, rods.clone(), &initial, Coupled).unwrap();

@@ -27,7 +27,7 @@ fn double(sampling: Sampling) -> Reduced<Links<2>, Weight<2>, 2, 4> {
 fn the_explicit_angle_is_the_variational_integrator_of_the_chord() {
     let explicit = ArcsinePendulum::new(2.0, 0.5, 9.81).unwrap();
     let mut variational = Variational::new(single(Sampling::Later)).unwrap();
-    let mut a = State::new([1.2], [0.3]);
+    let mut a = State::new([1.2], Covector([0.3]));
     let mut b = a.clone();
     for _ in 0..1000 {
         explicit.step(&mut a, 0.01).unwrap();
@@ -65,7 +65,7 @@ fn the_mean_of_both_ends_has_order_two_and_the_later_end_order_one() {
         for steps in [200_u32, 400, 800, 1600] {
             let h = exact.period / f64::from(steps);
             let mut method = Variational::new(reduced.clone()).unwrap();
-            let mut state = State::new([exact.angle(0.7)], [exact.rate(0.7)]);
+            let mut state = State::new([exact.angle(0.7)], Covector([exact.rate(0.7)]));
             state.t = 0.7;
             let mut worst = 0.0_f64;
             for _ in 0..steps {
@@ -85,7 +85,7 @@ fn with_rods() -> RodProblem<[f64; 4]> {
     let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0; 2] };
     let links = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
     let rods = Rods::new(2, vec![[0.0; 2]], links).unwrap();
-    let initial = State::new(double(Sampling::Both).places(ANGLES), [0.0; 4]);
+    let initial = State::new(double(Sampling::Both).places(ANGLES), Covector([0.0; 4]));
     RodProblem { system: System::new(metric, gravity).unwrap(), rods, initial }
 }
 
@@ -97,7 +97,7 @@ fn apart(angles: &mut impl Integrator<[f64; 2]>, time: f64, steps: u32) -> f64 {
     let choice = Few::<2>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, choice).unwrap();
     let h = time / f64::from(steps);
-    let (mut a, mut b) = (initial, State::new(ANGLES, [0.0; 2]));
+    let (mut a, mut b) = (initial, State::new(ANGLES, Covector([0.0; 2])));
     for _ in 0..steps {
         rattle.step(&mut a, h).unwrap();
         angles.step(&mut b, h).unwrap();
@@ -158,9 +158,9 @@ fn coordinates_are_refused_where_they_are_singular() {
     let ConstraintError::SingularCoordinates { ratio } = error else { panic!("{error}") };
     assert!(ratio < 1e-15);
     let mut method = Variational::new(globe).unwrap();
-    let mut state = State::new([pole, 0.0], [0.0, 1.0]);
+    let mut state = State::new([pole, 0.0], Covector([0.0, 1.0]));
     let error = method.step(&mut state, 0.1).unwrap_err();
     let named = matches!(error, StepError::SingularLegendreTransform | StepError::Newton(_));
     assert!(named, "{error}");
-    assert_eq!(state, State::new([pole, 0.0], [0.0, 1.0]));
+    assert_eq!(state, State::new([pole, 0.0], Covector([0.0, 1.0])));
 }

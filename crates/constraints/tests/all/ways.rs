@@ -1,6 +1,6 @@
 //! The other ways: step and project, penalty, the angle; and breaking, driving, redundancy.
 
-use stationary_calculus::{DiagonalMetric, Number, System, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, Number, System, loglog_slope};
 use stationary_constraints::problems::{Pendulum, RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, Constraint, ConstraintError, Few, Function,
@@ -76,7 +76,7 @@ fn a_projection_in_the_mass_metric_keeps_linear_momentum_and_a_euclidean_one_doe
     let system = System::new(metric, gravity).unwrap();
     let rods = Rods::<2>::new(2, Vec::new(), vec![Rod::new([0, 1], 1.0)]).unwrap();
     let centre = |q: &[f64; 4]| [(q[0] + 9.0 * q[2]) / 10.0, (q[1] + 9.0 * q[3]) / 10.0];
-    let stretched = State::new([0.0, 0.0, 0.66, 0.88], [0.0; 4]);
+    let stretched = State::new([0.0, 0.0, 0.66, 0.88], Covector([0.0; 4]));
     let mut state = stretched.clone();
     let mut projection = Projection::new(&system, &rods, &state, Few::<1>(REFUSE)).unwrap();
     let report = projection.project(&mut state).unwrap();
@@ -106,7 +106,7 @@ fn a_projection_finds_the_closest_configuration() {
         }
     }
     let system = pendulum(1.0).unwrap().problem.system;
-    let outside = State::new([1.9, 0.9], [0.0; 2]);
+    let outside = State::new([1.9, 0.9], Covector([0.0; 2]));
     let ellipse = OnLevel::new(0, Ellipse);
     let mut state = outside.clone();
     let mut projection = Projection::new(&system, ellipse, &state, Few::<1>(REFUSE)).unwrap();
@@ -122,11 +122,11 @@ fn an_infeasible_state_is_refused_with_its_violation_and_projected_on_request() 
     let pendulum = pendulum(1.0).unwrap();
     let RodProblem { system, rods, .. } = &pendulum.problem;
     let choice = Few::<1>(REFUSE);
-    let mut state = State::new([0.0, -1.01], [0.3, 0.2]);
+    let mut state = State::new([0.0, -1.01], Covector([0.3, 0.2]));
     let error = Rattle::new(system, rods.clone(), &state, choice).unwrap_err();
     let ConstraintError::Infeasible { row: 0, violation, .. } = error else { panic!("{error}") };
     assert!((violation - 0.01).abs() < 1e-4);
-    let mut leaving = State::new([0.0, -1.0], [0.3, 0.2]);
+    let mut leaving = State::new([0.0, -1.0], Covector([0.3, 0.2]));
     let error = Rattle::new(system, rods.clone(), &leaving, choice).unwrap_err();
     let ConstraintError::InfeasibleVelocity { rate, .. } = error else { panic!("{error}") };
     assert!((rate - 0.2).abs() < 1e-15);
@@ -142,7 +142,7 @@ fn an_infeasible_state_is_refused_with_its_violation_and_projected_on_request() 
 fn equations_that_contradict_each_other_are_an_error_and_leave_the_state() {
     let system = pendulum(1.0).unwrap().problem.system;
     let lines = Linear::new(vec![(vec![(0, 1.0)], 0.0), (vec![(0, 1.0)], 1.0)]).unwrap();
-    let mut state = State::new([0.3, 0.0], [0.0; 2]);
+    let mut state = State::new([0.3, 0.0], Covector([0.0; 2]));
     for redundancy in [REFUSE, Redundancy::LeastNorm] {
         let choice = Few::<2>(redundancy);
         let mut projection = Projection::new(&system, &lines, &state, choice).unwrap();
@@ -252,7 +252,7 @@ fn the_work_of_a_motor_is_the_energy_that_the_system_gains() {
     let gravity = UniformGravity { acceleration: [0.0, 0.0], masses: vec![1.0] };
     let system = System::new(metric, gravity).unwrap();
     let wire = || FunctionConstraint::new(TurningWire { rate: 1.3 }, [0, 1]).unwrap();
-    let initial = State::new([1.0, 0.0], [0.0, 1.3]);
+    let initial = State::new([1.0, 0.0], Covector([0.0, 1.3]));
     let energy = |state: &State<[f64; 2]>| system.energy(&state.q, state.p.view());
     let errors = |steps: u32| {
         let mut state = initial.clone();
@@ -291,7 +291,7 @@ fn the_angle_of_a_pendulum_has_order_one_and_keeps_its_energy_near() {
         let mut points = Vec::new();
         for steps in [400_u32, 800, 1600, 3200] {
             let h = exact.period / f64::from(steps);
-            let mut state = State::new([exact.angle(0.7)], [exact.rate(0.7)]);
+            let mut state = State::new([exact.angle(0.7)], Covector([exact.rate(0.7)]));
             state.t = 0.7;
             let mut worst = 0.0_f64;
             for _ in 0..steps {
@@ -304,7 +304,7 @@ fn the_angle_of_a_pendulum_has_order_one_and_keeps_its_energy_near() {
         assert!((order - 1.0).abs() < 0.1, "{speed}: {order}");
     }
     let pendulum = ArcsinePendulum::new(1.0, 1.0, 1.0).unwrap();
-    let mut state = State::new([1.5], [0.0]);
+    let mut state = State::new([1.5], Covector([0.0]));
     let mut worst = 0.0_f64;
     for _ in 0..100_000 {
         pendulum.step(&mut state, 0.01).unwrap();
@@ -317,12 +317,12 @@ fn the_angle_of_a_pendulum_has_order_one_and_keeps_its_energy_near() {
 #[test]
 fn a_bob_that_moves_more_than_a_rod_in_a_step_is_too_fast_for_its_angle() {
     let pendulum = ArcsinePendulum::new(2.0, 0.5, 9.81).unwrap();
-    let mut state = State::new([0.0], [1.0]);
+    let mut state = State::new([0.0], Covector([1.0]));
     pendulum.step(&mut state.clone(), 0.49).unwrap();
     let error = pendulum.step(&mut state, 0.51).unwrap_err();
     let ConstraintError::TooFast { ratio } = error else { panic!("{error}") };
     assert!((ratio - 1.02).abs() < 1e-12);
-    assert_eq!(state, State::new([0.0], [1.0]));
+    assert_eq!(state, State::new([0.0], Covector([1.0])));
     for bad in [[0.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, f64::NAN]] {
         assert!(ArcsinePendulum::new(bad[0], bad[1], bad[2]).is_err());
     }
@@ -402,7 +402,7 @@ fn a_parallelogram_that_lies_flat_has_no_rank() {
     let rods = Rods::new(2, vec![[0.0, 0.0], [2.0, 0.0]], rods).unwrap();
     let at = |angle: f64| {
         let (s, c) = angle.sin_cos();
-        let state = State::new([c, s, c + 2.0, s], [0.0; 4]);
+        let state = State::new([c, s, c + 2.0, s], Covector([0.0; 4]));
         Rattle::new(&system, rods.clone(), &state, Few::<3>(REFUSE)).map(|_| ())
     };
     assert_eq!(at(0.5), Ok(()));

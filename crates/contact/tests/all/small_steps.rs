@@ -1,7 +1,7 @@
 //! Steps down to a microsecond: impulses of single impacts are those of the closed form.
 
 use nalgebra::Vector2;
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, World};
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
@@ -20,8 +20,10 @@ fn fall(angle: f64, speed: f64, c: f64, h: f64) -> (f64, Vec<f64>) {
     let detector = PlanarDetector::new(colliders, 1).unwrap();
     let mut world = World::new(System::new(metric, weight).unwrap(), detector).unwrap();
     let low = half[0] * angle.sin().abs() + half[1] * angle.cos().abs();
-    let mut state =
-        State::new(vec![0.0, low + 3.3 * h * speed, angle], vec![0.0, -mass * speed, 0.0]);
+    let mut state = State::new(
+        vec![0.0, low + 3.3 * h * speed, angle],
+        Covector(vec![0.0, -mass * speed, 0.0]),
+    );
     let mut impulse = 0.0;
     for _ in 0..6 {
         world.step(&mut state, h).unwrap();

@@ -1,6 +1,6 @@
 //! A ball that falls and bounces, for each choice of when the impulse is given (notes 11.4).
 
-use stationary_calculus::{DiagonalMetric, System, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System, loglog_slope};
 use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
 
@@ -22,7 +22,7 @@ fn rebound(when: When, c: f64, h: f64) -> f64 {
     let (system, gaps) = (fall(1), floor(1));
     let law = ImpactLaw::GeneralizedReflections;
     let mut impacting = Impacting::new(&system, &gaps, c, law, when).unwrap();
-    let mut state = State::new(vec![1.25], vec![0.0]);
+    let mut state = State::new(vec![1.25], Covector(vec![0.0]));
     let (mut hits, mut energy) = (0, 0.0_f64);
     while hits < 2 && state.t < 3.0 {
         hits += impacting.step(&mut state, h).unwrap().impacts;
@@ -66,7 +66,7 @@ fn zenos_ball_comes_to_rest_at_the_closed_forms_time_after_finitely_many_impacts
     let (system, gaps) = (fall(1), floor(1));
     let law = ImpactLaw::GeneralizedReflections;
     let mut impacting = Impacting::new(&system, &gaps, c, law, When::AtTheInstant).unwrap();
-    let mut state = State::new(vec![1.25], vec![0.0]);
+    let mut state = State::new(vec![1.25], Covector(vec![0.0]));
     let first = (2.0 / G).sqrt();
     let total = first * (1.0 + c) / (1.0 - c);
     let (mut impacts, mut last, mut rested) = (0, 0.0, false);
@@ -91,7 +91,7 @@ fn what_rests_stays_for_ten_thousand_steps_and_does_not_rattle() {
             let (system, gaps) = (fall(2), floor(2));
             let law = ImpactLaw::GeneralizedReflections;
             let mut impacting = Impacting::new(&system, &gaps, c, law, when).unwrap();
-            let mut state = State::new(vec![0.25, 0.75], vec![0.0; 2]);
+            let mut state = State::new(vec![0.25, 0.75], Covector(vec![0.0; 2]));
             for _ in 0..10_000 {
                 impacting.step(&mut state, 1e-3).unwrap();
                 assert!(state.p.0.iter().all(|p| p.abs() < 1e-12), "{when:?} {c} {state:?}");
@@ -109,7 +109,8 @@ fn the_filter_never_overlaps_at_any_speed() {
             let law = ImpactLaw::GeneralizedReflections;
             let filter = When::VelocityFilter;
             let mut impacting = Impacting::new(&system, &gaps, c, law, filter).unwrap();
-            let mut state = State::new(vec![0.3, 1.1, 1.9], vec![0.0, -speed, -0.5 * speed]);
+            let mut state =
+                State::new(vec![0.3, 1.1, 1.9], Covector(vec![0.0, -speed, -0.5 * speed]));
             for _ in 0..500 {
                 impacting.step(&mut state, 1e-3).unwrap();
                 let smallest = gaps.gaps(0.0, &state.q).into_iter().fold(f64::MAX, f64::min);
@@ -127,7 +128,7 @@ fn steps_down_to_a_microsecond_gain_no_energy() {
             let (system, gaps) = (fall(3), floor(3));
             let law = ImpactLaw::GeneralizedReflections;
             let mut impacting = Impacting::new(&system, &gaps, 1.0, law, when).unwrap();
-            let mut state = State::new(vec![0.26, 0.80, 1.40], vec![-1.0, -2.0, -3.0]);
+            let mut state = State::new(vec![0.26, 0.80, 1.40], Covector(vec![-1.0, -2.0, -3.0]));
             let energy = |state: &State<Vec<f64>>| system.energy(&state.q, state.p.view());
             let start = energy(&state);
             for _ in 0..3_000 {

@@ -1,7 +1,7 @@
 //! Worlds of the plane and of space: cradles, racks, stacks, inclines and an arch.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{DiagonalMetric, SplitMix64, System};
+use stationary_calculus::{Covector, DiagonalMetric, SplitMix64, System};
 use stationary_contact::{
     Arch, Collider, ContactError, Detector, ImpactLaw, PlanarCollider, PlanarDetector, PlanarShape,
     PlanarWorld, Shape, SpatialWorld, World, WorldReport, problems::nine_ball_break,
@@ -43,7 +43,7 @@ fn rack(centres: &[[f64; 2]]) -> (Table, State<Vec<f64>>) {
     let world = planar(&vec![DISC; centres.len()], Vector2::zeros(), colliders);
     let q: Vec<f64> = centres.iter().flat_map(|&[x, y]| [x, y, 0.0]).collect();
     let p = vec![0.0; q.len()];
-    (world, State::new(q, p))
+    (world, State::new(q, Covector(p)))
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn a_box_of_elastic_discs_keeps_its_energy_at_every_step_down_to_a_microsecond()
         let q = (0..9).flat_map(|k| [place(k % 3), place(k / 3), 0.0]).collect();
         let mut random = SplitMix64::new(6);
         let p = (0..27).map(|k| if k % 3 < 2 { random.symmetric() } else { 0.0 }).collect();
-        let mut state = State::new(q, p);
+        let mut state = State::new(q, Covector(p));
         let energy = |state: &State<Vec<f64>>| state.p.0.iter().map(|p| 0.5 * p * p).sum::<f64>();
         let (start, mut impacts) = (energy(&state), 0);
         for _ in 0..2_000 {
@@ -164,7 +164,7 @@ fn stack(count: usize) -> (Table, State<Vec<f64>>) {
     let colliders = (0..count).map(on).chain([ground(0.5)]).collect();
     let world = planar(&vec![(1.0, 1.0 / 6.0); count], -Vector2::y() * G, colliders);
     let q = (0..count).flat_map(|k| [0.0, 0.5 + k as f64, 0.0]).collect();
-    (world, State::new(q, vec![0.0; 3 * count]))
+    (world, State::new(q, Covector(vec![0.0; 3 * count])))
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn a_block_of_the_plane_sticks_below_the_friction_angle_and_slides_above_it() {
         ];
         let mut world = planar(&[(2.0, 0.2)], -Vector2::y() * G, colliders);
         let centre = normal * 0.2;
-        let mut state = State::new(vec![centre.x, centre.y, angle], vec![0.0; 3]);
+        let mut state = State::new(vec![centre.x, centre.y, angle], Covector(vec![0.0; 3]));
         for _ in 0..1000 {
             let report = world.step(&mut state, 1e-3).unwrap();
             assert!(report.coulomb < 1e-10 && report.residual < 1e-10, "{report:?}");
@@ -271,8 +271,10 @@ fn an_obstacle_of_the_plane_pushes_and_reports_its_work() {
     let colliders = (0..2).map(|body| PlanarCollider::on_body(body, square.clone())).collect();
     let world = planar(&[(1.0, 1.0 / 6.0); 2], Vector2::zeros(), colliders);
     let mut world = world.with_obstacles(vec![0]).unwrap();
-    let mut state =
-        State::new(vec![0.0, 0.0, 0.0, 1.2, 0.0, 0.0], vec![0.5, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut state = State::new(
+        vec![0.0, 0.0, 0.0, 1.2, 0.0, 0.0],
+        Covector(vec![0.5, 0.0, 0.0, 0.0, 0.0, 0.0]),
+    );
     let work: f64 = (0..1000).map(|_| world.step(&mut state, 1e-3).unwrap().work).sum();
     assert_eq!(state.p.0[0], 0.5, "nothing slows it down");
     assert!((state.p.0[3] - 0.5).abs() < 1e-12 && (work - 0.25).abs() < 1e-12, "{work}");
@@ -353,7 +355,7 @@ fn card_house(friction: f64) -> (Table, State<Vec<f64>>) {
     }
     colliders.push(ground(friction));
     let rest = vec![0.0; q.len()];
-    (planar(&bodies, -Vector2::y() * G, colliders), State::new(q, rest))
+    (planar(&bodies, -Vector2::y() * G, colliders), State::new(q, Covector(rest)))
 }
 
 #[test]

@@ -42,7 +42,7 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         Ok(Stages {
             first: Covector(zero.clone()),
             last: Covector(zero.clone()),
-            next: State::new(zero.clone(), zero.clone()),
+            next: State::new(zero.clone(), Covector(zero.clone())),
             displacements: array::from_fn(|_| Vector(zero.clone())),
             velocity: Vector(zero.clone()),
             sum: Vector(zero.clone()),

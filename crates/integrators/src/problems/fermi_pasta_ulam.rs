@@ -91,7 +91,7 @@ pub fn fermi_pasta_ulam(
         system: System::new(DiagonalMetric::new([1.0; 6])?, AlternatingSprings { frequency })?,
         initial: State::new(
             [near * FRAC_1_SQRT_2, far * FRAC_1_SQRT_2, 0.0, 0.0, 0.0, 0.0],
-            [0.0, SQRT_2, 0.0, 0.0, 0.0, 0.0],
+            Covector([0.0, SQRT_2, 0.0, 0.0, 0.0, 0.0]),
         ),
         horizon: 200.0,
         period: TAU / frequency,

@@ -50,7 +50,7 @@ pub fn henon_heiles(energy: f64) -> Result<SmallProblem<HenonHeilesPotential, 2>
     Ok(Problem {
         name: "henon-heiles",
         system: System::new(DiagonalMetric::new([1.0; 2])?, HenonHeilesPotential)?,
-        initial: State::new([0.0, 0.0], [0.8 * speed, 0.6 * speed]),
+        initial: State::new([0.0, 0.0], Covector([0.8 * speed, 0.6 * speed])),
         horizon: 200.0,
         period: TAU,
         scale: 1.0,

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 
 use super::{Problem, ProblemError, SmallProblem, within};
 use crate::{CentralGravity, State};
@@ -20,7 +20,7 @@ pub fn kepler(e: f64) -> Result<SmallProblem<CentralGravity<2>, 2>, ProblemError
     Ok(Problem {
         name: "kepler",
         system: System::new(DiagonalMetric::new([1.0; 2])?, CentralGravity { strength: 1.0 })?,
-        initial: State::new([1.0 - e, 0.0], [0.0, ((1.0 + e) / (1.0 - e)).sqrt()]),
+        initial: State::new([1.0 - e, 0.0], Covector([0.0, ((1.0 + e) / (1.0 - e)).sqrt()])),
         horizon: 10.0 * TAU,
         period: TAU,
         scale: 1.0,

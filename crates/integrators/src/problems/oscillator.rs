@@ -50,7 +50,7 @@ pub fn oscillator(omega: f64) -> Result<SmallProblem<Linear<1>, 1>, ProblemError
     Ok(Problem {
         name: "oscillator",
         system: System::new(DiagonalMetric::new([1.0; 1])?, Linear { stiffness: omega * omega })?,
-        initial: State::new([1.0], [0.0]),
+        initial: State::new([1.0], Covector([0.0])),
         horizon: TAU / omega,
         period: TAU / omega,
         scale: 1.0,

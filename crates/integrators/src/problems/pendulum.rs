@@ -47,7 +47,7 @@ pub fn pendulum(theta: f64) -> Result<SmallProblem<PendulumPotential, 1>, Proble
     Ok(Problem {
         name: "pendulum",
         system: System::new(DiagonalMetric::new([1.0; 1])?, PendulumPotential)?,
-        initial: State::new([theta], [0.0]),
+        initial: State::new([theta], Covector([0.0])),
         horizon: 10.0 * period,
         period,
         scale: theta,

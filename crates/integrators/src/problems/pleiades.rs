@@ -9,7 +9,7 @@
 //! Differential Equations I, II.10; Mazzia, Magherini, Test Set for Initial Value Problem Solvers,
 //! release 2.4, part II.
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 
 use super::{Problem, ProblemError, SmallProblem};
 use crate::{NewtonianGravity, State};
@@ -46,7 +46,7 @@ pub fn pleiades() -> Result<SmallProblem<NewtonianGravity<2>, 14>, ProblemError>
         system: System::new(DiagonalMetric::new(masses)?, gravity)?,
         initial: State::new(
             std::array::from_fn(|freedom| POSITIONS.as_flattened()[freedom]),
-            std::array::from_fn(|freedom| masses[freedom] * velocities[freedom]),
+            Covector(std::array::from_fn(|freedom| masses[freedom] * velocities[freedom])),
         ),
         horizon: 3.0,
         period: 3.0,

@@ -99,7 +99,7 @@ pub fn spring_chain(masses: usize, k: f64) -> Result<LargeProblem<SpringChain>, 
     Ok(Problem {
         name: "spring-chain",
         system: System::new(DiagonalMetric::new(vec![1.0; masses])?, chain)?,
-        initial: State::new(at(0.0), vec![0.0; masses]),
+        initial: State::new(at(0.0), Covector(vec![0.0; masses])),
         horizon: period,
         period,
         scale: (0.5 * (masses + 1) as f64).sqrt(),

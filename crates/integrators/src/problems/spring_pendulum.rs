@@ -56,7 +56,7 @@ pub fn spring_pendulum(k: f64) -> Result<SmallProblem<TetherPotential, 2>, Probl
     Ok(Problem {
         name: "spring-pendulum",
         system: System::new(DiagonalMetric::new([1.0; 2])?, TetherPotential { stiffness: k })?,
-        initial: State::new([1.0, 0.0], [0.0, 0.0]),
+        initial: State::new([1.0, 0.0], Covector([0.0, 0.0])),
         horizon: TAU,
         period: TAU / k.sqrt(),
         scale: 1.0,

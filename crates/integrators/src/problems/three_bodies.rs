@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 
 use super::{Problem, ProblemError, SmallProblem};
 use crate::{NewtonianGravity, State};
@@ -22,7 +22,7 @@ pub fn three_bodies() -> Result<SmallProblem<NewtonianGravity<2>, 6>, ProblemErr
         system: System::new(metric, gravity)?,
         initial: State::new(
             [0.0, 0.0, 1.0, 0.1, -2.5, 0.5],
-            [0.003, -0.01, 0.0, 0.018, -0.001, -0.006],
+            Covector([0.003, -0.01, 0.0, 0.018, -0.001, -0.006]),
         ),
         horizon: 10.0 * TAU,
         period: TAU,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use stationary_calculus::{NewtonFailure, Unsolvable};
+use stationary_calculus::{Covector, NewtonFailure, Unsolvable};
 use stationary_integrators::problems::DoublePendulum;
 use stationary_integrators::{
     Action, ActionError, DiscreteLagrangian, Integrator, Mechanical, Quadrature, Sampled, State,
@@ -43,7 +43,7 @@ fn uneven(count: usize) -> Vec<f64> {
 fn the_action_is_stationary_on_the_discrete_motion_and_on_no_other_path() {
     let steps = uneven(60);
     let action = Action::new(double_pendulum(), steps.clone()).unwrap();
-    let start = State::new([0.9, -0.4], [0.3, 0.1]);
+    let start = State::new([0.9, -0.4], Covector([0.3, 0.1]));
     let (path, _) = motion(double_pendulum(), start, &steps);
     let largest = |path: &[[f64; 2]]| {
         let differential = action.differential(path).unwrap();
@@ -81,7 +81,7 @@ fn the_differential_is_the_rate_at_which_the_action_changes() {
 #[test]
 fn the_boundary_value_problem_finds_the_motion() {
     let steps = uneven(60);
-    let start = State::new([0.9, -0.4], [0.3, 0.1]);
+    let start = State::new([0.9, -0.4], Covector([0.3, 0.1]));
     let (path, _) = motion(double_pendulum(), start.clone(), &steps);
     let (first, last) = (path[0], path[60]);
     let straight: Vec<[f64; 2]> = (0..=60)
@@ -102,7 +102,7 @@ fn the_boundary_value_problem_finds_the_motion() {
 /// The oscillator between 1 and its place after `duration` seconds, from a guess at rest.
 fn oscillator_over(duration: f64, steps: usize) -> Result<(usize, Stationary, f64), ActionError> {
     let h = vec![duration / steps as f64; steps];
-    let (path, _) = motion(spring(), State::new([1.0], [0.2]), &h);
+    let (path, _) = motion(spring(), State::new([1.0], Covector([0.2])), &h);
     let mut guess = vec![[0.0]; steps + 1];
     (guess[0], guess[steps]) = (path[0], path[steps]);
     let found = Action::new(spring(), h).unwrap().stationary_path(guess)?;

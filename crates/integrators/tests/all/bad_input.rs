@@ -46,7 +46,7 @@ fn initial_data_that_are_not_finite_are_named() {
     let problem = kepler(0.6).unwrap();
     for &method in Method::ALL {
         for bad in [f64::NAN, f64::INFINITY] {
-            let state = State::new([0.4, bad], [0.0, 2.0]);
+            let state = State::new([0.4, bad], Covector([0.0, 2.0]));
             let error = refused(method, &problem.system, &state, 0.1);
             let named = match &error {
                 StepError::NonFiniteConfiguration { .. } | StepError::NonFiniteMomentum { .. } => {
@@ -66,7 +66,7 @@ fn initial_data_that_are_not_finite_are_named() {
 fn particles_that_meet_under_gravity_are_an_error_and_not_a_nan() {
     let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 2.0] };
     let system = System::new(DiagonalMetric::new([1.0, 1.0, 2.0, 2.0]).unwrap(), gravity).unwrap();
-    let state = State::new([0.5, 0.5, 0.5, 0.5], [0.0; 4]);
+    let state = State::new([0.5, 0.5, 0.5, 0.5], Covector([0.0; 4]));
     for &method in Method::ALL {
         let error = refused(method, &system, &state, 0.1);
         assert!(!matches!(error, StepError::Step(_) | StepError::Size(_)), "{method}: {error}");
@@ -82,7 +82,7 @@ fn sizes_that_do_not_match_are_named() {
     for &method in Method::ALL {
         let storage = method.integrator::<_, _, [f64; 3]>(&problem.system);
         assert!(matches!(storage, Err(SizeError { expected: 2, got: 3, .. })), "{method}");
-        let mut state = State::new(vec![1.0, 0.0, 0.0], vec![0.0; 3]);
+        let mut state = State::new(vec![1.0, 0.0, 0.0], Covector(vec![0.0; 3]));
         let error = method.integrator(&problem.system).unwrap().step(&mut state, 0.1).unwrap_err();
         assert!(matches!(error, StepError::Size(SizeError { expected: 2, got: 3, .. })));
     }
@@ -137,7 +137,7 @@ impl Potential for Cliff {
 #[test]
 fn an_implicit_step_without_a_solution_ends_and_says_so() {
     let system = System::new(DiagonalMetric::new([1.0]).unwrap(), Cliff).unwrap();
-    let state = State::new([0.0], [1.0]);
+    let state = State::new([0.0], Covector([1.0]));
     for &method in Method::ALL {
         if method.facts().evaluation == Evaluation::Implicit {
             let error = refused(method, &system, &state, 10.0);

@@ -55,12 +55,12 @@ fn symmetric_methods_return_when_the_momentum_is_reversed() {
     let problem = kepler(0.3).unwrap();
     for &method in Method::ALL {
         let mut integrator = on(method, &problem.system);
-        let mut state = State::new([0.4, -0.7], [0.9, 0.5]);
+        let mut state = State::new([0.4, -0.7], Covector([0.9, 0.5]));
         let start = state.clone();
         integrator.step(&mut state, 0.1).unwrap();
         state.p = Covector(state.p.0.map(|p| -p));
         integrator.step(&mut state, 0.1).unwrap();
-        let back = State::new(state.q, state.p.0.map(|p| -p));
+        let back = State::new(state.q, Covector(state.p.0.map(|p| -p)));
         let miss = (0..2)
             .map(|i| (back.q[i] - start.q[i]).abs() + (back.p.0[i] - start.p.0[i]).abs())
             .sum::<f64>();
@@ -74,7 +74,7 @@ fn symplectic_defect(method: Method, h: f64) -> f64 {
     let mut integrator = on(method, &problem.system);
     let at = [0.4, -0.7, 0.9, 0.5];
     let mut map = |y: [f64; 4]| -> [f64; 4] {
-        let mut state = State::new([y[0], y[1]], [y[2], y[3]]);
+        let mut state = State::new([y[0], y[1]], Covector([y[2], y[3]]));
         integrator.step(&mut state, h).unwrap();
         [state.q[0], state.q[1], state.p.0[0], state.p.0[1]]
     };
@@ -116,7 +116,7 @@ fn symplectic_methods_preserve_the_symplectic_form_and_no_others_do() {
 fn the_trapezoid_rule_is_the_midpoint_rule_seen_half_an_explicit_step_away() {
     let problem = kepler(0.3).unwrap();
     let h = 0.2;
-    let mut state = State::new([0.4, -0.7], [0.9, 0.5]);
+    let mut state = State::new([0.4, -0.7], Covector([0.9, 0.5]));
     let explicit = |state: &State<[f64; 2]>| {
         let mut moved = state.clone();
         on(Method::ExplicitEuler, &problem.system).step(&mut moved, 0.5 * h).unwrap();
@@ -172,7 +172,7 @@ fn the_trapezoid_rule_keeps_angular_momentum_for_linear_forces() {
     use stationary_integrators::problems::Linear;
     let metric = DiagonalMetric::new([2.0, 2.0]).unwrap();
     let system = System::new(metric, Linear::<2> { stiffness: 3.0 }).unwrap();
-    let mut state = State::new([1.0, 0.2], [-0.3, 0.9]);
+    let mut state = State::new([1.0, 0.2], Covector([-0.3, 0.9]));
     let mut trapezoid = on(Method::Trapezoid, &system);
     let start = angular_momentum::<2>(&state)[2];
     for _ in 0..1000 {

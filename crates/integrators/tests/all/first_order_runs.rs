@@ -324,7 +324,7 @@ fn saved_runs_and_states_survive_text_bit_by_bit() {
         let text = serde_json::to_string(&saved).unwrap();
         assert_eq!(serde_json::from_str::<Saved>(&text).unwrap(), saved);
     }
-    let mut state = State::new([0.1 + 0.2, -0.0], [f64::MIN_POSITIVE, 1.0 / 3.0]);
+    let mut state = State::new([0.1 + 0.2, -0.0], Covector([f64::MIN_POSITIVE, 1.0 / 3.0]));
     state.t = 1e22 / 3.0;
     let text = serde_json::to_string(&state).unwrap();
     let read: State<[f64; 2]> = serde_json::from_str(&text).unwrap();

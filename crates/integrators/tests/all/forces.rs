@@ -31,7 +31,7 @@ fn drag_is_integrated_with_the_order_of_the_discrete_lagrangian() {
     for quadrature in Quadrature::ALL {
         let error = |steps: u32| {
             let mut integrator = driven(quadrature, c, |_| 0.0);
-            let mut state = State::new([1.0], [0.0]);
+            let mut state = State::new([1.0], Covector([0.0]));
             let mut largest = 0.0_f64;
             for _ in 0..steps {
                 integrator.step(&mut state, 8.0 / f64::from(steps)).unwrap();
@@ -55,7 +55,7 @@ fn drag_takes_the_energy_that_the_closed_form_says() {
     let (q, p) = damped(c, t);
     let off = |steps: u32| {
         let mut integrator = driven(Quadrature::Middle, c, |_| 0.0);
-        let mut state = State::new([1.0], [0.0]);
+        let mut state = State::new([1.0], Covector([0.0]));
         for _ in 0..steps {
             integrator.step(&mut state, t / f64::from(steps)).unwrap();
         }
@@ -73,7 +73,7 @@ fn a_load_is_integrated_with_order_two() {
     for quadrature in [Quadrature::Middle, Quadrature::Ends] {
         let error = |steps: u32| {
             let mut integrator = driven(quadrature, 0.0, |t| (2.0 * t).sin());
-            let mut state = State::new([0.0], [0.0]);
+            let mut state = State::new([0.0], Covector([0.0]));
             let mut largest = 0.0_f64;
             for _ in 0..steps {
                 integrator.step(&mut state, 8.0 / f64::from(steps)).unwrap();
@@ -93,7 +93,7 @@ fn what_forces_work_is_what_the_energy_gains() {
     // The midpoint rule's energy is quadratic here: its gain is <F, q1 - q0>, to rounding.
     let strength = |t: f64| (1.3 * t).cos();
     let mut integrator = driven(Quadrature::Middle, 0.2, strength);
-    let mut state = State::new([1.0], [0.0]);
+    let mut state = State::new([1.0], Covector([0.0]));
     let energy = |state: &State<[f64; 1]>| 0.5 * (state.q[0].powi(2) + state.p.0[0].powi(2));
     let (start, h, mut work, mut dissipated) = (energy(&state), 0.1, 0.0, 0.0);
     for _ in 0..1000 {

@@ -62,7 +62,7 @@ fn without_a_soft_force_every_step_is_exact() {
     for filter in FILTERS {
         for h in [0.01, 1.0, 1e3] {
             let mut method = Gautschi::new(&system, &stiffness, filter).unwrap();
-            let mut state = State::new([1.0, 0.0], [0.5, 1.0]);
+            let mut state = State::new([1.0, 0.0], Covector([0.5, 1.0]));
             method.step(&mut state, h).unwrap();
             // The centre moves at 0.3, the extension q0 - q1 turns with 1 and 0.25.
             let centre = 0.2 + 0.3 * h;
@@ -90,7 +90,7 @@ fn after(filter: Filter, start: &State<[f64; 2]>, h: f64, steps: u32) -> State<[
 
 #[test]
 fn every_filter_has_order_2_and_returns_when_the_momentum_is_reversed() {
-    let start = State::new([1.0, -0.4], [0.3, 0.9]);
+    let start = State::new([1.0, -0.4], Covector([0.3, 0.9]));
     for filter in FILTERS {
         let ends = [40, 80, 160].map(|n| after(filter, &start, 1.0 / f64::from(n), n).q[0]);
         let order = ((ends[0] - ends[1]) / (ends[1] - ends[2])).log2();
@@ -109,7 +109,7 @@ fn the_symplectic_filters_preserve_the_symplectic_form_and_the_others_do_not() {
     let stiffness = BilinearForm(dmatrix![2.0, -1.0; -1.0, 4.0]);
     for filter in FILTERS {
         let map = |y: [f64; 4]| {
-            let state = after(filter, &State::new([y[0], y[1]], [y[2], y[3]]), 0.8, 1);
+            let state = after(filter, &State::new([y[0], y[1]], Covector([y[2], y[3]])), 0.8, 1);
             [state.q[0], state.q[1], state.p.0[0], state.p.0[1]]
         };
         let column = |j: usize| {
@@ -140,7 +140,7 @@ fn grows(filter: Filter, w: f64, h: f64) -> bool {
     let stiffness = BilinearForm(dmatrix![w * w]);
     let mut method = Gautschi::new(&system, &stiffness, filter).unwrap();
     let mut column = |q: f64, p: f64| {
-        let mut state = State::new([q], [p]);
+        let mut state = State::new([q], Covector([p]));
         method.step(&mut state, h).unwrap();
         (state.q[0], state.p.0[0])
     };
@@ -187,7 +187,7 @@ fn linear_momentum_is_kept_by_every_filter_and_angular_by_the_symplectic_ones() 
     for filter in FILTERS {
         let mut method = Gautschi::new(&system, &stiffness, filter).unwrap();
         let q = vec![0.5, 0.1, -0.6, 0.0, 0.2, 3.0];
-        let mut state = State::new(q, vec![0.1, 0.8, 0.0, -0.4, -0.7, 0.2]);
+        let mut state = State::new(q, Covector(vec![0.1, 0.8, 0.0, -0.4, -0.7, 0.2]));
         let (linear, angular) = (linear_momentum::<2>(&state), angular_momentum::<2>(&state)[2]);
         for _ in 0..1000 {
             method.step(&mut state, 0.05).unwrap();

@@ -86,7 +86,7 @@ fn no_quadrature_reproduces_the_trapezoid_rule() {
 
 /// The largest error of an oscillator's configuration over a period.
 fn error_on_the_oscillator(quadrature: Quadrature, steps: u32) -> f64 {
-    let mut state = State::new([1.0], [0.0]);
+    let mut state = State::new([1.0], Covector([0.0]));
     let mut integrator = Variational::new(sampled(Spring, quadrature)).unwrap();
     let h = TAU / f64::from(steps);
     let mut largest = 0.0_f64;
@@ -114,7 +114,7 @@ fn each_quadrature_has_its_order() {
 fn quadratures_that_claim_it_are_symmetric_and_the_others_are_not() {
     for quadrature in Quadrature::ALL {
         let mut integrator = Variational::new(sampled(Sun, quadrature)).unwrap();
-        let start = State::new([0.4, -0.7], [0.9, 0.5]);
+        let start = State::new([0.4, -0.7], Covector([0.9, 0.5]));
         let mut state = start.clone();
         for _ in 0..2 {
             integrator.step(&mut state, 0.1).unwrap();
@@ -152,7 +152,7 @@ fn symplectic_defect(at: [f64; 4], mut map: impl FnMut([f64; 4]) -> [f64; 4]) ->
 fn step_as_a_map<L: DiscreteLagrangian<2>>(lagrangian: L) -> impl FnMut([f64; 4]) -> [f64; 4] {
     let mut integrator = Variational::new(lagrangian).unwrap();
     move |[x, y, px, py]| {
-        let mut state = State::new([x, y], [px, py]);
+        let mut state = State::new([x, y], Covector([px, py]));
         integrator.step(&mut state, 0.1).unwrap();
         [state.q[0], state.q[1], state.p.0[0], state.p.0[1]]
     }
@@ -173,7 +173,7 @@ fn every_discrete_lagrangian_preserves_the_symplectic_form() {
 #[test]
 fn each_quadrature_is_stable_where_its_facts_say() {
     let amplitude = |quadrature, h: f64| {
-        let mut state = State::new([1.0], [0.5]);
+        let mut state = State::new([1.0], Covector([0.5]));
         let mut integrator = Variational::new(sampled(Spring, quadrature)).unwrap();
         let mut largest = 0.0_f64;
         for _ in 0..1000 {
@@ -226,7 +226,7 @@ fn error_on_the_double_pendulum(quadrature: Quadrature, steps: u32) -> f64 {
     let path = reference(start, h, steps, 3200 / steps);
     let mut integrator =
         Variational::new(Sampled { lagrangian: DoublePendulum, quadrature }).unwrap();
-    let mut state = State::new(start, [0.0; 2]);
+    let mut state = State::new(start, Covector([0.0; 2]));
     let mut largest = 0.0_f64;
     for q in &path[1..] {
         integrator.step(&mut state, h).unwrap();
@@ -256,7 +256,7 @@ fn the_double_pendulum_keeps_its_energy_bounded() {
     for quadrature in Quadrature::ALL {
         let mut integrator =
             Variational::new(Sampled { lagrangian: DoublePendulum, quadrature }).unwrap();
-        let mut state = State::new([0.9, -0.4], [0.0; 2]);
+        let mut state = State::new([0.9, -0.4], Covector([0.0; 2]));
         let start = energy(&state);
         let mut worst = [0.0_f64; 2];
         for step in 0..50_000 {
@@ -284,7 +284,7 @@ fn a_singular_discrete_legendre_transform_is_an_error_and_the_state_stays() {
     let mut integrator = Variational::new(Degenerate).unwrap();
     // The second momentum is one that a step can have, and still it determines none.
     for p in [[1.0, 0.5], [1.0, 1.0], [0.0, 0.0]] {
-        let mut state = State::new([0.3, 0.4], p);
+        let mut state = State::new([0.3, 0.4], Covector(p));
         let before = state.clone();
         let error = integrator.step(&mut state, 0.1).unwrap_err();
         assert_eq!(error, StepError::SingularLegendreTransform);
@@ -301,7 +301,7 @@ fn a_step_that_cannot_be_taken_leaves_the_state_as_it_was() {
         ([0.0, 0.0], [0.0, 1.0], 0.1),
         ([f64::INFINITY, 0.0], [0.0, 1.0], 0.1),
     ] {
-        let mut state = State::new(q, p);
+        let mut state = State::new(q, Covector(p));
         let before = state.clone();
         assert!(integrator.step(&mut state, h).is_err());
         assert_eq!(state, before);

@@ -67,7 +67,7 @@ fn linear_momentum_drifts_by_rounding_alone_where_angular_momentum_is_not_promis
     let lasts = |facts: Facts| facts.symplecticity != Symplecticity::No;
     let metric = DiagonalMetric::new([1.0, 1.0, 2.0, 2.0]).unwrap();
     let spring = System::new(metric, WideSpring { k: 0.5 }).unwrap();
-    let initial = State::new([0.0, 0.0, 3.1, 0.2], [0.2, -0.5, 0.1, 0.9]);
+    let initial = State::new([0.0, 0.0, 3.1, 0.2], Covector([0.2, -0.5, 0.1, 0.9]));
     assert_derivatives(spring.potential(), &initial.q);
     for &method in Method::ALL {
         let facts = method.facts();

@@ -57,7 +57,7 @@ fn what_is_left_of_fast_oscillations() {
     for radius in [0.0, 0.3, 0.5, 0.8, 1.0] {
         let spring = oscillator(1.0).unwrap();
         let mut method = Newmark::new(&spring.system, alpha(radius)).unwrap();
-        let mut state = State::new([1.0], [0.0]);
+        let mut state = State::new([1.0], Covector([0.0]));
         let mut after = |steps: usize, state: &mut State<[f64; 1]>| {
             for _ in 0..steps {
                 method.step(state, 1e5).unwrap();
@@ -87,7 +87,7 @@ fn a_damped_and_driven_oscillator_comes_out_with_order_2() {
             let h = 5.0 / f64::from(steps);
             let force = DragAndLoad { drag, load, frequency: w };
             let mut method = Newmark::with_force(&spring.system, weights, force).unwrap();
-            let mut state = State::new([a], [b * w]);
+            let mut state = State::new([a], Covector([b * w]));
             let mut error = 0.0_f64;
             for step in 1..=steps {
                 let report = method.step(&mut state, h).unwrap();
@@ -128,7 +128,7 @@ fn a_limit_below_the_average_acceleration_is_where_the_facts_say() {
         let Stability::Below(limit) = weights.facts().stability else { panic!("no limit") };
         let largest = |h: f64| {
             let mut method = Newmark::new(&spring.system, weights).unwrap();
-            let (mut state, mut largest) = (State::new([1.0], [0.5]), 0.0_f64);
+            let (mut state, mut largest) = (State::new([1.0], Covector([0.5])), 0.0_f64);
             for _ in 0..1000 {
                 method.step(&mut state, h).unwrap();
                 largest = largest.max(state.q[0].abs());

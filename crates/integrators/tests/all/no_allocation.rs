@@ -13,7 +13,7 @@ fn a_variational_step_takes_no_memory() {
     let forces = (Drag::new([0.1, 0.2]).unwrap(), load);
     let lagrangian = Sampled { lagrangian: DoublePendulum, quadrature: Quadrature::Middle };
     let mut integrator = Variational::forced(lagrangian, forces).unwrap();
-    let mut state = State::new([0.9, -0.4], [0.1, 0.0]);
+    let mut state = State::new([0.9, -0.4], Covector([0.1, 0.0]));
     let used = measure(|| {
         for _ in 0..100 {
             integrator.step(&mut state, 0.01).unwrap();

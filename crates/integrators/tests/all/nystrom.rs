@@ -86,7 +86,7 @@ fn a_dense_mass_gives_the_motion_of_its_own_axes() {
     let mass = nalgebra::dmatrix![2.0, 1.0; 1.0, 2.0];
     let potential = stationary_integrators::problems::Linear::<2> { stiffness: 3.0 };
     let system = System::new(DenseMetric::new(mass).unwrap(), potential).unwrap();
-    let mut state = State::new([1.0, 0.0], [0.0, 0.0]);
+    let mut state = State::new([1.0, 0.0], Covector([0.0, 0.0]));
     let mut nystrom = Nystrom12::new(&system, both(1e-12)).unwrap();
     nystrom.run(&mut state, 7.0, |_| Continue(())).unwrap();
     let (sum, difference) = (7.0_f64.cos(), (3.0_f64.sqrt() * 7.0).cos());
@@ -213,7 +213,7 @@ fn an_observer_that_breaks_off_leaves_the_state_it_saw_and_the_run_goes_on_from_
 #[test]
 fn a_body_at_rest_stays_there_in_one_step() {
     let problem = oscillator(1.0).unwrap();
-    let mut state = State::new([0.0; 1], [0.0; 1]);
+    let mut state = State::new([0.0; 1], Covector([0.0; 1]));
     let mut nystrom = Nystrom8::new(&problem.system, both(1e-9)).unwrap();
     let work = nystrom.run(&mut state, 5.0, |_| Continue(())).unwrap();
     assert_eq!((work.steps, state.q, state.t), (1, [0.0], 5.0));
@@ -236,20 +236,20 @@ fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveError {
 
 #[test]
 fn states_and_ends_that_cannot_be_run_from_are_refused_by_name() {
-    let state = || State::new(vec![0.4, 0.0], vec![0.0, 2.0]);
+    let state = || State::new(vec![0.4, 0.0], Covector(vec![0.0, 2.0]));
     for end in [-1.0, 0.0, f64::INFINITY] {
         assert_eq!(refused(state(), end), AdaptiveError::End { end, t: 0.0 });
     }
     assert!(matches!(refused(state(), f64::NAN), AdaptiveError::End { .. }));
     let late = State { t: f64::NAN, ..state() };
     assert!(matches!(refused(late, 1.0), AdaptiveError::End { .. }));
-    let bad = State::new(vec![0.4, f64::INFINITY], vec![0.0, 2.0]);
+    let bad = State::new(vec![0.4, f64::INFINITY], Covector(vec![0.0, 2.0]));
     let named = AdaptiveError::NonFinite { what: "the configuration", t: 0.0, component: 1 };
     assert_eq!(refused(bad, 1.0), named);
-    let bad = State::new(vec![0.4, 0.0], vec![f64::NAN, 2.0]);
+    let bad = State::new(vec![0.4, 0.0], Covector(vec![f64::NAN, 2.0]));
     let named = AdaptiveError::NonFinite { what: "the momentum", t: 0.0, component: 0 };
     assert_eq!(refused(bad, 1.0), named);
-    let bad = State::new(vec![0.4, 0.0, 0.0], vec![0.0; 3]);
+    let bad = State::new(vec![0.4, 0.0, 0.0], Covector(vec![0.0; 3]));
     assert!(matches!(refused(bad, 1.0), AdaptiveError::Size(_)));
     let uneven = Tolerance::componentwise(1e-9, vec![1e-9; 3]).unwrap();
     let problem = kepler(0.6).unwrap();
@@ -263,7 +263,7 @@ fn states_and_ends_that_cannot_be_run_from_are_refused_by_name() {
 fn bodies_that_fall_into_each_other_are_an_error_with_the_last_good_state() {
     let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 1.0] };
     let system = System::new(DiagonalMetric::new([1.0; 4]).unwrap(), gravity).unwrap();
-    let mut state = State::new([0.5, 0.0, -0.5, 0.0], [0.0; 4]);
+    let mut state = State::new([0.5, 0.0, -0.5, 0.0], Covector([0.0; 4]));
     let mut last = state.clone();
     let mut nystrom = Nystrom12::new(&system, both(1e-10)).unwrap();
     let error = nystrom
@@ -313,7 +313,7 @@ impl Potential for Edge {
 #[test]
 fn a_force_that_is_not_a_number_ahead_is_an_error_and_not_a_nan() {
     let system = System::new(DiagonalMetric::new([1.0]).unwrap(), Edge).unwrap();
-    let mut state = State::new([0.0], [3.0]);
+    let mut state = State::new([0.0], Covector([3.0]));
     let mut nystrom = Nystrom8::new(&system, both(1e-8)).unwrap();
     let error = nystrom.run(&mut state, 1.0, |_| Continue(())).unwrap_err();
     assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");

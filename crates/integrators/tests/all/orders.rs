@@ -1,6 +1,6 @@
 //! The order that every method claims, as the slope of its largest error along a trajectory.
 
-use stationary_calculus::{Metric, Potential, loglog_slope, truncation_regime};
+use stationary_calculus::{Covector, Metric, Potential, loglog_slope, truncation_regime};
 use stationary_integrators::problems::{Problem, kepler, pendulum};
 use stationary_integrators::{Convergence, Evaluation, Horizon, Method, Scheme, State, deliver};
 
@@ -60,7 +60,7 @@ fn one_step_has_one_order_more() {
     let problem = kepler(0.3).unwrap();
     for &method in Method::ALL {
         // From a quarter of the orbit on, where no symmetry hides a term.
-        let start = State::new([0.4, -0.7], [0.9, 0.5]);
+        let start = State::new([0.4, -0.7], Covector([0.9, 0.5]));
         let after = |method: Method, h: f64, steps: u32| {
             let mut state = start.clone();
             let mut integrator = method.integrator(&problem.system).unwrap();

@@ -1,6 +1,6 @@
 //! Where each method is stable, and what it does to fast motions.
 
-use stationary_calculus::{Metric, Potential, System};
+use stationary_calculus::{Covector, Metric, Potential, System};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{Damping, Integrator, Method, Nodes, Stability, State};
 
@@ -17,7 +17,7 @@ fn on<'s, M: Metric, P: Potential, const N: usize>(
 fn amplification(method: Method, h: f64) -> [[f64; 2]; 2] {
     let problem = oscillator(1.0).unwrap();
     let column = |q: f64, p: f64| {
-        let mut state = State::new([q], [p]);
+        let mut state = State::new([q], Covector([p]));
         on(method, &problem.system).step(&mut state, h).unwrap();
         [state.q[0], state.p.0[0]]
     };
@@ -78,7 +78,7 @@ fn methods_without_a_limit_are_stable_at_every_step_or_at_none() {
 fn fast_motions_blow_up_stay_or_die_out_as_the_facts_say() {
     for &method in Method::ALL {
         let problem = oscillator(1.0).unwrap();
-        let mut state = State::new([1.0], [0.5]);
+        let mut state = State::new([1.0], Covector([0.5]));
         let mut integrator = on(method, &problem.system);
         integrator.step(&mut state, 1e6).unwrap();
         let (q, p) = (state.q[0].abs(), state.p.0[0].abs());
@@ -130,7 +130,7 @@ fn runge_kutta_methods_multiply_the_decaying_motion_by_their_stability_function(
         (Method::RungeKutta4, 1.0 - z + square / 2.0 - square * z / 6.0 + square * square / 24.0),
     ];
     for (method, factor) in exact {
-        let mut state = State::new([1.0], [-1.0]);
+        let mut state = State::new([1.0], Covector([-1.0]));
         on(method, &system).step(&mut state, z).unwrap();
         assert!((state.q[0] - factor).abs() < 1e-14, "{method}: {} {factor}", state.q[0]);
         assert!((state.p.0[0] + factor).abs() < 1e-14, "{method}: {} {factor}", state.p.0[0]);
@@ -140,7 +140,7 @@ fn runge_kutta_methods_multiply_the_decaying_motion_by_their_stability_function(
 /// Largest size of an oscillator (omega = 1) over a thousand steps.
 fn amplitude(method: Method, h: f64) -> f64 {
     let problem = oscillator(1.0).unwrap();
-    let mut state = State::new([1.0], [0.5]);
+    let mut state = State::new([1.0], Covector([0.5]));
     let mut largest = 0.0_f64;
     let mut integrator = on(method, &problem.system);
     for _ in 0..1000 {
@@ -168,7 +168,7 @@ fn explicit_symplectic_methods_are_unstable_above_two_over_omega() {
 
 fn amplitude_after(method: Method, h: f64, steps: usize) -> f64 {
     let problem = oscillator(1.0).unwrap();
-    let mut state = State::new([1.0], [0.5]);
+    let mut state = State::new([1.0], Covector([0.5]));
     let mut integrator = on(method, &problem.system);
     for _ in 0..steps {
         integrator.step(&mut state, h).unwrap();
@@ -182,7 +182,7 @@ fn runge_kutta_4_is_unstable_above_two_root_two_over_omega() {
     for (z, expected) in [(1.0, 0.9939), (2.8, 0.9307), (2.85, 1.0554)] {
         let pair = |n| {
             let problem = oscillator(1.0).unwrap();
-            let mut state = State::new([1.0], [0.0]);
+            let mut state = State::new([1.0], Covector([0.0]));
             let mut integrator = on(Method::RungeKutta4, &problem.system);
             for _ in 0..n {
                 integrator.step(&mut state, z).unwrap();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use stationary_calculus::{SparseError, System};
+use stationary_calculus::{Covector, SparseError, System};
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_laplacian::problems::{interval, square};
 use stationary_laplacian::{
@@ -63,7 +63,7 @@ fn a_mode_of_a_string_swings_at_the_frequency_of_its_eigenvalue() {
     let steps = 2000;
     let h = 2.0 * PI / omega / f64::from(steps);
     let mut verlet = StormerVerlet::new(&system).unwrap();
-    let mut state = State::new(shape.clone(), vec![0.0; n - 1]);
+    let mut state = State::new(shape.clone(), Covector(vec![0.0; n - 1]));
     for _ in 0..steps {
         verlet.step(&mut state, h).unwrap();
     }

@@ -1,6 +1,7 @@
 //! What bad input gets: a typed error, and a state as it was.
 
 use nalgebra::Vector3;
+use stationary_calculus::Covector;
 use stationary_integrators::{State, StepError};
 use stationary_rigid::problems::{nodding_top, tumbling_box};
 use stationary_rigid::{
@@ -44,7 +45,7 @@ fn a_step_that_fails_leaves_the_state_as_it_was() {
             assert!(matches!(integrator.step(&mut state, h), Err(StepError::Step(_))), "{method}");
         }
         assert_eq!(state, problem.initial);
-        let mut short = State::new(vec![0.0; 6], vec![0.0; 6]);
+        let mut short = State::new(vec![0.0; 6], Covector(vec![0.0; 6]));
         assert!(matches!(integrator.step(&mut short, 0.1), Err(StepError::Size(_))), "{method}");
         for m in [f64::INFINITY, f64::NAN] {
             let mut wild = problem.initial.clone();

@@ -106,7 +106,7 @@ fn in_the_chart(
     let p: Vector3<f64> = y.fixed_rows::<3>(3).into();
     let m = right_jacobian(&theta).transpose().lu().solve(&p).unwrap();
     let q = Rotation::exp(theta).quaternion().to_vec();
-    let mut state = State::new(q, m.as_slice().to_vec());
+    let mut state = State::new(q, Covector(m.as_slice().to_vec()));
     integrator.step(&mut state, h).unwrap();
     let theta = Orientations::pose(&state.q, 0).rotation.log();
     let p = right_jacobian(&theta).transpose() * Vector3::from_column_slice(&state.p.0);

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{System, loglog_slope};
+use stationary_calculus::{Covector, System, loglog_slope};
 use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Redundancy};
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -95,7 +95,7 @@ fn a_pendulum_of_two_boxes_swings_as_lagranges_equations_say_in_space_and_in_the
     let weight = PlanarWeight { gravity: Vector2::y() * -GRAVITY, masses: vec![1.0; 2] };
     let flat = System::new(metric, weight).unwrap();
     let q = (0..2).flat_map(|k| [centres[k].x, centres[k].z, start[k]]).collect::<Vec<_>>();
-    let start = State::new(q, vec![0.0; 6]);
+    let start = State::new(q, Covector(vec![0.0; 6]));
     let body = |k: usize, side: f64| PlanarAttachment::Body(k, Vector2::y() * (side * arms[k]));
     let pins = vec![
         PlanarJoint::pin(2, [PlanarAttachment::World(Vector2::zeros()), body(0, 1.0)]).unwrap(),
@@ -171,7 +171,7 @@ fn a_four_bar_linkage_of_bodies_takes_the_time_of_a_revolution_that_energy_gives
     let system = System::new(LINKAGE.metric().unwrap(), LINKAGE.weight()).unwrap();
     let inertia = |k: usize| if k % 3 == 2 { moments[k / 3] } else { masses[k / 3] };
     let p = (0..9).map(|k| inertia(k) * slope[k] * RATE).collect::<Vec<_>>();
-    let flat = State::new(q.to_vec(), p);
+    let flat = State::new(q.to_vec(), Covector(p));
     let pins = LINKAGE.joints().unwrap();
     let in_the_plane = |h: f64| {
         let mut rattle = Rattle::new(&system, &pins, &flat, few::<8>()).unwrap();

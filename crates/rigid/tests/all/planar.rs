@@ -1,7 +1,7 @@
 //! Bodies in the plane: their metric is flat, so the methods of flat space move them (7.4).
 
 use nalgebra::Vector2;
-use stationary_calculus::{Automatic, Energy, Number, System};
+use stationary_calculus::{Automatic, Covector, Energy, Number, System};
 use stationary_integrators::{Integrator, State, StormerVerlet, SymplecticEulerDriftKick};
 use stationary_mesh::Polygon;
 use stationary_rigid::PlanarMass;
@@ -29,7 +29,7 @@ fn a_planar_body_on_a_spring_keeps_its_angular_momentum_with_the_update_of_7_4()
     let corner = -mass.centre;
     let potential = Automatic(Tether { stiffness: 4.0, point: [corner.x, corner.y] });
     let system = System::new(mass.metric().unwrap(), potential).unwrap();
-    let start = State::new([1.0, -0.5, 0.3], [0.2, 0.9, -1.5]);
+    let start = State::new([1.0, -0.5, 0.3], Covector([0.2, 0.9, -1.5]));
     let angular = |s: &State<[f64; 3]>| s.q[0] * s.p.0[1] - s.q[1] * s.p.0[0] + s.p.0[2];
     let mut first = SymplecticEulerDriftKick::new(&system).unwrap();
     let mut second = StormerVerlet::new(&system).unwrap();

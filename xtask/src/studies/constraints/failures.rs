@@ -1,6 +1,6 @@
 //! Where each way fails, and what it says then.
 
-use stationary_calculus::{Column, Number, Table};
+use stationary_calculus::{Column, Covector, Number, Table};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Few, Level, OnLevel, Projection,
@@ -47,7 +47,7 @@ fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, Constraint
     let RodProblem { system, rods, initial } = pendulum(1.9)?.problem;
     let mut cases = Vec::new();
     let project = |q: [f64; 2]| {
-        let mut state = State::new(q, [0.0; 2]);
+        let mut state = State::new(q, Covector([0.0; 2]));
         let mut projection = Projection::new(&system, &rods, &state, few)?;
         projection.project(&mut state)
     };
@@ -65,7 +65,7 @@ fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, Constraint
     cases.push(("RATTLE, three seconds", "no feasible configuration found", long));
     let squared = Rattle::new(&system, OnLevel::new(0, Squared), &initial, few);
     cases.push(("the square of a constraint", "not of full rank", words(squared)));
-    let moved = State::new([0.0, -1.001], [0.0; 2]);
+    let moved = State::new([0.0, -1.001], Covector([0.0; 2]));
     let moved = Rattle::new(&system, &rods, &moved, few);
     cases.push(("a rod that starts stretched", "not feasible", words(moved)));
     let twice = square(2, 1.0, [0.0; 2])?;
@@ -78,7 +78,7 @@ fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, Constraint
     let regular = Rattle::new(&linkage.system, &linkage.rods, &linkage.initial, few);
     cases.push(("a four-bar linkage", "done", words(regular)));
     let angle = ArcsinePendulum::new(1.0, 1.0, 1.0)?;
-    let fast = words(angle.step(&mut State::new([0.0], [2.5]), 0.5));
+    let fast = words(angle.step(&mut State::new([0.0], Covector([2.5])), 0.5));
     cases.push(("the angle, h speed/L = 1.25", "too fast for its angle", fast));
     Ok(cases)
 }

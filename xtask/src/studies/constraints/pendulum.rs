@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use stationary_calculus::{Cell, Column, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Cell, Column, Covector, DiagonalMetric, System, Table, loglog_slope};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Few, Links, Penalty, Rattle,
@@ -132,7 +132,7 @@ fn in_angle(
     (start, h, steps): (f64, f64, u64),
     mut observe: impl FnMut(Seen),
 ) -> Result<(), Box<dyn Error + Send + Sync>> {
-    let mut state = State::new([exact.angle(start)], [exact.rate(start)]);
+    let mut state = State::new([exact.angle(start)], Covector([exact.rate(start)]));
     state.t = start;
     let arcsine = ArcsinePendulum::new(1.0, 1.0, 1.0)?;
     let weight = Weight { masses: [1.0], gravity: 1.0 };

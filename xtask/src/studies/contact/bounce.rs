@@ -1,6 +1,6 @@
 //! A ball bounces: how high, for each choice of when the impulse is given.
 
-use stationary_calculus::{Column, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
 use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
 
@@ -34,7 +34,7 @@ fn error(when: When, h: f64) -> Result<f64, ContactError> {
     let gaps = Inequality(Balls::new(vec![RADIUS], vec![wall])?);
     let law = ImpactLaw::GeneralizedReflections;
     let mut impacting = Impacting::new(&system, &gaps, RESTITUTION, law, when)?;
-    let mut state = State::new(vec![1.0 + RADIUS], vec![0.0]);
+    let mut state = State::new(vec![1.0 + RADIUS], Covector(vec![0.0]));
     let (mut impacts, mut top) = (0, 0.0_f64);
     while impacts < 2 && state.t < 3.0 {
         impacts += impacting.step(&mut state, h)?.impacts;

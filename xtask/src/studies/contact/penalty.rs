@@ -1,6 +1,6 @@
 //! A ball against a penalty wall: where the step is too large, and how far it is from rigid.
 
-use stationary_calculus::{Column, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
 use stationary_contact::{Balls, ContactError, Inequality, OneSidedPenalty, Wall};
 use stationary_integrators::{Integrator, State, StormerVerlet};
 
@@ -33,7 +33,7 @@ fn impact(k: f64, h: f64, part: f64) -> Result<(f64, f64), ContactError> {
     let metric = DiagonalMetric::new(vec![1.0]).map_err(|_| ContactError::Mass { freedom: 0 })?;
     let system = System::new(metric, spring)?;
     let mut verlet = StormerVerlet::new(&system)?;
-    let mut state = State::new(vec![RADIUS + part * h], vec![-1.0]);
+    let mut state = State::new(vec![RADIUS + part * h], Covector(vec![-1.0]));
     let (mut deepest, steps) = (0.0_f64, 20 + (10.0 / (h * k.sqrt())) as usize);
     for _ in 0..steps {
         verlet.step(&mut state, h)?;

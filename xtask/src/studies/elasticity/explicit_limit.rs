@@ -68,7 +68,7 @@ const LOST: f64 = 1e-6;
 fn survives(sheet: &Sheet, rest: &[f64], h: f64) -> Result<bool, SizeError> {
     let mut random = SplitMix64::new(2);
     let q: Vec<f64> = rest.iter().map(|q| q + DISTURBED * random.symmetric()).collect();
-    let mut state = State::new(q, vec![0.0; rest.len()]);
+    let mut state = State::new(q, Covector(vec![0.0; rest.len()]));
     let mut method = StormerVerlet::new(sheet)?;
     for _ in 0..1000 {
         let stepped = method.step(&mut state, h).is_ok();

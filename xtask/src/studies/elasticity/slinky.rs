@@ -1,6 +1,6 @@
 //! A band that is let go at the top: its lower end stays until the wave arrives.
 
-use stationary_calculus::{Column, Newton, System, Table};
+use stationary_calculus::{Column, Covector, Newton, System, Table};
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Freedoms, Held, Lame, LinearSegment, SaintVenantKirchhoff, Solid,
     Statics, lumped_mass,
@@ -100,7 +100,7 @@ impl Band {
         let step = 0.4 * size / speed(stretch);
         let mut method = StormerVerlet::new(&system).map_err(StudyError::at("Stormer-Verlet"))?;
         let rest = hung[cells];
-        let mut state = State::new(hung, vec![0.0; cells + 1]);
+        let mut state = State::new(hung, Covector(vec![0.0; cells + 1]));
         let mut fall = Fall { top: vec![], bottom: vec![], stretch, predicted, measured: f64::NAN };
         let steps = (1.4 * predicted / step) as usize;
         for k in 0..=steps {

@@ -92,7 +92,7 @@ impl Scene {
         let solver = SparseSolver::new(&self.metric, &(&self.solid, &self.load), &self.q)?;
         let entries = solver.cholesky().factor_len() + solver.matrix().values().len();
         let mut midpoint = ImplicitMidpoint::with_solver(&system, solver)?;
-        let mut state = State::new(self.q.clone(), vec![0.0; self.q.len()]);
+        let mut state = State::new(self.q.clone(), Covector(vec![0.0; self.q.len()]));
         let mut tip = Vec::with_capacity(FRAMES);
         for _ in 0..FRAMES {
             for _ in 0..steps {

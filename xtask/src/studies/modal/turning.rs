@@ -78,7 +78,7 @@ impl Beam {
     fn whole(&self, p: &[f64], times: Times) -> Result<Path, Failed> {
         let system = System::new(self.metric.clone(), &self.solid)?;
         let mut verlet = StormerVerlet::new(&system)?;
-        let mut state = State::new(self.q.clone(), p.to_vec());
+        let mut state = State::new(self.q.clone(), Covector(p.to_vec()));
         let mut path = Path::new();
         for _ in 0..times.frames {
             for _ in 0..times.steps {
@@ -100,7 +100,7 @@ impl Beam {
         let system = System::new(unit, subspace)?;
         let mut verlet = StormerVerlet::new(&system)?;
         let p = subspace.pulled_back(Covector(p))?;
-        let mut state = State::new(vec![0.0; subspace.dim()], p.0);
+        let mut state = State::new(vec![0.0; subspace.dim()], p);
         let (mut path, mut q) = (Path::new(), self.q.clone());
         for _ in 0..times.frames {
             for _ in 0..times.steps {

@@ -125,7 +125,7 @@ fn as_a_body(shape: &Shape, steps: u32) -> Result<f64, StudyError> {
     let system = System::new(metric, weight).map_err(StudyError::at("the body"))?;
     let (mass, centre) = (shape.mass.mass, shape.mass.centre);
     let p = [mass * THROWN[0], mass * THROWN[1], shape.mass.inertia * RATE];
-    let mut state = State::new([centre.x, centre.y, 0.0], p);
+    let mut state = State::new([centre.x, centre.y, 0.0], Covector(p));
     let mut verlet = StormerVerlet::new(&system).map_err(StudyError::at("the body"))?;
     for _ in 0..steps {
         verlet.step(&mut state, TIME / f64::from(steps)).map_err(StudyError::at("a step"))?;
