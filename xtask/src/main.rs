@@ -64,6 +64,8 @@ enum Task {
         #[arg(long)]
         quiet: bool,
     },
+    /// Tests promises on random problems, each with a referee that knows the truth by another way.
+    Trials(stationary_trials::Arguments),
     /// Checks that every dependency may be used under the licences of the crates.
     Licenses,
     /// Checks which crate depends on what, and that the docs name what exists.
@@ -143,6 +145,7 @@ fn main() -> ExitCode {
             let series = if vtk { Series::Vtk } else { Series::None };
             run_file(&file, &out, start, series, quiet)
         }
+        Task::Trials(arguments) => run_trials(&arguments),
         Task::Licenses => run_licenses(),
         Task::Layers => run_layers(),
         Task::Cost { no_build } => run_cost(if no_build { Build::Skipped } else { Build::Timed }),
@@ -245,6 +248,10 @@ fn run_file(
 
 /// What a shell says of a program that control-C has ended.
 const INTERRUPTED: u8 = 130;
+
+fn run_trials(arguments: &stationary_trials::Arguments) -> Result<ExitCode, Failure> {
+    Ok(if arguments.run()? { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
 
 fn run_licenses() -> Result<ExitCode, Failure> {
     Ok(verdict(unlicensed()?.iter().map(ToString::to_string)))

@@ -33,6 +33,8 @@ pub enum Kind {
     StabilityMap,
     /// Error against cost over models of growing fidelity.
     Ladder,
+    /// Promises on random cases.
+    Trials,
 }
 
 impl Kind {
@@ -45,6 +47,7 @@ impl Kind {
             Kind::LongRun => "long run",
             Kind::StabilityMap => "stability map",
             Kind::Ladder => "ladder",
+            Kind::Trials => "trials",
         }
     }
 }

@@ -27,6 +27,7 @@ mod stability_regions;
 mod stiff;
 mod step_control;
 mod table_4_1;
+mod trials;
 mod work_precision;
 
 use crate::study::Entry;
@@ -108,6 +109,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     laplacian::maximum::STUDY,
     laplacian::distance::STUDY,
     choose::STUDY,
+    trials::STUDY,
 ];
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are

@@ -57,6 +57,9 @@ pub struct Tally {
     pub worst: f64,
     /// Seconds of processor.
     pub seconds: f64,
+    /// The error over what was promised of each right case and each wrong one, in the cases' order.
+    #[serde(skip)]
+    pub ratios: Vec<f64>,
     /// The first wrong ones, shrunk.
     #[serde(skip)]
     pub faults: Vec<Fault>,
@@ -161,6 +164,7 @@ impl Tally {
             wrong: 0,
             worst: 0.0,
             seconds: 0.0,
+            ratios: Vec::new(),
             faults: Vec::new(),
             reasons: BTreeMap::new(),
         }
@@ -169,15 +173,13 @@ impl Tally {
     fn count(&mut self, verdict: &Verdict, seconds: f64) {
         self.tried += 1;
         self.seconds += seconds;
+        if let Verdict::Right { ratio } | Verdict::Wrong { ratio, .. } = verdict {
+            self.worst = self.worst.max(*ratio);
+            self.ratios.push(*ratio);
+        }
         match verdict {
-            Verdict::Right { ratio } => {
-                self.right += 1;
-                self.worst = self.worst.max(*ratio);
-            }
-            Verdict::Wrong { ratio, .. } => {
-                self.wrong += 1;
-                self.worst = self.worst.max(*ratio);
-            }
+            Verdict::Right { .. } => self.right += 1,
+            Verdict::Wrong { .. } => self.wrong += 1,
             Verdict::Refused { why } => {
                 self.refused += 1;
                 *self.reasons.entry(format!("refused: {why}")).or_default() += 1;
