@@ -297,10 +297,10 @@ fn flat(slope: impl Fn(f64) -> f64, promised: f64) -> f64 {
         return part;
     }
     for _ in 0..TRIES {
-        // By the secant, but not too close to either end.
+        // By the secant, but not too close to either end; at the lower where the secant is no number.
         let secant = low - at_low * (high - low) / (at_high - at_low);
         let tenth = 0.1 * (high - low);
-        part = secant.clamp(low + tenth, high - tenth);
+        part = secant.max(low + tenth).min(high - tenth);
         let here = slope(part);
         if here.abs() <= FLAT * promised {
             break;
@@ -336,5 +336,16 @@ fn add(block: &mut Block, row: &[Six; 3], column: &[Six; 3]) {
         for (r, to) in to.iter_mut().enumerate() {
             *to += row[0][r] * by[0] + row[1][r] * by[1] + row[2][r] * by[2];
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slope_that_is_no_number_leaves_a_part_between_zero_and_one() {
+        assert!((0.0..=1.0).contains(&flat(|_| f64::NAN, 1.0)));
+        assert!((0.0..=1.0).contains(&flat(|part| part - 0.25, 0.25)));
     }
 }

@@ -194,6 +194,14 @@ pub enum StepFailure {
     /// Temperatures that grow without bound.
     #[error(transparent)]
     Laplacian(#[from] LaplacianError),
+    /// What is sampled exceeds the range of a double, though the state does not.
+    #[error("{quantity} is not finite (got {value}); use units in which it is smaller than 1e308")]
+    Overflow {
+        /// The name of the quantity.
+        quantity: String,
+        /// Its value.
+        value: f64,
+    },
 }
 
 /// A step that failed, where, and what was computed before.

@@ -84,6 +84,11 @@ pub(crate) fn march<M: Moving>(
     let time = |step: u64| timing.stepping().time(step);
     let (mut done, mut cost) = (0, Cost::default());
     let built = moving.built();
+    let stopped = |moving: &M, samples, cost, step: u64, failure| {
+        let broken = moving.broken().to_vec();
+        let run = Run { scene: scene.clone(), samples, broken, cost, built };
+        run.stopped(step, time(step.saturating_sub(1)), failure)
+    };
     let mut samples = scene.no_samples();
     match from {
         Some(checkpoint) => {
@@ -96,7 +101,9 @@ pub(crate) fn march<M: Moving>(
             cost.differentials = prepared.differentials.into();
             cost.hessians = prepared.hessians.into();
             cost.energies = prepared.energies.into();
-            moving.sample(0.0, &mut samples);
+            if let Err(failure) = sample(scene, &mut moving, 0.0, &mut samples) {
+                return Err(stopped(&moving, samples, cost, 0, failure));
+            }
         }
     }
     let mut wish = Wish::GoOn;
@@ -120,7 +127,9 @@ pub(crate) fn march<M: Moving>(
         }
         let due = step % every == 0 || step == steps;
         if due {
-            moving.sample(time(step), &mut samples);
+            if let Err(failure) = sample(scene, &mut moving, time(step), &mut samples) {
+                return Err(stopped(&moving, samples, cost, step, failure));
+            }
         }
         if let Some(before) = before {
             let (scene, after) = (*fingerprint, moving.state().clone());
@@ -132,14 +141,28 @@ pub(crate) fn march<M: Moving>(
         let observed = samples.last_observed();
         wish = watcher.stepped(Progress { step, steps, time: now, q, cost, observed });
         if wish == Wish::Stop {
-            if !due {
-                moving.sample(time(step), &mut samples);
+            if !due && let Err(failure) = sample(scene, &mut moving, now, &mut samples) {
+                return Err(stopped(&moving, samples, cost, step, failure));
             }
             break;
         }
     }
     let broken = moving.broken().to_vec();
     Ok(Run { scene: scene.clone(), samples, broken, cost, built })
+}
+
+/// Adds a sample, all of whose numbers are finite.
+fn sample<M: Moving>(
+    scene: &Scene,
+    moving: &mut M,
+    time: f64,
+    samples: &mut Samples,
+) -> Result<(), StepFailure> {
+    moving.sample(time, samples);
+    match samples.overflow(scene) {
+        Some((quantity, value)) => Err(StepFailure::Overflow { quantity, value }),
+        None => Ok(()),
+    }
 }
 
 impl Before {

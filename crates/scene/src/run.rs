@@ -79,6 +79,26 @@ impl Samples {
         &self.observed[self.observed.len().saturating_sub(self.columns)..]
     }
 
+    /// The first quantity of the last sample that is not finite, by name, and its value.
+    pub(crate) fn overflow(&self, scene: &Scene) -> Option<(String, f64)> {
+        let last = |quantity: &str, values: &[f64]| {
+            let value = values.iter().copied().find(|x| !x.is_finite())?;
+            Some((quantity.to_owned(), value))
+        };
+        let tail = |values: &[f64]| values.last().map(|&value| [value]).unwrap_or_default();
+        last("kinetic energy", &tail(&self.kinetic))
+            .or_else(|| last("potential energy", &tail(&self.potential)))
+            .or_else(|| last("linear momentum", self.linear.last()?))
+            .or_else(|| last("angular momentum", self.angular.last()?))
+            .or_else(|| last("heat", &tail(&self.heat)))
+            .or_else(|| {
+                let column = first_non_finite(self.last_observed())?;
+                let heading =
+                    scene.observables.iter().flat_map(|o| o.headings(scene)).nth(column)?;
+                Some((heading, self.last_observed()[column]))
+            })
+    }
+
     /// Adds a moment, with what rounding in its momenta scales with.
     pub(crate) fn push(&mut self, scene: &Scene, t: f64, moment: &Moment<'_>, scales: [f64; 2]) {
         let d = scene.dimension;

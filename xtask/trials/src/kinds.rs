@@ -17,6 +17,8 @@ pub mod elasticity;
 pub mod modal;
 #[cfg(feature = "laplacian")]
 pub mod laplacian;
+#[cfg(feature = "scene")]
+pub mod scene;
 
 /// All kinds, a list a crate.
 pub(crate) const ALL: &[&[Kind]] = &[
@@ -35,4 +37,6 @@ pub(crate) const ALL: &[&[Kind]] = &[
     modal::KINDS,
     #[cfg(feature = "laplacian")]
     laplacian::KINDS,
+    #[cfg(feature = "scene")]
+    scene::KINDS,
 ];

@@ -389,3 +389,16 @@ fn a_test_of_a_scene_is_one_line() {
     distance hook to bob [m]  1.000e0       1.099e0     9.918e-1   1.117e0
     ");
 }
+
+#[test]
+fn a_run_whose_energy_exceeds_the_range_of_doubles_is_an_error_that_says_so() {
+    let heavy = Scene::parse(
+        "heavy.toml",
+        "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 4\n\
+         particles = [{ name = \"a\", position = [0], mass = 1e304, velocity = [1e3] }]\n",
+    );
+    let error = heavy.unwrap().run().unwrap_err();
+    let expected = "step 0, from t = 0 s: kinetic energy is not finite (got inf); use units in \
+                    which it is smaller than 1e308";
+    assert_eq!(error.to_string(), expected);
+}
