@@ -68,3 +68,13 @@ fn momenta_of_a_free_scene_are_kept_by_the_methods_that_promise_it() {
         assert_eq!(angular == "<1e-12", exact, "{row}");
     }
 }
+
+#[test]
+fn particles_that_touch_by_impulses_are_refused_by_name() {
+    let touching = "[contact]\nwalls = [{ normal = [0, 1], at = [0, -1] }]\n";
+    let scene = TWO_MASSES.replace("velocity = [0, -0.5]", "velocity = [0, -0.5]\nradius = 0.1");
+    let scene = Scene::parse("touching.toml", &(scene + touching)).unwrap();
+    for error in [work_precision(&scene, Size::Default), long_run(&scene, Size::Default)] {
+        assert!(error.unwrap_err().to_string().ends_with("the scene has contact by impulses"));
+    }
+}

@@ -70,9 +70,11 @@ pub fn long_run(scene: &Scene, _: Size) -> Result<Study, StudyError> {
 }
 
 fn problem<const D: usize>(scene: &Scene) -> Result<SceneProblem<D>, StudyError> {
+    let by_impulses = scene.contact().is_some_and(|contact| contact.stiffness.is_none());
     let beyond = match (scene.drag(), scene.rods()) {
         (Some(_), _) => Some("drag"),
         (None, [_, ..]) => Some("rods"),
+        (None, []) if by_impulses => Some("contact by impulses"),
         (None, []) => None,
     };
     match beyond {
