@@ -33,6 +33,11 @@ impl DenseLu {
         }
     }
 
+    /// The number of unknowns.
+    pub fn dim(&self) -> usize {
+        self.scales.len()
+    }
+
     /// The matrix by columns, to be written before it is factored.
     pub fn matrix(&mut self) -> &mut [f64] {
         self.matrix.as_mut_slice()
@@ -82,6 +87,9 @@ impl DenseLu {
 
     /// Replaces `b` by `A^-1 b`, once the matrix was factored.
     pub fn solve(&mut self, b: &mut [f64]) {
+        if b.is_empty() {
+            return;
+        }
         #[cfg(feature = "sparse")]
         if let Some(blocked) = &mut self.blocked {
             return blocked.solve(self.matrix.as_slice(), b);

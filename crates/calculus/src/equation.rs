@@ -7,12 +7,17 @@
 //! for it, `E` an energy. The equation measures its residuals and solves its linearization; whoever
 //! searches for its root knows nothing of matrices, and the equation nothing of steps and tolerances.
 
+use crate::SizeError;
+
 /// An equation f(x) = 0 in n unknowns that can be linearized.
 pub trait Equation {
     /// Writes f(x).
     fn residual(&mut self, x: &[f64], f: &mut [f64]);
 
     /// Replaces `f` by `df(x)^-1 f`.
+    ///
+    /// # Errors
+    /// Where there is no solution that can be trusted.
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable>;
 
     /// The size of a residual, in the units of the tolerance.
@@ -21,21 +26,11 @@ pub trait Equation {
     /// The energy whose differential is f, where there is one.
     fn energy(&mut self, x: &[f64]) -> Option<f64>;
 
-    /// What a step must lower.
-    fn merit(&self) -> Merit {
-        Merit::Residual
+    /// The number of unknowns n, where the equation knows it.
+    #[inline]
+    fn unknowns(&self) -> Option<usize> {
+        None
     }
-}
-
-/// What a step must lower.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Merit {
-    /// The residual by half; or, where a step does not, the energy, or the residual by a little.
-    /// Finds any root, at the price of no energies where all goes well.
-    #[default]
-    Residual,
-    /// The energy, at every step that descends. Finds a minimum, not a maximum or a saddle.
-    Energy,
 }
 
 /// The linearized equation has no solution that can be trusted.
@@ -59,9 +54,49 @@ pub enum Unsolvable {
         /// The best residual that refinement reached, relative to the right-hand side.
         relative_residual: f64,
     },
+    /// A solver was made for another number of freedoms.
+    #[error(transparent)]
+    Size(#[from] SizeError),
 }
 
-/// The Euclidean length, not a number if any component is none.
+/// The Euclidean length, not a number if any component is none. Squares that leave the range of
+/// numbers do not: the components are then measured by the largest of them.
+#[inline]
 pub(crate) fn length(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+    let squares = x.iter().map(|x| x * x).sum::<f64>();
+    if SQUARES.contains(&squares) || squares.is_nan() {
+        return squares.sqrt();
+    }
+    scaled_length(x)
+}
+
+/// Sums of squares in this range have lost nothing.
+pub(crate) const SQUARES: std::ops::Range<f64> = 1e-280..1e300;
+
+#[cold]
+fn scaled_length(x: &[f64]) -> f64 {
+    let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || largest.is_infinite() {
+        return largest;
+    }
+    largest * x.iter().map(|x| (x / largest).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_is_right_at_every_scale() {
+        for scale in [5e-324, 1e-310, 1e-200, 1e-150, 1.0, 1e150, 1e200, 1e307] {
+            let [three, four] = [3.0 * scale, 4.0 * scale];
+            let error = (length(&[three, -four]) / scale - 5.0).abs();
+            assert!(error <= 1e-15, "{scale}: {error}");
+        }
+        assert_eq!(length(&[]), 0.0);
+        assert_eq!(length(&[0.0; 3]), 0.0);
+        assert_eq!(length(&[1.0, f64::INFINITY]), f64::INFINITY);
+        assert!(length(&[f64::NAN, f64::INFINITY]).is_nan());
+        assert!(length(&[1e-300, f64::NAN]).is_nan());
+    }
 }

@@ -4,38 +4,70 @@
 //! dV(q) = 0        found by lowering V(q) at every step
 //! ```
 //! `q` a configuration of a flat space (n), `V` in joules. Newton's method with a line search on the
-//! energy: where the Hessian is not positive definite, the solver's ladder shifts it by the mass, so
-//! that each step descends, and the shift only changes the way, not the minimum. The size of a residual
-//! is `|M^-1 dV|` in the metric, in kg^1/2 m/s^2: an acceleration times the root of a mass.
-//! Source: notes 4.4 and 14.2. Finds minima; a maximum or a saddle only if it starts there.
+//! energy. Where the Hessian is not positive definite it is shifted by a multiple of the mass, so that
+//! each step descends, and the way also leads along the direction of the lowest curvature, so that it
+//! leaves a ridge. Where there is no Hessian it leads along the force, in growing steps. The shift only
+//! changes the way, not the minimum. The size of a residual is `|M^-1 dV|` in the metric, in
+//! kg^1/2 m/s^2: an acceleration times the root of a mass.
+//!
+//! A search ends with a [`Stationary`] place: a minimum, a flat one, or a saddle with a direction that
+//! leads down; or with a failure: the energy falls without end, no step lowers it, or the bound on the
+//! iterations is reached. It has converged where the residual is within the tolerance, or is what
+//! rounding makes of the terms it is the sum of, `|dV_i| <= 64 eps sum_j |H_ij| |q_j|`.
+//! Source: notes 4.4 and 14.2. Finds minima; a saddle only if it starts there, and says so.
+
+mod curvature;
+mod descent;
+mod terms;
 
 use crate::{
-    Covector, Equation, HessianSolver, Merit, Metric, Newton, NewtonError, NewtonMemory,
-    NewtonReport, Potential, Rung, SizeError, Unsolvable, Vector,
+    HessianSolver, Metric, Newton, NewtonError, NewtonReport, Potential, Rung, SizeError, Vector,
 };
+use descent::Descent;
 
 /// The search for a minimum of a potential.
 #[derive(Clone, Debug)]
 pub struct Equilibrium<'a, M, P, L> {
-    energy: PotentialEnergy<'a, M, P, L>,
-    newton: Newton,
-    memory: NewtonMemory<Vec<f64>>,
+    descent: Descent<'a, M, P, L>,
+    history: Vec<f64>,
 }
 
-/// A minimum that was found, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What kind of place it is where no force acts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stationary {
+    /// The Hessian is positive definite: a strict minimum. Of a solver that iterates it is so on trust.
+    Minimum,
+    /// In some direction the energy does not bend, to rounding: a rigid motion of a free body, or a
+    /// place where higher derivatives decide.
+    Flat,
+    /// In some direction the energy falls: this is no minimum.
+    Saddle {
+        /// A direction in which it falls, of length 1 in the metric; its opposite is another one.
+        down: Vector<Vec<f64>>,
+        /// The second derivative of the energy in that direction, negative, 1/s^2.
+        curvature: f64,
+    },
+}
+
+/// A place at rest that was found, and how.
+#[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumReport {
     /// What Newton's method did.
     pub newton: NewtonReport,
+    /// What kind of place it is.
+    pub kind: Stationary,
     /// The highest rung of the solver's ladder on the way.
     pub highest_rung: Rung,
     /// The rung at the equilibrium itself: [`Rung::Cholesky`] proves that it is a strict minimum; any
-    /// other says that it is flat, to rounding, or no minimum at all.
+    /// other says that it is flat, to rounding, or no minimum at all: see `kind`.
     pub rung: Rung,
 }
 
 impl<'a, M: Metric, P: Potential, L: HessianSolver> Equilibrium<'a, M, P, L> {
     /// A search with the caller's solver.
+    ///
+    /// # Errors
+    /// Where metric, potential and solver are not of one size.
     pub fn new(
         metric: &'a M,
         potential: &'a P,
@@ -44,85 +76,35 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Equilibrium<'a, M, P, L> {
     ) -> Result<Self, SizeError> {
         let n = metric.dim();
         SizeError::check("the potential's freedoms", n, potential.dim())?;
-        let zeros = vec![0.0; n];
-        let memory = NewtonMemory::new(n, newton.iterations);
-        let size = SizeError { what: "the freedoms", expected: n, got: n };
-        Ok(Equilibrium {
-            energy: PotentialEnergy {
-                metric,
-                potential,
-                solver,
-                highest_rung: Rung::Cholesky,
-                acceleration: Vector(zeros),
-            },
-            newton,
-            memory: memory.ok_or(size)?,
-        })
+        SizeError::check("the solver's freedoms", n, solver.dim().unwrap_or(n))?;
+        let descent = Descent::new(metric, potential, solver, newton);
+        Ok(Equilibrium { descent, history: Vec::new() })
     }
 
-    /// Moves `q` to a minimum. On failure q holds the last iterate, of less energy than the guess.
+    /// Moves `q` to where no force acts: see the report for what kind of place it is. On failure q
+    /// holds the last iterate, of no more energy than the guess.
+    ///
+    /// # Errors
+    /// [`NewtonFailure`](crate::NewtonFailure): `Unbounded` where the energy falls without end,
+    /// `Stalled` where no step lowers it though a force acts (a kink, or a differential that is not that
+    /// of the energy), `NotConverged` at the bound on the iterations; numbers that are not finite, a q
+    /// of another size, a tolerance that is negative or none.
     pub fn find(&mut self, q: &mut [f64]) -> Result<EquilibriumReport, NewtonError> {
-        self.energy.highest_rung = Rung::Cholesky;
-        let newton = self.newton.solve(&mut self.energy, q, &mut self.memory)?;
-        let highest_rung = self.energy.highest_rung;
-        let rung = self.energy.factor(q).unwrap_or(Rung::Indefinite);
-        Ok(EquilibriumReport { newton, highest_rung, rung })
+        self.history.clear();
+        let found = self.descent.run(q, &mut self.history);
+        found.map_err(|failure| NewtonError { failure, history: self.history.clone() })
     }
 
     /// The residual's size at the guess and after each step of the last search.
     pub fn history(&self) -> &[f64] {
-        self.memory.history()
-    }
-}
-
-/// The equation dV(q) = 0.
-#[derive(Clone, Debug)]
-struct PotentialEnergy<'a, M, P, L> {
-    metric: &'a M,
-    potential: &'a P,
-    solver: L,
-    highest_rung: Rung,
-    acceleration: Vector<Vec<f64>>,
-}
-
-impl<M: Metric, P: Potential, L: HessianSolver> PotentialEnergy<'_, M, P, L> {
-    fn factor(&mut self, q: &[f64]) -> Result<Rung, Unsolvable> {
-        self.solver.factor_weighted(0.0, self.metric, 1.0, self.potential, q)
-    }
-}
-
-impl<M: Metric, P: Potential, L: HessianSolver> Equation for PotentialEnergy<'_, M, P, L> {
-    fn residual(&mut self, q: &[f64], f: &mut [f64]) {
-        f.fill(0.0);
-        self.potential.add_differential(q, Covector(f));
-    }
-
-    fn solve(&mut self, q: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
-        let rung = self.factor(q)?;
-        self.highest_rung = self.highest_rung.max(rung);
-        self.solver.solve(f);
-        Ok(())
-    }
-
-    fn norm(&mut self, f: &[f64]) -> f64 {
-        let f = Covector(f);
-        self.metric.sharp(f.view(), self.acceleration.view_mut());
-        f.apply(&self.acceleration).sqrt()
-    }
-
-    fn energy(&mut self, q: &[f64]) -> Option<f64> {
-        Some(self.potential.energy(q))
-    }
-
-    fn merit(&self) -> Merit {
-        Merit::Energy
+        &self.history
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DenseSolver, DiagonalMetric, NewtonEnd, Sink};
+    use crate::{Covector, DenseSolver, DiagonalMetric, NewtonEnd, Sink};
     use std::cell::RefCell;
 
     /// An energy of two freedoms with its derivatives, which remembers every energy that it gave.

@@ -63,4 +63,8 @@ impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut [f64])> Equation
     fn energy(&mut self, _: &[f64]) -> Option<f64> {
         None
     }
+
+    fn unknowns(&self) -> Option<usize> {
+        Some(self.lu.dim())
+    }
 }

@@ -23,7 +23,7 @@
 //! [`DenseSolver`] is for a few freedoms, `SparseSolver` (feature `sparse`) for many. Neither knows
 //! who asks.
 
-use crate::{FIXED, Metric, Potential, Sink, Storage, Unsolvable};
+use crate::{FIXED, Metric, Potential, Sink, SizeError, Storage, Unsolvable};
 
 /// How far up its ladder a solver had to climb. Higher rungs compare greater.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,7 +42,17 @@ pub enum Rung {
 
 /// Solves `(m M + a d2V(q)) x = r` for one metric, potential and configuration after another.
 pub trait HessianSolver {
+    /// The number of freedoms that the solver was made for, where it says so.
+    #[inline]
+    fn dim(&self) -> Option<usize> {
+        None
+    }
+
     /// Factors `m M + a d2V(q)`.
+    ///
+    /// # Errors
+    /// [`Unsolvable`]: the matrix is singular or not finite, or metric and potential are not those, or
+    /// of the size, that the solver was made for.
     fn factor_weighted<M: Metric, P: Potential>(
         &mut self,
         m: f64,
@@ -70,6 +80,11 @@ pub trait HessianSolver {
 }
 
 impl<S: HessianSolver> HessianSolver for &mut S {
+    #[inline]
+    fn dim(&self) -> Option<usize> {
+        (**self).dim()
+    }
+
     #[inline]
     fn factor_weighted<M: Metric, P: Potential>(
         &mut self,
@@ -170,7 +185,7 @@ impl<C: Storage> DenseSolver<C> {
         let mass = self.mass.as_ref();
         let row = |(column, m): (&C, &f64)| -> f64 {
             let entries = column.as_ref().iter().zip(mass);
-            entries.map(|(entry, mass)| entry.abs() / (m * mass).sqrt()).sum()
+            entries.map(|(entry, mass)| entry.abs() / (m.sqrt() * mass.sqrt())).sum()
         };
         largest_or_nan(self.columns.as_ref().iter().zip(mass).map(row))
     }
@@ -205,6 +220,11 @@ impl<C: Storage> DenseSolver<C> {
 
 impl<C: Storage> HessianSolver for DenseSolver<C> {
     #[inline]
+    fn dim(&self) -> Option<usize> {
+        Some(self.mass.as_ref().len())
+    }
+
+    #[inline]
     fn factor_weighted<M: Metric, P: Potential>(
         &mut self,
         m: f64,
@@ -213,6 +233,11 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
         potential: &P,
         q: &[f64],
     ) -> Result<Rung, Unsolvable> {
+        let n = self.mass.as_ref().len();
+        SizeError::check("the metric's freedoms", n, metric.dim())?;
+        if potential.dim() > n {
+            SizeError::check("the potential's freedoms", n, potential.dim())?;
+        }
         self.assemble(m, metric, a, potential, q);
         if self.factor_in_place() {
             Ok(Rung::Cholesky)
@@ -252,7 +277,7 @@ struct Columns<'a, C> {
 impl<C: Storage> Sink for Columns<'_, C> {
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for (&j, entries) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+        for (&j, entries) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             if j == FIXED {
                 continue;
             }

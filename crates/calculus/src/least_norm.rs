@@ -63,6 +63,9 @@ pub enum LeastNormError {
     /// The tolerance is a fraction of the largest singular value.
     #[error("the tolerance is {0}; it must be at least 0 and below 1")]
     Tolerance(f64),
+    /// The solution, a singular value or the residual is too large for a number.
+    #[error("the solution is too large to be represented")]
+    Overflow,
     /// The rotations were ended by their bound.
     #[error("the singular values of a {rows} x {columns} matrix did not converge")]
     NotConverged {
@@ -74,6 +77,10 @@ pub enum LeastNormError {
 }
 
 /// Solves `A x = b` in the sense of the smallest residual and then of the smallest x.
+///
+/// # Errors
+/// Sizes that do not fit, numbers that are not finite, a tolerance outside of [0, 1), a solution that is
+/// too large for a number, and rotations that do not end.
 ///
 /// ```
 /// use nalgebra::{dmatrix, dvector};
@@ -110,8 +117,10 @@ pub fn least_norm(
         let singular_values = DVector::zeros(0);
         return Ok(LeastNorm { x, rank: 0, singular_values, residual: b.norm() });
     }
+    let (unit, load) = (unit(a.as_slice()), unit(b.as_slice()));
+    let (given, b) = (a / unit, b / load);
     let wide = columns > rows;
-    let mut scaled = if wide { a.transpose() } else { a.clone() };
+    let mut scaled = if wide { given.transpose() } else { given.clone() };
     let Some(rotations) = orthogonalize(&mut scaled) else {
         return Err(LeastNormError::NotConverged { rows, columns });
     };
@@ -123,12 +132,26 @@ pub fn least_norm(
     let mut x = DVector::zeros(columns);
     let mut rank = 0;
     for &j in order.iter().filter(|&&j| sigma[j] > cutoff) {
-        x.axpy(into.column(j).dot(b) / sigma[j] / sigma[j], &out_of.column(j), 1.0);
+        x.axpy(into.column(j).dot(&b) / sigma[j] / sigma[j], &out_of.column(j), 1.0);
         rank += 1;
     }
-    let residual = (a * &x - b).norm();
-    let singular_values = DVector::from_iterator(order.len(), order.iter().map(|&j| sigma[j]));
-    Ok(LeastNorm { x, rank, singular_values, residual })
+    let residual = (given * &x - b).norm() * load;
+    x *= load / unit;
+    let singular_values =
+        DVector::from_iterator(order.len(), order.iter().map(|&j| sigma[j] * unit));
+    let all = x.iter().chain(singular_values.iter()).chain([&residual]);
+    if all.copied().all(f64::is_finite) {
+        Ok(LeastNorm { x, rank, singular_values, residual })
+    } else {
+        Err(LeastNormError::Overflow)
+    }
+}
+
+/// What numbers are divided by whose squares would leave the range of numbers: the largest of them; 1
+/// where there is no need.
+fn unit(numbers: &[f64]) -> f64 {
+    let largest = numbers.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || (1e-100..1e100).contains(&largest) { 1.0 } else { largest }
 }
 
 /// Rounds over all pairs of columns; a handful are the rule.

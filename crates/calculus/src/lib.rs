@@ -83,8 +83,8 @@ pub use differential::{
     second_differential,
 };
 pub use eigen::{EigenError, Eigenpairs};
-pub use equation::{Equation, Merit, Unsolvable};
-pub use equilibrium::{Equilibrium, EquilibriumReport};
+pub use equation::{Equation, Unsolvable};
+pub use equilibrium::{Equilibrium, EquilibriumReport, Stationary};
 pub use error::{MetricError, SizeError};
 pub use fit::{loglog_slope, truncation_regime};
 pub use force::Force;

@@ -183,7 +183,7 @@ impl Metric for DenseMetric {
 
     fn add_matrix(&self, sink: &mut impl Sink) {
         let n = self.dim();
-        for (j, column) in self.matrix.as_slice().chunks_exact(n).enumerate() {
+        for (j, column) in self.matrix.as_slice().chunks_exact(n.max(1)).enumerate() {
             for (i, &entry) in column.iter().enumerate().take(j + 1) {
                 if i == j {
                     sink.add_symmetric(&[j], &[entry]);

@@ -20,7 +20,7 @@ mod line_search;
 #[cfg(test)]
 mod tests;
 
-use crate::{Equation, Storage, first_non_finite};
+use crate::{Equation, SizeError, Storage, first_non_finite};
 use line_search::{Start, search};
 
 pub use failure::{NewtonError, NewtonFailure};
@@ -83,10 +83,13 @@ struct Iterate<C> {
 
 impl<C: Storage> NewtonMemory<C> {
     /// Memory for `n` unknowns and a bound of `iterations`; `None` where C holds another number.
+    ///
+    /// The history of up to 4,096 iterations is reserved; that of a longer solve grows as it runs.
     pub fn new(n: usize, iterations: usize) -> Option<Self> {
         let zeros = C::zeros(n)?;
         let iterate = Iterate { residual: zeros.clone(), step: zeros.clone(), trial: zeros };
-        Some(NewtonMemory { iterate, history: Vec::with_capacity(iterations + 1) })
+        let reserved = iterations.min(RESERVED) + 1;
+        Some(NewtonMemory { iterate, history: Vec::with_capacity(reserved) })
     }
 
     /// The residual's size at the initial guess and after each step of the last solve.
@@ -95,6 +98,8 @@ impl<C: Storage> NewtonMemory<C> {
     }
 }
 
+/// Iterations whose residuals are remembered without taking more memory.
+const RESERVED: usize = 4096;
 /// Steps of this size relative to x are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
@@ -109,6 +114,11 @@ impl Newton {
     /// last iterate.
     ///
     /// Inlined whole into each equation's caller: a few unknowns then never leave the registers.
+    ///
+    /// # Errors
+    /// [`NewtonError`] with what failed and the residuals on the way there: no progress, no solution
+    /// of a linearized equation, numbers that are not finite, a tolerance that is negative or none, or
+    /// sizes that do not fit.
     #[inline(always)]
     pub fn solve<C: Storage>(
         &self,
@@ -117,8 +127,32 @@ impl Newton {
         memory: &mut NewtonMemory<C>,
     ) -> Result<NewtonReport, NewtonError> {
         memory.history.clear();
+        if let Err(failure) = self.check(equation, x.len(), memory) {
+            return Err(NewtonError { failure, history: Vec::new() });
+        }
         let solved = self.iterate(equation, x, &mut memory.iterate, &mut memory.history);
         solved.map_err(|failure| NewtonError { failure, history: memory.history.clone() })
+    }
+
+    /// What a solve needs of its settings and sizes.
+    #[inline(always)]
+    fn check<C: Storage>(
+        &self,
+        equation: &impl Equation,
+        n: usize,
+        memory: &NewtonMemory<C>,
+    ) -> Result<(), NewtonFailure> {
+        self.check_tolerance()?;
+        let held = memory.iterate.residual.as_ref().len();
+        SizeError::check("the memory's unknowns", n, held).map_err(NewtonFailure::Size)?;
+        let unknowns = equation.unknowns().unwrap_or(n);
+        SizeError::check("the unknowns", unknowns, n).map_err(NewtonFailure::Size)
+    }
+
+    #[inline(always)]
+    pub(crate) fn check_tolerance(&self) -> Result<(), NewtonFailure> {
+        // So written that NaN is refused.
+        if self.tolerance >= 0.0 { Ok(()) } else { Err(NewtonFailure::Tolerance(self.tolerance)) }
     }
 
     #[inline(always)]

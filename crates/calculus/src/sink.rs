@@ -109,7 +109,7 @@ impl<'a> DenseSink<'a> {
 impl Sink for DenseSink<'_> {
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             for (&i, entry) in freedoms.iter().zip(column) {
                 if i != FIXED && j != FIXED {
                     self.values[i + self.n * j] += self.scale * entry;
@@ -139,7 +139,7 @@ impl<'a> ProductSink<'a> {
 impl Sink for ProductSink<'_> {
     #[inline]
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             if j == FIXED {
                 continue;
             }

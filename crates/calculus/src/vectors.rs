@@ -25,7 +25,8 @@ pub trait Storage: Clone + PartialEq + AsRef<[f64]> + AsMut<[f64]> {
     /// As many columns of zeros as a column has numbers.
     fn columns(n: usize) -> Option<Self::Columns>;
 
-    /// `n` zeros, or `None` where the type holds another number of them.
+    /// `n` zeros, or `None` where the type holds another number of them or there is no memory for so
+    /// many.
     fn zeros(n: usize) -> Option<Self>;
 
     /// Lends itself by value, so that an array used as scratch memory lives in registers while a
@@ -64,7 +65,10 @@ impl Storage for Vec<f64> {
     }
 
     fn zeros(n: usize) -> Option<Self> {
-        Some(vec![0.0; n])
+        let mut zeros = Vec::new();
+        zeros.try_reserve_exact(n).ok()?;
+        zeros.resize(n, 0.0);
+        Some(zeros)
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::Unsolvable;
+use crate::{SizeError, Unsolvable};
 
 /// Why a solve failed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +15,12 @@ pub enum NewtonFailure {
     Unsolvable(Unsolvable),
     /// The residual at the initial guess, or a Newton step, is not finite at this unknown.
     NonFinite(usize),
+    /// The energy falls without end.
+    Unbounded,
+    /// The tolerance is this; it must be zero or positive.
+    Tolerance(f64),
+    /// The unknowns, the memory or the equation have another size.
+    Size(SizeError),
 }
 
 impl fmt::Display for NewtonFailure {
@@ -24,6 +30,11 @@ impl fmt::Display for NewtonFailure {
             NewtonFailure::Stalled => f.write_str("found no step that makes progress"),
             NewtonFailure::Unsolvable(why) => write!(f, "stopped: {why}"),
             NewtonFailure::NonFinite(i) => write!(f, "met a non-finite number at unknown {i}"),
+            NewtonFailure::Unbounded => f.write_str("follows an energy that falls without end"),
+            NewtonFailure::Tolerance(tolerance) => {
+                write!(f, "was given a tolerance of {tolerance}; it must be zero or positive")
+            }
+            NewtonFailure::Size(error) => write!(f, "was given wrong sizes: {error}"),
         }
     }
 }

@@ -5,12 +5,12 @@
 //! E(x - t s) <= E(x) - c t <f, s>         Armijo's condition, c = 1e-4
 //! ```
 //! `x` the unknowns (n), `s` the step (n), `f` the residual (n), `E` the equation's energy. A full step
-//! that halves the residual is taken as it is, unless the equation asks for its energy to fall. Else
+//! that halves the residual is taken as it is. Else
 //! the step is halved until Armijo's condition holds or, where there is no energy, until the residual
 //! falls by the part c t. A step so small that it is nearly rounding is taken whole or not at all.
 
 use super::{Iterate, NewtonReport};
-use crate::{Equation, Merit, Storage};
+use crate::{Equation, Storage};
 
 /// Armijo's constant: the part of the predicted fall that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
@@ -40,14 +40,9 @@ pub(super) fn search<C: Storage>(
 ) -> Option<f64> {
     // The energy changes at this rate along the step, if f is its differential.
     let slope = -dot(iterate.residual.as_ref(), iterate.step.as_ref());
-    let must_lower_energy = equation.merit() == Merit::Energy && slope < 0.0;
     // A residual up to this size is taken as it is. One comparison, not two of which rounding
     // decides: among noise no processor predicts those.
-    let small = match must_lower_energy {
-        _ if nearly => size,
-        true => f64::NEG_INFINITY,
-        false => 0.5 * size,
-    };
+    let small = if nearly { size } else { 0.5 * size };
     let mut start_energy = None;
     let lengths = std::iter::successors(Some(1.0), |t| Some(0.5 * t));
     for t in lengths.take(if nearly { 1 } else { LENGTHS }) {

@@ -47,9 +47,14 @@ impl SymmetricMatrix {
         Ok(matrix)
     }
 
-    /// The Hessian of a potential at `q`.
+    /// The Hessian of a potential at `q`, on flat space.
+    ///
+    /// # Errors
+    /// [`SparseError::Size`] where q has another size; blocks that name what is not there, or are not the
+    /// same when they are visited again.
     pub fn hessian(potential: &impl Potential, q: &[f64]) -> Result<Self, SparseError> {
         let n = potential.dim();
+        SizeError::check("the configuration's numbers", n, q.len())?;
         let mut matrix = SymmetricMatrix::analyse(n, |sink| potential.add_hessian(q, sink))?;
         matrix.refill(|sink| potential.add_hessian(q, sink))?;
         Ok(matrix)

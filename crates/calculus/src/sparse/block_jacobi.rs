@@ -27,6 +27,9 @@ pub(crate) struct BlockJacobi {
     /// Where each freedom's column of its block begins in the entries.
     columns: Vec<u32>,
     entries: Vec<f64>,
+    /// A power of two near the largest pivot where squares of it would leave the range of numbers, else
+    /// 1. The inverses are multiplied by it: they are those of the blocks over it.
+    scale: f64,
 }
 
 impl BlockJacobi {
@@ -44,7 +47,7 @@ impl BlockJacobi {
                 size += ends[1] - ends[0];
             }
         }
-        BlockJacobi { starts, columns, entries: vec![0.0; size as usize] }
+        BlockJacobi { starts, columns, entries: vec![0.0; size as usize], scale: 1.0 }
     }
 
     fn blocks(&self) -> impl Iterator<Item = Range<usize>> {
@@ -75,7 +78,13 @@ impl BlockJacobi {
         self.factor_in_place()
     }
 
+    /// What the matrix has to be divided by to go with the preconditioner.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     fn factor_in_place(&mut self) -> Result<(), SparseError> {
+        let mut smallest = f64::INFINITY;
         for ends in self.starts.windows(2) {
             let (first, k) = (ends[0] as usize, (ends[1] - ends[0]) as usize);
             let Some(&start) = self.columns.get(first) else { continue };
@@ -88,7 +97,9 @@ impl BlockJacobi {
                     SparseError::NonFinite
                 });
             }
+            smallest = (0..k).map(|j| block[j + k * j]).fold(smallest, f64::min);
         }
+        self.scale = power_of_two(smallest.recip().powi(2));
         Ok(())
     }
 
@@ -112,7 +123,18 @@ impl BlockJacobi {
                 x[j] *= factor[j + k * j];
             }
         }
+        if self.scale != 1.0 {
+            x.iter_mut().for_each(|x| *x *= self.scale);
+        }
     }
+}
+
+/// The power of two below a number that is very large or very small; else 1.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    if (1e-100..1e100).contains(&x) || !(x > 0.0 && x < f64::INFINITY) {
+        return 1.0;
+    }
+    2.0_f64.powi(x.log2().floor().max(-1022.0) as i32)
 }
 
 /// Replaces the lower triangle by its factor, the reciprocals of its diagonal on the diagonal; the first

@@ -92,6 +92,9 @@ pub enum SparseError {
         /// The residual relative to the right-hand side, after refinement.
         relative_residual: f64,
     },
+    /// The tolerance of an iteration is no number that a residual can reach.
+    #[error("the tolerance is {0}; it must be zero or positive")]
+    Tolerance(f64),
     /// An iteration was ended by its bound.
     #[error("{iterations} iterations left a relative residual of {relative_residual:e}")]
     NotConverged {
@@ -112,6 +115,7 @@ impl SparseError {
             | SparseError::NotConverged { relative_residual, .. } => {
                 Unsolvable::Untrusted { relative_residual }
             }
+            SparseError::Size(error) => Unsolvable::Size(error),
             _ => Unsolvable::Singular,
         }
     }

@@ -11,6 +11,7 @@
 use crate::sparse::block_jacobi::BlockJacobi;
 use crate::sparse::conjugate_gradient::Product;
 use crate::sparse::scratch::Scratch;
+use crate::sparse::solver::check_sizes;
 use crate::sparse::{ConjugateGradient, ConjugateGradientReport, SparseError, SymmetricMatrix};
 use crate::{HessianSolver, Metric, Potential, Rung, Unsolvable};
 
@@ -27,6 +28,9 @@ pub struct IterativeSolver {
 
 impl IterativeSolver {
     /// Analyses the pattern of a metric and of a potential's Hessian at `q`.
+    ///
+    /// # Errors
+    /// Those of [`SparseSolver::new`](crate::SparseSolver::new), and [`SparseError::Tolerance`].
     pub fn new(
         method: ConjugateGradient,
         metric: &impl Metric,
@@ -34,6 +38,8 @@ impl IterativeSolver {
         q: &[f64],
     ) -> Result<Self, SparseError> {
         let n = metric.dim();
+        check_sizes(n, potential, q)?;
+        method.check()?;
         let matrix = SymmetricMatrix::analyse(n, |sink| {
             metric.add_matrix(sink);
             potential.add_hessian(q, sink);
@@ -68,6 +74,10 @@ impl Product for SymmetricMatrix {
 }
 
 impl HessianSolver for IterativeSolver {
+    fn dim(&self) -> Option<usize> {
+        Some(self.x.len())
+    }
+
     /// Assembles the matrix. The rung is the first one, on trust: see [`IterativeSolver::last`].
     fn factor_weighted<M: Metric, P: Potential>(
         &mut self,
@@ -108,8 +118,8 @@ mod tests {
     fn the_iteration_solves_what_the_factor_solves() {
         let (metric, mut springs, r) = row(100);
         let method = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
-        let mut iterative = IterativeSolver::new(method, &metric, &springs, &[]).unwrap();
-        let mut direct = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let mut iterative = IterativeSolver::new(method, &metric, &springs, &[0.0; 100]).unwrap();
+        let mut direct = SparseSolver::new(&metric, &springs, &[0.0; 100]).unwrap();
         for a in [0.0, 1.0, 7.0] {
             let (mut x, mut y) = (r.clone(), r.clone());
             iterative.factor(&metric, &springs, &[], a).unwrap();

@@ -244,6 +244,10 @@ impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut JacobianEntries)> Equat
     fn energy(&mut self, _: &[f64]) -> Option<f64> {
         None
     }
+
+    fn unknowns(&self) -> Option<usize> {
+        Some(self.given.len())
+    }
 }
 
 #[cfg(test)]

@@ -37,6 +37,10 @@ pub struct SparseSolver {
 impl SparseSolver {
     /// Analyses the pattern of a metric and of a potential's Hessian at `q`. A Hessian must visit the
     /// same blocks in the same order at every other configuration.
+    ///
+    /// # Errors
+    /// [`SparseError::Size`] unless the potential has at most the metric's freedoms and q as many numbers;
+    /// blocks that name what is not there; a factor that does not fit into memory.
     pub fn new(
         metric: &impl Metric,
         potential: &impl Potential,
@@ -46,6 +50,9 @@ impl SparseSolver {
     }
 
     /// The same with a choice of how the order of elimination is found.
+    ///
+    /// # Errors
+    /// Those of [`SparseSolver::new`].
     pub fn by_ordering(
         metric: &impl Metric,
         potential: &impl Potential,
@@ -53,9 +60,7 @@ impl SparseSolver {
         ordering: Ordering,
     ) -> Result<Self, SparseError> {
         let n = metric.dim();
-        if potential.dim() > n {
-            SizeError::check("the potential's freedoms", n, potential.dim())?;
-        }
+        check_sizes(n, potential, q)?;
         let matrix = SymmetricMatrix::analyse(n, |sink| {
             metric.add_matrix(sink);
             potential.add_hessian(q, sink);
@@ -111,7 +116,8 @@ impl SparseSolver {
         for (j, ends) in self.matrix.column_starts().windows(2).enumerate() {
             for k in ends[0] as usize..ends[1] as usize {
                 let i = self.matrix.rows()[k] as usize;
-                let entry = self.matrix.values()[k].abs() / (self.mass[i] * self.mass[j]).sqrt();
+                let mass = self.mass[i].sqrt() * self.mass[j].sqrt();
+                let entry = self.matrix.values()[k].abs() / mass;
                 self.row_sums[i] += entry;
                 if i != j {
                     self.row_sums[j] += entry;
@@ -154,7 +160,23 @@ impl SparseSolver {
     }
 }
 
+/// A potential of the metric's freedoms or fewer, and a configuration of them.
+pub(super) fn check_sizes(
+    n: usize,
+    potential: &impl Potential,
+    q: &[f64],
+) -> Result<(), SizeError> {
+    if potential.dim() > n {
+        SizeError::check("the potential's freedoms", n, potential.dim())?;
+    }
+    SizeError::check("the configuration's numbers", n, q.len())
+}
+
 impl HessianSolver for SparseSolver {
+    fn dim(&self) -> Option<usize> {
+        Some(self.mass.len())
+    }
+
     fn factor_weighted<M: Metric, P: Potential>(
         &mut self,
         m: f64,
@@ -191,6 +213,9 @@ mod tests {
     use super::*;
     use crate::{Covector, DenseSolver, DiagonalMetric, FIXED, Sink, Vector};
 
+    /// Configurations that the springs do not look at.
+    const Q: [f64; 12] = [0.0; 12];
+
     /// Springs of stiffness k between neighbours, the first to a wall: energy k/2 |x_i - x_(i-1)|^2, and
     /// of the order `visit` when it is asked for its Hessian.
     struct Row {
@@ -224,7 +249,7 @@ mod tests {
     fn the_sparse_solver_climbs_as_the_dense_one_does() {
         for k in [1.0, 1e-12, 1e9, -0.1, -1.0, -1e9] {
             let (metric, springs) = row(12, |i| if i % 3 == 0 { k } else { k.abs() });
-            let mut sparse = SparseSolver::new(&metric, &springs, &[]).unwrap();
+            let mut sparse = SparseSolver::new(&metric, &springs, &Q[..metric.dim()]).unwrap();
             let mut dense = DenseSolver::<Vec<f64>>::new(12).unwrap();
             for (m, a) in [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (2.0, 0.5)] {
                 let expected = dense.factor_weighted(m, &metric, a, &springs, &[]).unwrap();
@@ -245,7 +270,7 @@ mod tests {
     fn the_exact_ladder_solves_what_the_other_shifts() {
         let (metric, springs) = row(12, |i| if i == 5 { -3.0 } else { 1.0 });
         let r: Vec<f64> = (0..12).map(|i| (i as f64).cos()).collect();
-        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let mut solver = SparseSolver::new(&metric, &springs, &Q[..metric.dim()]).unwrap();
         let rung = solver.factor(&metric, &springs, &[], 1.0).unwrap();
         assert!(matches!(rung, Rung::Shifted { .. }), "{rung:?}");
         let mut solver = solver.with_ladder(Ladder::Exact);
@@ -261,7 +286,7 @@ mod tests {
     #[test]
     fn a_hessian_that_visits_other_blocks_is_refused() {
         let (metric, springs) = row(4, |_| 1.0);
-        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let mut solver = SparseSolver::new(&metric, &springs, &Q[..metric.dim()]).unwrap();
         let (_, fewer) = row(3, |_| 1.0);
         let refused = solver.factor(&metric, &fewer, &[], 1.0);
         assert_eq!(refused, Err(Unsolvable::PatternChanged { block: 7 }));
@@ -275,7 +300,7 @@ mod tests {
     fn numbers_that_are_not_finite_are_unsolvable() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let (metric, springs) = row(4, |i| if i == 2 { bad } else { 1.0 });
-            let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+            let mut solver = SparseSolver::new(&metric, &springs, &Q[..metric.dim()]).unwrap();
             let refused = solver.factor(&metric, &springs, &[], 1.0);
             assert_eq!(refused, Err(Unsolvable::NonFinite));
         }
@@ -285,7 +310,7 @@ mod tests {
     fn a_potential_of_more_freedoms_than_the_metric_is_refused() {
         let (metric, _) = row(3, |_| 1.0);
         let (_, springs) = row(4, |_| 1.0);
-        let error = SparseSolver::new(&metric, &springs, &[]).unwrap_err();
+        let error = SparseSolver::new(&metric, &springs, &Q[..metric.dim()]).unwrap_err();
         assert!(matches!(error, SparseError::Size(SizeError { expected: 3, got: 4, .. })));
     }
 }

@@ -1,0 +1,149 @@
+//! The direction in which an energy bends least, by inverse iteration with the factor of a shifted
+//! Hessian.
+//!
+//! ```text
+//! x <- (H + sigma M)^-1 M x,    rho = <H x, x> / <M x, x>
+//! ```
+//! `sigma` is lowered as far as the shifted matrix stays definite, which brings the lowest eigenvalue
+//! apart from the others. rho is negative where it exceeds what rounding makes of its terms.
+//! Source: Parlett, The symmetric eigenvalue problem, chapter 4.
+
+use super::terms::{length, magnitudes};
+use crate::{
+    Covector, HessianSolver, Metric, Potential, ProductSink, Rung, SplitMix64, Unsolvable, Vector,
+};
+
+/// Rounds of inverse iteration, with a smaller shift each.
+const ROUNDS: u32 = 8;
+/// Products a round.
+const POWERS: u32 = 6;
+/// What a Rayleigh quotient must exceed, relative to its terms, to have a sign.
+const ROUNDING: f64 = 1e-10;
+/// The smallest shift, relative to the Hessian's scale.
+const SMALLEST: f64 = 1e-8;
+
+/// The lowest curvature that was found.
+#[derive(Clone, Debug)]
+pub(super) struct Lowest {
+    /// Its direction, of length 1 in the metric.
+    pub(super) direction: Vec<f64>,
+    /// `<H x, x>`, 1/s^2.
+    pub(super) curvature: f64,
+    /// Whether it is negative beyond rounding.
+    pub(super) is_negative: bool,
+}
+
+/// Finds the lowest curvature at q. The solver is left with the factor of `H + sigma M`, for the
+/// smallest sigma for which it is known to be definite; `None` where there is none.
+pub(super) fn lowest<M: Metric, P: Potential>(
+    solver: &mut impl HessianSolver,
+    metric: &M,
+    potential: &P,
+    q: &[f64],
+    scale: f64,
+) -> Result<Option<Lowest>, Unsolvable> {
+    let Some(mut sigma) = definite_shift(solver, metric, potential, q, scale)? else {
+        return Ok(None);
+    };
+    let mut random = SplitMix64::new(7);
+    let mut x: Vec<f64> = (0..q.len()).map(|_| random.symmetric()).collect();
+    let mut found = iterate(solver, metric, potential, q, &mut x);
+    for _ in 0..ROUNDS {
+        let smaller = if found.is_negative {
+            1.5 * found.curvature.abs()
+        } else {
+            (1e-2 * sigma).max(SMALLEST * scale)
+        };
+        if smaller > 0.5 * sigma {
+            break;
+        }
+        if factors(solver, metric, potential, q, smaller)? {
+            sigma = smaller;
+            found = iterate(solver, metric, potential, q, &mut x);
+        } else {
+            // Some eigenvalue is below -smaller: the shift in between shows it.
+            let between = (sigma * smaller).sqrt();
+            if between < 0.5 * sigma && factors(solver, metric, potential, q, between)? {
+                sigma = between;
+            } else if !factors(solver, metric, potential, q, sigma)? {
+                return Ok(None);
+            }
+            let next = iterate(solver, metric, potential, q, &mut x);
+            let settled = found.is_negative
+                && (next.curvature - found.curvature).abs() <= 0.1 * found.curvature.abs();
+            found = next;
+            if settled {
+                break;
+            }
+        }
+    }
+    Ok(Some(found))
+}
+
+/// Factors the shifted Hessian; whether it is definite.
+fn factors<M: Metric, P: Potential>(
+    solver: &mut impl HessianSolver,
+    metric: &M,
+    potential: &P,
+    q: &[f64],
+    sigma: f64,
+) -> Result<bool, Unsolvable> {
+    match solver.factor_weighted(sigma, metric, 1.0, potential, q) {
+        Ok(rung) => Ok(rung == Rung::Cholesky),
+        Err(Unsolvable::Singular | Unsolvable::Untrusted { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// The first shift of a ladder for which the shifted Hessian is definite.
+fn definite_shift<M: Metric, P: Potential>(
+    solver: &mut impl HessianSolver,
+    metric: &M,
+    potential: &P,
+    q: &[f64],
+    scale: f64,
+) -> Result<Option<f64>, Unsolvable> {
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Ok(None);
+    }
+    for multiple in [SMALLEST, 1e-2, 2.0, 200.0, 2e4] {
+        if factors(solver, metric, potential, q, multiple * scale)? {
+            return Ok(Some(multiple * scale));
+        }
+    }
+    Ok(None)
+}
+
+/// A few powers of the inverse, from x on, and the quotient there.
+fn iterate<M: Metric, P: Potential>(
+    solver: &mut impl HessianSolver,
+    metric: &M,
+    potential: &P,
+    q: &[f64],
+    x: &mut [f64],
+) -> Lowest {
+    let n = x.len();
+    let mut y = vec![0.0; n];
+    for _ in 0..POWERS {
+        metric.flat(Vector(&*x), Covector(&mut y[..]));
+        solver.solve(&mut y);
+        let size = length(metric, &y, x);
+        if !(size > 0.0 && size.is_finite()) {
+            break;
+        }
+        x.iter_mut().zip(&y).for_each(|(x, y)| *x = y / size);
+    }
+    let size = length(metric, x, &mut y);
+    if size > 0.0 {
+        x.iter_mut().for_each(|x| *x /= size);
+    }
+    y.fill(0.0);
+    if let Some(mut sink) = ProductSink::new(1.0, x, &mut y) {
+        potential.add_hessian(q, &mut sink);
+    }
+    let curvature = Covector(&y[..]).apply(&Vector(&*x));
+    let mut terms = vec![0.0; n];
+    magnitudes(potential, q, x, &mut terms);
+    let size: f64 = terms.iter().zip(&*x).map(|(t, x)| t * x.abs()).sum();
+    Lowest { direction: x.to_vec(), curvature, is_negative: curvature < -ROUNDING * size }
+}

@@ -1,0 +1,361 @@
+//! The way down: Newton's steps where the energy is convex, the lowest curvature where it is not, the
+//! force where there is no curvature at all.
+//!
+//! ```text
+//! definite         p = -H^-1 f
+//! not definite     p = -(H + sigma M)^-1 f + l w,    <f, w> <= 0
+//! no Hessian       p = -M^-1 f
+//! V(q + t p) <= V(q) + c t <f, p>                    Armijo's condition, c = 1e-4
+//! ```
+//! `f` the differential, `w` the direction of the lowest curvature, `l` the length of the first part,
+//! `t` 1, 1/2, 1/4, ...; where p has no length of its own, because the Hessian is not definite, also 4,
+//! 16, 64, ... for as long as the energy falls. Where energies differ by rounding only, the residual
+//! decides. Source: Nocedal and Wright, Numerical Optimization, chapters 3 and 7.
+
+use super::curvature::{Lowest, lowest};
+use super::terms::{length, magnitudes, scale};
+use super::{EquilibriumReport, Stationary};
+use crate::equation::SQUARES;
+use crate::{
+    Covector, HessianSolver, Metric, Newton, NewtonEnd, NewtonFailure, NewtonReport, Potential,
+    Rung, SizeError, Unsolvable, Vector, first_non_finite,
+};
+
+/// Armijo's constant: the part of the predicted fall that a step must reach.
+const SUFFICIENT: f64 = 1e-4;
+/// Step lengths tried, down to 2^-60: from far away into a narrow domain.
+const LENGTHS: usize = 61;
+/// Energies that differ by this much, relatively, cannot be told apart.
+const SAME_ENERGY: f64 = 16.0 * f64::EPSILON;
+/// A step that promises no more than this of the energy is judged by the residual.
+const UNTOLD: f64 = 1e-11;
+/// A residual of so many roundings of its terms is rounding.
+const ROUNDINGS: f64 = 64.0;
+/// Steps below this part of q are so small that the residual may be rounding.
+const NEARLY: f64 = 1e-6;
+/// From one length to the next while the energy falls.
+const GROWTH: f64 = 4.0;
+/// An energy that still falls after so many times the first length has no end.
+const ENDLESS: f64 = 1e18;
+
+/// A search and its memory.
+#[derive(Clone, Debug)]
+pub(super) struct Descent<'a, M, P, L> {
+    metric: &'a M,
+    potential: &'a P,
+    solver: L,
+    newton: Newton,
+    /// The differential at the iterate.
+    force: Vec<f64>,
+    /// The direction p.
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    trial_force: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+/// What a direction knows of its own length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    /// Newton's: its length is 1.
+    Newton,
+    /// It goes on for as long as the energy falls.
+    Open,
+    /// Newton's to any place at rest: it may rise.
+    ToAnyRest,
+}
+
+/// Where a line search ended.
+struct Found {
+    size: f64,
+    energy: f64,
+}
+
+impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
+    pub(super) fn new(metric: &'a M, potential: &'a P, solver: L, newton: Newton) -> Self {
+        let zeros = || vec![0.0; metric.dim()];
+        Descent {
+            metric,
+            potential,
+            solver,
+            newton,
+            force: zeros(),
+            step: zeros(),
+            trial: zeros(),
+            trial_force: zeros(),
+            scratch: zeros(),
+        }
+    }
+
+    /// Moves q to rest.
+    pub(super) fn run(
+        &mut self,
+        q: &mut [f64],
+        history: &mut Vec<f64>,
+    ) -> Result<EquilibriumReport, NewtonFailure> {
+        self.newton.check_tolerance()?;
+        let n = self.metric.dim();
+        SizeError::check("the configuration's numbers", n, q.len()).map_err(NewtonFailure::Size)?;
+        let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
+        let mut highest_rung = Rung::Cholesky;
+        let guess = largest(q);
+        self.differential(q);
+        let mut size = self.norm();
+        history.push(size);
+        if let Some(unknown) = first_non_finite(q).or(first_non_finite(&self.force)) {
+            return Err(NewtonFailure::NonFinite(unknown));
+        }
+        let mut energy = None;
+        while size > self.newton.tolerance {
+            if report.iterations as usize >= self.newton.iterations {
+                return if self.is_rounding(q, guess) {
+                    report.end = NewtonEnd::Rounding;
+                    break;
+                } else {
+                    Err(NewtonFailure::NotConverged)
+                };
+            }
+            let (kind, rung) = self.direction(q)?;
+            highest_rung = highest_rung.max(rung);
+            report.iterations += 1;
+            let nearly = largest(&self.step) <= NEARLY * largest(q).max(guess);
+            if nearly && kind == Step::Newton && self.is_rounding(q, 0.0) {
+                report.end = NewtonEnd::Rounding;
+                break;
+            }
+            let start = match energy {
+                Some(energy) => energy,
+                None => {
+                    report.energies += 1;
+                    self.potential.energy(q)
+                }
+            };
+            match self.search(q, (size, start), kind, &mut report)? {
+                Some(found) => {
+                    q.copy_from_slice(&self.trial);
+                    std::mem::swap(&mut self.force, &mut self.trial_force);
+                    (size, energy) = (found.size, Some(found.energy));
+                    history.push(size);
+                }
+                None if self.is_rounding(q, guess) => {
+                    report.end = NewtonEnd::Rounding;
+                    break;
+                }
+                None => return Err(NewtonFailure::Stalled),
+            }
+        }
+        report.residual = size;
+        let (kind, rung) = self.classify(q)?;
+        Ok(EquilibriumReport { newton: report, kind, highest_rung, rung })
+    }
+
+    /// What kind of place q is.
+    fn classify(&mut self, q: &[f64]) -> Result<(Stationary, Rung), NewtonFailure> {
+        let factored = self.factor(q);
+        let rung = match factored {
+            Ok(Rung::Cholesky) => return Ok((Stationary::Minimum, Rung::Cholesky)),
+            Ok(rung) => rung,
+            Err(Unsolvable::Singular | Unsolvable::Untrusted { .. }) => Rung::Indefinite,
+            Err(error) => return Err(NewtonFailure::Unsolvable(error)),
+        };
+        let kind = match self.lowest(q)? {
+            Some(Lowest { direction, curvature, is_negative: true }) => {
+                Stationary::Saddle { down: Vector(direction), curvature }
+            }
+            _ => Stationary::Flat,
+        };
+        Ok((kind, rung))
+    }
+
+    fn factor(&mut self, q: &[f64]) -> Result<Rung, Unsolvable> {
+        self.solver.factor_weighted(0.0, self.metric, 1.0, self.potential, q)
+    }
+
+    fn lowest(&mut self, q: &[f64]) -> Result<Option<Lowest>, NewtonFailure> {
+        let scale = scale(self.metric, self.potential, q);
+        lowest(&mut self.solver, self.metric, self.potential, q, scale)
+            .map_err(NewtonFailure::Unsolvable)
+    }
+
+    /// Writes the direction.
+    fn direction(&mut self, q: &[f64]) -> Result<(Step, Rung), NewtonFailure> {
+        let (kind, rung) = match self.factor(q) {
+            Ok(Rung::Cholesky) => {
+                self.solve();
+                (Step::Newton, Rung::Cholesky)
+            }
+            Ok(rung @ Rung::Indefinite) => {
+                self.solve();
+                if first_non_finite(&self.step).is_some() {
+                    self.along_the_force(q);
+                    (Step::Open, rung)
+                } else {
+                    (Step::ToAnyRest, rung)
+                }
+            }
+            Ok(rung) => (self.without_convexity(q)?, rung),
+            Err(Unsolvable::Singular) => (self.without_convexity(q)?, Rung::Indefinite),
+            Err(error) => return Err(NewtonFailure::Unsolvable(error)),
+        };
+        match first_non_finite(&self.step) {
+            Some(unknown) => Err(NewtonFailure::NonFinite(unknown)),
+            None => Ok((kind, rung)),
+        }
+    }
+
+    /// Writes `-A^-1 f` for the matrix that was factored last.
+    fn solve(&mut self) {
+        self.step.copy_from_slice(&self.force);
+        self.solver.solve(&mut self.step);
+        self.step.iter_mut().for_each(|p| *p = -*p);
+    }
+
+    fn without_convexity(&mut self, q: &[f64]) -> Result<Step, NewtonFailure> {
+        let Some(lowest) = self.lowest(q)? else {
+            self.along_the_force(q);
+            return Ok(Step::Open);
+        };
+        self.solve();
+        if first_non_finite(&self.step).is_some() {
+            self.along_the_force(q);
+        } else if lowest.is_negative {
+            let uphill = dot(&self.force, &lowest.direction) > 0.0;
+            let l = length(self.metric, &self.step, &mut self.scratch);
+            let l = if uphill { -l } else { l };
+            self.step.iter_mut().zip(&lowest.direction).for_each(|(p, w)| *p += l * w);
+        }
+        Ok(Step::Open)
+    }
+
+    /// Writes `-M^-1 f`, a thousandth of q long.
+    fn along_the_force(&mut self, q: &[f64]) {
+        let f = largest(&self.force);
+        self.scratch.iter_mut().zip(&self.force).for_each(|(g, f0)| *g = f0 / f);
+        self.metric.sharp(Covector(&self.scratch), Vector(&mut self.step[..]));
+        let (way, far) = (largest(&self.step), largest(q));
+        let wanted = if far > 0.0 { 1e-3 * far } else { 1.0 };
+        self.step.iter_mut().for_each(|p| *p *= -wanted / way);
+    }
+
+    /// Writes q + t p, and its differential; the size of that and the energy, or `None` where one is not
+    /// finite.
+    fn attempt(&mut self, q: &[f64], t: f64, report: &mut NewtonReport) -> Option<Found> {
+        let ends = self.trial.iter_mut().zip(q).zip(&self.step);
+        ends.for_each(|((trial, q), p)| *trial = q + t * p);
+        report.energies += 1;
+        let energy = self.potential.energy(&self.trial);
+        if !energy.is_finite() {
+            return None;
+        }
+        report.residuals += 1;
+        self.trial_force.fill(0.0);
+        self.potential.add_differential(&self.trial, Covector(&mut self.trial_force[..]));
+        let size = norm(self.metric, &self.trial_force, &mut self.scratch);
+        size.is_finite().then_some(Found { size, energy })
+    }
+
+    /// Leaves an acceptable next iterate in `trial` and its differential in `trial_force`.
+    fn search(
+        &mut self,
+        q: &[f64],
+        (size, start): (f64, f64),
+        kind: Step,
+        report: &mut NewtonReport,
+    ) -> Result<Option<Found>, NewtonFailure> {
+        let slope = dot(&self.force, &self.step);
+        let rises = kind == Step::ToAnyRest && slope >= 0.0;
+        let mut t = 1.0;
+        for _ in 0..LENGTHS {
+            if let Some(found) = self.attempt(q, t, report) {
+                let less = found.size <= (1.0 - SUFFICIENT * t) * size;
+                let same =
+                    found.energy <= start + SAME_ENERGY * start.abs().max(found.energy.abs());
+                let untold = slope.abs() <= UNTOLD * start.abs().max(found.energy.abs());
+                let falls = found.energy <= start + SUFFICIENT * t * slope && !rises;
+                if (falls && !untold) || (less && (rises || same || untold)) {
+                    return if kind == Step::Open && t == 1.0 && falls {
+                        self.go_on(q, start, slope, found, report).map(Some)
+                    } else {
+                        Ok(Some(found))
+                    };
+                }
+            }
+            t *= 0.5;
+        }
+        Ok(None)
+    }
+
+    /// Lengthens a step for as long as the energy falls as it was predicted to.
+    fn go_on(
+        &mut self,
+        q: &[f64],
+        start: f64,
+        slope: f64,
+        mut best: Found,
+        report: &mut NewtonReport,
+    ) -> Result<Found, NewtonFailure> {
+        let way = largest(&self.step);
+        let end = ENDLESS * largest(q).max(way);
+        let mut t = 1.0;
+        loop {
+            let longer = GROWTH * t;
+            match self.attempt(q, longer, report) {
+                Some(found)
+                    if found.energy < best.energy
+                        && found.energy <= start + SUFFICIENT * longer * slope =>
+                {
+                    (t, best) = (longer, found);
+                }
+                _ => break,
+            }
+            if t * way > end {
+                return Err(NewtonFailure::Unbounded);
+            }
+        }
+        let again = self.attempt(q, t, report);
+        Ok(again.unwrap_or(best))
+    }
+
+    fn differential(&mut self, q: &[f64]) {
+        self.force.fill(0.0);
+        self.potential.add_differential(q, Covector(&mut self.force[..]));
+    }
+
+    fn norm(&mut self) -> f64 {
+        norm(self.metric, &self.force, &mut self.scratch)
+    }
+
+    /// Whether each component of the differential is what rounding makes of its terms, where every
+    /// component of q is at least `least`.
+    fn is_rounding(&mut self, q: &[f64], least: f64) -> bool {
+        let least = if least > 0.0 { least.max(largest(q)) } else { 0.0 };
+        let sizes: Vec<f64> = q.iter().map(|q| q.abs().max(least)).collect();
+        magnitudes(self.potential, q, &sizes, &mut self.scratch);
+        let small = |(f, t): (&f64, &f64)| f.abs() <= ROUNDINGS * f64::EPSILON * t;
+        self.force.iter().zip(&self.scratch).all(small)
+    }
+}
+
+/// `|M^-1 f|` in the metric. Squares that leave the range of numbers do not.
+fn norm(metric: &impl Metric, f: &[f64], scratch: &mut [f64]) -> f64 {
+    metric.sharp(Covector(f), Vector(&mut *scratch));
+    let square = dot(f, scratch);
+    if SQUARES.contains(&square) || square.is_nan() {
+        return square.sqrt();
+    }
+    let largest = largest(f);
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    let unit: Vec<f64> = f.iter().map(|f| f / largest).collect();
+    metric.sharp(Covector(&unit), Vector(&mut *scratch));
+    largest * dot(&unit, scratch).sqrt()
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
