@@ -20,7 +20,7 @@ const POWERS: u32 = 6;
 /// What a Rayleigh quotient must exceed, relative to its terms, to have a sign.
 const ROUNDING: f64 = 1e-10;
 /// The smallest shift, relative to the Hessian's scale.
-const SMALLEST: f64 = 1e-8;
+const SMALLEST: f64 = 1e-12;
 
 /// The lowest curvature that was found.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ fn definite_shift<M: Metric, P: Potential>(
     if !(scale > 0.0 && scale.is_finite()) {
         return Ok(None);
     }
-    for multiple in [SMALLEST, 1e-2, 2.0, 200.0, 2e4] {
+    for multiple in [SMALLEST, 1e-7, 1e-2, 2.0, 200.0, 2e4] {
         if factors(solver, metric, potential, q, multiple * scale)? {
             return Ok(Some(multiple * scale));
         }

@@ -35,8 +35,10 @@ const ROUNDINGS: f64 = 64.0;
 const NEARLY: f64 = 1e-6;
 /// From one length to the next while the energy falls.
 const GROWTH: f64 = 4.0;
-/// An energy that still falls after so many times the first length has no end.
-const ENDLESS: f64 = 1e18;
+/// An energy that still falls so many times as far away as the search began has no end.
+const ENDLESS: f64 = 1e15;
+/// Newton steps that may follow one that raises the energy, until it is lower than before.
+const RELAXED: u32 = 3;
 
 /// A search and its memory.
 #[derive(Clone, Debug)]
@@ -52,6 +54,10 @@ pub(super) struct Descent<'a, M, P, L> {
     trial: Vec<f64>,
     trial_force: Vec<f64>,
     scratch: Vec<f64>,
+    /// The differential and the step of the iterate, while steps are tried that raise the energy.
+    kept: [Vec<f64>; 2],
+    /// How far from the origin the search began, or how far its first step led.
+    far: f64,
 }
 
 /// What a direction knows of its own length.
@@ -84,6 +90,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             trial: zeros(),
             trial_force: zeros(),
             scratch: zeros(),
+            kept: [zeros(), zeros()],
+            far: 0.0,
         }
     }
 
@@ -99,6 +107,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
         let mut highest_rung = Rung::Cholesky;
         let guess = largest(q);
+        self.far = guess;
         self.differential(q);
         let mut size = self.norm();
         history.push(size);
@@ -130,7 +139,15 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     self.potential.energy(q)
                 }
             };
-            match self.search(q, (size, start), kind, &mut report)? {
+            let relaxed = match kind {
+                Step::Newton => self.relax(q, (size, start), &mut report, history),
+                _ => None,
+            };
+            let found = match relaxed {
+                Some(found) => Some(found),
+                None => self.search(q, (size, start), kind, &mut report)?,
+            };
+            match found {
                 Some(found) => {
                     q.copy_from_slice(&self.trial);
                     std::mem::swap(&mut self.force, &mut self.trial_force);
@@ -254,6 +271,48 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         size.is_finite().then_some(Found { size, energy })
     }
 
+    /// Whole Newton steps, of which the first may raise the energy if the last ends below: along a
+    /// narrow bent valley each step leaves it and the next one returns. Leaves the end in `trial`, as a
+    /// line search does; without success all is as it was.
+    ///
+    /// Source: the watchdog of Chamberlain, Powell, Lemarechal and Pedersen (1982).
+    fn relax(
+        &mut self,
+        q: &[f64],
+        (size, start): (f64, f64),
+        report: &mut NewtonReport,
+        history: &mut Vec<f64>,
+    ) -> Option<Found> {
+        let slope = dot(&self.force, &self.step);
+        let mut found = self.attempt(q, 1.0, report)?;
+        if is_enough(&found, (size, start), slope, 1.0) {
+            return Some(found);
+        }
+        let (before, steps) = (history.len(), report.iterations);
+        self.kept[0].copy_from_slice(&self.force);
+        self.kept[1].copy_from_slice(&self.step);
+        for _ in 0..RELAXED {
+            std::mem::swap(&mut self.force, &mut self.trial_force);
+            let here = self.trial.clone();
+            if self.factor(&here) != Ok(Rung::Cholesky) {
+                break;
+            }
+            self.solve();
+            report.iterations += 1;
+            history.push(found.size);
+            match self.attempt(&here, 1.0, report) {
+                Some(next) if next.energy <= start + SUFFICIENT * slope => return Some(next),
+                Some(next) => found = next,
+                None => break,
+            }
+        }
+        history.truncate(before);
+        report.iterations = steps;
+        self.force.copy_from_slice(&self.kept[0]);
+        self.step.copy_from_slice(&self.kept[1]);
+        None
+    }
+
     /// Leaves an acceptable next iterate in `trial` and its differential in `trial_force`.
     fn search(
         &mut self,
@@ -264,16 +323,16 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
     ) -> Result<Option<Found>, NewtonFailure> {
         let slope = dot(&self.force, &self.step);
         let rises = kind == Step::ToAnyRest && slope >= 0.0;
-        let mut t = 1.0;
+        // The whole of Newton's step was tried before.
+        let mut t = if kind == Step::Newton { 0.5 } else { 1.0 };
         for _ in 0..LENGTHS {
             if let Some(found) = self.attempt(q, t, report) {
                 let less = found.size <= (1.0 - SUFFICIENT * t) * size;
-                let same =
-                    found.energy <= start + SAME_ENERGY * start.abs().max(found.energy.abs());
-                let untold = slope.abs() <= UNTOLD * start.abs().max(found.energy.abs());
-                let falls = found.energy <= start + SUFFICIENT * t * slope && !rises;
-                if (falls && !untold) || (less && (rises || same || untold)) {
-                    return if kind == Step::Open && t == 1.0 && falls {
+                if rises && less {
+                    return Ok(Some(found));
+                }
+                if !rises && is_enough(&found, (size, start), slope, t) {
+                    return if kind == Step::Open && t == 1.0 && found.energy < start {
                         self.go_on(q, start, slope, found, report).map(Some)
                     } else {
                         Ok(Some(found))
@@ -294,8 +353,10 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         mut best: Found,
         report: &mut NewtonReport,
     ) -> Result<Found, NewtonFailure> {
-        let way = largest(&self.step);
-        let end = ENDLESS * largest(q).max(way);
+        if self.far == 0.0 {
+            self.far = largest(&self.step);
+        }
+        let end = ENDLESS * self.far;
         let mut t = 1.0;
         loop {
             let longer = GROWTH * t;
@@ -308,7 +369,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 }
                 _ => break,
             }
-            if t * way > end {
+            if largest(&self.trial) > end {
                 return Err(NewtonFailure::Unbounded);
             }
         }
@@ -334,6 +395,16 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let small = |(f, t): (&f64, &f64)| f.abs() <= ROUNDINGS * f64::EPSILON * t;
         self.force.iter().zip(&self.scratch).all(small)
     }
+}
+
+/// Whether a step of length t leads far enough down.
+fn is_enough(found: &Found, (size, start): (f64, f64), slope: f64, t: f64) -> bool {
+    let less = found.size <= (1.0 - SUFFICIENT * t) * size;
+    let largest = start.abs().max(found.energy.abs());
+    let same = found.energy <= start + SAME_ENERGY * largest;
+    let untold = slope.abs() <= UNTOLD * largest;
+    let falls = found.energy <= start + SUFFICIENT * t * slope;
+    (falls && !untold) || (less && (same || untold))
 }
 
 /// `|M^-1 f|` in the metric. Squares that leave the range of numbers do not.
