@@ -31,6 +31,8 @@ pub(super) struct Lowest {
     pub(super) curvature: f64,
     /// Whether it is negative beyond rounding.
     pub(super) is_negative: bool,
+    /// The shift with which the solver is left, 1/s^2.
+    pub(super) sigma: f64,
 }
 
 /// Finds the lowest curvature at q. The solver is left with the factor of `H + sigma M`, for the
@@ -77,6 +79,7 @@ pub(super) fn lowest<M: Metric, P: Potential>(
             }
         }
     }
+    found.sigma = sigma;
     Ok(Some(found))
 }
 
@@ -145,5 +148,10 @@ fn iterate<M: Metric, P: Potential>(
     let mut terms = vec![0.0; n];
     magnitudes(potential, q, x, &mut terms);
     let size: f64 = terms.iter().zip(&*x).map(|(t, x)| t * x.abs()).sum();
-    Lowest { direction: x.to_vec(), curvature, is_negative: curvature < -ROUNDING * size }
+    Lowest {
+        direction: x.to_vec(),
+        curvature,
+        is_negative: curvature < -ROUNDING * size,
+        sigma: 0.0,
+    }
 }

@@ -8,8 +8,9 @@
 //! V(q + t p) <= V(q) + c t <f, p>                    Armijo's condition, c = 1e-4
 //! ```
 //! `f` the differential, `w` the direction of the lowest curvature, `l` the length of the first part,
-//! `t` 1, 1/2, 1/4, ...; where p has no length of its own, because the Hessian is not definite, also 4,
-//! 16, 64, ... for as long as the energy falls. Where energies differ by rounding only, the residual
+//! once the residual has become small: a ridge is followed to its saddle before it is left. `t` 1, 1/2,
+//! 1/4, ...; where p has no length of its own, because the Hessian is not definite, what of it is soft
+//! is followed by 4, 16, 64, ... times its length for as long as the energy falls. Where energies differ by rounding only, the residual
 //! decides. Source: Nocedal and Wright, Numerical Optimization, chapters 3 and 7.
 
 use super::curvature::{Lowest, lowest};
@@ -33,8 +34,16 @@ const UNTOLD: f64 = 1e-11;
 const ROUNDINGS: f64 = 64.0;
 /// Steps below this part of q are so small that the residual may be rounding.
 const NEARLY: f64 = 1e-6;
+/// Below this part of the first residual the way along a ridge has come to its end.
+const SETTLED: f64 = 1e-2;
 /// From one length to the next while the energy falls.
 const GROWTH: f64 = 4.0;
+/// From one length to the next while the energy rises, where a step has no length of its own.
+const SHORTER: f64 = 8.0;
+/// Halvings between a good length and one that is too long.
+const HALVINGS: u32 = 40;
+/// A force along the step of this part of the first ends them.
+const FLAT: f64 = 0.1;
 /// An energy that still falls so many times as far away as the search began has no end.
 const ENDLESS: f64 = 1e15;
 /// Newton steps that may follow one that raises the energy, until it is lower than before.
@@ -51,6 +60,8 @@ pub(super) struct Descent<'a, M, P, L> {
     force: Vec<f64>,
     /// The direction p.
     step: Vec<f64>,
+    /// What is left of p in directions that the Hessian does not hold back.
+    soft: Vec<f64>,
     trial: Vec<f64>,
     trial_force: Vec<f64>,
     scratch: Vec<f64>,
@@ -87,6 +98,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             newton,
             force: zeros(),
             step: zeros(),
+            soft: zeros(),
             trial: zeros(),
             trial_force: zeros(),
             scratch: zeros(),
@@ -124,7 +136,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     Err(NewtonFailure::NotConverged)
                 };
             }
-            let (kind, rung) = self.direction(q)?;
+            let falls = size > SETTLED * history[0];
+            let (kind, rung) = self.direction(q, falls)?;
             highest_rung = highest_rung.max(rung);
             report.iterations += 1;
             let nearly = largest(&self.step) <= NEARLY * largest(q).max(guess);
@@ -176,7 +189,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             Err(error) => return Err(NewtonFailure::Unsolvable(error)),
         };
         let kind = match self.lowest(q)? {
-            Some(Lowest { direction, curvature, is_negative: true }) => {
+            Some(Lowest { direction, curvature, is_negative: true, .. }) => {
                 Stationary::Saddle { down: Vector(direction), curvature }
             }
             _ => Stationary::Flat,
@@ -195,7 +208,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
     }
 
     /// Writes the direction.
-    fn direction(&mut self, q: &[f64]) -> Result<(Step, Rung), NewtonFailure> {
+    /// `falls`: whether the residual is still far from what it was at first.
+    fn direction(&mut self, q: &[f64], falls: bool) -> Result<(Step, Rung), NewtonFailure> {
         let (kind, rung) = match self.factor(q) {
             Ok(Rung::Cholesky) => {
                 self.solve();
@@ -205,13 +219,14 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 self.solve();
                 if first_non_finite(&self.step).is_some() {
                     self.along_the_force(q);
+                    self.soft.copy_from_slice(&self.step);
                     (Step::Open, rung)
                 } else {
                     (Step::ToAnyRest, rung)
                 }
             }
-            Ok(rung) => (self.without_convexity(q)?, rung),
-            Err(Unsolvable::Singular) => (self.without_convexity(q)?, Rung::Indefinite),
+            Ok(rung) => (self.without_convexity(q, falls)?, rung),
+            Err(Unsolvable::Singular) => (self.without_convexity(q, falls)?, Rung::Indefinite),
             Err(error) => return Err(NewtonFailure::Unsolvable(error)),
         };
         match first_non_finite(&self.step) {
@@ -227,19 +242,36 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         self.step.iter_mut().for_each(|p| *p = -*p);
     }
 
-    fn without_convexity(&mut self, q: &[f64]) -> Result<Step, NewtonFailure> {
-        let Some(lowest) = self.lowest(q)? else {
-            self.along_the_force(q);
-            return Ok(Step::Open);
+    /// Writes the direction where the Hessian is not definite, and the part of it that is soft.
+    fn without_convexity(&mut self, q: &[f64], falls: bool) -> Result<Step, NewtonFailure> {
+        let lowest = match self.lowest(q)? {
+            Some(lowest) => lowest,
+            None => {
+                self.along_the_force(q);
+                self.soft.copy_from_slice(&self.step);
+                return Ok(Step::Open);
+            }
         };
         self.solve();
-        if first_non_finite(&self.step).is_some() {
-            self.along_the_force(q);
-        } else if lowest.is_negative {
-            let uphill = dot(&self.force, &lowest.direction) > 0.0;
+        if lowest.is_negative && !falls {
+            // Along w as far as along the rest, to the side to which the force leads.
+            self.metric.flat(Vector(&lowest.direction), Covector(&mut self.scratch[..]));
+            let backwards = dot(&self.scratch, &self.step) < 0.0;
             let l = length(self.metric, &self.step, &mut self.scratch);
-            let l = if uphill { -l } else { l };
+            let l = if backwards { -l } else { l };
             self.step.iter_mut().zip(&lowest.direction).for_each(|(p, w)| *p += l * w);
+        }
+        // The factor at hand leaves of a vector what the Hessian does not hold back.
+        self.soft.copy_from_slice(&self.step);
+        for _ in 0..2 {
+            self.metric.flat(Vector(&self.soft), Covector(&mut self.scratch[..]));
+            self.scratch.iter_mut().for_each(|p| *p *= lowest.sigma);
+            self.solver.solve(&mut self.scratch);
+            self.soft.copy_from_slice(&self.scratch);
+        }
+        if first_non_finite(&self.step).or(first_non_finite(&self.soft)).is_some() {
+            self.along_the_force(q);
+            self.soft.copy_from_slice(&self.step);
         }
         Ok(Step::Open)
     }
@@ -322,21 +354,17 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         report: &mut NewtonReport,
     ) -> Result<Option<Found>, NewtonFailure> {
         let slope = dot(&self.force, &self.step);
+        if kind == Step::Open {
+            return self.search_open(q, (size, start), slope, report);
+        }
         let rises = kind == Step::ToAnyRest && slope >= 0.0;
         // The whole of Newton's step was tried before.
         let mut t = if kind == Step::Newton { 0.5 } else { 1.0 };
         for _ in 0..LENGTHS {
             if let Some(found) = self.attempt(q, t, report) {
                 let less = found.size <= (1.0 - SUFFICIENT * t) * size;
-                if rises && less {
+                if if rises { less } else { is_enough(&found, (size, start), slope, t) } {
                     return Ok(Some(found));
-                }
-                if !rises && is_enough(&found, (size, start), slope, t) {
-                    return if kind == Step::Open && t == 1.0 && found.energy < start {
-                        self.go_on(q, start, slope, found, report).map(Some)
-                    } else {
-                        Ok(Some(found))
-                    };
                 }
             }
             t *= 0.5;
@@ -344,37 +372,91 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         Ok(None)
     }
 
-    /// Lengthens a step for as long as the energy falls as it was predicted to.
-    fn go_on(
+    /// The same for a step without a length of its own: the lowest place along it, as far as it takes.
+    fn search_open(
         &mut self,
         q: &[f64],
-        start: f64,
+        (size, start): (f64, f64),
         slope: f64,
-        mut best: Found,
+        report: &mut NewtonReport,
+    ) -> Result<Option<Found>, NewtonFailure> {
+        let mut t = 1.0;
+        for _ in 0..LENGTHS {
+            if let Some(found) = self.attempt(q, t, report)
+                && is_enough(&found, (size, start), slope, t)
+            {
+                return if found.energy >= start {
+                    Ok(Some(found))
+                } else if t == 1.0 {
+                    self.go_on(start, found, report).map(Some)
+                } else {
+                    Ok(Some(self.between(q, (t, SHORTER * t), found, report)))
+                };
+            }
+            t /= SHORTER;
+        }
+        Ok(None)
+    }
+
+    /// From the place on trial on along what is soft, for as long as the energy falls.
+    fn go_on(
+        &mut self,
+        start: f64,
+        first: Found,
         report: &mut NewtonReport,
     ) -> Result<Found, NewtonFailure> {
+        let base = self.trial.clone();
+        std::mem::swap(&mut self.step, &mut self.soft);
         if self.far == 0.0 {
-            self.far = largest(&self.step);
+            self.far = largest(&base);
         }
-        let end = ENDLESS * self.far;
-        let mut t = 1.0;
-        loop {
-            let longer = GROWTH * t;
-            match self.attempt(q, longer, report) {
-                Some(found)
-                    if found.energy < best.energy
-                        && found.energy <= start + SUFFICIENT * longer * slope =>
-                {
-                    (t, best) = (longer, found);
-                }
-                _ => break,
-            }
-            if largest(&self.trial) > end {
+        let slope = dot(&self.trial_force, &self.step);
+        let (mut t, mut longer, mut best) = (0.0, 1.0, first);
+        while slope < 0.0
+            && let Some(found) = self.attempt(&base, longer, report)
+            && found.energy < best.energy
+        {
+            if largest(&self.trial) > ENDLESS * self.far && found.energy < start {
                 return Err(NewtonFailure::Unbounded);
             }
+            (t, best) = (longer, found);
+            longer *= GROWTH;
         }
-        let again = self.attempt(q, t, report);
-        Ok(again.unwrap_or(best))
+        match self.attempt(&base, t, report) {
+            Some(_) if slope < 0.0 && t > 0.0 => Ok(self.between(&base, (t, longer), best, report)),
+            found => Ok(found.unwrap_or(best)),
+        }
+    }
+
+    /// The lowest place between a length that is good and one that is too long, by halving where the
+    /// force along the step changes its sign. Begins, and ends, with the good one on trial.
+    fn between(
+        &mut self,
+        base: &[f64],
+        (mut low, mut high): (f64, f64),
+        mut best: Found,
+        report: &mut NewtonReport,
+    ) -> Found {
+        let first = dot(&self.trial_force, &self.step);
+        let mut at = low;
+        if first >= 0.0 {
+            return best;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.attempt(base, middle, report) {
+                Some(found) if found.energy <= best.energy => {
+                    let slope = dot(&self.trial_force, &self.step);
+                    (at, best) = (middle, found);
+                    if slope.abs() <= FLAT * first.abs() {
+                        return best;
+                    }
+                    if slope < 0.0 { low = middle } else { high = middle }
+                }
+                _ => high = middle,
+            }
+        }
+        self.attempt(base, at, report).unwrap_or(best)
     }
 
     fn differential(&mut self, q: &[f64]) {
