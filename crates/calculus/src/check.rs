@@ -10,12 +10,13 @@
 //!
 //! - `ladder`: one direction, all steps; a derivative and how well it is known.
 //! - `examine`, `quadratic`: a claimed derivative against ladders; one wrong entry among thousands.
-//! - `blocks`: the Hessian as it arrives.
+//! - `blocks`: the Hessian as it arrives. `bend`: which of two derivatives belongs to the energy.
 //! - `potential`, `jacobian`: what is compared with what, at which configurations.
 //! - `finding`, `record`, `report`: what is said of it. `differences`: figure 2.1.
 //!
 //! Source: notes 2.4, 2.5, figure 2.1; errata chapter 2.
 
+mod bend;
 mod blocks;
 mod differences;
 mod examine;
@@ -114,15 +115,20 @@ pub fn check_jacobian(
 
 /// A check of derivatives, and its settings.
 ///
-/// It compares at the given configuration and at seeded random ones near it, around it and a typical
-/// length away, so that neither symmetry nor rest hides a mistake. An entry is wrong when it misses
+/// It compares at the given configuration and at seeded random ones: near it, and away from it by half a
+/// typical length to a whole one in every freedom, once to either side, so that neither symmetry nor rest
+/// nor a branch hides a mistake. An entry is wrong when it misses
 /// the measured one by a millionth of its row's largest entry or more (a differential is one row),
 /// beyond what truncation and rounding explain. Functions without truncation error, of any
-/// magnitude, and far from the origin are judged at their rounding.
+/// magnitude, and far from the origin are judged at their rounding. The differential must be added to
+/// what is there, and the Hessian's blocks must come in one order at all configurations. Where a Hessian
+/// and a differential do not go together, the energy's second derivative says which of them is wrong.
 ///
 /// What it cannot see:
 /// - errors below a millionth of the row's largest entry: freedoms whose units make their entries
 ///   tiny beside the others of their row hide theirs;
+/// - where no length is given and all of q is below a millionth, errors below rounding of a body of
+///   length 1, as q may be its displacements: give the length;
 /// - errors below the function's own noise, if a large constant or cancellation makes it noisy:
 ///   [`Report::unseen`] says how large;
 /// - features far smaller than the typical length (by ten decades; far from the origin, than q by
@@ -138,16 +144,17 @@ pub struct DerivativeCheck {
     /// A typical length of the problem, in the units of q, positive. Without one it is read off q:
     /// its magnitude, and 1.
     pub length: Option<f64>,
-    /// Random configurations, beside the given one.
+    /// At most so many random configurations, beside the given one: one near it; two away from it by
+    /// the magnitude of q; two by 1, where that is another length.
     pub configurations: usize,
     /// The seed of the random configurations and directions.
     pub seed: u64,
 }
 
 impl Default for DerivativeCheck {
-    /// A millionth, the length that q shows, three random configurations.
+    /// A millionth, the length that q shows, five random configurations.
     fn default() -> Self {
-        DerivativeCheck { tolerance: 1e-6, length: None, configurations: 3, seed: 1 }
+        DerivativeCheck { tolerance: 1e-6, length: None, configurations: 5, seed: 1 }
     }
 }
 
@@ -183,7 +190,21 @@ impl DerivativeCheck {
         jacobian::check(self, f, df, q)
     }
 
-    /// The given configuration and random ones: near it, around it, and a typical length away, moved
+    /// An error unless the settings are numbers that a check can use.
+    fn validate(&self) -> Result<(), DerivativeError> {
+        let setting = |setting, value, rule| Err(DerivativeError::Setting { setting, value, rule });
+        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
+            return setting("tolerance", self.tolerance, "positive and below 1");
+        }
+        match self.length {
+            Some(length) if !(length > 0.0 && (1e-250..1e250).contains(&length)) => {
+                setting("length", length, "positive, and between 1e-250 and 1e250")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The given configuration and random ones: near it, and a typical length away to either side, moved
     /// less far where the function is not defined.
     fn configurations(
         &self,
@@ -194,12 +215,22 @@ impl DerivativeCheck {
         random: &mut SplitMix64,
     ) -> Vec<Vec<f64>> {
         let Scale { near, far, .. } = Scale::of(q, self.length);
-        let spreads = [near / 32.0, near / 4.0, far / 4.0].into_iter().cycle();
         let mut all = vec![q.to_vec()];
-        for spread in spreads.take(self.configurations) {
-            let w: Vec<f64> = (0..freedoms).map(|_| random.symmetric()).collect();
-            let shorter = |k| moved(space, q, &w, spread * 0.25_f64.powi(k));
+        let mut add = |w: &[f64], spread: f64| {
+            let shorter = |k| moved(space, q, w, spread * 0.25_f64.powi(k));
             all.extend((0..20).map(shorter).find(|q| defined(q)));
+        };
+        let near_by: Vec<f64> = (0..freedoms).map(|_| random.symmetric()).collect();
+        let away: Vec<f64> = (0..freedoms)
+            .map(|_| {
+                let way = random.symmetric();
+                way.signum() * (0.5 + 0.5 * way.abs())
+            })
+            .collect();
+        let spreads = [near / 32.0, near, -near, far, -far];
+        let distinct = if far > 2.0 * near { 5 } else { 3 };
+        for &spread in spreads[..distinct].iter().take(self.configurations) {
+            add(if spread.abs() < near { &near_by } else { &away }, spread);
         }
         all
     }

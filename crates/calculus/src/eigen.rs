@@ -22,10 +22,10 @@ pub enum EigenError {
     /// Both matrices must be square and of one size.
     #[error(transparent)]
     Size(#[from] SizeError),
-    /// Both matrices must be finite.
+    /// Both matrices must be finite, and so must be the answer.
     #[error("{which} is not finite")]
     NotFinite {
-        /// Which matrix: "the form" or "the metric".
+        /// "the form", "the metric", or "an eigenvalue or an eigenvector".
         which: &'static str,
     },
     /// Both matrices must be symmetric to twelve digits; a transformation must be self-adjoint.
@@ -76,7 +76,12 @@ impl BilinearForm {
         let ordinary = SymmetricEigen::try_new(symmetric, f64::EPSILON, 100 * n)
             .ok_or(EigenError::NotConverged)?;
         let v = l.tr_solve_lower_triangular(&ordinary.eigenvectors).ok_or(singular)?;
-        Ok(sorted(&ordinary.eigenvalues, &v))
+        let pairs = sorted(&ordinary.eigenvalues, &v);
+        if pairs.values.iter().chain(pairs.vectors.iter()).all(|x| x.is_finite()) {
+            Ok(pairs)
+        } else {
+            Err(EigenError::NotFinite { which: "an eigenvalue or an eigenvector" })
+        }
     }
 }
 

@@ -16,6 +16,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::equation::length;
 use crate::first_non_finite;
 
 /// The least-norm solution, and what it rests on.
@@ -113,9 +114,13 @@ pub fn least_norm(
         return Err(LeastNormError::Tolerance(tolerance));
     }
     if a.is_empty() {
-        let x = DVector::zeros(columns);
-        let singular_values = DVector::zeros(0);
-        return Ok(LeastNorm { x, rank: 0, singular_values, residual: b.norm() });
+        let (x, singular_values) = (DVector::zeros(columns), DVector::zeros(0));
+        let residual = length(b.as_slice());
+        return if residual.is_finite() {
+            Ok(LeastNorm { x, rank: 0, singular_values, residual })
+        } else {
+            Err(LeastNormError::Overflow)
+        };
     }
     let (unit, load) = (unit(a.as_slice()), unit(b.as_slice()));
     let (given, b) = (a / unit, b / load);
@@ -161,6 +166,9 @@ const SWEEPS: usize = 60;
 fn orthogonalize(a: &mut DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.ncols();
     let mut v = DMatrix::identity(n, n);
+    // Products of m numbers are known to m roundings, columns to as many of the largest.
+    let rounding = a.nrows().max(4) as f64 * f64::EPSILON;
+    let nothing = rounding * a.norm();
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for i in 0..n {
@@ -168,7 +176,7 @@ fn orthogonalize(a: &mut DMatrix<f64>) -> Option<DMatrix<f64>> {
                 let (left, right) = (a.column(i), a.column(j));
                 let product = left.dot(&right);
                 let (p, q) = (left.norm(), right.norm());
-                if product.abs() <= 4.0 * f64::EPSILON * p * q {
+                if product.abs() <= rounding * p * q || p.min(q) <= nothing {
                     continue;
                 }
                 rotated = true;

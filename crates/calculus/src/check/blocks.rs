@@ -20,6 +20,23 @@ pub(super) struct Asymmetry {
     pub relative: f64,
 }
 
+/// The first block at which two visits differ.
+pub(super) fn first_change(one: &[usize], other: &[usize]) -> Option<usize> {
+    let (mut at, mut block) = (0, 0);
+    loop {
+        let (a, b) = match (one.get(at), other.get(at)) {
+            (None, None) => return None,
+            (Some(&a), Some(&b)) => (a, b),
+            _ => return Some(block),
+        };
+        if a != b || one[at + 1..=at + a] != other[at + 1..=at + a] {
+            return Some(block);
+        }
+        at += a + 1;
+        block += 1;
+    }
+}
+
 /// Keeps each block's entries with their places.
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
@@ -29,6 +46,11 @@ pub(super) struct Blocks {
     pub asymmetry: Option<Asymmetry>,
     /// A freedom that the potential does not have.
     pub unknown: Option<usize>,
+    /// The freedoms of each block, one block after another: its number of them, then them.
+    pub visit: Vec<usize>,
+    /// Block, freedoms and entries where the two do not go together.
+    pub misfit: Option<(usize, usize, usize)>,
+    count: usize,
     /// Row and column of an entry that is not finite.
     pub not_finite: Option<(usize, usize)>,
 }
@@ -55,6 +77,13 @@ impl Blocks {
 impl Sink for Blocks {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         let k = freedoms.len();
+        self.visit.push(k);
+        self.visit.extend_from_slice(freedoms);
+        self.count += 1;
+        if k == 0 || block.len() != k * k {
+            self.misfit.get_or_insert((self.count - 1, k, block.len()));
+            return;
+        }
         let largest = block.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         for (j, &column) in freedoms.iter().enumerate().filter(|&(_, &f)| f != FIXED) {
             if column >= self.freedoms {

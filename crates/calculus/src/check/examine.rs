@@ -119,7 +119,7 @@ impl Claim<'_> {
         } else {
             Differences::default()
         };
-        Suspect { row, column, claimed, measured, excess, differences }
+        Suspect { row, column, claimed, measured, excess, differences, along: None }
     }
 
     /// The column of `row` where most of the disagreement along `w` comes from.
@@ -141,7 +141,7 @@ impl Claim<'_> {
     }
 
     fn climb(&self, w: &[f64]) -> Ladder<'_> {
-        Ladder::climb(self.scale, |h| (self.value)(w, h))
+        Ladder::climb(self.scale, w, |h| (self.value)(w, h))
     }
 }
 

@@ -13,6 +13,8 @@ pub(super) struct Suspect {
     /// The disagreement over what is let pass, or 0 where it passes.
     pub excess: f64,
     pub differences: Differences,
+    /// Where the differential's slope gives it away, along which freedom.
+    pub along: Option<usize>,
 }
 
 /// What an examination found.

@@ -1,5 +1,7 @@
 //! The matrix of the differential of any function, against the function.
 
+use std::cell::Cell;
+
 use nalgebra::{DMatrix, DVectorView};
 
 use super::examine::Claim;
@@ -15,9 +17,20 @@ pub(super) fn check(
     df: impl Fn(&[f64]) -> DMatrix<f64>,
     q: &[f64],
 ) -> Result<Report, DerivativeError> {
+    settings.validate()?;
     let n = q.len();
     let m = finite("the function", q, f(q))?.len();
     let mut random = SplitMix64::new(settings.seed);
+    // Who gives another number of values later is told so at the end.
+    let other = Cell::new(m);
+    let f = |q: &[f64]| {
+        let value = f(q);
+        if value.len() == m {
+            return value;
+        }
+        other.set(value.len());
+        vec![f64::NAN; m]
+    };
     let defined = |q: &[f64]| first_non_finite(&f(q)).is_none();
     let mut record = Record::new(Derivative::Jacobian, n);
     for q in settings.configurations(&Flat, n, q, defined, &mut random) {
@@ -40,7 +53,10 @@ pub(super) fn check(
             let place = matrix.iter().position(|entry| entry.abs() == matrix.amax())?;
             Some(claim.differences(place % m, place / m))
         };
-        record.add(claim.examine(settings.tolerance, &mut random), &q, differences)?;
+        let finding = claim.examine(settings.tolerance, &mut random);
+        SizeError::check("the function's numbers", m, other.get())?;
+        record.add(finding, &q, differences)?;
     }
+    SizeError::check("the function's numbers", m, other.get())?;
     Ok(Report { agreements: vec![record.agreement()] })
 }

@@ -33,30 +33,48 @@ pub(super) struct Scale {
     pub far: f64,
     /// The length at which q itself varies: at most `far`.
     pub near: f64,
+    /// Up to this length a function that is frozen at small steps is believed at larger ones.
+    pub believed: f64,
     /// The magnitude of the arguments that are rounded: the `L` above.
     pub arguments: f64,
-    /// The steps, descending.
-    pub steps: Vec<f64>,
+    /// The magnitude of each of q's numbers.
+    magnitudes: Vec<f64>,
 }
 
 impl Scale {
     /// The scale of a configuration `q`, in a problem of a given typical length or of one that is
-    /// read off q: its magnitude, where that is not nearly zero, and 1.
+    /// read off q: its magnitude, and 1. Numbers below a millionth may be displacements of a body of
+    /// length 1 as well as places in a problem that is so small: both are looked at.
     pub fn of(q: &[f64], length: Option<f64>) -> Self {
-        let largest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let (near, far) = match length.filter(|&length| length > 0.0 && length.is_finite()) {
+        let magnitudes: Vec<f64> = q.iter().map(|x| x.abs()).collect();
+        let largest = magnitudes.iter().fold(0.0_f64, |m, x| m.max(*x));
+        let (near, far) = match length {
             Some(length) => (length, length),
-            None if largest > 1e-6 => (largest, largest.max(1.0)),
+            None if largest > 0.0 => (largest, largest.max(1.0)),
             None => (1.0, 1.0),
         };
-        let smallest = (near.min(1.0) * 2.0_f64.powi(-35)).max(largest * 2.0_f64.powi(-47));
-        let mut steps = vec![2.0_f64.powi(far.log2().floor() as i32 - 2)];
+        let believed = if largest > 1e-6 || length.is_some() { near } else { far };
+        Scale { far, near, believed, arguments: largest.max(far), magnitudes }
+    }
+
+    /// The steps along a direction, descending: from a quarter of the length to what rounding leaves of
+    /// the freedom that moves, or of all of them.
+    pub fn steps(&self, w: &[f64]) -> Vec<f64> {
+        let mut moving = w.iter().enumerate().filter(|(_, w)| **w != 0.0).map(|(i, _)| i);
+        let alone = match (moving.next(), moving.next()) {
+            // Where q stores other numbers than the freedoms, none of them stands for one.
+            (Some(i), None) if w.len() == self.magnitudes.len() => self.magnitudes[i],
+            _ => 0.0,
+        };
+        let size = if alone > 0.0 { alone.min(self.near) } else { self.near };
+        let smallest = (size * 2.0_f64.powi(-47)).max(f64::MIN_POSITIVE);
+        let mut steps = vec![2.0_f64.powi(self.far.log2().floor() as i32 - 2)];
         while let Some(&h) = steps.last()
             && h / RATIO >= smallest
         {
             steps.push(h / RATIO);
         }
-        Scale { far, near, arguments: largest.max(far), steps }
+        steps
     }
 }
 
@@ -76,6 +94,7 @@ impl Estimate {
 #[derive(Debug)]
 pub(super) struct Ladder<'a> {
     scale: &'a Scale,
+    steps: Vec<f64>,
     centre: Vec<f64>,
     sides: Vec<[Vec<f64>; 2]>,
 }
@@ -109,10 +128,11 @@ impl Candidate {
 }
 
 impl<'a> Ladder<'a> {
-    /// Evaluates the functions at 0 and at each step to either side.
-    pub fn climb(scale: &'a Scale, value: impl Fn(f64) -> Vec<f64>) -> Self {
-        let sides = scale.steps.iter().map(|&h| [value(h), value(-h)]).collect();
-        Ladder { scale, centre: value(0.0), sides }
+    /// Evaluates the functions at 0 and at each step along w to either side.
+    pub fn climb(scale: &'a Scale, w: &[f64], value: impl Fn(f64) -> Vec<f64>) -> Self {
+        let steps = scale.steps(w);
+        let sides = steps.iter().map(|&h| [value(h), value(-h)]).collect();
+        Ladder { scale, steps, centre: value(0.0), sides }
     }
 
     /// The derivative of function `i` at 0.
@@ -130,7 +150,7 @@ impl<'a> Ladder<'a> {
         let off = |candidate: &Candidate| (claimed - candidate.estimate.value).abs();
         let agrees = |candidate: &Candidate| off(candidate) <= margin + candidate.estimate.bar;
         let sure = |candidate: &Candidate| {
-            let steps = best.h..=self.scale.near;
+            let steps = best.h..=self.scale.believed;
             steps.contains(&candidate.h) && candidate.estimate.bar <= SURE * margin
         };
         let excused = |other: &Candidate| other.contradicts(best) && sure(other) && agrees(other);
@@ -184,7 +204,7 @@ impl<'a> Ladder<'a> {
                 change: (plus - centre).abs().min((minus - centre).abs()),
             }
         };
-        self.scale.steps.iter().zip(&self.sides).skip(first).map(rung).collect()
+        self.steps.iter().zip(&self.sides).skip(first).map(rung).collect()
     }
 
     /// The noise of function `i`: how far its values are from those of a smooth function.
@@ -233,7 +253,7 @@ mod tests {
 
     fn slope_of(f: impl Fn(f64) -> f64, q: f64) -> Estimate {
         let scale = Scale::of(&[q], None);
-        Ladder::climb(&scale, |s| vec![f(q + s)]).estimate(0)
+        Ladder::climb(&scale, &[1.0], |s| vec![f(q + s)]).estimate(0)
     }
 
     #[test]
@@ -242,7 +262,7 @@ mod tests {
         for size in [0.0, 1e-12, 1e-3, 1.0, 7.0, 1e8] {
             let q = size * random.symmetric();
             let exact = |h: f64, w: f64| (q + h * w) - q == h * w || (h * w).abs() >= q.abs() / 8.0;
-            for h in Scale::of(&[q], None).steps {
+            for h in Scale::of(&[q], None).steps(&[1.0]) {
                 assert!([1.0, 0.5625, 0.9375].into_iter().all(|w| exact(h, w)), "{q} {h}");
             }
         }
@@ -290,7 +310,7 @@ mod tests {
     fn features_far_smaller_than_the_configuration_need_a_length() {
         let (q, f) = (1e8, |x: f64| (1e3 * x).sin());
         let scale = Scale::of(&[q], Some(1e-3));
-        let Estimate { value, bar } = Ladder::climb(&scale, |s| vec![f(q + s)]).estimate(0);
+        let Estimate { value, bar } = Ladder::climb(&scale, &[1.0], |s| vec![f(q + s)]).estimate(0);
         assert!((value - 1e3 * (1e3 * q).cos()).abs() <= bar && bar < 1.0, "{value} {bar}");
     }
 

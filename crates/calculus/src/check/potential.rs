@@ -1,7 +1,9 @@
 //! A potential's differential against its energy, and its Hessian against its differential.
 
-use super::blocks::{Blocks, Entries};
-use super::examine::Claim;
+use super::bend::second_derivative;
+use super::blocks::{Blocks, Entries, first_change};
+use super::examine::{Claim, unit};
+use super::finding::Finding;
 use super::ladder::{SAFETY, Scale};
 use super::quadratic::QuadraticClaim;
 use super::record::Record;
@@ -25,6 +27,7 @@ pub(super) fn check(
     q: &[f64],
     comparison: Comparison,
 ) -> Result<Report, DerivativeError> {
+    settings.validate()?;
     let n = potential.dim();
     SizeError::check("the configuration's numbers", space.stored(n), q.len())?;
     finite("the energy", q, vec![potential.energy(q)])?;
@@ -33,16 +36,18 @@ pub(super) fn check(
     let defined = |q: &[f64]| potential.energy(q).abs() < 1e150;
     let mut first = Record::new(Derivative::Differential, n);
     let mut second = Record::new(Derivative::Hessian, n);
+    let mut visit = None;
     for q in settings.configurations(space, n, q, defined, &mut random) {
         let scale = Scale::of(&q, settings.length);
         let at = At { space, potential, q: &q, scale: &scale, tolerance: settings.tolerance };
         // A wrong differential is the first thing to say, even where the Hessian is not usable.
-        let hessian = at.hessian();
+        let hessian = at.hessian(&mut visit);
         let norm = hessian.as_ref().map_or(0.0, Entries::norm);
         at.check_differential(norm, &mut first, &mut random)?;
+        let hessian = hessian?;
         match comparison {
-            Comparison::Rows => at.check_rows(&hessian?, &mut second, &mut random)?,
-            Comparison::Form => at.check_form(&hessian?, &mut second, &mut random)?,
+            Comparison::Rows => at.check_rows(&hessian, [&mut first, &mut second], &mut random)?,
+            Comparison::Form => at.check_form(&hessian, [&mut first, &mut second], &mut random)?,
         }
     }
     Ok(Report { agreements: vec![first.agreement(), second.agreement()] })
@@ -64,16 +69,28 @@ impl<S: Space, P: Potential> At<'_, S, P> {
     }
 
     fn differential(&self, q: &[f64]) -> Vec<f64> {
-        let mut dv = Covector(vec![0.0; self.potential.dim()]);
+        self.added_to(q, vec![0.0; self.potential.dim()])
+    }
+
+    /// What becomes of numbers to which the differential is added.
+    fn added_to(&self, q: &[f64], before: Vec<f64>) -> Vec<f64> {
+        let mut dv = Covector(before);
         self.potential.add_differential(q, dv.view_mut());
         dv.0
     }
 
     /// The Hessian, finite and with symmetric blocks.
-    fn hessian(&self) -> Result<Entries, DerivativeError> {
+    fn hessian(&self, visit: &mut Option<Vec<usize>>) -> Result<Entries, DerivativeError> {
         let freedoms = self.potential.dim();
         let mut blocks = Blocks::new(freedoms);
         self.potential.add_hessian(self.q, &mut blocks);
+        if let Some((block, freedoms, entries)) = blocks.misfit {
+            return Err(DerivativeError::BlockSize { block, entries, freedoms });
+        }
+        let before = visit.get_or_insert_with(|| blocks.visit.clone());
+        if let Some(block) = first_change(before, &blocks.visit) {
+            return Err(DerivativeError::PatternChanged { block, q: self.q.to_vec() });
+        }
         if let Some(freedom) = blocks.unknown {
             return Err(DerivativeError::UnknownFreedom { freedom, freedoms });
         }
@@ -104,6 +121,7 @@ impl<S: Space, P: Potential> At<'_, S, P> {
     ) -> Result<(), DerivativeError> {
         let dv = finite("the differential", self.q, self.differential(self.q))?;
         let largest = dv.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        self.check_that_it_is_added(&dv, largest.max(hessian_norm * self.scale.arguments))?;
         let claim = Claim {
             freedoms: dv.len(),
             largest: &[largest],
@@ -119,11 +137,55 @@ impl<S: Space, P: Potential> At<'_, S, P> {
         record.add(claim.examine(self.tolerance, random), self.q, differences)
     }
 
+    /// Adds the differential to numbers far larger than its terms: they are still there, or were
+    /// written over.
+    fn check_that_it_is_added(&self, dv: &[f64], terms: f64) -> Result<(), DerivativeError> {
+        let size = if terms > 0.0 { 1e3 * terms } else { 1.0 };
+        let before: Vec<f64> =
+            (0..dv.len()).map(|i| size * (1.0 + 0.25 * (i % 4) as f64)).collect();
+        let after = self.added_to(self.q, before.clone());
+        let lost = |i: &usize| !((after[*i] - dv[*i] - before[*i]).abs() < 0.5 * before[*i]);
+        match (0..dv.len()).find(lost).filter(|_| size.is_finite()) {
+            Some(freedom) => Err(DerivativeError::Assigned { freedom }),
+            None => Ok(()),
+        }
+    }
+
+    /// Whose mistake it is that the Hessian is not the differential's derivative: the energy's second
+    /// derivative tells. Where that agrees with the Hessian, the differential is wrong.
+    fn blames_the_differential(&self, finding: &mut Finding) -> bool {
+        let Some(worst) = &mut finding.worst else { return false };
+        let n = self.potential.dim();
+        let along = |w: &[f64]| {
+            let energy = |h: f64| self.potential.energy(&self.moved(w, h));
+            second_derivative(&self.scale.steps(w), energy)
+        };
+        let (i, j) = (worst.row, worst.column);
+        let (one, other) = (along(&unit(n, i)), along(&unit(n, j)));
+        let (value, bar) = if i == j {
+            (one.value, one.bar)
+        } else {
+            let both: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i || k == j))).collect();
+            let both = along(&both);
+            let value = 0.5 * (both.value - one.value - other.value);
+            (value, 0.5 * (both.bar + one.bar + other.bar))
+        };
+        let (claim, slope) = (worst.claimed, worst.measured.value);
+        let gap = (claim - slope).abs();
+        if !(bar < 0.25 * gap && (claim - value).abs() < 0.25 * gap) {
+            return false;
+        }
+        worst.along = Some(j);
+        (worst.row, worst.column) = (0, i);
+        (worst.claimed, worst.measured.value, worst.measured.bar) = (slope, value, bar);
+        true
+    }
+
     /// The Hessian against the differential, row by row.
     fn check_rows(
         &self,
         hessian: &Entries,
-        record: &mut Record,
+        [first, second]: [&mut Record; 2],
         random: &mut SplitMix64,
     ) -> Result<(), DerivativeError> {
         let claim = Claim {
@@ -138,14 +200,18 @@ impl<S: Space, P: Potential> At<'_, S, P> {
             let (row, column) = hessian.place_of_largest()?;
             Some(claim.differences(row, column))
         };
-        record.add(claim.examine(self.tolerance, random), self.q, differences)
+        let mut finding = claim.examine(self.tolerance, random);
+        if self.blames_the_differential(&mut finding) {
+            return first.blame(finding, self.q, second.configurations());
+        }
+        second.add(finding, self.q, differences)
     }
 
     /// The Hessian against the differential, as a quadratic form.
     fn check_form(
         &self,
         hessian: &Entries,
-        record: &mut Record,
+        [first, second]: [&mut Record; 2],
         random: &mut SplitMix64,
     ) -> Result<(), DerivativeError> {
         let claim = QuadraticClaim {
@@ -158,6 +224,10 @@ impl<S: Space, P: Potential> At<'_, S, P> {
             let (row, _) = hessian.place_of_largest()?;
             Some(claim.differences(row))
         };
-        record.add(claim.examine(self.tolerance, random), self.q, differences)
+        let mut finding = claim.examine(self.tolerance, random);
+        if self.blames_the_differential(&mut finding) {
+            return first.blame(finding, self.q, second.configurations());
+        }
+        second.add(finding, self.q, differences)
     }
 }

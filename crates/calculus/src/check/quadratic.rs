@@ -108,7 +108,7 @@ impl QuadraticClaim<'_> {
         } else {
             Differences::default()
         };
-        Suspect { row: i, column: j, claimed, measured, excess, differences }
+        Suspect { row: i, column: j, claimed, measured, excess, differences, along: None }
     }
 
     /// The pair of freedoms where most of the disagreement along `w` comes from.
@@ -149,7 +149,7 @@ impl QuadraticClaim<'_> {
     }
 
     fn climb(&self, w: &[f64]) -> Ladder<'_> {
-        Ladder::climb(self.scale, |h| vec![(self.value)(w, h)])
+        Ladder::climb(self.scale, w, |h| vec![(self.value)(w, h)])
     }
 }
 

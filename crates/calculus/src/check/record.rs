@@ -29,19 +29,8 @@ impl Record {
         q: &[f64],
         differences: impl FnOnce() -> Option<Differences>,
     ) -> Result<(), DerivativeError> {
-        if let Some(worst) = finding.worst {
-            return Err(DerivativeError::Wrong(Box::new(WrongEntry {
-                derivative: self.derivative,
-                row: worst.row,
-                column: worst.column,
-                claimed: worst.claimed,
-                measured: worst.measured.value,
-                uncertainty: worst.measured.bar,
-                others: finding.wrong - 1,
-                q: q.to_vec(),
-                configuration: self.configurations,
-                differences: worst.differences,
-            })));
+        if finding.worst.is_some() {
+            return self.blame(finding, q, self.configurations);
         }
         if self.configurations == 0 {
             self.differences = differences().unwrap_or_default();
@@ -52,6 +41,34 @@ impl Record {
             *best = [*best, unseen].into_iter().flatten().reduce(f64::min);
         }
         Ok(())
+    }
+
+    /// Says what is wrong at the configuration of this number.
+    pub fn blame(
+        &self,
+        finding: Finding,
+        q: &[f64],
+        configuration: usize,
+    ) -> Result<(), DerivativeError> {
+        let Some(worst) = finding.worst else { return Ok(()) };
+        Err(DerivativeError::Wrong(Box::new(WrongEntry {
+            derivative: self.derivative,
+            row: worst.row,
+            column: worst.column,
+            claimed: worst.claimed,
+            measured: worst.measured.value,
+            uncertainty: worst.measured.bar,
+            along: worst.along,
+            others: finding.wrong.saturating_sub(1),
+            q: q.to_vec(),
+            configuration,
+            differences: worst.differences,
+        })))
+    }
+
+    /// How many configurations were found right.
+    pub fn configurations(&self) -> usize {
+        self.configurations
     }
 
     pub fn agreement(self) -> Agreement {

@@ -88,6 +88,9 @@ pub struct WrongEntry {
     pub measured: f64,
     /// How far differences may be off.
     pub uncertainty: f64,
+    /// Where another derivative gives it away, the freedom along which: the differential's slope is
+    /// `claimed`, that of the energy's `measured`, and the Hessian agrees with the energy.
+    pub along: Option<usize>,
     /// How many other entries (of more than 32 freedoms: other rows) are known to be wrong as well.
     pub others: usize,
     /// The configuration.
@@ -103,7 +106,10 @@ impl fmt::Display for WrongEntry {
         let WrongEntry { derivative, row, column, claimed, measured, uncertainty, .. } = self;
         match derivative {
             Derivative::Differential => {
-                writeln!(f, "the differential is wrong at freedom {column}")?
+                writeln!(f, "the differential is wrong at freedom {column}")?;
+                if let Some(along) = self.along {
+                    writeln!(f, "  its slope  along freedom {along}, against the energy's:")?;
+                }
             }
             _ => writeln!(f, "the {derivative} is wrong at row {row}, column {column}")?,
         }
@@ -148,6 +154,45 @@ pub enum DerivativeError {
         place: usize,
         /// The configuration.
         q: Vec<f64>,
+    },
+    /// A setting of the check is no number that it can use.
+    #[error("the {setting} is {value}; it must be {rule}")]
+    Setting {
+        /// Which setting.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The differential is written over what was there, where it has to be added.
+    #[error(
+        "the differential is assigned at freedom {freedom}, where it must be added to what is there"
+    )]
+    Assigned {
+        /// The freedom.
+        freedom: usize,
+    },
+    /// The Hessian's blocks are not the same, in the same order, at every configuration.
+    #[error(
+        "block {block} of the Hessian is not where it was at the given configuration, where q is {}",
+        shown(q)
+    )]
+    PatternChanged {
+        /// The first block that differs, counted from 0.
+        block: usize,
+        /// The configuration.
+        q: Vec<f64>,
+    },
+    /// A block of k freedoms, at least one, has k x k entries.
+    #[error("block {block} of the Hessian has {entries} entries for {freedoms} freedoms")]
+    BlockSize {
+        /// The block, counted from 0.
+        block: usize,
+        /// Its entries.
+        entries: usize,
+        /// Its freedoms.
+        freedoms: usize,
     },
     /// A block of the Hessian names a freedom that the potential does not have.
     #[error("the Hessian has a block at freedom {freedom}, but there are only {freedoms} freedoms")]

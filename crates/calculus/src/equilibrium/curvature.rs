@@ -20,7 +20,7 @@ const POWERS: u32 = 6;
 /// What a Rayleigh quotient must exceed, relative to its terms, to have a sign.
 const ROUNDING: f64 = 1e-10;
 /// The smallest shift, relative to the Hessian's scale.
-const SMALLEST: f64 = 1e-8;
+const SMALLEST: f64 = 1e-12;
 
 /// The lowest curvature that was found.
 #[derive(Clone, Debug)]
@@ -31,6 +31,8 @@ pub(super) struct Lowest {
     pub(super) curvature: f64,
     /// Whether it is negative beyond rounding.
     pub(super) is_negative: bool,
+    /// The shift with which the solver is left, 1/s^2.
+    pub(super) sigma: f64,
 }
 
 /// Finds the lowest curvature at q. The solver is left with the factor of `H + sigma M`, for the
@@ -77,6 +79,7 @@ pub(super) fn lowest<M: Metric, P: Potential>(
             }
         }
     }
+    found.sigma = sigma;
     Ok(Some(found))
 }
 
@@ -106,7 +109,7 @@ fn definite_shift<M: Metric, P: Potential>(
     if !(scale > 0.0 && scale.is_finite()) {
         return Ok(None);
     }
-    for multiple in [SMALLEST, 1e-2, 2.0, 200.0, 2e4] {
+    for multiple in [SMALLEST, 1e-7, 1e-2, 2.0, 200.0, 2e4] {
         if factors(solver, metric, potential, q, multiple * scale)? {
             return Ok(Some(multiple * scale));
         }
@@ -145,5 +148,10 @@ fn iterate<M: Metric, P: Potential>(
     let mut terms = vec![0.0; n];
     magnitudes(potential, q, x, &mut terms);
     let size: f64 = terms.iter().zip(&*x).map(|(t, x)| t * x.abs()).sum();
-    Lowest { direction: x.to_vec(), curvature, is_negative: curvature < -ROUNDING * size }
+    Lowest {
+        direction: x.to_vec(),
+        curvature,
+        is_negative: curvature < -ROUNDING * size,
+        sigma: 0.0,
+    }
 }

@@ -8,8 +8,9 @@
 //! V(q + t p) <= V(q) + c t <f, p>                    Armijo's condition, c = 1e-4
 //! ```
 //! `f` the differential, `w` the direction of the lowest curvature, `l` the length of the first part,
-//! `t` 1, 1/2, 1/4, ...; where p has no length of its own, because the Hessian is not definite, also 4,
-//! 16, 64, ... for as long as the energy falls. Where energies differ by rounding only, the residual
+//! once the residual has become small: a ridge is followed to its saddle before it is left. `t` 1, 1/2,
+//! 1/4, ...; where p has no length of its own, because the Hessian is not definite, what of it is soft
+//! is followed by 4, 16, 64, ... times its length for as long as the energy falls. Where energies differ by rounding only, the residual
 //! decides. Source: Nocedal and Wright, Numerical Optimization, chapters 3 and 7.
 
 use super::curvature::{Lowest, lowest};
@@ -33,10 +34,20 @@ const UNTOLD: f64 = 1e-11;
 const ROUNDINGS: f64 = 64.0;
 /// Steps below this part of q are so small that the residual may be rounding.
 const NEARLY: f64 = 1e-6;
+/// Below this part of the first residual the way along a ridge has come to its end.
+const SETTLED: f64 = 1e-2;
 /// From one length to the next while the energy falls.
 const GROWTH: f64 = 4.0;
-/// An energy that still falls after so many times the first length has no end.
-const ENDLESS: f64 = 1e18;
+/// From one length to the next while the energy rises, where a step has no length of its own.
+const SHORTER: f64 = 8.0;
+/// Halvings between a good length and one that is too long.
+const HALVINGS: u32 = 40;
+/// A force along the step of this part of the first ends them.
+const FLAT: f64 = 0.1;
+/// An energy that still falls so many times as far away as the search began has no end.
+const ENDLESS: f64 = 1e15;
+/// Newton steps that may follow one that raises the energy, until it is lower than before.
+const RELAXED: u32 = 3;
 
 /// A search and its memory.
 #[derive(Clone, Debug)]
@@ -49,9 +60,15 @@ pub(super) struct Descent<'a, M, P, L> {
     force: Vec<f64>,
     /// The direction p.
     step: Vec<f64>,
+    /// What is left of p in directions that the Hessian does not hold back.
+    soft: Vec<f64>,
     trial: Vec<f64>,
     trial_force: Vec<f64>,
     scratch: Vec<f64>,
+    /// The differential and the step of the iterate, while steps are tried that raise the energy.
+    kept: [Vec<f64>; 2],
+    /// How far from the origin the search began, or how far its first step led.
+    far: f64,
 }
 
 /// What a direction knows of its own length.
@@ -81,9 +98,12 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             newton,
             force: zeros(),
             step: zeros(),
+            soft: zeros(),
             trial: zeros(),
             trial_force: zeros(),
             scratch: zeros(),
+            kept: [zeros(), zeros()],
+            far: 0.0,
         }
     }
 
@@ -99,6 +119,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
         let mut highest_rung = Rung::Cholesky;
         let guess = largest(q);
+        self.far = guess;
         self.differential(q);
         let mut size = self.norm();
         history.push(size);
@@ -115,7 +136,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     Err(NewtonFailure::NotConverged)
                 };
             }
-            let (kind, rung) = self.direction(q)?;
+            let falls = size > SETTLED * history[0];
+            let (kind, rung) = self.direction(q, falls)?;
             highest_rung = highest_rung.max(rung);
             report.iterations += 1;
             let nearly = largest(&self.step) <= NEARLY * largest(q).max(guess);
@@ -130,7 +152,15 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     self.potential.energy(q)
                 }
             };
-            match self.search(q, (size, start), kind, &mut report)? {
+            let relaxed = match kind {
+                Step::Newton => self.relax(q, (size, start), &mut report, history),
+                _ => None,
+            };
+            let found = match relaxed {
+                Some(found) => Some(found),
+                None => self.search(q, (size, start), kind, &mut report)?,
+            };
+            match found {
                 Some(found) => {
                     q.copy_from_slice(&self.trial);
                     std::mem::swap(&mut self.force, &mut self.trial_force);
@@ -159,7 +189,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             Err(error) => return Err(NewtonFailure::Unsolvable(error)),
         };
         let kind = match self.lowest(q)? {
-            Some(Lowest { direction, curvature, is_negative: true }) => {
+            Some(Lowest { direction, curvature, is_negative: true, .. }) => {
                 Stationary::Saddle { down: Vector(direction), curvature }
             }
             _ => Stationary::Flat,
@@ -178,7 +208,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
     }
 
     /// Writes the direction.
-    fn direction(&mut self, q: &[f64]) -> Result<(Step, Rung), NewtonFailure> {
+    /// `falls`: whether the residual is still far from what it was at first.
+    fn direction(&mut self, q: &[f64], falls: bool) -> Result<(Step, Rung), NewtonFailure> {
         let (kind, rung) = match self.factor(q) {
             Ok(Rung::Cholesky) => {
                 self.solve();
@@ -188,13 +219,14 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 self.solve();
                 if first_non_finite(&self.step).is_some() {
                     self.along_the_force(q);
+                    self.soft.copy_from_slice(&self.step);
                     (Step::Open, rung)
                 } else {
                     (Step::ToAnyRest, rung)
                 }
             }
-            Ok(rung) => (self.without_convexity(q)?, rung),
-            Err(Unsolvable::Singular) => (self.without_convexity(q)?, Rung::Indefinite),
+            Ok(rung) => (self.without_convexity(q, falls)?, rung),
+            Err(Unsolvable::Singular) => (self.without_convexity(q, falls)?, Rung::Indefinite),
             Err(error) => return Err(NewtonFailure::Unsolvable(error)),
         };
         match first_non_finite(&self.step) {
@@ -210,19 +242,36 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         self.step.iter_mut().for_each(|p| *p = -*p);
     }
 
-    fn without_convexity(&mut self, q: &[f64]) -> Result<Step, NewtonFailure> {
-        let Some(lowest) = self.lowest(q)? else {
-            self.along_the_force(q);
-            return Ok(Step::Open);
+    /// Writes the direction where the Hessian is not definite, and the part of it that is soft.
+    fn without_convexity(&mut self, q: &[f64], falls: bool) -> Result<Step, NewtonFailure> {
+        let lowest = match self.lowest(q)? {
+            Some(lowest) => lowest,
+            None => {
+                self.along_the_force(q);
+                self.soft.copy_from_slice(&self.step);
+                return Ok(Step::Open);
+            }
         };
         self.solve();
-        if first_non_finite(&self.step).is_some() {
-            self.along_the_force(q);
-        } else if lowest.is_negative {
-            let uphill = dot(&self.force, &lowest.direction) > 0.0;
+        if lowest.is_negative && !falls {
+            // Along w as far as along the rest, to the side to which the force leads.
+            self.metric.flat(Vector(&lowest.direction), Covector(&mut self.scratch[..]));
+            let backwards = dot(&self.scratch, &self.step) < 0.0;
             let l = length(self.metric, &self.step, &mut self.scratch);
-            let l = if uphill { -l } else { l };
+            let l = if backwards { -l } else { l };
             self.step.iter_mut().zip(&lowest.direction).for_each(|(p, w)| *p += l * w);
+        }
+        // The factor at hand leaves of a vector what the Hessian does not hold back.
+        self.soft.copy_from_slice(&self.step);
+        for _ in 0..2 {
+            self.metric.flat(Vector(&self.soft), Covector(&mut self.scratch[..]));
+            self.scratch.iter_mut().for_each(|p| *p *= lowest.sigma);
+            self.solver.solve(&mut self.scratch);
+            self.soft.copy_from_slice(&self.scratch);
+        }
+        if first_non_finite(&self.step).or(first_non_finite(&self.soft)).is_some() {
+            self.along_the_force(q);
+            self.soft.copy_from_slice(&self.step);
         }
         Ok(Step::Open)
     }
@@ -254,6 +303,48 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         size.is_finite().then_some(Found { size, energy })
     }
 
+    /// Whole Newton steps, of which the first may raise the energy if the last ends below: along a
+    /// narrow bent valley each step leaves it and the next one returns. Leaves the end in `trial`, as a
+    /// line search does; without success all is as it was.
+    ///
+    /// Source: the watchdog of Chamberlain, Powell, Lemarechal and Pedersen (1982).
+    fn relax(
+        &mut self,
+        q: &[f64],
+        (size, start): (f64, f64),
+        report: &mut NewtonReport,
+        history: &mut Vec<f64>,
+    ) -> Option<Found> {
+        let slope = dot(&self.force, &self.step);
+        let mut found = self.attempt(q, 1.0, report)?;
+        if is_enough(&found, (size, start), slope, 1.0) {
+            return Some(found);
+        }
+        let (before, steps) = (history.len(), report.iterations);
+        self.kept[0].copy_from_slice(&self.force);
+        self.kept[1].copy_from_slice(&self.step);
+        for _ in 0..RELAXED {
+            std::mem::swap(&mut self.force, &mut self.trial_force);
+            let here = self.trial.clone();
+            if self.factor(&here) != Ok(Rung::Cholesky) {
+                break;
+            }
+            self.solve();
+            report.iterations += 1;
+            history.push(found.size);
+            match self.attempt(&here, 1.0, report) {
+                Some(next) if next.energy <= start + SUFFICIENT * slope => return Some(next),
+                Some(next) => found = next,
+                None => break,
+            }
+        }
+        history.truncate(before);
+        report.iterations = steps;
+        self.force.copy_from_slice(&self.kept[0]);
+        self.step.copy_from_slice(&self.kept[1]);
+        None
+    }
+
     /// Leaves an acceptable next iterate in `trial` and its differential in `trial_force`.
     fn search(
         &mut self,
@@ -263,21 +354,17 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         report: &mut NewtonReport,
     ) -> Result<Option<Found>, NewtonFailure> {
         let slope = dot(&self.force, &self.step);
+        if kind == Step::Open {
+            return self.search_open(q, (size, start), slope, report);
+        }
         let rises = kind == Step::ToAnyRest && slope >= 0.0;
-        let mut t = 1.0;
+        // The whole of Newton's step was tried before.
+        let mut t = if kind == Step::Newton { 0.5 } else { 1.0 };
         for _ in 0..LENGTHS {
             if let Some(found) = self.attempt(q, t, report) {
                 let less = found.size <= (1.0 - SUFFICIENT * t) * size;
-                let same =
-                    found.energy <= start + SAME_ENERGY * start.abs().max(found.energy.abs());
-                let untold = slope.abs() <= UNTOLD * start.abs().max(found.energy.abs());
-                let falls = found.energy <= start + SUFFICIENT * t * slope && !rises;
-                if (falls && !untold) || (less && (rises || same || untold)) {
-                    return if kind == Step::Open && t == 1.0 && falls {
-                        self.go_on(q, start, slope, found, report).map(Some)
-                    } else {
-                        Ok(Some(found))
-                    };
+                if if rises { less } else { is_enough(&found, (size, start), slope, t) } {
+                    return Ok(Some(found));
                 }
             }
             t *= 0.5;
@@ -285,35 +372,91 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         Ok(None)
     }
 
-    /// Lengthens a step for as long as the energy falls as it was predicted to.
-    fn go_on(
+    /// The same for a step without a length of its own: the lowest place along it, as far as it takes.
+    fn search_open(
         &mut self,
         q: &[f64],
-        start: f64,
+        (size, start): (f64, f64),
         slope: f64,
-        mut best: Found,
+        report: &mut NewtonReport,
+    ) -> Result<Option<Found>, NewtonFailure> {
+        let mut t = 1.0;
+        for _ in 0..LENGTHS {
+            if let Some(found) = self.attempt(q, t, report)
+                && is_enough(&found, (size, start), slope, t)
+            {
+                return if found.energy >= start {
+                    Ok(Some(found))
+                } else if t == 1.0 {
+                    self.go_on(start, found, report).map(Some)
+                } else {
+                    Ok(Some(self.between(q, (t, SHORTER * t), found, report)))
+                };
+            }
+            t /= SHORTER;
+        }
+        Ok(None)
+    }
+
+    /// From the place on trial on along what is soft, for as long as the energy falls.
+    fn go_on(
+        &mut self,
+        start: f64,
+        first: Found,
         report: &mut NewtonReport,
     ) -> Result<Found, NewtonFailure> {
-        let way = largest(&self.step);
-        let end = ENDLESS * largest(q).max(way);
-        let mut t = 1.0;
-        loop {
-            let longer = GROWTH * t;
-            match self.attempt(q, longer, report) {
-                Some(found)
-                    if found.energy < best.energy
-                        && found.energy <= start + SUFFICIENT * longer * slope =>
-                {
-                    (t, best) = (longer, found);
-                }
-                _ => break,
-            }
-            if t * way > end {
+        let base = self.trial.clone();
+        std::mem::swap(&mut self.step, &mut self.soft);
+        if self.far == 0.0 {
+            self.far = largest(&base);
+        }
+        let slope = dot(&self.trial_force, &self.step);
+        let (mut t, mut longer, mut best) = (0.0, 1.0, first);
+        while slope < 0.0
+            && let Some(found) = self.attempt(&base, longer, report)
+            && found.energy < best.energy
+        {
+            if largest(&self.trial) > ENDLESS * self.far && found.energy < start {
                 return Err(NewtonFailure::Unbounded);
             }
+            (t, best) = (longer, found);
+            longer *= GROWTH;
         }
-        let again = self.attempt(q, t, report);
-        Ok(again.unwrap_or(best))
+        match self.attempt(&base, t, report) {
+            Some(_) if slope < 0.0 && t > 0.0 => Ok(self.between(&base, (t, longer), best, report)),
+            found => Ok(found.unwrap_or(best)),
+        }
+    }
+
+    /// The lowest place between a length that is good and one that is too long, by halving where the
+    /// force along the step changes its sign. Begins, and ends, with the good one on trial.
+    fn between(
+        &mut self,
+        base: &[f64],
+        (mut low, mut high): (f64, f64),
+        mut best: Found,
+        report: &mut NewtonReport,
+    ) -> Found {
+        let first = dot(&self.trial_force, &self.step);
+        let mut at = low;
+        if first >= 0.0 {
+            return best;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.attempt(base, middle, report) {
+                Some(found) if found.energy <= best.energy => {
+                    let slope = dot(&self.trial_force, &self.step);
+                    (at, best) = (middle, found);
+                    if slope.abs() <= FLAT * first.abs() {
+                        return best;
+                    }
+                    if slope < 0.0 { low = middle } else { high = middle }
+                }
+                _ => high = middle,
+            }
+        }
+        self.attempt(base, at, report).unwrap_or(best)
     }
 
     fn differential(&mut self, q: &[f64]) {
@@ -334,6 +477,16 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let small = |(f, t): (&f64, &f64)| f.abs() <= ROUNDINGS * f64::EPSILON * t;
         self.force.iter().zip(&self.scratch).all(small)
     }
+}
+
+/// Whether a step of length t leads far enough down.
+fn is_enough(found: &Found, (size, start): (f64, f64), slope: f64, t: f64) -> bool {
+    let less = found.size <= (1.0 - SUFFICIENT * t) * size;
+    let largest = start.abs().max(found.energy.abs());
+    let same = found.energy <= start + SAME_ENERGY * largest;
+    let untold = slope.abs() <= UNTOLD * largest;
+    let falls = found.energy <= start + SUFFICIENT * t * slope;
+    (falls && !untold) || (less && (same || untold))
 }
 
 /// `|M^-1 f|` in the metric. Squares that leave the range of numbers do not.

@@ -13,10 +13,5 @@ mod newton;
 use crate::Kind;
 
 /// The kinds of trials of calculus.
-pub const KINDS: &[Kind] = &[
-    equilibria::KIND,
-    derivative_check::KIND,
-    linear_solves::KIND,
-    newton::KIND,
-    bad_input::KIND,
-];
+pub const KINDS: &[Kind] =
+    &[equilibria::KIND, derivative_check::KIND, linear_solves::KIND, newton::KIND, bad_input::KIND];

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{
     Agreement, Automatic, BilinearForm, ChangeOfBasis, ConjugateGradient, ContravariantTensor,
-    Covector, DenseLu, DenseMetric, DenseSink, DenseSolver, DerivativeCheck, DiagonalMetric, Energy,
-    Equilibrium, FunctionEquation, HessianSolver, IterativeSolver, LinearTransformation, Metric,
-    Newton, NewtonMemory, Number, Potential, ProductSink, Report, Sink, SparseCholesky,
+    Covector, DenseLu, DenseMetric, DenseSink, DenseSolver, DerivativeCheck, DiagonalMetric,
+    Energy, Equilibrium, FunctionEquation, HessianSolver, IterativeSolver, LinearTransformation,
+    Metric, Newton, NewtonMemory, Number, Potential, ProductSink, Report, Sink, SparseCholesky,
     SparseEquation, SparseIndefinite, SparseJacobian, SparseMetric, SparseSolver, Stencil,
     StencilHessian, Stencils, SymmetricMatrix, System, Vector, angle, differences, least_norm,
     loglog_slope, project_semidefinite, signed_angle, truncation_regime,
@@ -133,10 +133,8 @@ fn due_unless(wrong: bool, what: &str) -> Verdict {
     if wrong { Verdict::wrong(what) } else { Verdict::due() }
 }
 
-fn square_root_of_two<'a>() -> FunctionEquation<
-    impl FnMut(&[f64], &mut [f64]) + 'a,
-    impl FnMut(&[f64], &mut [f64]) + 'a,
-> {
+fn square_root_of_two<'a>()
+-> FunctionEquation<impl FnMut(&[f64], &mut [f64]) + 'a, impl FnMut(&[f64], &mut [f64]) + 'a> {
     FunctionEquation::new(
         1,
         |x: &[f64], f: &mut [f64]| f[0] = x[0] * x[0] - 2.0,
@@ -428,7 +426,10 @@ fn conjugate_gradient(draw: &mut Draw) -> Verdict {
     let (metric, potential) = (unit(n), any_springs(draw, n));
     let (r, length) = (any_vector(draw, n), size(draw));
     let mut x = vec![0.0; k];
-    draw.note(format!("{n}, x of {k}, q of {length}, {method:?}, {:?}, {r:?}", potential.stiffness));
+    draw.note(format!(
+        "{n}, x of {k}, q of {length}, {method:?}, {:?}, {r:?}",
+        potential.stiffness
+    ));
     let q = vec![0.0; length];
     let solved = method.solve(any(draw), &metric, 1.0, &potential, &q, &r, &mut x);
     match solved {
@@ -575,7 +576,9 @@ fn figure(draw: &mut Draw) -> Verdict {
     let w = vec![1.0; k];
     let made = differences(f, &DMatrix::zeros(rows, columns), &q, Vector(&w[..]), &steps);
     match made {
-        Ok(_) if rows != m || columns != n || k != n => Verdict::wrong("Ok of sizes that do not fit"),
+        Ok(_) if rows != m || columns != n || k != n => {
+            Verdict::wrong("Ok of sizes that do not fit")
+        }
         Ok(made) => {
             // Whatever the steps were, what is printed of them is text.
             due_unless(made.to_string().is_empty(), "nothing is printed")
@@ -645,7 +648,8 @@ impl Stencil<2, 1> for Pair {
 
 fn stencils(draw: &mut Draw) -> Verdict {
     let (free, fixed) = (size(draw), size(draw));
-    let pairs: Vec<[usize; 2]> = (0..draw.below(4)).map(|_| [draw.below(9), draw.below(9)]).collect();
+    let pairs: Vec<[usize; 2]> =
+        (0..draw.below(4)).map(|_| [draw.below(9), draw.below(9)]).collect();
     draw.note(format!("{free} free, {fixed} fixed, {pairs:?}"));
     let known = pairs.iter().flatten().all(|&v| v < free + fixed);
     let whole = Stencils::new(free, vec![[0.0]; fixed], pairs.iter().map(|&p| Pair(p)).collect());
@@ -762,8 +766,7 @@ fn slopes(draw: &mut Draw) -> Verdict {
 
 fn semidefinite(draw: &mut Draw) -> Verdict {
     let half: [f64; 4] = std::array::from_fn(|_| any(draw));
-    let mut block: StencilHessian<2, 1> =
-        [[[[half[0]], [half[1]]]], [[[half[1]], [half[2]]]]];
+    let mut block: StencilHessian<2, 1> = [[[[half[0]], [half[1]]]], [[[half[1]], [half[2]]]]];
     draw.note(format!("{block:?}"));
     let good = half[..3].iter().all(|x| x.is_finite());
     project_semidefinite(&mut block);

@@ -12,8 +12,8 @@ pub(super) const KIND: Kind = Kind {
     name: "derivative-check",
     krate: "calculus",
     rule: "a right potential that is not passed; a mistake of 1e-4 of its row's largest entry or more, \
-           at the configuration or on a branch within half a typical length of it, that is passed; a \
-           mistake of the differential that is blamed on the Hessian, or the other way round",
+           at the configuration or on a branch within half a typical length of it, that is passed by a \
+           report that does not say it was blind to it; a mistake of the differential that is blamed on the Hessian, or the other way round",
     in_tests: 600,
     trial,
 };
@@ -297,8 +297,12 @@ fn wrong(draw: &mut Draw) -> Verdict {
     note(draw, &case);
     draw.note(format!("{mistake:?}"));
     let mistaken = Mistaken { v: case.v.clone(), mistake: mistake.clone() };
-    let Err(error) = check(draw, case.length).potential(&mistaken, &case.q) else {
-        return Verdict::wrong(format!("missed: {mistake:?}"));
+    let error = match check(draw, case.length).potential(&mistaken, &case.q) {
+        Err(error) => error,
+        Ok(report) if report.unseen() >= VISIBLE => {
+            return Verdict::refused("blind, and says so");
+        }
+        Ok(_) => return Verdict::wrong(format!("missed: {mistake:?}")),
     };
     let blamed = match &error {
         DerivativeError::Wrong(entry) => Some(entry.derivative),
@@ -432,6 +436,7 @@ fn block(
 ) -> Option<Mistake> {
     let own = own_hessian(v, term, q) * (factor - 1.0);
     let rows = 0..h.nrows();
-    let seen = |i: usize| own.row(i).amax() >= 10.0 * VISIBLE * h.row(i).amax() && own.row(i).amax() > 0.0;
+    let seen =
+        |i: usize| own.row(i).amax() >= 10.0 * VISIBLE * h.row(i).amax() && own.row(i).amax() > 0.0;
     rows.into_iter().any(seen).then(|| mistake(factor))
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use stationary_calculus::{
-    DenseSolver, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver, Newton, NewtonError,
-    Potential, Rung, SparseSolver,
+    DenseSolver, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver, Newton,
+    NewtonError, Potential, Rung, SparseSolver,
 };
 
 use super::landscape::{Coordinate, End, Landscape, Shape, Term};
@@ -268,7 +268,8 @@ fn ground_of(draw: &mut Draw, shape: Shape) -> Case {
         let floor = draw.symmetric();
         terms.push(Term::along(vec![(i, 1.0)], floor, shape).scaled(k, 1.0));
         terms.push(
-            Term::along(vec![(i, 1.0)], 0.0, Shape::Linear).scaled(draw.log_uniform(1e-2, 1e2), 1.0),
+            Term::along(vec![(i, 1.0)], 0.0, Shape::Linear)
+                .scaled(draw.log_uniform(1e-2, 1e2), 1.0),
         );
         let height = draw.log_uniform(1e-4, 1e4);
         start.push(floor + if draw.chance(0.3) { -height } else { height });

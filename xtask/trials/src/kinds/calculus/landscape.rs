@@ -44,15 +44,21 @@ impl Shape {
             Shape::Linear => [x, 1.0, 0.0],
             Shape::Quadratic => [0.5 * x * x, x, 1.0],
             Shape::Hill => [-0.5 * x * x, -x, -1.0],
-            Shape::TwoWells => {
-                [-0.5 * x * x + 0.25 * x.powi(4), -x + x.powi(3), 3.0 * x * x - 1.0]
-            }
+            Shape::TwoWells => [-0.5 * x * x + 0.25 * x.powi(4), -x + x.powi(3), 3.0 * x * x - 1.0],
             Shape::Fall => [-x.powi(3) / 3.0, -x * x, -2.0 * x],
             Shape::Power(p) => {
                 let r = x.abs();
                 let sign = if x == 0.0 { 0.0 } else { x.signum() };
                 // A power of zero is zero, also where the exponent is not positive.
-                let power = |k: f64| if k == 0.0 { 1.0 } else if r == 0.0 { 0.0 } else { r.powf(k) };
+                let power = |k: f64| {
+                    if k == 0.0 {
+                        1.0
+                    } else if r == 0.0 {
+                        0.0
+                    } else {
+                        r.powf(k)
+                    }
+                };
                 [power(p), sign * p * power(p - 1.0), p * (p - 1.0) * power(p - 2.0)]
             }
             Shape::Ground => [0.5 * below * below, below, if x < 0.0 { 1.0 } else { 0.0 }],

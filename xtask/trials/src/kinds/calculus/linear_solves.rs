@@ -52,7 +52,8 @@ fn trial(draw: &mut Draw) -> Verdict {
         1 => DVector::from_vec(draw.vector(n)) * 2.0_f64.powi(draw.between(0, 200) as i32 - 100),
         _ => &a * DVector::from_vec(draw.vector(n)),
     };
-    let case = Case { class, a: a * scale, scale, b: b * scale };
+    let load = if (&b * scale).iter().all(|b| b.is_finite()) { scale } else { 1.0 };
+    let case = Case { class, a: a * scale, scale, b: b * load };
     draw.note(format!("{class:?}, {n} x {n}, scale {scale:e}"));
     if n <= 6 {
         draw.note(format!("A / scale = {:?}", (&case.a / case.scale).as_slice()));
@@ -92,7 +93,13 @@ fn definite(draw: &mut Draw, n: usize) -> DMatrix<f64> {
 /// Springs in a row, the first to a wall of stiffness `ground`.
 fn chain(n: usize, ground: f64) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
-        0 if i + 1 == n => if i == 0 { ground } else { 1.0 },
+        0 if i + 1 == n => {
+            if i == 0 {
+                ground
+            } else {
+                1.0
+            }
+        }
         0 if i == 0 => 1.0 + ground,
         0 => 2.0,
         1 => -1.0,

@@ -1,9 +1,7 @@
 //! Roots that are known, of functions of every scale, and functions without a root.
 
 use nalgebra::{DMatrix, DVector};
-use stationary_calculus::{
-    FunctionEquation, Newton, NewtonMemory, SparseEquation,
-};
+use stationary_calculus::{FunctionEquation, Newton, NewtonMemory, SparseEquation};
 
 use crate::{Draw, Kind, Verdict};
 
@@ -83,8 +81,11 @@ fn with_a_root(draw: &mut Draw) -> Verdict {
         // Dominant, so that the root is simple and near guesses lead to it.
         a[(i, i)] += n as f64 + 1.0;
     }
-    let system =
-        System { a, bend: 0.1 * draw.symmetric(), root, scale, shape: draw.below(4) };
+    let (bend, shape) = (0.1 * draw.symmetric(), draw.below(4));
+    let mut system = System { a, bend, root, scale, shape };
+    // The bends' slopes stay far below what dominates the matrix.
+    let steepest = system.root.map(|x| system.one(1.2 * x)[1].abs()).amax();
+    system.bend /= steepest.max(1.0);
     let guess: Vec<f64> = system.root.iter().map(|x| x * (1.0 + 0.1 * draw.symmetric())).collect();
     let tolerance = draw.one_of(&[0.0, 0.0, 1e-14, 1e-10]) * system.terms(&guess);
     let newton = Newton { tolerance, iterations: draw.one_of(&[50, 30]) };
