@@ -190,8 +190,8 @@ fn check_mass(mass: &SymmetricMatrix) -> Result<(), ModalError> {
     for (j, ends) in starts.windows(2).enumerate() {
         let below = ends[0] as usize + 1..ends[1] as usize;
         let outweighed = |k: usize| {
-            let product = diagonal(j) * diagonal(mass.rows()[k] as usize);
-            mass.values()[k].powi(2) < product
+            let root = diagonal(j).sqrt() * diagonal(mass.rows()[k] as usize).sqrt();
+            mass.values()[k].abs() < root
         };
         if !(diagonal(j) > 0.0 && below.into_iter().all(outweighed)) {
             return Err(ModalError::Mass(SparseError::NotPositiveDefinite { freedom: j }));
@@ -207,7 +207,7 @@ fn scale(stiffness: &SymmetricMatrix, mass: &SymmetricMatrix) -> f64 {
     for (j, ends) in stiffness.column_starts().windows(2).enumerate() {
         for k in ends[0] as usize..ends[1] as usize {
             let i = stiffness.rows()[k] as usize;
-            let entry = stiffness.values()[k].abs() / (diagonal[i] * diagonal[j]).sqrt();
+            let entry = stiffness.values()[k].abs() / diagonal[i].sqrt() / diagonal[j].sqrt();
             sums[i] += entry;
             if i != j {
                 sums[j] += entry;

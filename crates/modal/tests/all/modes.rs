@@ -68,7 +68,7 @@ fn all_modes_of_a_small_body_are_found() {
 fn a_free_chain_drifts_and_that_is_its_only_rigid_motion() {
     let problem = free_chain(40).unwrap();
     let positions: Vec<f64> = (0..40).map(f64::from).collect();
-    let rigid = RigidMotions::of_points::<1>(&at_rest(&problem), &positions).unwrap();
+    let rigid = RigidMotions::of_points::<1>(&at_rest(&problem), positions.as_chunks().0).unwrap();
     assert_eq!(rigid.len(), 1);
     check(&problem, 10, &rigid, 1);
     // Asked for without being removed, it comes as a mode of frequency zero.
@@ -110,14 +110,14 @@ fn a_free_body_has_three_rigid_motions_in_the_plane_and_six_in_space() {
     let (plane, q) = framework::<2>(4, 5);
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let mut linearized = Linearized::at(&metric, &plane, &q, 1e-9).unwrap();
-    let rigid = RigidMotions::of_points::<2>(&linearized, &q).unwrap();
+    let rigid = RigidMotions::of_points::<2>(&linearized, q.as_chunks().0).unwrap();
     assert_eq!((rigid.len(), linearized.kind(&rigid).unwrap()), (3, Kind::Stable));
     assert_eq!(linearized.kind(&RigidMotions::none()).unwrap(), Kind::Undecided { flat: Some(3) });
 
     let (space, q) = framework::<3>(3, 3);
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let mut linearized = Linearized::at(&metric, &space, &q, 1e-9).unwrap();
-    let rigid = RigidMotions::of_points::<3>(&linearized, &q).unwrap();
+    let rigid = RigidMotions::of_points::<3>(&linearized, q.as_chunks().0).unwrap();
     assert_eq!((rigid.len(), linearized.kind(&rigid).unwrap()), (6, Kind::Stable));
     let modes = linearized.lowest(4, &rigid).unwrap().with_rigid(&rigid).unwrap();
     assert_eq!(modes.len(), 10);
@@ -131,7 +131,7 @@ fn vertices_on_one_line_have_five_rigid_motions_in_space() {
     let q = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
     let metric = DiagonalMetric::new(vec![1.0; 6]).unwrap();
     let linearized = Linearized::at(&metric, &bar, &q, 1e-12).unwrap();
-    assert_eq!(RigidMotions::of_points::<3>(&linearized, &q).unwrap().len(), 5);
+    assert_eq!(RigidMotions::of_points::<3>(&linearized, q.as_chunks().0).unwrap().len(), 5);
 }
 
 /// `1/2 (a x^2 + b y^2) + x^3`.
@@ -211,7 +211,7 @@ fn motion_in_closed_form_keeps_every_mode_s_energy_at_any_time() {
 fn a_rigid_mode_drifts_in_proportion_to_time() {
     let problem = free_chain(4).unwrap();
     let mut linearized = at_rest(&problem);
-    let rigid = RigidMotions::of_points::<1>(&linearized, &[0.0, 1.0, 2.0, 3.0]).unwrap();
+    let rigid = RigidMotions::of_points::<1>(&linearized, &[0.0, 1.0, 2.0, 3.0].map(|x| [x])).unwrap();
     let modes = linearized.lowest(3, &rigid).unwrap().with_rigid(&rigid).unwrap();
     let push = [1.0, 0.0, 0.0, 0.0];
     let motion = Motion::new(&modes, linearized.mass(), Vector(&[0.0; 4]), Vector(&push)).unwrap();

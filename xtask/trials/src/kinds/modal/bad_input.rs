@@ -79,7 +79,10 @@ fn systems(draw: &mut Draw) -> Verdict {
     };
     let verdict = finite("the scale", &[system.scale()]);
     let _ = system.kind(&RigidMotions::none());
-    let _ = RigidMotions::of_points::<2>(&system, &q);
+    let wild = [[0, 1], [draw.below(4), FIXED], [FIXED, draw.one_of(&[2, 3, usize::MAX - 1])]];
+    let places = [[number(draw), number(draw)]; 3];
+    let _ = RigidMotions::of_points::<2>(&system, q.as_chunks().0);
+    let _ = RigidMotions::of_freedoms::<2>(&system, &places[..draw.below(4)], &wild[..draw.below(4)]);
     match system.lowest(draw.between(0, n + 1), &RigidMotions::none()) {
         Ok(modes) => verdict.and(of_modes(&modes)),
         Err(_) => verdict,
@@ -100,7 +103,7 @@ fn foreign_rigid_motions(draw: &mut Draw) -> Verdict {
     let free = free_chain(points).expect("a chain");
     let there = Linearized::at(&free.metric, &free.potential, &free.q, 1e-12).expect("at rest");
     let q: Vec<f64> = (0..points).map(|i| i as f64).collect();
-    let rigid = RigidMotions::of_points::<1>(&there, &q).expect("a drift");
+    let rigid = RigidMotions::of_points::<1>(&there, q.as_chunks().0).expect("a drift");
     let other = if draw.chance(0.5) { points } else { draw.between(2, 8) };
     draw.note(format!("motions of {points} free masses for {other} held ones"));
     let held = fixed_chain(other).expect("a chain");
@@ -136,14 +139,18 @@ fn motions<P: Potential>(
     let Ok(motion) = Motion::new(modes, system.mass(), Vector(&d), Vector(&v)) else {
         return Verdict::due();
     };
-    let verdict = finite("left_out", &[motion.left_out()]);
+    let left = [motion.left_out(), motion.left_out_of_velocity()];
+    let verdict = finite("left_out", &left);
     let motion = match motion.clone().with_damping(&ratios) {
         Ok(damped) => damped,
         Err(_) => motion,
     };
     let (mut end, mut speed) = (numbers(draw, n), numbers(draw, n));
     let energy = motion.energy(draw.below(modes.len() + 1), t);
-    let verdict = energy.map_or(verdict.clone(), |energy| verdict.and(finite("energy", &[energy])));
+    let verdict = match energy {
+        Ok(energy) => verdict.and(finite("energy", &[energy])),
+        Err(_) => verdict,
+    };
     match motion.at(t, Vector(&mut end), Vector(&mut speed)) {
         Ok(()) => verdict.and(finite("d", &end)).and(finite("v", &speed)),
         Err(_) => verdict,

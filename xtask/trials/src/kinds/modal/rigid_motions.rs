@@ -37,6 +37,11 @@ fn body<const D: usize>(draw: &mut Draw) -> Verdict {
         }
     }
     let held = held::<D>(draw, vertices, on_a_line);
+    let apart = |a: &[f64; D], b: &[f64; D]| (0..D).any(|c| (a[c] - b[c]).abs() > 1e-2 * size);
+    if (0..vertices).any(|b| (0..b).any(|a| !apart(&places[a], &places[b]))) {
+        // Springs of no length hold nothing.
+        return Verdict::not_judged("points on each other");
+    }
     let mut freedoms = vec![[FIXED; D]; vertices];
     let mut n = 0;
     for (freedom, _) in
@@ -67,7 +72,7 @@ fn body<const D: usize>(draw: &mut Draw) -> Verdict {
         }
         Err(error) => return Verdict::refused(error),
     };
-    let rigid = match RigidMotions::of_points::<D>(&system, &q) {
+    let rigid = match RigidMotions::of_freedoms(&system, &places, &freedoms) {
         Ok(rigid) => rigid,
         Err(error) => return Verdict::refused(error),
     };

@@ -94,11 +94,16 @@ pub(super) fn trial(draw: &mut Draw) -> Verdict {
         Ok(modes) => modes,
         Err(error) => return Verdict::refused(shape(&error.to_string())),
     };
-    let whole = judge(&mass, &potential, &exact, largest, count, &modes);
-    let mut fewer = modes;
     let kept = draw.between(0, count);
+    // A wrong mode is told before a wrong certificate of it.
+    let verdict = judge(&mass, &potential, &exact, largest, count, &modes);
+    if matches!(verdict, Verdict::Wrong { .. }) {
+        return verdict;
+    }
+    let verdict = verdict.and(certificate(&exact, largest, &modes, "of lowest"));
+    let mut fewer = modes;
     fewer.truncate(kept);
-    whole.and(certificate(&exact, largest, &fewer, "after truncate"))
+    verdict.and(certificate(&exact, largest, &fewer, "after truncate"))
 }
 
 /// An error's words without its numbers, so that equal ones are counted together.
@@ -119,7 +124,7 @@ fn judge(
     }
     let n = exact.len();
     let rounding = 1e-12 * n as f64 * largest;
-    let mut verdict = certificate(exact, largest, modes, "of lowest");
+    let mut verdict = Verdict::due();
     let columns: Vec<&[f64]> = (0..count).map(|i| modes.vector(i).expect("a mode").0).collect();
     let mut moved = vec![vec![0.0; n]; count];
     for (x, mx) in columns.iter().zip(&mut moved) {
