@@ -44,6 +44,12 @@ impl Quality {
         let seen: [Vector3<f64>; K] = corners.map(|corner| in_space(&(corner - corners[0])));
         let (edges, content) = (edge_lengths(&seen), size.abs());
         let longest = edges.iter().copied().fold(0.0, f64::max);
+        if longest == 0.0 {
+            return self.of_a_point();
+        }
+        if longest < TINY {
+            return self.of(&corners.map(|corner| (corner - corners[0]) / longest));
+        }
         match (self, K) {
             (Quality::MeanRatio, 3) => 4.0 * 3.0_f64.sqrt() * size / squares(&edges),
             (Quality::MeanRatio, _) => {
@@ -64,6 +70,20 @@ impl Quality {
             }
             (Quality::SmallestAngle, _) => angles(&seen).into_iter().fold(PI, f64::min),
             (Quality::LargestAngle, _) => angles(&seen).into_iter().fold(0.0, f64::max),
+        }
+    }
+}
+
+/// Edges shorter than this have volumes and products that leave the range of numbers.
+const TINY: f64 = 1e-50;
+
+impl Quality {
+    /// What simplices come to that shrink and flatten: the worst.
+    fn of_a_point(self) -> f64 {
+        match self {
+            Quality::MeanRatio | Quality::RadiusRatio | Quality::SmallestAngle => 0.0,
+            Quality::AspectRatio => f64::INFINITY,
+            Quality::LargestAngle => PI,
         }
     }
 }

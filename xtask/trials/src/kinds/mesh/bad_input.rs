@@ -233,7 +233,7 @@ fn texts(draw: &mut Draw) -> Verdict {
         };
     }
     match mesh::parse_obj(&text[..]) {
-        Ok(mesh) => finite("measures", mesh.measures()),
+        Ok(obj) => finite("measures", obj.mesh.measures()),
         Err(_) => Verdict::due(),
     }
 }

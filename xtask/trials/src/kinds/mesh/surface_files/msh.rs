@@ -113,14 +113,17 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
         (Err(error), None) => return Verdict::wrong(format!("refused: {error}")),
         (Ok(msh), None) => msh,
     };
-    let places = |corners: &[usize]| corners.iter().map(|&c| nodes[c]).collect::<Vec<_>>();
-    let read_triangles = msh.triangles().map_or(Vec::new(), |mesh| {
-        mesh.simplices().iter().map(|t| mesh.corners(t).to_vec()).collect()
+    // Each corner as its place and its tag.
+    let places = |corners: &[usize]| corners.iter().map(|&c| (nodes[c], tags[c])).collect::<Vec<_>>();
+    let read_triangles = msh.triangles().map_or(Vec::new(), |read| {
+        let corner = |&c: &usize| (read.mesh.vertices()[c], read.tags[c]);
+        read.mesh.simplices().iter().map(|t| t.iter().map(corner).collect()).collect()
     });
-    let read_tetrahedra = msh.tetrahedra().map_or(Vec::new(), |mesh| {
-        mesh.simplices().iter().map(|t| mesh.corners(t).to_vec()).collect()
+    let read_tetrahedra = msh.tetrahedra().map_or(Vec::new(), |read| {
+        let corner = |&c: &usize| (read.mesh.vertices()[c], read.tags[c]);
+        read.mesh.simplices().iter().map(|t| t.iter().map(corner).collect()).collect()
     });
-    let equal = |list: &[Vec<usize>], read: &[Vec<Vector3<f64>>]| {
+    let equal = |list: &[Vec<usize>], read: &[Vec<(Vector3<f64>, u64)>]| {
         list.len() == read.len() && list.iter().zip(read).all(|(corners, x)| places(corners) == *x)
     };
     if equal(&triangles, &read_triangles) && equal(&tetrahedra, &read_tetrahedra) {

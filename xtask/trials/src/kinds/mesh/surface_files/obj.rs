@@ -1,7 +1,7 @@
 //! OBJ: triangles and polygons over shared and repeated vertices.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_mesh::{Mesh, parse_obj};
+use stationary_mesh::{Obj, parse_obj};
 
 use super::{names_line, written};
 use crate::{Draw, Verdict};
@@ -30,7 +30,7 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
         normals: 0,
     };
     for _ in 0..draw.between(0, 4) {
-        text.vertex(draw, Vector3::from_fn(|_, _| draw_coordinate()), plain);
+        text.vertex(draw, plain);
     }
     for _ in 0..draw.between(1, 6) {
         if !plain {
@@ -62,22 +62,14 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
             }
         }
         (Err(error), None) => Verdict::wrong(format!("refused: {error}")),
-        (Ok(mesh), None) => judge(&text, &mesh),
+        (Ok(obj), None) => judge(&text, &obj),
     }
-}
-
-fn draw_coordinate() -> f64 {
-    0.0
 }
 
 impl Text {
     /// A vertex line, with what may follow the coordinates; lines may go on after a backslash.
-    fn vertex(&mut self, draw: &mut Draw, x: Vector3<f64>, plain: bool) -> usize {
-        let place = if x == Vector3::zeros() {
-            Vector3::from_fn(|_, _| draw.symmetric() * 10.0)
-        } else {
-            x
-        };
+    fn vertex(&mut self, draw: &mut Draw, plain: bool) -> usize {
+        let place = Vector3::<f64>::from_fn(|_, _| draw.symmetric() * 10.0);
         let mut words = vec!["v".to_owned()];
         let mut value = Vector3::zeros();
         for c in 0..3 {
@@ -173,7 +165,7 @@ impl Text {
     /// A vertex, exactly in its place where it repeats another.
     fn repeated(&mut self, draw: &mut Draw, place: Vector3<f64>, again: bool) -> usize {
         if !again {
-            return self.vertex(draw, place, false);
+            return self.vertex(draw, false);
         }
         self.lines.push(format!("v {:?} {:?} {:?}", place.x, place.y, place.z));
         self.vertices.push(place);
@@ -200,7 +192,7 @@ impl Text {
 
     fn triangle(&mut self, draw: &mut Draw, plain: bool) {
         while self.vertices.len() < 3 {
-            self.vertex(draw, Vector3::zeros(), plain);
+            self.vertex(draw, plain);
         }
         let n = self.vertices.len();
         let mut corners = vec![draw.below(n)];
@@ -239,7 +231,7 @@ impl Text {
 
     /// Two triangles that share an edge, of which one may be named from the end.
     fn strip(&mut self, draw: &mut Draw, plain: bool) {
-        let first: Vec<usize> = (0..4).map(|_| self.vertex(draw, Vector3::zeros(), plain)).collect();
+        let first: Vec<usize> = (0..4).map(|_| self.vertex(draw, plain)).collect();
         let distinct = |k: [usize; 3]| {
             let x = k.map(|k| self.vertices[first[k]]);
             x[0] != x[1] && x[1] != x[2] && x[2] != x[0]
@@ -306,13 +298,28 @@ fn outline(draw: &mut Draw) -> Vec<Vector2<f64>> {
 }
 
 /// The triangles of the mesh in the order of the faces: n - 2 for a face of n corners.
-fn judge(text: &Text, mesh: &Mesh<3, 3>) -> Verdict {
+fn judge(text: &Text, Obj { mesh, numbers }: &Obj) -> Verdict {
     let count: usize = text.faces.iter().map(|face| face.corners.len() - 2).sum();
     if text.faces.is_empty() {
         return Verdict::wrong("a mesh of no faces");
     }
     if mesh.simplices().len() != count {
         return Verdict::wrong(format!("{} triangles instead of {count}", mesh.simplices().len()));
+    }
+    if numbers.len() != text.vertices.len() {
+        return Verdict::wrong(format!("{} of {} numbers", numbers.len(), text.vertices.len()));
+    }
+    for (vertex, (number, place)) in numbers.iter().zip(&text.vertices).enumerate() {
+        // Used where a face names it, or another vertex at its place.
+        let is_here = |corner: &usize| text.vertices[*corner] == *place;
+        let used = text.faces.iter().any(|face| face.corners.iter().any(is_here));
+        let right = match number {
+            Some(number) => used && mesh.vertices().get(*number) == Some(place),
+            None => !used,
+        };
+        if !right {
+            return Verdict::wrong(format!("vertex {vertex} of the file is {number:?} of the mesh"));
+        }
     }
     let mut triangles = mesh.simplices().iter();
     let mut verdict = Verdict::due();
