@@ -44,10 +44,10 @@ impl Quality {
         let seen: [Vector3<f64>; K] = corners.map(|corner| in_space(&(corner - corners[0])));
         let (edges, content) = (edge_lengths(&seen), size.abs());
         let longest = edges.iter().copied().fold(0.0, f64::max);
-        if longest == 0.0 {
-            return self.of_a_point();
+        if content == 0.0 && !matches!(self, Quality::SmallestAngle | Quality::LargestAngle) {
+            return if self == Quality::AspectRatio { f64::INFINITY } else { 0.0 };
         }
-        if longest < TINY {
+        if (f64::MIN_POSITIVE..TINY).contains(&longest) {
             return self.of(&corners.map(|corner| (corner - corners[0]) / longest));
         }
         match (self, K) {
@@ -76,17 +76,6 @@ impl Quality {
 
 /// Edges shorter than this have volumes and products that leave the range of numbers.
 const TINY: f64 = 1e-50;
-
-impl Quality {
-    /// What simplices come to that shrink and flatten: the worst.
-    fn of_a_point(self) -> f64 {
-        match self {
-            Quality::MeanRatio | Quality::RadiusRatio | Quality::SmallestAngle => 0.0,
-            Quality::AspectRatio => f64::INFINITY,
-            Quality::LargestAngle => PI,
-        }
-    }
-}
 
 impl<const D: usize, const K: usize> Mesh<D, K> {
     /// This measure for every simplex.

@@ -83,7 +83,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
                 }
             }
             sigma *= FALL;
-            if sigma < least {
+            // Where the scale is among the least numbers both come down to zero.
+            if sigma < least || sigma == 0.0 {
                 return Ok(found);
             }
         }

@@ -71,6 +71,8 @@ const GAP: f64 = 1e-11;
 const SKEW: f64 = 1e-11;
 /// Columns that are left with less than this share of their length are combinations of others.
 const INDEPENDENT: f64 = 1e-6;
+/// What is below this is zero, relative to the scale.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// A mode is given away only with a residual below this, relative to the scale.
 const ACCURATE: f64 = 1e-9;
 /// Where the search fails, systems of so few freedoms are solved whole all the same.
@@ -218,8 +220,15 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let mut columns = vec![0.0; basis.len()];
         dense::add_product(n, &mut columns, 1.0, basis, pairs.eigenvectors.as_slice());
         columns.chunks_exact_mut(n).for_each(orient);
-        let values = pairs.eigenvalues.as_slice().to_vec();
-        let residuals = self.residuals(&values, &columns);
+        let mut values = pairs.eigenvalues.as_slice().to_vec();
+        let mut residuals = self.residuals(&values, &columns);
+        // A zero that rounding made negative would grow without bounds.
+        for (value, residual) in values.iter_mut().zip(&mut residuals) {
+            if value.abs() <= ROUNDING * self.scale() {
+                *residual += value.abs();
+                *value = 0.0;
+            }
+        }
         let rigid = rigid.clone();
         let (complete_below, factorizations, solves) = (f64::NAN, 0, 0);
         Ok(Modes { n, values, columns, residuals, rigid, complete_below, factorizations, solves })
@@ -325,7 +334,8 @@ impl Modes {
         self.n
     }
 
-    /// The eigenvalues lambda, 1/s^2, ascending; rigid motions have exactly zero.
+    /// The eigenvalues lambda, 1/s^2, ascending; rigid motions, and what rounding cannot tell from them,
+    /// have exactly zero.
     pub fn values(&self) -> &[f64] {
         &self.values
     }

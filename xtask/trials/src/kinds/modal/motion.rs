@@ -114,6 +114,8 @@ pub(super) fn trial(draw: &mut Draw) -> Verdict {
     let (lambda, zeta) = (modes.values()[mode], ratios[mode]);
     let w = lambda.abs().sqrt();
     let t = time(draw) / if w > 0.0 && draw.chance(0.5) { w } else { 1.0 };
+    // Back in time what is damped grows, and drowns the others.
+    let t = if n > 1 { t.abs() } else { t };
     draw.note(format!("mode {mode}, lambda {lambda:e}, zeta {zeta}, t {t:e}, start {x} {rate}"));
     match moved(&modes, system.mass(), &ratios, (&d, &v), t) {
         Ok((end, speed)) => {

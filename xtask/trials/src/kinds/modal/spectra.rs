@@ -51,6 +51,7 @@ fn spectrum(draw: &mut Draw, n: usize) -> (&'static str, Vec<f64>) {
 
 fn count(draw: &mut Draw, n: usize) -> usize {
     match draw.below(4) {
+        _ if n > 600 => draw.between(1, 60),
         0 => draw.between(1, 3.min(n)),
         1 => draw.between(1, n),
         2 => draw.between(1, 20.min(n)),
@@ -59,13 +60,16 @@ fn count(draw: &mut Draw, n: usize) -> usize {
 }
 
 pub(super) fn trial(draw: &mut Draw) -> Verdict {
+    // Too large to be solved whole where iteration fails.
+    let is_large = draw.chance(0.03);
     let (mass, potential, mut exact) = if draw.chance(0.15) {
-        let (copies, length) = (draw.between(1, 60), draw.between(1, 8));
+        let (copies, length) = (draw.between(1, if is_large { 300 } else { 60 }), draw.between(1, 8));
         draw.note(format!("{copies} equal chains of {length}"));
         chains(draw, copies, length)
     } else {
-        let is_dense = draw.chance(0.5);
+        let is_dense = draw.chance(0.5) && !is_large;
         let n = match draw.below(3) {
+            _ if is_large => draw.between(601, 1200),
             0 => draw.between(1, 12),
             1 => draw.between(40, 60),
             _ => draw.between(1, if is_dense { 90 } else { 250 }),

@@ -49,6 +49,7 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
     if draw.chance(0.3) {
         lines.extend(["$PhysicalNames", "1", "2 1 \"a face\"", "$EndPhysicalNames"].map(str::to_owned));
     }
+    let nodes_begin = lines.len();
     lines.push("$Nodes".to_owned());
     let elements = [(2, &triangles), (4, &tetrahedra)];
     let all = triangles.len() + tetrahedra.len();
@@ -91,7 +92,7 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
         // A line of numbers with a word too many.
         let numbers: Vec<usize> = (0..lines.len())
             .filter(|&k| lines[k].starts_with(|c: char| c.is_ascii_digit() || c == '-'))
-            .filter(|&k| !lines[k].contains('"'))
+            .filter(|&k| k > nodes_begin)
             .collect();
         let line = numbers[draw.below(numbers.len())];
         lines[line].push_str(" x");

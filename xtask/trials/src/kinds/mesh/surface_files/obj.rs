@@ -61,6 +61,7 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
                 Verdict::wrong(format!("{what} in line {line}: only `{words}`"))
             }
         }
+        (Err(_), None) if text.faces.is_empty() => Verdict::due(),
         (Err(error), None) => Verdict::wrong(format!("refused: {error}")),
         (Ok(obj), None) => judge(&text, &obj),
     }
