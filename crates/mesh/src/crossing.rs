@@ -37,10 +37,7 @@ pub(crate) fn crossings(outlines: &[Vec<Vector2<f64>>]) -> Vec<(Edge, Edge)> {
 }
 
 /// The ends of an edge.
-pub(crate) fn ends(
-    outlines: &[Vec<Vector2<f64>>],
-    (outline, corner): Edge,
-) -> [Vector2<f64>; 2] {
+pub(crate) fn ends(outlines: &[Vec<Vector2<f64>>], (outline, corner): Edge) -> [Vector2<f64>; 2] {
     let corners = &outlines[outline];
     [corners[corner], corners[(corner + 1) % corners.len()]]
 }
@@ -49,8 +46,10 @@ fn listed(outlines: &[Vec<Vector2<f64>>]) -> Vec<(Edge, Edge)> {
     let numbered = outlines.iter().enumerate();
     let mut edges: Vec<Edge> =
         numbered.flat_map(|(k, corners)| (0..corners.len()).map(move |c| (k, c))).collect();
-    let left = |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MAX, f64::min);
-    let right = |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MIN, f64::max);
+    let left =
+        |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MAX, f64::min);
+    let right =
+        |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MIN, f64::max);
     edges.sort_by(|&a, &b| left(a).total_cmp(&left(b)).then(a.cmp(&b)));
     let (mut found, mut open) = (Vec::new(), Vec::<Edge>::new());
     let mut looked_at = 0;

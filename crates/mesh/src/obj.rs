@@ -150,10 +150,47 @@ fn is_geometry(keyword: &str) -> bool {
 
 /// Statements that are passed over.
 const LEFT_OUT: [&str; 41] = [
-    "vt", "vn", "vp", "p", "l", "g", "s", "o", "mg", "usemtl", "mtllib", "usemap", "maplib",
-    "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp",
-    "end", "con", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
-    "call", "csh", "bsp", "bzp", "cdc", "res",
+    "vt",
+    "vn",
+    "vp",
+    "p",
+    "l",
+    "g",
+    "s",
+    "o",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "call",
+    "csh",
+    "bsp",
+    "bzp",
+    "cdc",
+    "res",
 ];
 
 /// The surface as far as it was read.
@@ -305,7 +342,8 @@ mod tests {
 
     #[test]
     fn where_each_vertex_of_the_file_went_is_told() {
-        let text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 1 1 0\nf 3 4 2\nf 3 6 4\nf 5 3 4\n";
+        let text =
+            "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 1 1 0\nf 3 4 2\nf 3 6 4\nf 5 3 4\n";
         let obj = parse_obj(text.as_bytes()).unwrap();
         assert_eq!(obj.numbers, [None, Some(0), Some(1), Some(2), Some(0), Some(3)]);
         assert_eq!(obj.mesh.simplices(), [[1, 2, 0], [1, 3, 2], [0, 1, 2]]);
@@ -320,7 +358,10 @@ mod tests {
         let coordinate = "a coordinate, finite and at most 1e50 in size, is expected";
         assert_eq!(told("v 0 0 zero\n"), format!("line 1, column 7: {coordinate}, not `zero`"));
         assert_eq!(after("v 1 inf 0"), format!("line 4, column 5: {coordinate}, not `inf`"));
-        assert_eq!(after("v 1 \\\n 2"), format!("line 5, column 3: {coordinate}, not the end of the line"));
+        assert_eq!(
+            after("v 1 \\\n 2"),
+            format!("line 5, column 3: {coordinate}, not the end of the line")
+        );
         assert_eq!(after("f 1 2 4"), "line 4, column 7: there is no vertex 4, only 3 before it");
         assert_eq!(after("f 0 1 2"), "line 4, column 3: there is no vertex 0, only 3 before it");
         assert_eq!(after("f -4 1 2"), "line 4, column 3: there is no vertex -4, only 3 before it");

@@ -71,7 +71,8 @@ fn cut(flat: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
     while left.len() > 3 {
         let count = left.len();
         let blunt: Vec<usize> = (0..count).filter(|&k| !is_convex(flat, &left, k)).collect();
-        let ear = (0..count).map(|k| (start + k) % count).find(|&k| is_ear(flat, &left, &blunt, k))?;
+        let ear =
+            (0..count).map(|k| (start + k) % count).find(|&k| is_ear(flat, &left, &blunt, k))?;
         triangles.push(around(&left, ear));
         left.remove(ear);
         start = ear % left.len();

@@ -77,7 +77,10 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let (to_load, to_observable) = at_rest.split_at(self.dim());
         let whole = dense::dot(observable.0, to_load);
         if !(whole.abs() > 0.0 && whole.is_finite()) {
-            return Err(ModalError::Parameter { what: "the answer of the whole body", value: whole });
+            return Err(ModalError::Parameter {
+                what: "the answer of the whole body",
+                value: whole,
+            });
         }
         let mut given = 0.0;
         let mut tails = [dense::dot(load.0, to_load), dense::dot(observable.0, to_observable)];
@@ -95,7 +98,10 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
             bounds.push(bound(tails));
         }
         if let Some(&value) = errors.iter().chain(&bounds).find(|x| !x.is_finite()) {
-            return Err(ModalError::Parameter { what: "an error relative to the whole answer", value });
+            return Err(ModalError::Parameter {
+                what: "an error relative to the whole answer",
+                value,
+            });
         }
         Ok(Answer { whole, errors, bounds })
     }

@@ -89,6 +89,11 @@ pub(crate) fn eigenpairs(matrix: DMatrix<f64>) -> Result<Pairs, EigenError> {
     })
 }
 
+/// The largest of some numbers, zero at least; NaN where one is.
+pub(crate) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |largest: f64, x| if largest.is_nan() || x <= largest { largest } else { x })
+}
+
 /// How far the products of these columns in the mass are from one and zero; NaN where one is.
 pub(crate) fn skewness(mass: &SymmetricMatrix, columns: &[f64]) -> f64 {
     let n = mass.dim().max(1);
@@ -98,7 +103,7 @@ pub(crate) fn skewness(mass: &SymmetricMatrix, columns: &[f64]) -> f64 {
         let exact = if k / count == k % count { 1.0 } else { 0.0 };
         (product - exact).abs()
     });
-    off.fold(0.0, |worst, off| if off <= worst { worst } else { off })
+    largest(off)
 }
 
 /// Vectors that are orthonormal in the mass, one after the other, and their products with it.

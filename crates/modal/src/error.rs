@@ -86,9 +86,7 @@ pub enum ModalError {
         given: usize,
     },
     /// A time after which rounding has taken the phase of an oscillation.
-    #[error(
-        "mode {mode} turns by {radians:e} radians in this time: no digit of its phase is left"
-    )]
+    #[error("mode {mode} turns by {radians:e} radians in this time: no digit of its phase is left")]
     PhaseLost {
         /// Which mode, lowest first.
         mode: usize,

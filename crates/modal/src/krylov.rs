@@ -31,9 +31,11 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A vector that is left with less than this share of the length that A gave it is replaced by a
 /// random one.
 const LOST: f64 = 1e-12;
-/// A vector that is left with less than this share is made orthogonal again: what rounding put into
-/// the large part that was taken out is large against the rest.
-const CANCELLED: f64 = 1e-2;
+/// A vector that is left with less than this share of that, or of what it was beside its own block, is
+/// made orthogonal again: what rounding put into the large part that was taken out is large against the
+/// rest. Of the basis it is taken out twice anyway.
+const CANCELLED: f64 = 1e-9;
+const CANCELLED_IN_BLOCK: f64 = 1e-3;
 /// How often that is tried before what is left counts as rounding.
 const CLEANINGS: usize = 4;
 
@@ -140,14 +142,13 @@ impl<'a> Krylov<'a> {
             let mut x = column.to_vec();
             let shares = block.project_out(0, &mut x);
             let left = length(&x, &times(self.mass, &x));
+            let beside = dot(&shares, &shares).sqrt().hypot(left);
             // The length that A gave, of which all that was taken out and the rest are parts.
-            let given = taken[j].hypot(dot(&shares, &shares).sqrt()).hypot(left);
+            let given = taken[j].hypot(beside);
             r.view_mut((0, j), (shares.len(), 1)).copy_from_slice(&shares);
             let known = [&self.locked, basis, &block];
-            let after = match left > CANCELLED * given {
-                true => left,
-                false => cleaned(self.mass, known, &mut x, left),
-            };
+            let is_clean = left > CANCELLED * given && left > CANCELLED_IN_BLOCK * beside;
+            let after = if is_clean { left } else { cleaned(self.mass, known, &mut x, left) };
             let after = if after > LOST * given {
                 r[(block.len(), j)] = after;
                 after

@@ -12,7 +12,7 @@ use stationary_calculus::{
     Vector,
 };
 
-use crate::ModalError;
+use crate::{ModalError, dense};
 
 /// The stiffness and the mass of a system at an equilibrium.
 #[derive(Clone, Debug)]
@@ -214,6 +214,5 @@ fn scale(stiffness: &SymmetricMatrix, mass: &SymmetricMatrix) -> f64 {
             }
         }
     }
-    // The comparison is so written that NaN comes through.
-    sums.into_iter().fold(0.0, |largest, sum| if sum <= largest { largest } else { sum })
+    dense::largest(sums.into_iter())
 }

@@ -138,7 +138,11 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
             let room = self.dim() - rigid.len() - modes.len();
             if missing >= least || room == 0 {
                 let converged = count.saturating_sub(missing);
-                return Err(ModalError::NotConverged { converged, asked: count, restarts: searches });
+                return Err(ModalError::NotConverged {
+                    converged,
+                    asked: count,
+                    restarts: searches,
+                });
             }
             (least, searches) = (missing, searches + 1);
             let known = [&rigid.columns[..], &modes.columns[..]].concat();
@@ -244,7 +248,12 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let mut a = vec![0.0; r.len()];
         self.metric().sharp_each(Covector(&r), Vector(&mut a));
         let pairs = r.chunks_exact(n).zip(a.chunks_exact(n));
-        pairs.map(|(r, a)| dense::dot(r, a).max(0.0).sqrt()).collect()
+        let size = |(r, a): (&[f64], &[f64])| {
+            let square = dense::dot(r, a);
+            // What is not a number stays so.
+            if square < 0.0 { 0.0 } else { square.sqrt() }
+        };
+        pairs.map(size).collect()
     }
 
     /// Whether the lowest `count` are all: by what is below a little more than the last of them, or in
@@ -277,7 +286,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         let mut limits = Vec::new();
         for j in cluster.filter(|&j| values[j] - before(j) > GAP * self.scale()) {
             let least = 4.0 * modes.residuals[j];
-            let step = |part: f64| (part * self.width()).max(least).min(0.5 * (values[j] - before(j)));
+            let step =
+                |part: f64| (part * self.width()).max(least).min(0.5 * (values[j] - before(j)));
             limits.extend(steps.map(|part| values[j] - step(part)));
         }
         // The highest limit at which a count is to be had decides.

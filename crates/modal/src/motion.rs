@@ -255,11 +255,8 @@ impl Propagator {
         let f = if gap == 0.0 { t } else { t * (-(-gap).exp_m1() / gap) };
         let decay = (-slow * w * t).exp();
         // 1 - w fast f, where that cancels by what is left of the fast decay.
-        let rest = if gap < 0.7 {
-            1.0 - fast * w * f
-        } else {
-            ((-gap).exp() * fast - slow) / (2.0 * r)
-        };
+        let rest =
+            if gap < 0.7 { 1.0 - fast * w * f } else { ((-gap).exp() * fast - slow) / (2.0 * r) };
         Propagator {
             c: decay * (1.0 + slow * w * f),
             s: decay * f,

@@ -9,7 +9,8 @@
 //! equilibrium of a potential that rotations leave alone they are in the kernel of H, whether the body
 //! is under stress or not: 1 on a line, 3 in the plane, 6 in space, fewer where all vertices are on one
 //! line, where pins or single held components stop them, or where a load breaks the symmetry. So they are not counted on but
-//! found: candidates that are no motion, or that cost energy, are left out.
+//! found: candidates that are no motion, or that cost energy, are left out. To first order only: points in
+//! a row of which some are held may all move sideways, and that passes for a rigid motion.
 //! Source: notes 14.1, whose remark on rotations is wrong: errata 14.1.
 
 use nalgebra::DMatrix;
@@ -149,11 +150,7 @@ fn check_freedoms<const D: usize>(
 }
 
 /// Translations and rotations about the middle, in what is free of them.
-fn candidates<const D: usize>(
-    n: usize,
-    places: &[[f64; D]],
-    freedoms: &[[usize; D]],
-) -> Vec<f64> {
+fn candidates<const D: usize>(n: usize, places: &[[f64; D]], freedoms: &[[usize; D]]) -> Vec<f64> {
     let middle: [f64; D] = std::array::from_fn(|c| {
         places.iter().map(|x| x[c]).sum::<f64>() / places.len().max(1) as f64
     });

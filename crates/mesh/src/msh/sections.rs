@@ -154,11 +154,7 @@ fn node_block(
 }
 
 /// The next node gets the next number.
-fn number(
-    numbers: &mut Numbers,
-    tags: &mut Vec<u64>,
-    words: &mut Words,
-) -> Result<(), MshError> {
+fn number(numbers: &mut Numbers, tags: &mut Vec<u64>, words: &mut Words) -> Result<(), MshError> {
     let tag = words.number("a node's tag")?;
     let next = numbers.len();
     match numbers.insert(tag, next) {

@@ -114,7 +114,8 @@ fn each_kind_becomes_a_mesh_of_the_nodes_that_it_names() {
     let curved = curved_ball(1.0, 1).unwrap();
     assert_eq!(msh.quadratic_tetrahedra().unwrap().mesh, curved);
     assert!(
-        (msh.tetrahedra().unwrap().mesh.moments().measure - curved.corners().moments().measure).abs()
+        (msh.tetrahedra().unwrap().mesh.moments().measure - curved.corners().moments().measure)
+            .abs()
             < 1e-14
     );
     assert!(msh.tetrahedra().unwrap().mesh.check_referenced().is_ok());

@@ -16,7 +16,7 @@ pub const KINDS: &[Kind] = &[
         rule: "Ok where the i-th value is farther from the i-th of the prescribed list than its stated \
                residual + 1e-12 n max|lambda|, a residual above 1e-8 max|lambda| or misstated, products \
                in the mass off by 1e-9, or a mode missing below `complete_below`",
-        in_tests: 300,
+        in_tests: 100,
         trial: spectra::trial,
     },
     Kind {

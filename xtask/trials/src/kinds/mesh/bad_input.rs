@@ -3,8 +3,8 @@
 use nalgebra::{SVector, Vector2, Vector3};
 use stationary_mesh as mesh;
 use stationary_mesh::{
-    ClosedSurface, Diagonals, IntrinsicSurface, IntrinsicTriangle, Mesh, MeshError, Moments, Polygon,
-    Quadratic, Quality, Simplex, Split, VtkField, write_vtk,
+    ClosedSurface, Diagonals, IntrinsicSurface, IntrinsicTriangle, Mesh, MeshError, Moments,
+    Polygon, Quadratic, Quality, Simplex, Split, VtkField, write_vtk,
 };
 
 use crate::{Draw, Verdict};
@@ -195,7 +195,9 @@ fn generators(draw: &mut Draw) -> Verdict {
         11 => curved(mesh::curved_torus([size[0], size[1]], [n[0], n[1]])),
         12 => of(mesh::cuboid(x, n)),
         13 => plate.map_or(Verdict::wrong("a plate"), |p| of(mesh::extruded(&p, x[0], n[0]))),
-        14 => of(mesh::elliptic_membrane([n[0], n[1]])).and(of(mesh::tapered_membrane([n[0], n[1]]))),
+        14 => {
+            of(mesh::elliptic_membrane([n[0], n[1]])).and(of(mesh::tapered_membrane([n[0], n[1]])))
+        }
         _ => curved(mesh::curved_elliptic_membrane([n[0], n[1]])),
     }
 }
@@ -203,9 +205,36 @@ fn generators(draw: &mut Draw) -> Verdict {
 /// Texts that are nearly OBJ or MSH.
 fn texts(draw: &mut Draw) -> Verdict {
     const WORDS: [&str; 30] = [
-        "v", "f", "vt", "vn", "l", "usemtl", "mtllib", "\n", "\n", "\n", "\\\n", "#", "1", "2", "3", "-1",
-        "0", "1/2/3", "1//", "/", "99999999999999999999", "-9223372036854775808", "nan", "1e400", "0.5",
-        "\u{feff}", "\u{0}", "$Nodes", "f 1 2 3\n", "v 0 0 1\n",
+        "v",
+        "f",
+        "vt",
+        "vn",
+        "l",
+        "usemtl",
+        "mtllib",
+        "\n",
+        "\n",
+        "\n",
+        "\\\n",
+        "#",
+        "1",
+        "2",
+        "3",
+        "-1",
+        "0",
+        "1/2/3",
+        "1//",
+        "/",
+        "99999999999999999999",
+        "-9223372036854775808",
+        "nan",
+        "1e400",
+        "0.5",
+        "\u{feff}",
+        "\u{0}",
+        "$Nodes",
+        "f 1 2 3\n",
+        "v 0 0 1\n",
     ];
     let mut text: Vec<u8> = Vec::new();
     let msh = draw.chance(0.4);
@@ -266,7 +295,9 @@ fn small(draw: &mut Draw) -> Verdict {
     let part = number(draw);
     draw.note(format!("lengths {lengths:?}, part {part:e}"));
     let verdict = match IntrinsicTriangle::new(lengths) {
-        Some(triangle) => finite("an area", [triangle.area()]).and(finite("angles", triangle.angles())),
+        Some(triangle) => {
+            finite("an area", [triangle.area()]).and(finite("angles", triangle.angles()))
+        }
         None => Verdict::due(),
     };
     let _ = Split { ends: [0, 1], part: 0.5 }.between(lengths[0], lengths[1]);

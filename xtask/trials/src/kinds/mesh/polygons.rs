@@ -54,7 +54,10 @@ fn star(draw: &mut Draw) -> Outline {
         .map(|k| {
             let angle = std::f64::consts::TAU * k as f64 / corners as f64;
             let r = size * draw.uniform(0.1, 1.0);
-            [(middle[0] + r * angle.cos()).round() as i64, (middle[1] + r * angle.sin()).round() as i64]
+            [
+                (middle[0] + r * angle.cos()).round() as i64,
+                (middle[1] + r * angle.sin()).round() as i64,
+            ]
         })
         .collect()
 }
@@ -95,10 +98,13 @@ fn square(x: i64, y: i64, side: i64) -> Outline {
 /// Squares within squares, and beside each other, some of them touching.
 fn nested(draw: &mut Draw) -> Vec<Outline> {
     let depth = draw.between(1, 5) as i64;
-    let mut outlines: Vec<Outline> =
-        (0..depth).map(|k| square(2 * k, 2 * k, 40 - 4 * k)).collect();
+    let mut outlines: Vec<Outline> = (0..depth).map(|k| square(2 * k, 2 * k, 40 - 4 * k)).collect();
     for _ in 0..draw.below(4) {
-        outlines.push(square(draw.below(60) as i64, draw.below(60) as i64, 1 + draw.below(3) as i64));
+        outlines.push(square(
+            draw.below(60) as i64,
+            draw.below(60) as i64,
+            1 + draw.below(3) as i64,
+        ));
     }
     for outline in &mut outlines {
         if draw.chance(0.4) {
@@ -135,7 +141,11 @@ fn on_segment(a: Point, b: Point, p: Point) -> bool {
 fn meet(a: Point, b: Point, c: Point, d: Point) -> bool {
     let crosses = side(a, b, c).signum() * side(a, b, d).signum() < 0
         && side(c, d, a).signum() * side(c, d, b).signum() < 0;
-    crosses || on_segment(a, b, c) || on_segment(a, b, d) || on_segment(c, d, a) || on_segment(c, d, b)
+    crosses
+        || on_segment(a, b, c)
+        || on_segment(a, b, d)
+        || on_segment(c, d, a)
+        || on_segment(c, d, b)
 }
 
 type Edge = (usize, usize);

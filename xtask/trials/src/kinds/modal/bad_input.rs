@@ -82,7 +82,8 @@ fn systems(draw: &mut Draw) -> Verdict {
     let wild = [[0, 1], [draw.below(4), FIXED], [FIXED, draw.one_of(&[2, 3, usize::MAX - 1])]];
     let places = [[number(draw), number(draw)]; 3];
     let _ = RigidMotions::of_points::<2>(&system, q.as_chunks().0);
-    let _ = RigidMotions::of_freedoms::<2>(&system, &places[..draw.below(4)], &wild[..draw.below(4)]);
+    let _ =
+        RigidMotions::of_freedoms::<2>(&system, &places[..draw.below(4)], &wild[..draw.below(4)]);
     match system.lowest(draw.between(0, n + 1), &RigidMotions::none()) {
         Ok(modes) => verdict.and(of_modes(&modes)),
         Err(_) => verdict,
@@ -107,7 +108,8 @@ fn foreign_rigid_motions(draw: &mut Draw) -> Verdict {
     let other = if draw.chance(0.5) { points } else { draw.between(2, 8) };
     draw.note(format!("motions of {points} free masses for {other} held ones"));
     let held = fixed_chain(other).expect("a chain");
-    let mut system = Linearized::at(&held.metric, &held.potential, &held.q, 1e-12).expect("at rest");
+    let mut system =
+        Linearized::at(&held.metric, &held.potential, &held.q, 1e-12).expect("at rest");
     let _ = system.kind(&rigid);
     let own = system.lowest(1, &RigidMotions::none()).expect("a mode");
     if own.with_rigid(&rigid).is_ok() {
@@ -130,11 +132,8 @@ fn motions<P: Potential>(
 ) -> Verdict {
     let n = modes.dim();
     let (d, v, t) = (numbers(draw, n), numbers(draw, n), number(draw));
-    let ratios: Vec<f64> = if draw.chance(0.5) {
-        vec![0.1; modes.len()]
-    } else {
-        numbers(draw, modes.len())
-    };
+    let ratios: Vec<f64> =
+        if draw.chance(0.5) { vec![0.1; modes.len()] } else { numbers(draw, modes.len()) };
     draw.note(format!("d {d:?}, v {v:?}, t {t:e}, ratios {ratios:?}"));
     let Ok(motion) = Motion::new(modes, system.mass(), Vector(&d), Vector(&v)) else {
         return Verdict::due();

@@ -53,7 +53,8 @@ fn closed_form(lambda: f64, zeta: f64, t: f64) -> Form {
     let s = if gap.abs() < 1.0 { e * w * t * mean_decay(gap) } else { (e - f) / (2.0 * root) };
     let c = e + slow * s;
     let rate = if gap.abs() < 1.0 { e - fast * s } else { (fast * f - slow * e) / (2.0 * root) };
-    let rate_size = if gap.abs() < 1.0 { e + fast * s } else { (fast * f + slow * e) / (2.0 * root) };
+    let rate_size =
+        if gap.abs() < 1.0 { e + fast * s } else { (fast * f + slow * e) / (2.0 * root) };
     Form { x: [c, s / w], v: [-w * s, rate], sizes: [c.abs(), s.abs() / w, w * s.abs(), rate_size] }
 }
 
@@ -182,18 +183,18 @@ fn judge(
     let mut mv = vec![0.0; n];
     mass.add_product(1.0, column, &mut mv).expect("the size");
     let part = |y: &[f64]| y.iter().zip(&mv).map(|(y, m)| y * m).sum::<f64>();
-    let exact = [
-        form.x[0] * x + form.x[1] * rate,
-        form.v[0] * x + form.v[1] * rate,
-    ];
+    let exact = [form.x[0] * x + form.x[1] * rate, form.v[0] * x + form.v[1] * rate];
     // What other modes get from the rounding of the start, and what is below the least number.
     let spill = if n > 1 { 1e-27 } else { 0.0 };
     let start = x.abs() + rate.abs() * (t.abs() + 1.0) / w.min(1.0).max(1e-9);
     let least = 1e-290 + spill * start;
     let fastest = modes.values().iter().fold(1.0_f64, |most, l| most.max(l.abs().sqrt()));
     let off = [(part(end) - exact[0]).abs(), (part(speed) - exact[1]).abs()];
-    Verdict::of(off[0], relative * sizes[0] + least, "the displacement")
-        .and(Verdict::of(off[1], relative * sizes[1] + least * fastest, "the velocity"))
+    Verdict::of(off[0], relative * sizes[0] + least, "the displacement").and(Verdict::of(
+        off[1],
+        relative * sizes[1] + least * fastest,
+        "the velocity",
+    ))
 }
 
 /// Steps under a constant force: the force moves the place about which the body swings.
@@ -228,9 +229,9 @@ fn reduced(draw: &mut Draw, modes: &Modes) -> Verdict {
             _ => sinc,
         };
         let exact = 0.5 * f * (t * sinc).powi(2);
-        let promised = 0.5 * size * (t * envelope).powi(2) * (1e-11 + 50.0 * f64::EPSILON * half) ;
-        verdict = verdict.and(Verdict::of((body.alpha()[i] - exact).abs(), promised + 1e-290, "alpha"));
+        let promised = 0.5 * size * (t * envelope).powi(2) * (1e-11 + 50.0 * f64::EPSILON * half);
+        verdict =
+            verdict.and(Verdict::of((body.alpha()[i] - exact).abs(), promised + 1e-290, "alpha"));
     }
     verdict
 }
-

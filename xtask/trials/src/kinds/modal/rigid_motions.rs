@@ -57,7 +57,8 @@ fn body<const D: usize>(draw: &mut Draw) -> Verdict {
     let candidates = candidates(&places);
     let flags = held.as_flattened();
     let chosen: Vec<usize> = (0..flags.len()).filter(|&i| flags[i]).collect();
-    let (Some(all), Some(taken)) = (rank(&candidates), rank(&candidates.select_rows(&chosen))) else {
+    let (Some(all), Some(taken)) = (rank(&candidates), rank(&candidates.select_rows(&chosen)))
+    else {
         return Verdict::not_judged("ranks in doubt");
     };
     let expected = all - taken;
@@ -111,9 +112,8 @@ fn candidates<const D: usize>(places: &[[f64; D]]) -> DMatrix<f64> {
     let mut columns: Vec<Vec<f64>> = (0..D)
         .map(|c| places.iter().flat_map(|_| (0..D).map(move |d| f64::from(c == d))).collect())
         .collect();
-    let middle: [f64; D] = std::array::from_fn(|c| {
-        places.iter().map(|x| x[c]).sum::<f64>() / places.len() as f64
-    });
+    let middle: [f64; D] =
+        std::array::from_fn(|c| places.iter().map(|x| x[c]).sum::<f64>() / places.len() as f64);
     let far = places.iter().flatten().zip(middle.iter().cycle()).map(|(x, m)| (x - m).abs());
     let far = far.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     for b in 0..D {
@@ -166,7 +166,9 @@ fn springs<const D: usize>(
             let ends = [(a, 1.0), (b, -1.0)];
             let row: Vec<(usize, f64)> = ends
                 .iter()
-                .flat_map(|&(v, sign)| (0..D).map(move |c| (freedoms[v][c], sign * along[c] / length)))
+                .flat_map(|&(v, sign)| {
+                    (0..D).map(move |c| (freedoms[v][c], sign * along[c] / length))
+                })
                 .filter(|(freedom, _)| *freedom != FIXED)
                 .collect();
             let entries =
@@ -207,7 +209,8 @@ fn judge(
         }
         let value = modes.values()[i];
         let cost: f64 = potential.times(column).iter().zip(*column).map(|(f, x)| f * x).sum();
-        verdict = verdict.and(Verdict::of((cost - value).abs(), 1e-8 * scale, "the energy of a mode"));
+        verdict =
+            verdict.and(Verdict::of((cost - value).abs(), 1e-8 * scale, "the energy of a mode"));
     }
     verdict
 }

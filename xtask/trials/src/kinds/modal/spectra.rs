@@ -63,7 +63,8 @@ pub(super) fn trial(draw: &mut Draw) -> Verdict {
     // Too large to be solved whole where iteration fails.
     let is_large = draw.chance(0.03);
     let (mass, potential, mut exact) = if draw.chance(0.15) {
-        let (copies, length) = (draw.between(1, if is_large { 300 } else { 60 }), draw.between(1, 8));
+        let (copies, length) =
+            (draw.between(1, if is_large { 300 } else { 60 }), draw.between(1, 8));
         draw.note(format!("{copies} equal chains of {length}"));
         chains(draw, copies, length)
     } else {
@@ -79,8 +80,7 @@ pub(super) fn trial(draw: &mut Draw) -> Verdict {
         values.iter_mut().for_each(|value| *value *= size);
         let build = if is_dense { "dense" } else { "sparse" };
         draw.note(format!("{build}, {n} freedoms: {words}, times {size:e}"));
-        let (mass, potential) =
-            if is_dense { dense(draw, &values) } else { sparse(draw, &values) };
+        let (mass, potential) = if is_dense { dense(draw, &values) } else { sparse(draw, &values) };
         (mass, potential, values)
     };
     exact.sort_by(f64::total_cmp);

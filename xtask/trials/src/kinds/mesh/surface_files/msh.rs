@@ -47,7 +47,9 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
     lines.push(if old { "2.2 0 8" } else { "4.1 0 8" }.to_owned());
     lines.push("$EndMeshFormat".to_owned());
     if draw.chance(0.3) {
-        lines.extend(["$PhysicalNames", "1", "2 1 \"a face\"", "$EndPhysicalNames"].map(str::to_owned));
+        lines.extend(
+            ["$PhysicalNames", "1", "2 1 \"a face\"", "$EndPhysicalNames"].map(str::to_owned),
+        );
     }
     let nodes_begin = lines.len();
     lines.push("$Nodes".to_owned());
@@ -115,7 +117,8 @@ pub(in crate::kinds::mesh) fn trial(draw: &mut Draw) -> Verdict {
         (Ok(msh), None) => msh,
     };
     // Each corner as its place and its tag.
-    let places = |corners: &[usize]| corners.iter().map(|&c| (nodes[c], tags[c])).collect::<Vec<_>>();
+    let places =
+        |corners: &[usize]| corners.iter().map(|&c| (nodes[c], tags[c])).collect::<Vec<_>>();
     let read_triangles = msh.triangles().map_or(Vec::new(), |read| {
         let corner = |&c: &usize| (read.mesh.vertices()[c], read.tags[c]);
         read.mesh.simplices().iter().map(|t| t.iter().map(corner).collect()).collect()

@@ -173,7 +173,13 @@ impl Text {
         self.vertices.len() - 1
     }
 
-    fn face(&mut self, draw: &mut Draw, corners: Vec<usize>, area: Option<Vector3<f64>>, plain: bool) {
+    fn face(
+        &mut self,
+        draw: &mut Draw,
+        corners: Vec<usize>,
+        area: Option<Vector3<f64>>,
+        plain: bool,
+    ) {
         let from_end = draw.chance(0.4);
         let form = if plain { 0 } else { draw.below(4) };
         let mut words = vec!["f".to_owned()];
@@ -199,7 +205,8 @@ impl Text {
         let mut corners = vec![draw.below(n)];
         for _ in 0..2 {
             let place = self.vertices[draw.below(n)];
-            let fits = |k: &usize| corners.iter().all(|c: &usize| self.vertices[*c] != self.vertices[*k]);
+            let fits =
+                |k: &usize| corners.iter().all(|c: &usize| self.vertices[*c] != self.vertices[*k]);
             let start = (0..n).find(|&k| self.vertices[k] == place).unwrap_or(0);
             let Some(next) = (0..n).map(|k| (start + k) % n).find(fits) else { return };
             corners.push(next);
@@ -218,14 +225,19 @@ impl Text {
         let corners: Vec<usize> = outline
             .iter()
             .map(|p| {
-                let x = if flat { Vector3::new(p.x, p.y, 0.0) + middle } else { middle + e * p.x + f * p.y };
+                let x = if flat {
+                    Vector3::new(p.x, p.y, 0.0) + middle
+                } else {
+                    middle + e * p.x + f * p.y
+                };
                 // Digits are kept, so that the polygon stays in its plane.
                 self.lines.push(format!("v {:?} {:?} {:?}", x.x, x.y, x.z));
                 self.vertices.push(x);
                 self.vertices.len() - 1
             })
             .collect();
-        let area = outline.iter().zip(outline.iter().cycle().skip(1)).map(|(p, q)| p.perp(q)).sum::<f64>();
+        let area =
+            outline.iter().zip(outline.iter().cycle().skip(1)).map(|(p, q)| p.perp(q)).sum::<f64>();
         let normal = if flat { Vector3::z() } else { e.cross(&f) };
         self.face(draw, corners, Some(normal * (0.5 * area)), plain);
     }
@@ -319,7 +331,9 @@ fn judge(text: &Text, Obj { mesh, numbers }: &Obj) -> Verdict {
             None => !used,
         };
         if !right {
-            return Verdict::wrong(format!("vertex {vertex} of the file is {number:?} of the mesh"));
+            return Verdict::wrong(format!(
+                "vertex {vertex} of the file is {number:?} of the mesh"
+            ));
         }
     }
     let mut triangles = mesh.simplices().iter();
@@ -346,8 +360,11 @@ fn judge(text: &Text, Obj { mesh, numbers }: &Obj) -> Verdict {
                     .map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).dot(&normal))
                     .collect();
                 let sum: f64 = pieces.iter().map(|piece| piece.abs()).sum();
-                verdict = verdict
-                    .and(Verdict::of((sum - size).abs(), 1e-9 * size, "the area of a polygon's triangles"));
+                verdict = verdict.and(Verdict::of(
+                    (sum - size).abs(),
+                    1e-9 * size,
+                    "the area of a polygon's triangles",
+                ));
             }
         }
     }
