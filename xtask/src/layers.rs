@@ -30,7 +30,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Optional("rayon"),
         ],
     ),
-    ("mesh", &[Always("nalgebra"), Always("thiserror"), Optional("tobj"), Optional("vtkio")]),
+    ("mesh", &[Always("nalgebra"), Always("thiserror"), Optional("vtkio")]),
     ("integrators", &[Always("nalgebra"), Always("thiserror"), Optional("serde")]),
     ("constraints", &[Always("nalgebra"), Always("thiserror")]),
     ("rigid", &[Always("nalgebra"), Always("thiserror")]),

@@ -26,7 +26,7 @@ pub fn lowest_modes<const K: usize>(
     let homogeneous = Homogeneous(domain);
     let rest = vec![0.0; domain.dim()];
     let mut linearized = Linearized::at(metric, &homogeneous, &rest, 0.0)?;
-    let constants = RigidMotions::of_points::<1>(&linearized, &rest)?;
+    let constants = RigidMotions::of_points::<1>(&linearized, rest.as_chunks().0)?;
     if count <= constants.len() {
         return Err(ModalError::Count { asked: count, there: domain.dim() }.into());
     }

@@ -1,12 +1,12 @@
 //! From a file to an inertia tensor, with whatever is wrong with the surface named on the way.
 //!
-//! `cargo run --features obj --example obj_to_inertia -p stationary-mesh -- FILE.obj`
+//! `cargo run --example obj_to_inertia -p stationary-mesh -- FILE.obj`
 
 use stationary_mesh::{ClosedSurface, MeshError, icosphere, read_obj};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = match std::env::args().nth(1) {
-        Some(path) => read_obj(path)?,
+        Some(path) => read_obj(path)?.mesh,
         None => icosphere(0.1, 3)?,
     };
     let pieces = mesh.components().first_simplices.len();

@@ -3,40 +3,65 @@
 //! ```text
 //! ab meets cd where c, d are not on one side of ab, a, b not on one side of cd, and boxes meet
 //! ```
-//! Two edges in a row share a corner, and meet only if the second turns back on the first. Edges
-//! are swept from left to right, so that most pairs are never looked at; the worst case (all
-//! edges above each other) looks at all of them.
+//! Two edges in a row share a corner, and meet only if the second turns back on the first. Whether
+//! any pair meets is found in n log n comparisons; only where one does, all are listed, by looking at
+//! the pairs that lie above each other, and the list ends
+//! where those become too many.
 
+use std::cell::Cell;
 use std::cmp::Ordering;
 
 use nalgebra::Vector2;
 
 use crate::side::side_of_line;
+use crate::sweep::first_crossing;
 
 /// An outline and the corner at which an edge begins.
-type Edge = (usize, usize);
+pub(crate) type Edge = (usize, usize);
 
 /// Pairs beyond this are not listed.
 const LISTED: usize = 1000;
 
+/// Pairs beyond this are not looked at.
+const LOOKED_AT: usize = 1 << 24;
+
 /// The pairs of edges that cross or touch, the first thousand from left to right.
 pub(crate) fn crossings(outlines: &[Vec<Vector2<f64>>]) -> Vec<(Edge, Edge)> {
-    let ends = |(outline, corner): Edge| {
-        let corners = &outlines[outline];
-        [corners[corner], corners[(corner + 1) % corners.len()]]
-    };
+    match first_crossing(outlines, &Cell::new(0)) {
+        None => Vec::new(),
+        Some(pair) => {
+            let found = listed(outlines);
+            if found.is_empty() { vec![pair] } else { found }
+        }
+    }
+}
+
+/// The ends of an edge.
+pub(crate) fn ends(outlines: &[Vec<Vector2<f64>>], (outline, corner): Edge) -> [Vector2<f64>; 2] {
+    let corners = &outlines[outline];
+    [corners[corner], corners[(corner + 1) % corners.len()]]
+}
+
+fn listed(outlines: &[Vec<Vector2<f64>>]) -> Vec<(Edge, Edge)> {
     let numbered = outlines.iter().enumerate();
     let mut edges: Vec<Edge> =
         numbered.flat_map(|(k, corners)| (0..corners.len()).map(move |c| (k, c))).collect();
-    let left = |edge: Edge| ends(edge)[0].x.min(ends(edge)[1].x);
-    let right = |edge: Edge| ends(edge)[0].x.max(ends(edge)[1].x);
+    let left =
+        |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MAX, f64::min);
+    let right =
+        |edge: Edge| ends(outlines, edge).map(|end| end.x).into_iter().fold(f64::MIN, f64::max);
     edges.sort_by(|&a, &b| left(a).total_cmp(&left(b)).then(a.cmp(&b)));
     let (mut found, mut open) = (Vec::new(), Vec::<Edge>::new());
+    let mut looked_at = 0;
     for edge in edges {
         open.retain(|&other| right(other) >= left(edge));
+        looked_at += open.len();
+        if looked_at > LOOKED_AT {
+            break;
+        }
         for &other in &open {
             let (first, second) = (edge.min(other), edge.max(other));
-            if meet(outlines, first, second, &ends) {
+            if meet(outlines, first, second) {
                 found.push((first, second));
                 if found.len() == LISTED {
                     return found;
@@ -49,13 +74,8 @@ pub(crate) fn crossings(outlines: &[Vec<Vector2<f64>>]) -> Vec<(Edge, Edge)> {
 }
 
 /// Whether two edges meet elsewhere than at the corner that joins them.
-fn meet(
-    outlines: &[Vec<Vector2<f64>>],
-    first: Edge,
-    second: Edge,
-    ends: &impl Fn(Edge) -> [Vector2<f64>; 2],
-) -> bool {
-    let ([a, b], [c, d]) = (ends(first), ends(second));
+pub(crate) fn meet(outlines: &[Vec<Vector2<f64>>], first: Edge, second: Edge) -> bool {
+    let ([a, b], [c, d]) = (ends(outlines, first), ends(outlines, second));
     let count = outlines[first.0].len();
     if first.0 != second.0 {
         segments_meet(&a, &b, &c, &d)

@@ -75,8 +75,16 @@ impl ClosedSurface {
     }
 
     /// How often the surface goes around a point: 1 within the solid, 0 outside and in cavities, in
-    /// between on the surface itself.
+    /// between on the surface itself; NaN for a point with a coordinate that is not a number.
     pub fn winding_number(&self, point: &Vector3<f64>) -> f64 {
+        // Beside the box, however far, squares of distances need not stay in range.
+        let beside = |c: usize| {
+            let own = || self.mesh.vertices().iter().map(|x| x[c]);
+            own().all(|x| x < point[c]) || own().all(|x| x > point[c])
+        };
+        if !point.iter().any(|x| x.is_nan()) && (0..3).any(beside) {
+            return 0.0;
+        }
         winding_number(self.mesh.simplices().iter().map(|t| self.mesh.corners(t)), point)
     }
 }

@@ -33,7 +33,7 @@
 //! components, manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`],
 //! [`ClosedSurface`]) with the exact signs that they rest on; shapes of simplices ([`Quality`],
 //! refinement; [`IntrinsicSurface`], known by edge lengths); curved elements ([`Quadratic`]);
-//! generators; and files: Gmsh's MSH, VTK, and OBJ behind the feature `obj`.
+//! generators; and files: Gmsh's MSH, OBJ, and VTK.
 //!
 //! Every list comes in the order of vertex numbers, so that the same mesh gives the same answer
 //! everywhere. The crate knows nothing of mass, time or materials.
@@ -51,6 +51,7 @@ mod orientation;
 mod measure;
 mod moments;
 mod side;
+mod sweep;
 mod crossing;
 mod polygon;
 mod overlap;
@@ -63,8 +64,8 @@ mod refinement;
 mod quadrature;
 mod quadratic;
 mod generators;
+mod triangulation;
 mod msh;
-#[cfg(feature = "obj")]
 mod obj;
 mod vtk;
 
@@ -83,9 +84,8 @@ pub use intrinsic_surface::{IntrinsicSurface, Side};
 pub use measure::measure;
 pub use mesh::{Mesh, Part};
 pub use moments::Moments;
-pub use msh::{Msh, MshError, parse_msh, read_msh};
-#[cfg(feature = "obj")]
-pub use obj::{ObjError, parse_obj, read_obj};
+pub use msh::{Msh, MshError, Tagged, parse_msh, read_msh};
+pub use obj::{Obj, ObjError, parse_obj, read_obj};
 pub use obtuse_boundary::Split;
 pub use polygon::Polygon;
 pub use quadratic::{Quadratic, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles};

@@ -5,7 +5,7 @@
 //! $Elements   tag type ... nodes        an element of Gmsh's type 1 2 4 (segments, triangles,
 //!                                       tetrahedra) or 8 9 11 (the same with middle nodes)
 //! ```
-//! Tags are any numbers; nodes are numbered anew in their order. Points (type 15) and all other
+//! Tags are any numbers; nodes are numbered anew in their order, and [`Tagged`] keeps their tags. Points (type 15) and all other
 //! sections, physical groups among them, are left out. Gmsh numbers the last two edges of a
 //! tetrahedron the other way round; that is put right here. A file is not trusted: at most 256 MB
 //! are read, nothing is reserved for a number before the lines are there, and what is wrong is
@@ -129,12 +129,22 @@ pub enum MshError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Msh {
     nodes: Vec<Vector3<f64>>,
+    tags: Vec<u64>,
     segments: Vec<[usize; 2]>,
     triangles: Vec<[usize; 3]>,
     tetrahedra: Vec<[usize; 4]>,
     quadratic_segments: Vec<[usize; 3]>,
     quadratic_triangles: Vec<[usize; 6]>,
     quadratic_tetrahedra: Vec<[usize; 10]>,
+}
+
+/// Elements of one kind, and what the file calls their nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tagged<T> {
+    /// The elements.
+    pub mesh: T,
+    /// The tag of each of their nodes, in the order of the nodes' numbers.
+    pub tags: Vec<u64>,
 }
 
 /// Each kind of element with the nodes that it names, in their order, and no others. A mesh in the
@@ -144,32 +154,32 @@ pub struct Msh {
 /// [`MeshError::Empty`] where there are no elements of the kind, and those of [`Mesh::new`].
 impl Msh {
     /// The segments.
-    pub fn segments(&self) -> Result<Mesh<3, 2>, MeshError> {
+    pub fn segments(&self) -> Result<Tagged<Mesh<3, 2>>, MeshError> {
         self.named(&self.segments, Mesh::new)
     }
 
     /// The triangles.
-    pub fn triangles(&self) -> Result<Mesh<3, 3>, MeshError> {
+    pub fn triangles(&self) -> Result<Tagged<Mesh<3, 3>>, MeshError> {
         self.named(&self.triangles, Mesh::new)
     }
 
     /// The tetrahedra.
-    pub fn tetrahedra(&self) -> Result<Mesh<3, 4>, MeshError> {
+    pub fn tetrahedra(&self) -> Result<Tagged<Mesh<3, 4>>, MeshError> {
         self.named(&self.tetrahedra, Mesh::new)
     }
 
     /// The segments of three nodes.
-    pub fn quadratic_segments(&self) -> Result<QuadraticSegments<3>, MeshError> {
+    pub fn quadratic_segments(&self) -> Result<Tagged<QuadraticSegments<3>>, MeshError> {
         self.named(&self.quadratic_segments, QuadraticSegments::new)
     }
 
     /// The triangles of six nodes.
-    pub fn quadratic_triangles(&self) -> Result<QuadraticTriangles<3>, MeshError> {
+    pub fn quadratic_triangles(&self) -> Result<Tagged<QuadraticTriangles<3>>, MeshError> {
         self.named(&self.quadratic_triangles, QuadraticTriangles::new)
     }
 
     /// The tetrahedra of ten nodes.
-    pub fn quadratic_tetrahedra(&self) -> Result<QuadraticTetrahedra<3>, MeshError> {
+    pub fn quadratic_tetrahedra(&self) -> Result<Tagged<QuadraticTetrahedra<3>>, MeshError> {
         self.named(&self.quadratic_tetrahedra, QuadraticTetrahedra::new)
     }
 
@@ -177,7 +187,7 @@ impl Msh {
         &self,
         elements: &[[usize; N]],
         make: impl FnOnce(Vec<Vector3<f64>>, Vec<[usize; N]>) -> Result<T, MeshError>,
-    ) -> Result<T, MeshError> {
+    ) -> Result<Tagged<T>, MeshError> {
         if elements.is_empty() {
             return Err(MeshError::Empty);
         }
@@ -185,12 +195,15 @@ impl Msh {
         for &node in elements.as_flattened() {
             numbers[node] = 0;
         }
-        let mut nodes = Vec::new();
-        for (number, node) in numbers.iter_mut().zip(&self.nodes).filter(|(n, _)| **n == 0) {
+        let (mut nodes, mut tags) = (Vec::new(), Vec::new());
+        let tagged = self.nodes.iter().zip(&self.tags);
+        for (number, (node, tag)) in numbers.iter_mut().zip(tagged).filter(|(n, _)| **n == 0) {
             *number = nodes.len();
             nodes.push(*node);
+            tags.push(*tag);
         }
-        make(nodes, elements.iter().map(|element| element.map(|node| numbers[node])).collect())
+        let elements = elements.iter().map(|element| element.map(|node| numbers[node]));
+        Ok(Tagged { mesh: make(nodes, elements.collect())?, tags })
     }
 }
 

@@ -102,7 +102,8 @@ fn check_outline(outline: usize, corners: &[Vector2<f64>]) -> Result<(), MeshErr
     }
 }
 
-/// How many of the other outlines an outline lies in. None touches it, so one corner tells.
+/// How many of the other outlines an outline lies in, looking at all of them. None touches it, so one
+/// corner tells.
 fn depth(outlines: &[Vec<Vector2<f64>>], outline: usize) -> usize {
     let corner = &outlines[outline][0];
     let others = outlines.iter().enumerate().filter(|(other, _)| *other != outline);

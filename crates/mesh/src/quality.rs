@@ -44,6 +44,12 @@ impl Quality {
         let seen: [Vector3<f64>; K] = corners.map(|corner| in_space(&(corner - corners[0])));
         let (edges, content) = (edge_lengths(&seen), size.abs());
         let longest = edges.iter().copied().fold(0.0, f64::max);
+        if content == 0.0 && !matches!(self, Quality::SmallestAngle | Quality::LargestAngle) {
+            return if self == Quality::AspectRatio { f64::INFINITY } else { 0.0 };
+        }
+        if (f64::MIN_POSITIVE..TINY).contains(&longest) {
+            return self.of(&corners.map(|corner| (corner - corners[0]) / longest));
+        }
         match (self, K) {
             (Quality::MeanRatio, 3) => 4.0 * 3.0_f64.sqrt() * size / squares(&edges),
             (Quality::MeanRatio, _) => {
@@ -67,6 +73,9 @@ impl Quality {
         }
     }
 }
+
+/// Edges shorter than this have volumes and products that leave the range of numbers.
+const TINY: f64 = 1e-50;
 
 impl<const D: usize, const K: usize> Mesh<D, K> {
     /// This measure for every simplex.

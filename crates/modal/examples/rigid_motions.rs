@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let metric = DiagonalMetric::particles::<2>(&vec![1.0; free])?;
         let q = corners[..free].as_flattened();
         let mut near_rest = Linearized::at(&metric, &truss, q, 1e-9)?;
-        let rigid = RigidMotions::of_points::<2>(&near_rest, q)?;
+        let rigid = RigidMotions::of_points::<2>(&near_rest, q.as_chunks().0)?;
         let kind = near_rest.kind(&rigid)?;
         let lowest = near_rest.lowest(1, &rigid)?.frequencies().next().unwrap_or(f64::NAN);
         println!("{name}: {} rigid motions, {kind:?}, then {lowest:.3} rad/s", rigid.len());

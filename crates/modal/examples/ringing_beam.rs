@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("after {t:8} s the tip is at {:+.3e} m", d.0[tip]);
     }
     for (i, omega) in modes.frequencies().enumerate() {
-        let energy = motion.energy(i, 0.0).unwrap_or(0.0);
+        let energy = motion.energy(i, 0.0)?;
         println!("tone {:2}: {:8.1} Hz, {energy:.2e} J", i + 1, omega / TAU);
     }
     Ok(())

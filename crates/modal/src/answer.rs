@@ -49,7 +49,9 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
     /// What an observable `<l, d>` says to a load F, by the whole body and by the lowest modes.
     ///
     /// # Errors
-    /// Where the body is not held: under a load it has no static answer.
+    /// [`ModalError::Stiffness`] where the body is not held: under a load it has no static answer.
+    /// [`ModalError::Parameter`] for loads that are not finite, for modes whose lambda is not positive,
+    /// and where the whole answer is zero, to which nothing is relative.
     pub fn answer(
         &mut self,
         modes: &Modes,
@@ -59,11 +61,27 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         SizeError::check("the modes' freedoms", self.dim(), modes.dim())?;
         SizeError::check("the load's components", self.dim(), load.0.len())?;
         SizeError::check("the observable's components", self.dim(), observable.0.len())?;
+        for (what, covector) in
+            [("a component of the load", load), ("a component of the observable", observable)]
+        {
+            if let Some(&value) = covector.0.iter().find(|f| !f.is_finite()) {
+                return Err(ModalError::Parameter { what, value });
+            }
+        }
+        if let Some(&value) = modes.values().iter().find(|lambda| !(**lambda > 0.0)) {
+            return Err(ModalError::Parameter { what: "the lambda of a mode", value });
+        }
         self.factor(0.0)?.map_err(ModalError::Stiffness)?;
         let mut at_rest = [load.0, observable.0].concat();
         self.factored().0.solve(&mut at_rest);
         let (to_load, to_observable) = at_rest.split_at(self.dim());
         let whole = dense::dot(observable.0, to_load);
+        if !(whole.abs() > 0.0 && whole.is_finite()) {
+            return Err(ModalError::Parameter {
+                what: "the answer of the whole body",
+                value: whole,
+            });
+        }
         let mut given = 0.0;
         let mut tails = [dense::dot(load.0, to_load), dense::dot(observable.0, to_observable)];
         let least = tails.map(|tail| ROUNDING * tail);
@@ -78,6 +96,12 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
             tails[1] -= l * l / lambda;
             errors.push(((whole - given) / whole).abs());
             bounds.push(bound(tails));
+        }
+        if let Some(&value) = errors.iter().chain(&bounds).find(|x| !x.is_finite()) {
+            return Err(ModalError::Parameter {
+                what: "an error relative to the whole answer",
+                value,
+            });
         }
         Ok(Answer { whole, errors, bounds })
     }

@@ -7,7 +7,8 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
-use stationary_calculus::SymmetricMatrix;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use stationary_calculus::{EigenError, SymmetricMatrix};
 
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
@@ -54,6 +55,55 @@ pub(crate) fn times(matrix: &SymmetricMatrix, x: &[f64]) -> Vec<f64> {
         let _ = matrix.add_product(1.0, x, y);
     }
     y
+}
+
+/// Eigenvalues, ascending, and orthonormal eigenvectors of a small symmetric matrix.
+pub(crate) struct Pairs {
+    pub(crate) eigenvalues: DVector<f64>,
+    pub(crate) eigenvectors: DMatrix<f64>,
+}
+
+/// Rotations for an eigenvalue before the iteration is given up.
+const ROTATIONS: usize = 100;
+
+/// The eigenpairs of a small symmetric matrix.
+///
+/// # Errors
+/// [`EigenError::NotFinite`] and [`EigenError::NotConverged`]: on what is no number the iteration
+/// would not end.
+pub(crate) fn eigenpairs(matrix: DMatrix<f64>) -> Result<Pairs, EigenError> {
+    let n = matrix.nrows();
+    if matrix.iter().any(|entry| !entry.is_finite()) {
+        return Err(EigenError::NotFinite { which: "the form" });
+    }
+    if n == 0 {
+        return Ok(Pairs { eigenvalues: DVector::zeros(0), eigenvectors: matrix });
+    }
+    let pairs = SymmetricEigen::try_new(matrix, f64::EPSILON, ROTATIONS * n)
+        .ok_or(EigenError::NotConverged)?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| pairs.eigenvalues[i].total_cmp(&pairs.eigenvalues[j]));
+    Ok(Pairs {
+        eigenvalues: DVector::from_iterator(n, order.iter().map(|&i| pairs.eigenvalues[i])),
+        eigenvectors: pairs.eigenvectors.select_columns(&order),
+    })
+}
+
+/// The largest of some numbers, zero at least; NaN where one is.
+pub(crate) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |largest: f64, x| if largest.is_nan() || x <= largest { largest } else { x })
+}
+
+/// How far the products of these columns in the mass are from one and zero; NaN where one is.
+pub(crate) fn skewness(mass: &SymmetricMatrix, columns: &[f64]) -> f64 {
+    let n = mass.dim().max(1);
+    let count = columns.len() / n;
+    let products = transpose_times(n, columns, &times(mass, columns));
+    let off = products.iter().enumerate().map(|(k, product)| {
+        let exact = if k / count == k % count { 1.0 } else { 0.0 };
+        (product - exact).abs()
+    });
+    largest(off)
 }
 
 /// Vectors that are orthonormal in the mass, one after the other, and their products with it.

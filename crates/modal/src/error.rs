@@ -42,6 +42,57 @@ pub enum ModalError {
         /// The bound.
         restarts: usize,
     },
+    /// A mode whose residual is too large.
+    #[error("mode {mode} has a residual of {residual:e} 1/s^2; {allowed:e} is allowed")]
+    Inaccurate {
+        /// Which mode, lowest first.
+        mode: usize,
+        /// `|H v - lambda M v|` measured by `M^-1`, 1/s^2.
+        residual: f64,
+        /// What is allowed.
+        allowed: f64,
+    },
+    /// Vectors that ought to be orthonormal in the mass.
+    #[error(
+        "{what} are not orthonormal in the mass: a product is off by {off:e}; {allowed:e} is allowed"
+    )]
+    NotOrthonormal {
+        /// Which vectors.
+        what: &'static str,
+        /// How far a product is from one or zero.
+        off: f64,
+        /// What is allowed.
+        allowed: f64,
+    },
+    /// A rigid motion that costs energy here: one of another system.
+    #[error(
+        "rigid motion {motion} costs energy in this system: lambda is {lambda:e} 1/s^2; {allowed:e} is \
+         allowed"
+    )]
+    NotRigid {
+        /// Which of them.
+        motion: usize,
+        /// Its lambda, 1/s^2.
+        lambda: f64,
+        /// What is allowed.
+        allowed: f64,
+    },
+    /// Rigid motions put beside modes that were found beside others.
+    #[error("the modes were found beside {found} rigid motions, not beside these {given}")]
+    OtherMotions {
+        /// How many those were.
+        found: usize,
+        /// How many these are.
+        given: usize,
+    },
+    /// A time after which rounding has taken the phase of an oscillation.
+    #[error("mode {mode} turns by {radians:e} radians in this time: no digit of its phase is left")]
+    PhaseLost {
+        /// Which mode, lowest first.
+        mode: usize,
+        /// How far it turns.
+        radians: f64,
+    },
     /// A number that must be positive, or at least not negative, and finite.
     #[error("{what} is {value}")]
     Parameter {

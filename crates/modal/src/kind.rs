@@ -69,8 +69,9 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
     /// The kind of the equilibrium, rigid motions aside.
     ///
     /// # Errors
-    /// Those of the sparse matrices; counts that cannot be trusted are [`Kind::Undecided`].
+    /// Those of the sparse matrices, and of rigid motions of another system; counts that cannot be trusted are [`Kind::Undecided`].
     pub fn kind(&mut self, rigid: &RigidMotions) -> Result<Kind, ModalError> {
+        rigid.check(self)?;
         let least = (LAST * self.scale()).max(CLEAR * self.effort(rigid)?);
         let mut sigma = (FIRST * self.scale()).max(least);
         let mut found = Kind::Undecided { flat: None };
@@ -82,7 +83,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
                 }
             }
             sigma *= FALL;
-            if sigma < least {
+            // Where the scale is among the least numbers both come down to zero.
+            if sigma < least || sigma == 0.0 {
                 return Ok(found);
             }
         }

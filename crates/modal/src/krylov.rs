@@ -13,11 +13,11 @@
 //! generalized eigenproblems" (SIAM J. Matrix Anal. 15, 1994); Wu and Simon, thick restarts (the same
 //! journal, 22, 2000).
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 use stationary_calculus::{SparseCholesky, SplitMix64, SymmetricMatrix};
 
 use crate::ModalError;
-use crate::dense::{Basis, dot, length, times};
+use crate::dense::{Basis, Pairs, dot, eigenpairs, length, times};
 use crate::modes::Found;
 
 /// Vectors in a block.
@@ -28,8 +28,16 @@ const RESTARTS: usize = 60;
 /// the largest theta leaves.
 const CONVERGED: f64 = 1e-10;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// A vector that is left with less than this share of its length is replaced by a random one.
+/// A vector that is left with less than this share of the length that A gave it is replaced by a
+/// random one.
 const LOST: f64 = 1e-12;
+/// A vector that is left with less than this share of that, or of what it was beside its own block, is
+/// made orthogonal again: what rounding put into the large part that was taken out is large against the
+/// rest. Of the basis it is taken out twice anyway.
+const CANCELLED: f64 = 1e-9;
+const CANCELLED_IN_BLOCK: f64 = 1e-3;
+/// How often that is tried before what is left counts as rounding.
+const CLEANINGS: usize = 4;
 
 /// The search for the largest theta, with a factor of `H + delta M`.
 pub(crate) struct Krylov<'a> {
@@ -60,7 +68,8 @@ impl<'a> Krylov<'a> {
         let full = (2 * count + 10 * BLOCK).min(room);
         let mut basis = Basis::with_room(n, full + BLOCK);
         let mut projected = DMatrix::<f64>::zeros(0, 0);
-        let (mut block, _) = self.next_block(&basis, vec![0.0; n * BLOCK.min(room)]);
+        let width = BLOCK.min(room);
+        let (mut block, _) = self.next_block(&basis, vec![0.0; n * width], &vec![0.0; width]);
         let mut converged = 0;
         for _ in 0..RESTARTS {
             // What A makes of a block is coupled to that block and to the one before; of the first
@@ -74,17 +83,22 @@ impl<'a> Krylov<'a> {
                 let mut next = block.moved().to_vec();
                 self.cholesky.solve(&mut next);
                 self.solves += (next.len() / n) as u64;
-                self.locked.project_out(0, &mut next);
+                let known = self.locked.project_out(0, &mut next);
                 let share = basis.project_out(coupled, &mut next);
+                let taken: Vec<f64> = (0..next.len() / n)
+                    .map(|j| size_of_column(&known, self.locked.len(), j))
+                    .zip((0..).map(|j| size_of_column(&share, basis.len(), j)))
+                    .map(|(known, share)| known.hypot(share))
+                    .collect();
                 coupled = old;
                 projected = bordered(projected, &share, old, block.len());
                 let coupling;
-                (block, coupling) = self.next_block(&basis, next);
+                (block, coupling) = self.next_block(&basis, next, &taken);
                 if block.len() > 0 && basis.len() < look {
                     continue;
                 }
                 look = (basis.len() + (basis.len() / BLOCK).max(BLOCK)).min(full);
-                let pairs = sorted(&projected);
+                let pairs = largest_first(&projected)?;
                 let theta = |j: usize| pairs.eigenvalues[j].abs();
                 let allowed = |j: usize| (CONVERGED * theta(j)).max(ROUNDING * theta(0));
                 let good = |j: &usize| residual(&coupling, &pairs, *j) <= allowed(*j);
@@ -111,8 +125,14 @@ impl<'a> Krylov<'a> {
     }
 
     /// The columns made orthonormal, given that they are orthogonal to the basis already, and their
-    /// coefficients R: x = (new columns) R. Lost ones are replaced at random while there is room.
-    fn next_block(&mut self, basis: &Basis, columns: Vec<f64>) -> (Basis, DMatrix<f64>) {
+    /// coefficients R: x = (new columns) R. `taken` are the lengths of what was taken out of them.
+    /// Lost ones are replaced at random while there is room.
+    fn next_block(
+        &mut self,
+        basis: &Basis,
+        columns: Vec<f64>,
+        taken: &[f64],
+    ) -> (Basis, DMatrix<f64>) {
         let n = self.mass.dim();
         let width = columns.len() / n;
         let mut block = Basis::with_room(n, width);
@@ -121,31 +141,48 @@ impl<'a> Krylov<'a> {
         for (j, column) in columns.chunks_exact(n).enumerate().take(room) {
             let mut x = column.to_vec();
             let shares = block.project_out(0, &mut x);
-            let mut moved = times(self.mass, &x);
-            let mut after = length(&x, &moved);
-            // The column's own length, of which the shares and the rest are orthogonal parts.
-            let before = dot(&shares, &shares).sqrt().hypot(after);
+            let left = length(&x, &times(self.mass, &x));
+            let beside = dot(&shares, &shares).sqrt().hypot(left);
+            // The length that A gave, of which all that was taken out and the rest are parts.
+            let given = taken[j].hypot(beside);
             r.view_mut((0, j), (shares.len(), 1)).copy_from_slice(&shares);
-            if after > LOST * before {
+            let known = [&self.locked, basis, &block];
+            let is_clean = left > CANCELLED * given && left > CANCELLED_IN_BLOCK * beside;
+            let after = if is_clean { left } else { cleaned(self.mass, known, &mut x, left) };
+            let after = if after > LOST * given {
                 r[(block.len(), j)] = after;
+                after
             } else {
-                x = self.fresh(basis, &block);
-                moved = times(self.mass, &x);
-                after = length(&x, &moved);
-            }
+                x = (0..n).map(|_| self.random.symmetric()).collect();
+                cleaned(self.mass, known, &mut x, f64::INFINITY)
+            };
+            let moved = times(self.mass, &x);
             block.push(&x, &moved, after);
         }
         (block, r)
     }
+}
 
-    /// A random vector orthogonal to everything.
-    fn fresh(&mut self, basis: &Basis, block: &Basis) -> Vec<f64> {
-        let mut x: Vec<f64> = (0..self.mass.dim()).map(|_| self.random.symmetric()).collect();
-        for known in [&self.locked, basis, block] {
-            known.project_out(0, &mut x);
+/// Makes a vector orthogonal to all that is known, until that no longer shortens it; its length then,
+/// or zero where nothing but rounding is left.
+fn cleaned(mass: &SymmetricMatrix, known: [&Basis; 3], x: &mut [f64], mut before: f64) -> f64 {
+    for _ in 0..CLEANINGS {
+        for basis in known {
+            basis.project_out(0, x);
         }
-        x
+        let after = length(x, &times(mass, x));
+        if after > 0.5 * before {
+            return after;
+        }
+        before = after;
     }
+    0.0
+}
+
+/// The length of a column of `size` numbers.
+fn size_of_column(columns: &[f64], size: usize, j: usize) -> f64 {
+    let column = &columns[j * size..(j + 1) * size];
+    dot(column, column).sqrt()
 }
 
 /// T of the first `old` vectors with `width` more columns, and their mirror.
@@ -167,23 +204,15 @@ fn bordered(t: DMatrix<f64>, share: &[f64], old: usize, width: usize) -> DMatrix
     grown
 }
 
-struct Pairs {
-    eigenvalues: nalgebra::DVector<f64>,
-    eigenvectors: DMatrix<f64>,
-}
-
 /// The eigenpairs of T, largest first.
-fn sorted(t: &DMatrix<f64>) -> Pairs {
-    let pairs = SymmetricEigen::new(t.clone());
-    let mut order: Vec<usize> = (0..t.nrows()).collect();
-    order.sort_by(|&i, &j| pairs.eigenvalues[j].total_cmp(&pairs.eigenvalues[i]));
-    Pairs {
-        eigenvalues: nalgebra::DVector::from_iterator(
-            order.len(),
-            order.iter().map(|&i| pairs.eigenvalues[i]),
-        ),
-        eigenvectors: pairs.eigenvectors.select_columns(&order),
+fn largest_first(t: &DMatrix<f64>) -> Result<Pairs, ModalError> {
+    let Pairs { mut eigenvalues, mut eigenvectors } = eigenpairs(t.clone())?;
+    let n = eigenvalues.len();
+    for j in 0..n / 2 {
+        eigenvalues.swap_rows(j, n - 1 - j);
+        eigenvectors.swap_columns(j, n - 1 - j);
     }
+    Ok(Pairs { eigenvalues, eigenvectors })
 }
 
 /// The residual of a pair: what the last block of its coefficients leaves outside of the basis.

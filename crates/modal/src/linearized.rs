@@ -12,7 +12,7 @@ use stationary_calculus::{
     Vector,
 };
 
-use crate::ModalError;
+use crate::{ModalError, dense};
 
 /// The stiffness and the mass of a system at an equilibrium.
 #[derive(Clone, Debug)]
@@ -190,8 +190,8 @@ fn check_mass(mass: &SymmetricMatrix) -> Result<(), ModalError> {
     for (j, ends) in starts.windows(2).enumerate() {
         let below = ends[0] as usize + 1..ends[1] as usize;
         let outweighed = |k: usize| {
-            let product = diagonal(j) * diagonal(mass.rows()[k] as usize);
-            mass.values()[k].powi(2) < product
+            let root = diagonal(j).sqrt() * diagonal(mass.rows()[k] as usize).sqrt();
+            mass.values()[k].abs() < root
         };
         if !(diagonal(j) > 0.0 && below.into_iter().all(outweighed)) {
             return Err(ModalError::Mass(SparseError::NotPositiveDefinite { freedom: j }));
@@ -207,13 +207,12 @@ fn scale(stiffness: &SymmetricMatrix, mass: &SymmetricMatrix) -> f64 {
     for (j, ends) in stiffness.column_starts().windows(2).enumerate() {
         for k in ends[0] as usize..ends[1] as usize {
             let i = stiffness.rows()[k] as usize;
-            let entry = stiffness.values()[k].abs() / (diagonal[i] * diagonal[j]).sqrt();
+            let entry = stiffness.values()[k].abs() / diagonal[i].sqrt() / diagonal[j].sqrt();
             sums[i] += entry;
             if i != j {
                 sums[j] += entry;
             }
         }
     }
-    // The comparison is so written that NaN comes through.
-    sums.into_iter().fold(0.0, |largest, sum| if sum <= largest { largest } else { sum })
+    dense::largest(sums.into_iter())
 }

@@ -14,6 +14,9 @@ use stationary_calculus::{Covector, DiagonalMetric, FIXED, Potential, Sink};
 
 use crate::ModalError;
 
+/// The most masses of a problem.
+const MOST: usize = 1 << 24;
+
 /// Linear springs `1/2 (x_a - x_b)^2` between freedoms; an end may be held at zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearSprings {
@@ -67,14 +70,20 @@ pub struct SpringProblem {
     pub spectrum: Vec<f64>,
 }
 
+/// An error for no masses, and for more than memory holds.
+fn check_count(masses: usize) -> Result<(), ModalError> {
+    if (1..=MOST).contains(&masses) {
+        Ok(())
+    } else {
+        Err(ModalError::Parameter { what: "the number of masses", value: masses as f64 })
+    }
+}
+
 fn problem(
     freedoms: usize,
     ends: Vec<[Option<usize>; 2]>,
     mut spectrum: Vec<f64>,
 ) -> Result<SpringProblem, ModalError> {
-    if freedoms == 0 {
-        return Err(ModalError::Parameter { what: "the number of masses", value: 0.0 });
-    }
     spectrum.sort_by(f64::total_cmp);
     let metric = DiagonalMetric::new(vec![1.0; freedoms])
         .map_err(|_| ModalError::Parameter { what: "the mass", value: 1.0 })?;
@@ -88,20 +97,32 @@ fn lambda(i: usize, m: usize) -> f64 {
 }
 
 /// n masses in a row between two walls.
+///
+/// # Errors
+/// [`ModalError::Parameter`] for no masses, or more than sixteen million.
 pub fn fixed_chain(n: usize) -> Result<SpringProblem, ModalError> {
+    check_count(n)?;
     let inside = |i: usize| (i >= 1 && i <= n).then(|| i - 1);
     let ends = (0..=n).map(|i| [inside(i), inside(i + 1)]).collect();
     problem(n, ends, (1..=n).map(|i| lambda(i, n + 1)).collect())
 }
 
 /// n masses in a row, free to drift.
+///
+/// # Errors
+/// [`ModalError::Parameter`] for no masses, or more than sixteen million.
 pub fn free_chain(n: usize) -> Result<SpringProblem, ModalError> {
+    check_count(n)?;
     let ends = (1..n).map(|i| [Some(i - 1), Some(i)]).collect();
     problem(n, ends, (0..n).map(|i| lambda(i, n)).collect())
 }
 
 /// m x m masses that move across a plane, with the border held: most modes come in pairs.
+///
+/// # Errors
+/// [`ModalError::Parameter`] for no masses, or more than sixteen million.
 pub fn membrane(m: usize) -> Result<SpringProblem, ModalError> {
+    check_count(m.saturating_mul(m))?;
     let inside = |row: usize, column: usize| {
         let within = (1..=m).contains(&row) && (1..=m).contains(&column);
         within.then(|| (row - 1) * m + column - 1)

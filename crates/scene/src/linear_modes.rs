@@ -45,7 +45,7 @@ impl LinearModes {
         let Rest { q: rest, tolerance, newton, built } = rest::rest(problem)?;
         // The factor is for a tolerance that differs in its last digit.
         let mut near_rest = Linearized::at(metric, potential, &rest, 2.0 * tolerance)?;
-        let rigid = RigidMotions::of_points::<D>(&near_rest, &rest)?;
+        let rigid = RigidMotions::of_points::<D>(&near_rest, rest.as_chunks().0)?;
         let modes = near_rest.lowest(count, &rigid)?.with_rigid(&rigid)?;
         let displacement = initial.q.iter().zip(&rest).map(|(q, rest)| q - rest).collect();
         let mut velocity = Vector(vec![0.0; rest.len()]);

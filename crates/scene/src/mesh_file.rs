@@ -11,7 +11,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use nalgebra::Vector3;
-use stationary_mesh::{Mesh, MeshError, Msh, Quadratic, Simplex, read_msh, read_obj};
+use stationary_mesh::{Mesh, MeshError, Msh, Quadratic, Simplex, Tagged, read_msh, read_obj};
 use toml::Spanned;
 
 use crate::diagnostic::{Checked, Located, at};
@@ -38,8 +38,8 @@ pub(crate) fn loaded(
         let msh = read_msh(&path).map_err(|error| failed(file, error.to_string()))?;
         return of_msh(dimension, element, &msh, file);
     }
-    let mesh = read_obj(&path).map_err(|error| failed(file, error.to_string()))?;
-    surface(&mesh, element, file)
+    let obj = read_obj(&path).map_err(|error| failed(file, error.to_string()))?;
+    surface(&obj.mesh, element, file)
 }
 
 fn of_msh(dimension: usize, element: Element, msh: &Msh, file: &Spanned<String>) -> Checked<Shape> {
@@ -67,7 +67,7 @@ fn of_msh(dimension: usize, element: Element, msh: &Msh, file: &Spanned<String>)
         };
     }
     let middles = msh.quadratic_tetrahedra().is_ok() || msh.quadratic_triangles().is_ok();
-    match msh.triangles() {
+    match msh.triangles().map(|triangles| triangles.mesh) {
         Ok(mesh) if dimension == 3 => surface(&mesh, element, file),
         Ok(mesh) => {
             check_plane(mesh.vertices(), file)?;
@@ -79,9 +79,9 @@ fn of_msh(dimension: usize, element: Element, msh: &Msh, file: &Spanned<String>)
 }
 
 /// Elements of a kind, where the file has some.
-fn there<T>(elements: Result<T, MeshError>, file: &Spanned<String>) -> Checked<Option<T>> {
+fn there<T>(elements: Result<Tagged<T>, MeshError>, file: &Spanned<String>) -> Checked<Option<T>> {
     match elements {
-        Ok(elements) => Ok(Some(elements)),
+        Ok(elements) => Ok(Some(elements.mesh)),
         Err(MeshError::Empty) => Ok(None),
         Err(error) => Err(failed(file, error.to_string())),
     }

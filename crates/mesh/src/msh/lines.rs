@@ -14,6 +14,8 @@ const LONGEST: u64 = 256 << 20;
 /// Characters that an error shows of what it found.
 const SHOWN: usize = 40;
 
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// The lines of a text, one at a time.
 pub(super) struct Lines<R> {
     text: Take<R>,
@@ -37,6 +39,9 @@ impl<R: BufRead> Lines<R> {
             let line = self.number;
             let read = self.text.read_until(b'\n', &mut self.bytes);
             let read = read.map_err(|source| MshError::Read { line, source })?;
+            if line == 1 && self.bytes.starts_with(BYTE_ORDER_MARK) {
+                self.bytes.drain(..BYTE_ORDER_MARK.len());
+            }
             if self.text.limit() == 0 {
                 return Err(MshError::TooLong { limit: LONGEST });
             }

@@ -113,7 +113,7 @@ fn nodes(
         Version::Two => {
             for _ in 0..count {
                 let mut words = lines.required("a node")?;
-                number(&mut numbers, &mut words)?;
+                number(&mut numbers, &mut msh.tags, &mut words)?;
                 msh.nodes.push(place(&mut words, 0)?);
             }
         }
@@ -144,7 +144,7 @@ fn node_block(
     words.end()?;
     for _ in 0..count {
         let mut words = lines.required("a node's tag")?;
-        number(numbers, &mut words)?;
+        number(numbers, &mut msh.tags, &mut words)?;
         words.end()?;
     }
     for _ in 0..count {
@@ -154,11 +154,14 @@ fn node_block(
 }
 
 /// The next node gets the next number.
-fn number(numbers: &mut Numbers, words: &mut Words) -> Result<(), MshError> {
+fn number(numbers: &mut Numbers, tags: &mut Vec<u64>, words: &mut Words) -> Result<(), MshError> {
     let tag = words.number("a node's tag")?;
     let next = numbers.len();
     match numbers.insert(tag, next) {
-        None => Ok(()),
+        None => {
+            tags.push(tag);
+            Ok(())
+        }
         Some(_) => Err(MshError::RepeatedNode { line: words.number, tag }),
     }
 }

@@ -85,6 +85,7 @@ fn everything() -> Msh {
     let faces = |nodes: &[usize; 10]| [nodes[0], nodes[1], nodes[2]];
     Msh {
         nodes: curved.nodes().to_vec(),
+        tags: (0..curved.nodes().len()).map(|node| TAG(node) as u64).collect(),
         segments: vec![[0, 1], [2, 1]],
         triangles: curved.elements().iter().map(faces).collect(),
         tetrahedra: curved.elements().iter().map(corners).collect(),
@@ -102,18 +103,28 @@ fn what_is_written_in_either_version_is_read_to_the_last_bit() {
 }
 
 #[test]
+fn a_byte_order_mark_before_the_text_is_read_over() {
+    let msh = everything();
+    assert_eq!(parse_msh(format!("\u{feff}{}", two(&msh)).as_bytes()).unwrap(), msh);
+}
+
+#[test]
 fn each_kind_becomes_a_mesh_of_the_nodes_that_it_names() {
     let msh = everything();
     let curved = curved_ball(1.0, 1).unwrap();
-    assert_eq!(msh.quadratic_tetrahedra().unwrap(), curved);
+    assert_eq!(msh.quadratic_tetrahedra().unwrap().mesh, curved);
     assert!(
-        (msh.tetrahedra().unwrap().moments().measure - curved.corners().moments().measure).abs()
+        (msh.tetrahedra().unwrap().mesh.moments().measure - curved.corners().moments().measure)
+            .abs()
             < 1e-14
     );
-    assert!(msh.tetrahedra().unwrap().check_referenced().is_ok());
-    assert_eq!(msh.segments().unwrap().vertices(), &msh.nodes[..3]);
-    assert_eq!(msh.quadratic_segments().unwrap().elements(), [[0, 1, 2]]);
-    assert_eq!(msh.quadratic_triangles().unwrap().nodes().len(), 6);
+    assert!(msh.tetrahedra().unwrap().mesh.check_referenced().is_ok());
+    assert_eq!(msh.segments().unwrap().mesh.vertices(), &msh.nodes[..3]);
+    assert_eq!(msh.quadratic_segments().unwrap().mesh.elements(), [[0, 1, 2]]);
+    assert_eq!(msh.quadratic_triangles().unwrap().mesh.nodes().len(), 6);
+    let tags = |nodes: &[usize]| nodes.iter().map(|&node| TAG(node) as u64).collect::<Vec<_>>();
+    assert_eq!(msh.segments().unwrap().tags, tags(&[0, 1, 2]));
+    assert_eq!(msh.quadratic_triangles().unwrap().tags, tags(&[0, 1, 2, 7, 8, 9]));
     let empty = Msh { triangles: Vec::new(), ..msh };
     assert_eq!(empty.triangles(), Err(MeshError::Empty));
 }
@@ -129,7 +140,7 @@ fn gmshs_tetrahedron_of_ten_nodes_is_straight_in_our_order() {
         writeln!(text, "{tag} {} {} {}", x.x, x.y, x.z).unwrap();
     }
     text += "$EndNodes\n$Elements\n1\n1 11 0 0 1 2 3 4 5 6 7 8 9\n$EndElements\n";
-    let element = parse_msh(text.as_bytes()).unwrap().quadratic_tetrahedra().unwrap();
+    let element = parse_msh(text.as_bytes()).unwrap().quadratic_tetrahedra().unwrap().mesh;
     let straight = QuadraticTetrahedra::straight(&element.corners());
     let ours = |mesh: &QuadraticTetrahedra<3>| mesh.elements()[0].map(|node| mesh.nodes()[node]);
     assert_eq!(ours(&element), ours(&straight));
@@ -140,11 +151,12 @@ fn a_flat_mesh_is_laid_into_the_plane_by_a_map() {
     let disc = disc(1.0, 3).unwrap();
     let flat = Msh {
         nodes: disc.vertices().iter().map(|x| x.push(0.0)).collect(),
+        tags: (0..disc.vertices().len()).map(|node| TAG(node) as u64).collect(),
         triangles: disc.simplices().to_vec(),
         ..Msh::default()
     };
     let read = parse_msh(four(&flat).as_bytes()).unwrap();
-    assert_eq!(read.triangles().unwrap().mapped(|x| x.xy()).unwrap(), disc);
+    assert_eq!(read.triangles().unwrap().mesh.mapped(|x| x.xy()).unwrap(), disc);
     let curved = QuadraticTriangles::straight(&disc);
     assert!((curved.measure() - disc.moments().measure).abs() < 1e-14);
 }

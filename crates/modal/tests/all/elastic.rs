@@ -76,7 +76,7 @@ fn beams_swing_as_timoshenko_says_and_a_free_one_has_three_rigid_motions() {
         let mut beam = Linearized::at(&body.galerkin, &body.solid, &body.q, 1e-10).unwrap();
         let rigid = match ends {
             Ends::Clamped => RigidMotions::none(),
-            Ends::Free => RigidMotions::of_points::<2>(&beam, &body.q).unwrap(),
+            Ends::Free => RigidMotions::of_points::<2>(&beam, body.q.as_chunks().0).unwrap(),
         };
         assert_eq!((rigid.len(), beam.kind(&rigid).unwrap()), (motions, Kind::Stable));
         let modes = beam.lowest(2, &rigid).unwrap();

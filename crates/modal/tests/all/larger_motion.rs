@@ -145,7 +145,8 @@ fn what_few_modes_leave_out_of_a_motion_stays_below_its_bound_at_all_times() {
 fn derivatives_of_a_body_that_is_not_held_are_refused() {
     let problem = free_chain(6).unwrap();
     let mut chain = Linearized::at(&problem.metric, &problem.potential, &problem.q, 1e-12).unwrap();
-    let rigid = RigidMotions::of_points::<1>(&chain, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+    let rigid =
+        RigidMotions::of_points::<1>(&chain, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|x| [x])).unwrap();
     let modes = chain.lowest(2, &rigid).unwrap();
     let refused = chain.subspace_with_derivatives(&modes, 1e-3).unwrap_err();
     assert!(matches!(refused, ModalError::Stiffness(_)), "{refused}");

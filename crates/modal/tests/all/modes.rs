@@ -68,7 +68,7 @@ fn all_modes_of_a_small_body_are_found() {
 fn a_free_chain_drifts_and_that_is_its_only_rigid_motion() {
     let problem = free_chain(40).unwrap();
     let positions: Vec<f64> = (0..40).map(f64::from).collect();
-    let rigid = RigidMotions::of_points::<1>(&at_rest(&problem), &positions).unwrap();
+    let rigid = RigidMotions::of_points::<1>(&at_rest(&problem), positions.as_chunks().0).unwrap();
     assert_eq!(rigid.len(), 1);
     check(&problem, 10, &rigid, 1);
     // Asked for without being removed, it comes as a mode of frequency zero.
@@ -110,14 +110,14 @@ fn a_free_body_has_three_rigid_motions_in_the_plane_and_six_in_space() {
     let (plane, q) = framework::<2>(4, 5);
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let mut linearized = Linearized::at(&metric, &plane, &q, 1e-9).unwrap();
-    let rigid = RigidMotions::of_points::<2>(&linearized, &q).unwrap();
+    let rigid = RigidMotions::of_points::<2>(&linearized, q.as_chunks().0).unwrap();
     assert_eq!((rigid.len(), linearized.kind(&rigid).unwrap()), (3, Kind::Stable));
     assert_eq!(linearized.kind(&RigidMotions::none()).unwrap(), Kind::Undecided { flat: Some(3) });
 
     let (space, q) = framework::<3>(3, 3);
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let mut linearized = Linearized::at(&metric, &space, &q, 1e-9).unwrap();
-    let rigid = RigidMotions::of_points::<3>(&linearized, &q).unwrap();
+    let rigid = RigidMotions::of_points::<3>(&linearized, q.as_chunks().0).unwrap();
     assert_eq!((rigid.len(), linearized.kind(&rigid).unwrap()), (6, Kind::Stable));
     let modes = linearized.lowest(4, &rigid).unwrap().with_rigid(&rigid).unwrap();
     assert_eq!(modes.len(), 10);
@@ -131,7 +131,7 @@ fn vertices_on_one_line_have_five_rigid_motions_in_space() {
     let q = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
     let metric = DiagonalMetric::new(vec![1.0; 6]).unwrap();
     let linearized = Linearized::at(&metric, &bar, &q, 1e-12).unwrap();
-    assert_eq!(RigidMotions::of_points::<3>(&linearized, &q).unwrap().len(), 5);
+    assert_eq!(RigidMotions::of_points::<3>(&linearized, q.as_chunks().0).unwrap().len(), 5);
 }
 
 /// `1/2 (a x^2 + b y^2) + x^3`.
@@ -211,7 +211,8 @@ fn motion_in_closed_form_keeps_every_mode_s_energy_at_any_time() {
 fn a_rigid_mode_drifts_in_proportion_to_time() {
     let problem = free_chain(4).unwrap();
     let mut linearized = at_rest(&problem);
-    let rigid = RigidMotions::of_points::<1>(&linearized, &[0.0, 1.0, 2.0, 3.0]).unwrap();
+    let rigid =
+        RigidMotions::of_points::<1>(&linearized, &[0.0, 1.0, 2.0, 3.0].map(|x| [x])).unwrap();
     let modes = linearized.lowest(3, &rigid).unwrap().with_rigid(&rigid).unwrap();
     let push = [1.0, 0.0, 0.0, 0.0];
     let motion = Motion::new(&modes, linearized.mass(), Vector(&[0.0; 4]), Vector(&push)).unwrap();
@@ -246,6 +247,37 @@ fn damping_makes_a_mode_decay_at_its_rate() {
     }
     let negative = start.with_damping(&[-0.1]);
     assert_eq!(negative, Err(ModalError::Parameter { what: "a damping ratio", value: -0.1 }));
+}
+
+#[test]
+fn what_is_no_number_never_passes_through_a_motion() {
+    let problem = fixed_chain(2).unwrap();
+    let mut linearized = at_rest(&problem);
+    let modes = linearized.lowest(1, &RigidMotions::none()).unwrap();
+    let new = |d: [f64; 2], v: [f64; 2]| {
+        Motion::new(&modes, linearized.mass(), Vector(&d[..]), Vector(&v[..]))
+    };
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(new([bad, 0.0], [0.0; 2]), Err(ModalError::Parameter { .. })));
+        assert!(matches!(new([0.0; 2], [bad, 0.0]), Err(ModalError::Parameter { .. })));
+    }
+    let motion = new([1.0, 0.0], [0.0, 1.0]).unwrap();
+    // One of two modes: half of each square is outside.
+    assert!((motion.left_out().powi(2) - 0.5).abs() < 1e-15);
+    assert!((motion.left_out_of_velocity().powi(2) - 0.5).abs() < 1e-15);
+    let at = |motion: &Motion<'_>, t: f64| {
+        let (mut d, mut v) = (Vector([0.0; 2]), Vector([0.0; 2]));
+        motion.at(t, d.view_mut(), v.view_mut())
+    };
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(at(&motion, bad), Err(ModalError::Parameter { what: "the time", .. })));
+        assert!(motion.energy(0, bad).is_err());
+    }
+    assert!(matches!(motion.energy(1, 0.0), Err(ModalError::Count { asked: 2, there: 1 })));
+    // A turn of 1e15 radians has no phase, unless the mode has died away.
+    assert!(matches!(at(&motion, 1e15), Err(ModalError::PhaseLost { mode: 0, .. })));
+    assert_eq!(at(&motion.clone().with_damping(&[0.1]).unwrap(), 1e15), Ok(()));
+    assert_eq!(at(&motion.with_damping(&[1e4]).unwrap(), 1e15), Ok(()));
 }
 
 #[test]
@@ -315,7 +347,19 @@ fn bad_input_is_a_typed_error() {
     let modes = at_rest(&free).lowest(2, &none).unwrap();
     let load = [1.0; 5];
     let answer = at_rest(&free).answer(&modes, Covector(&load), Covector(&load));
+    assert!(matches!(answer, Err(ModalError::Parameter { value: 0.0, .. })), "{answer:?}");
+    let rigid = RigidMotions::of_points(&at_rest(&free), &[0.0, 1.0, 2.0, 3.0, 4.0].map(|x| [x]));
+    let elastic = at_rest(&free).lowest(2, &rigid.unwrap()).unwrap();
+    let answer = at_rest(&free).answer(&elastic, Covector(&load), Covector(&load));
     assert!(matches!(answer, Err(ModalError::Stiffness(_))), "{answer:?}");
+    // Loads and observables that are no numbers, or have no answer to be relative to.
+    let modes = linearized().lowest(2, &none).unwrap();
+    for (load, observable) in
+        [([f64::NAN; 5], [1.0; 5]), ([1.0; 5], [f64::NAN; 5]), ([0.0; 5], load)]
+    {
+        let answer = linearized().answer(&modes, Covector(&load), Covector(&observable));
+        assert!(matches!(answer, Err(ModalError::Parameter { .. })), "{answer:?}");
+    }
 }
 
 proptest! {

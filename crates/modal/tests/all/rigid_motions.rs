@@ -1,7 +1,7 @@
 //! How many motions cost nothing: under stress, on pins, under loads, and with a mass that is none.
 
 use stationary_calculus::{
-    Covector, DiagonalMetric, Metric, Potential, Sink, SparseError, Stencils, Vector,
+    Covector, DiagonalMetric, FIXED, Metric, Potential, Sink, SparseError, Stencils, Vector,
 };
 use stationary_elasticity::{Spring, Strain};
 use stationary_modal::problems::fixed_chain;
@@ -55,11 +55,11 @@ fn a_body_under_stress_of_its_own_still_turns_for_free() {
     let (square, q) = stressed::<2>();
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let near_rest = Linearized::at(&metric, &square, &q, 1e-12).unwrap();
-    assert_eq!(RigidMotions::of_points::<2>(&near_rest, &q).unwrap().len(), 3);
+    assert_eq!(RigidMotions::of_points::<2>(&near_rest, q.as_chunks().0).unwrap().len(), 3);
     let (cube, q) = stressed::<3>();
     let metric = DiagonalMetric::new(vec![1.0; q.len()]).unwrap();
     let near_rest = Linearized::at(&metric, &cube, &q, 1e-12).unwrap();
-    assert_eq!(RigidMotions::of_points::<3>(&near_rest, &q).unwrap().len(), 6);
+    assert_eq!(RigidMotions::of_points::<3>(&near_rest, q.as_chunks().0).unwrap().len(), 6);
     // The stress is there: without the diagonals the sides would push.
     let force = 1.2 - (q[3] - q[0]).abs();
     assert!(force > 0.05, "{force}");
@@ -101,7 +101,7 @@ fn a_pin_leaves_the_turn_about_it_and_a_weight_takes_that_too() {
         let q = [0.0, zero(up, -3.0, -0.9)];
         let metric = DiagonalMetric::new(vec![2.0; 2]).unwrap();
         let near_rest = Linearized::at(&metric, &body, &q, 1e-12).unwrap();
-        RigidMotions::of_points::<2>(&near_rest, &q).unwrap().len()
+        RigidMotions::of_points::<2>(&near_rest, q.as_chunks().0).unwrap().len()
     };
     assert_eq!((hanging(0.0), hanging(0.5)), (1, 0));
 }
@@ -130,6 +130,81 @@ impl Metric for Coupled {
     fn add_matrix(&self, sink: &mut impl Sink) {
         sink.add_symmetric(&[0, 1], &[1.0, self.1, self.1, 1.0]);
         (2..self.0).for_each(|freedom| sink.add_symmetric(&[freedom], &[1.0]));
+    }
+}
+
+#[test]
+fn single_components_that_are_held_leave_the_motions_that_spare_them() {
+    // A triangle of springs; each freedom's number, or FIXED.
+    let places = [[0.0, 0.0], [2.0, 0.0], [0.5, 1.5]];
+    let left = |held: &[(usize, usize)]| {
+        let mut freedoms = [[FIXED; 2]; 3];
+        let mut n = 0;
+        for (vertex, freedoms) in freedoms.iter_mut().enumerate() {
+            for (axis, freedom) in freedoms.iter_mut().enumerate() {
+                if !held.contains(&(vertex, axis)) {
+                    *freedom = n;
+                    n += 1;
+                }
+            }
+        }
+        let triangle = Triangle { places, freedoms, n };
+        let metric = DiagonalMetric::new(vec![1.5; n]).unwrap();
+        let near_rest = Linearized::at(&metric, &triangle, &vec![0.0; n], 1e-12).unwrap();
+        // Without the map the freedoms cannot be taken for those of whole vertices.
+        assert_eq!(RigidMotions::of_points(&near_rest, &places).is_ok(), n == 6);
+        RigidMotions::of_freedoms(&near_rest, &places, &freedoms).unwrap().len()
+    };
+    assert_eq!(left(&[]), 3);
+    assert_eq!(left(&[(0, 0)]), 2);
+    assert_eq!(left(&[(0, 1), (1, 1), (2, 1)]), 1);
+    assert_eq!(left(&[(0, 0), (0, 1)]), 1);
+    assert_eq!(left(&[(0, 0), (0, 1), (1, 1)]), 0);
+    // Three held components that a turn about a point spares.
+    assert_eq!(left(&[(0, 0), (0, 1), (1, 0)]), 1);
+}
+
+/// Springs of 1 N/m along the sides of a triangle, linear about its places.
+struct Triangle {
+    places: [[f64; 2]; 3],
+    freedoms: [[usize; 2]; 3],
+    n: usize,
+}
+
+impl Triangle {
+    /// The freedoms of a side's ends and what they stretch it by.
+    fn sides(&self) -> impl Iterator<Item = ([usize; 4], [f64; 4])> {
+        [[0, 1], [1, 2], [2, 0]].into_iter().map(|[a, b]| {
+            let along = [0, 1].map(|c| self.places[b][c] - self.places[a][c]);
+            let [x, y] = along.map(|x| x / along[0].hypot(along[1]));
+            let [a, b] = [self.freedoms[a], self.freedoms[b]];
+            ([a[0], a[1], b[0], b[1]], [-x, -y, x, y])
+        })
+    }
+}
+
+impl Potential for Triangle {
+    fn dim(&self) -> usize {
+        self.n
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        let stretch = |(freedoms, by): ([usize; 4], [f64; 4])| -> f64 {
+            freedoms.iter().zip(by).filter(|(f, _)| **f != FIXED).map(|(&f, by)| by * q[f]).sum()
+        };
+        self.sides().map(|side| 0.5 * stretch(side).powi(2)).sum()
+    }
+
+    /// At the places only, which is where it is asked for.
+    fn add_differential(&self, q: &[f64], _: Covector<&mut [f64]>) {
+        assert!(q.iter().all(|x| *x == 0.0));
+    }
+
+    fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+        for (freedoms, by) in self.sides() {
+            let block: Vec<f64> = by.iter().flat_map(|x| by.iter().map(move |y| x * y)).collect();
+            hessian.add_symmetric(&freedoms, &block);
+        }
     }
 }
 

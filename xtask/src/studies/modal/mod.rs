@@ -21,6 +21,6 @@ fn frequencies<const D: usize>(
     count: usize,
 ) -> Result<Vec<f64>, ModalError> {
     let mut body = Linearized::at(metric, potential, q, AT_REST)?;
-    let rigid = RigidMotions::of_points::<D>(&body, q)?;
+    let rigid = RigidMotions::of_points::<D>(&body, q.as_chunks().0)?;
     Ok(body.lowest(count, &rigid)?.frequencies().collect())
 }
