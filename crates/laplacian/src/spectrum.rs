@@ -27,11 +27,14 @@ pub fn lowest_modes<const K: usize>(
     let rest = vec![0.0; domain.dim()];
     let mut linearized = Linearized::at(metric, &homogeneous, &rest, 0.0)?;
     let constants = RigidMotions::of_points::<1>(&linearized, &rest)?;
-    if count <= constants.len() {
+    if count == 0 || count > domain.dim() {
         return Err(ModalError::Count { asked: count, there: domain.dim() }.into());
     }
-    let modes = linearized.lowest(count - constants.len(), &constants)?;
-    Ok(modes.with_rigid(&constants)?)
+    // Where constants alone are asked for, the mode after them is found and let go.
+    let others = count.saturating_sub(constants.len()).max(1);
+    let mut modes = linearized.lowest(others, &constants)?.with_rigid(&constants)?;
+    modes.truncate(count);
+    Ok(modes)
 }
 
 /// The energy of the difference to the steady state: held values are zero.

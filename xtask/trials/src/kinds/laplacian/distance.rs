@@ -1,6 +1,6 @@
 //! Distances along surfaces whose shortest paths are known.
 
-use stationary_laplacian::{GeodesicDistance, LaplacianError};
+use stationary_laplacian::{GeodesicDistance, LaplacianError, ShortestPaths};
 use stationary_mesh::{IntrinsicSurface, Mesh};
 
 use super::unrolled::known;
@@ -10,8 +10,9 @@ pub const KIND: Kind = Kind {
     name: "distance",
     krate: "laplacian",
     rule: "a vertex whose true distance along the triangles lies outside of its stated error (and \
-           1e-8 of the farthest), a largest stated error above twice the largest true one, a vertex \
-           that no path leads to and is not told so",
+           1e-8 of the farthest), a largest stated error above twice the largest true one, a shortest \
+           path off by more than 1e-9 of the farthest, a vertex that no path leads to and is not \
+           told so",
     in_tests: 150,
     trial,
 };
@@ -99,6 +100,10 @@ fn judge(
     if draw.chance(0.2) {
         time *= draw.log_uniform(0.25, 8.0);
     }
+    let paths = match ShortestPaths::new(&surface).from(sources) {
+        Ok(found) => nearest(&found.distance, truth),
+        Err(error) => return Verdict::refused(error),
+    };
     let reachable = truth.iter().all(|t| t.0.is_finite());
     let found = GeodesicDistance::new(&surface, time).and_then(|mut heat| heat.from(sources));
     let found = match found {
@@ -108,7 +113,25 @@ fn judge(
         }
         Err(error) => return Verdict::refused(error),
     };
-    compare(&found.distance, &found.estimate, truth)
+    paths.and(compare(&found.distance, &found.estimate, truth))
+}
+
+/// Shortest paths have no error but rounding.
+fn nearest(distance: &[f64], truth: &[(f64, f64)]) -> Verdict {
+    let finite = truth.iter().filter(|t| t.0.is_finite());
+    let rounding = 1e-9 * finite.map(|t| t.0).fold(0.0, f64::max);
+    let mut verdict = Verdict::due();
+    for (v, (&d, &(exact, unsure))) in distance.iter().zip(truth).enumerate() {
+        if d.is_infinite() != exact.is_infinite() {
+            return Verdict::wrong(format!("the shortest path to vertex {v} is {d:e}, not {exact:e}"));
+        }
+        if exact.is_finite() {
+            let off = ((d - exact).abs() - unsure).max(0.0);
+            let what = if d > exact { "a path that is not the shortest" } else { "a path too short" };
+            verdict = verdict.and(Verdict::of(off, rounding, what));
+        }
+    }
+    verdict
 }
 
 fn compare(distance: &[f64], estimate: &[f64], truth: &[(f64, f64)]) -> Verdict {

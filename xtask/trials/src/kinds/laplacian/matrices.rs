@@ -30,7 +30,9 @@ impl Matrices {
             let r = edges.qr().r();
             let product: f64 = r.diagonal().iter().product();
             let size = product.abs() / [1.0, 1.0, 2.0, 6.0][K - 1];
-            sums.shape = sums.shape.min(product.abs() / longest.powi(K as i32 - 1));
+            let flat = longest == 0.0;
+            let part = if flat { 0.0 } else { product.abs() / longest.powi(K as i32 - 1) };
+            sums.shape = sums.shape.min(part);
             let inverse =
                 r.try_inverse().unwrap_or_else(|| DMatrix::from_element(K - 1, K - 1, f64::NAN));
             let dots = &inverse * inverse.transpose();

@@ -135,7 +135,7 @@ where
         Err(error) => return Verdict::refused(error),
     };
     let matrices = Matrices::of(shape);
-    let undefined = damage.empty || damage.flat;
+    let undefined = damage.empty || matrices.shape < 1e-15;
     if !undefined && !(matrices.shape > 1e-9) {
         return Verdict::not_judged("a simplex of hardly any size");
     }
