@@ -24,7 +24,7 @@ pub struct ExactHeat<'a> {
     left_out: f64,
 }
 
-/// An eigenvalue may be this far below zero, relative to the largest of the modes.
+/// An eigenvalue may be this far below zero, relative to the largest of the modes or the next one.
 const ROUNDING: f64 = 1e-6;
 
 impl<'a> ExactHeat<'a> {
@@ -46,8 +46,9 @@ impl<'a> ExactHeat<'a> {
         SizeError::check("the function's values", metric.dim(), f.len())?;
         check_finite(f)?;
         let values = modes.values();
-        let largest = values.iter().copied().fold(0.0, f64::max);
-        if let Some(&lambda) = values.iter().find(|&&lambda| !(lambda >= -ROUNDING * largest)) {
+        // Where constants alone are there, the next mode tells what is small.
+        let scale = values.iter().copied().fold(0.0, f64::max).max(modes.complete_below());
+        if let Some(&lambda) = values.iter().find(|&&lambda| !(lambda >= -ROUNDING * scale)) {
             return Err(LaplacianError::Growing { lambda });
         }
         let (mut coefficients, mut rest) = (Vec::new(), f.to_vec());
@@ -99,7 +100,9 @@ impl<'a> ExactHeat<'a> {
 mod tests {
     use super::*;
     use crate::{Domain, Elements, lowest_modes};
+    use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink};
     use stationary_mesh::bar;
+    use stationary_modal::{Linearized, RigidMotions};
 
     #[test]
     fn a_start_or_a_time_that_is_no_number_is_refused() {
@@ -115,6 +118,38 @@ mod tests {
         // The constant stays for ever, though its eigenvalue is only zero to rounding.
         let late = heat.at(1e300).unwrap();
         assert!(late.iter().all(|f| (f - 0.125).abs() < 1e-12), "{late:?}");
+    }
+
+    /// A ball on a hill in one direction and in a bowl in the other.
+    struct Saddle;
+
+    impl Potential for Saddle {
+        fn dim(&self) -> usize {
+            2
+        }
+
+        fn energy(&self, q: &[f64]) -> f64 {
+            0.5 * (q[0] * q[0] - q[1] * q[1])
+        }
+
+        fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+            dv.0[0] += q[0];
+            dv.0[1] -= q[1];
+        }
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+            hessian.add_symmetric(&[0], &[1.0]);
+            hessian.add_symmetric(&[1], &[-1.0]);
+        }
+    }
+
+    #[test]
+    fn modes_that_grow_are_none_of_heat() {
+        let metric = DiagonalMetric::new(vec![1.0, 1.0]).unwrap();
+        let mut linearized = Linearized::at(&metric, &Saddle, &[0.0, 0.0], 1e-9).unwrap();
+        let modes = linearized.lowest(2, &RigidMotions::none()).unwrap();
+        let error = ExactHeat::new(&modes, &metric, 1.0, &[1.0, 1.0]).unwrap_err();
+        assert!(matches!(error, LaplacianError::Growing { lambda } if (lambda + 1.0).abs() < 1e-9));
     }
 
     #[test]

@@ -446,7 +446,8 @@ mod tests {
             c(1.0, 1.0, 1.0),
             c(0.0, 1.0, 1.0),
         ];
-        let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        let faces =
+            [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
         let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
         let cube = Mesh::new(corners, halves.collect()).unwrap();
         let surface = IntrinsicSurface::of(&cube).unwrap();

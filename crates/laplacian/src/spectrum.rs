@@ -112,3 +112,26 @@ pub fn largest_eigenvalue(
     });
     Ok(SymmetricEigen::new(tridiagonal).eigenvalues.iter().copied().fold(0.0, f64::max))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Elements;
+    use stationary_mesh::bar;
+
+    #[test]
+    fn the_constants_of_the_pieces_may_be_asked_for_alone() {
+        let one = bar(1.0, 4).unwrap();
+        let two = one.beside(&one.mapped(|x| x.add_scalar(3.0)).unwrap());
+        let domain = Domain::free(Elements::of(&two).unwrap()).unwrap();
+        let metric = domain.lumped().unwrap();
+        for count in 1..=3 {
+            let modes = lowest_modes(&domain, &metric, count).unwrap();
+            assert_eq!(modes.len(), count);
+            let zeros = modes.values().iter().filter(|lambda| lambda.abs() < 1e-9).count();
+            assert_eq!(zeros, count.min(2));
+        }
+        assert!(lowest_modes(&domain, &metric, 0).is_err());
+        assert!(lowest_modes(&domain, &metric, 11).is_err());
+    }
+}

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 use stationary_calculus::{Covector, DiagonalMetric};
 use stationary_laplacian::{
     Domain, Elements, ExactHeat, GeodesicDistance, Heat, HeatMethod, LaplacianError,
-    MeanCurvatureFlow, Poisson, harmonic, laplacian, largest_eigenvalue, lowest_modes, problems,
+    MeanCurvatureFlow, Poisson, ShortestPaths, harmonic, laplacian, largest_eigenvalue,
+    lowest_modes, problems,
 };
 use stationary_mesh::{IntrinsicSurface, Mesh};
 
@@ -186,8 +187,11 @@ fn on_distances(draw: &mut Draw) -> Result<Verdict, LaplacianError> {
         .map(|_| if draw.chance(0.1) { draw.word() as usize } else { draw.below(n) })
         .collect();
     draw.note(format!("sources {sources:?} of {n}"));
+    let exact = ShortestPaths::new(&surface).from(&sources)?.distance;
+    let unmeasured = distance.unmeasured(&sources)?;
     let found = distance.from(&sources)?;
-    Ok(finite("a distance", &found.distance).and(finite("an estimate", &found.estimate)))
+    let verdict = finite("a distance", &found.distance).and(finite("an estimate", &found.estimate));
+    Ok(verdict.and(finite("a shortest path", &exact)).and(finite("unmeasured", &unmeasured)))
 }
 
 /// Tiny, huge and mixed coordinates.

@@ -123,11 +123,14 @@ fn nearest(distance: &[f64], truth: &[(f64, f64)]) -> Verdict {
     let mut verdict = Verdict::due();
     for (v, (&d, &(exact, unsure))) in distance.iter().zip(truth).enumerate() {
         if d.is_infinite() != exact.is_infinite() {
-            return Verdict::wrong(format!("the shortest path to vertex {v} is {d:e}, not {exact:e}"));
+            return Verdict::wrong(format!(
+                "the shortest path to vertex {v} is {d:e}, not {exact:e}"
+            ));
         }
         if exact.is_finite() {
             let off = ((d - exact).abs() - unsure).max(0.0);
-            let what = if d > exact { "a path that is not the shortest" } else { "a path too short" };
+            let what =
+                if d > exact { "a path that is not the shortest" } else { "a path too short" };
             verdict = verdict.and(Verdict::of(off, rounding, what));
         }
     }

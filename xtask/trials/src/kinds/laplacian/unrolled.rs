@@ -382,10 +382,11 @@ fn bumpy(draw: &mut Draw) -> Known {
     let shape = bumpy_ball(draw);
     let own = shape.clone();
     let truth = move |sources: &[usize]| {
-        let (rough, straight) = through_edges(&own, 12, sources);
+        let (rough, straight) = through_edges(&own, 20, sources);
         // A path over other edges may be shorter still, by less than the graph could tell; more so
-        // where this one is caught at a vertex that it might pass on the other side.
-        let unsure = |r: f64, s: f64, caught: bool| 2.0 * (r - s) + s * if caught { 1e-2 } else { 1e-6 };
+        // where this one comes near a vertex that it might pass on the other side.
+        let unsure =
+            |r: f64, s: f64, caught: bool| 2.0 * (r - s) + s * if caught { 5e-2 } else { 3e-3 };
         let pairs = rough.into_iter().zip(straight);
         pairs.map(|(r, (s, caught))| (s, unsure(r, s, caught))).collect()
     };
@@ -468,7 +469,7 @@ fn through_edges(
 }
 
 /// The length of a path whose bends slide along their edges, one after the other, and whether one of
-/// them came to a vertex.
+/// them came near a vertex.
 fn straightened(shape: &Shape<3>, mut path: Vec<Node>) -> (f64, bool) {
     let place = |node: &Node| {
         let [x, y] = node.ends.map(|v| shape.vertices[v]);
@@ -494,6 +495,7 @@ fn straightened(shape: &Shape<3>, mut path: Vec<Node>) -> (f64, bool) {
         }
     }
     let inner = path.get(1..path.len() - 1).unwrap_or(&[]);
-    let caught = inner.iter().any(|node| node.part < 1e-3 || node.part > 1.0 - 1e-3);
+    let near = |part: f64| part < 0.05 || part > 0.95;
+    let caught = inner.iter().any(|node| near(node.part));
     (path.windows(2).map(|pair| (place(&pair[0]) - place(&pair[1])).norm()).sum(), caught)
 }
