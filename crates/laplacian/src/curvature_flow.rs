@@ -56,7 +56,7 @@ impl MeanCurvatureFlow {
     /// area, [`LaplacianError::Sparse`] and [`LaplacianError::NonFinite`].
     pub fn step(&mut self, h: f64) -> Result<(), LaplacianError> {
         positive("the step", h)?;
-        let domain = Domain::held(Elements::of_known_manifold(&self.mesh)?, &self.held)?;
+        let domain = Domain::held(Elements::of(&self.mesh)?, &self.held)?;
         let (metric, anywhere) = (domain.lumped()?, vec![0.0; domain.dim()]);
         self.matrix.refill(|sink| {
             metric.add_matrix(sink.weighted(1.0));

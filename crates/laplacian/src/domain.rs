@@ -14,6 +14,7 @@ use stationary_calculus::{
     SymmetricMatrix, UnknownVertex, Vector,
 };
 
+use crate::error::check_finite;
 use crate::{Element, Elements, LaplacianError};
 
 /// Dirichlet energy as a potential: one freedom for each free vertex.
@@ -39,7 +40,9 @@ impl<const K: usize> Domain<K> {
         Domain::held(elements, &[])
     }
 
-    /// Some vertices are held at values (Dirichlet), on whatever boundary is left there is no flux.
+    /// Some vertices are held at values (Dirichlet), on whatever boundary is left there is no flux. A
+    /// vertex that no element names has no mass to flow into: it has no freedom, and the value zero
+    /// unless it is held at another.
     ///
     /// # Errors
     /// [`LaplacianError::NoSuchVertex`], [`LaplacianError::HeldTwice`],
@@ -47,17 +50,22 @@ impl<const K: usize> Domain<K> {
     /// finite.
     pub fn held(elements: Elements<K>, values: &[(usize, f64)]) -> Result<Self, LaplacianError> {
         let vertices = elements.vertices();
-        let mut places = vec![FIXED; vertices];
-        let free_count = vertices.saturating_sub(values.len());
-        for (k, &(vertex, value)) in values.iter().enumerate() {
-            match places.get_mut(vertex) {
+        let mut is_held = vec![false; vertices];
+        for &(vertex, value) in values {
+            match is_held.get_mut(vertex) {
                 None => return Err(LaplacianError::NoSuchVertex { vertex, vertices }),
-                Some(place) if *place != FIXED => return Err(LaplacianError::HeldTwice(vertex)),
-                Some(place) => *place = free_count + k,
+                Some(true) => return Err(LaplacianError::HeldTwice(vertex)),
+                Some(held) => *held = true,
             }
             if !value.is_finite() {
                 return Err(LaplacianError::Parameter { what: "a held value", value });
             }
+        }
+        let mut values = values.to_vec();
+        values.extend(elements.unnamed().into_iter().filter(|&v| !is_held[v]).map(|v| (v, 0.0)));
+        let mut places = vec![FIXED; vertices];
+        for (k, &(vertex, _)) in values.iter().enumerate() {
+            places[vertex] = vertices - values.len() + k;
         }
         let mut order: Vec<usize> = (0..vertices).filter(|&v| places[v] == FIXED).collect();
         if order.is_empty() {
@@ -149,7 +157,8 @@ impl<const K: usize> Domain<K> {
         Ok(SparseMetric::new(SymmetricMatrix::from_blocks(n, &blocks)?)?)
     }
 
-    /// A function on all vertices: the free ones from `f`, the held ones as they are held.
+    /// A function on all vertices: the free ones from `f`, the held ones as they are held, those that
+    /// no element names zero.
     ///
     /// # Errors
     /// [`LaplacianError::Size`].
@@ -198,7 +207,8 @@ impl<const K: usize> Domain<K> {
 /// The Laplacian `-M^-1 dV(f)` of a function.
 ///
 /// # Errors
-/// [`LaplacianError::Size`].
+/// [`LaplacianError::Size`], and [`LaplacianError::NonFinite`] for a function or a Laplacian beyond
+/// the range of numbers.
 pub fn laplacian(
     metric: &impl Metric,
     dirichlet: &impl Potential,
@@ -210,6 +220,7 @@ pub fn laplacian(
     dirichlet.add_differential(f, dv.view_mut());
     metric.sharp(dv.view(), laplacian.view_mut());
     laplacian.0.iter_mut().for_each(|value| *value = -*value);
+    check_finite(&laplacian.0)?;
     Ok(laplacian.0)
 }
 

@@ -95,24 +95,16 @@ impl<const K: usize> Elements<K>
 where
     [usize; K]: Simplex,
 {
-    /// The elements of a mesh of segments, triangles or tetrahedra.
+    /// The elements of a mesh of segments, triangles or tetrahedra. The energy is a sum over them:
+    /// any number may meet at a face or touch at a vertex. A vertex that none of them names has no
+    /// freedom in a [`crate::Domain`].
     ///
     /// # Errors
-    /// What keeps a mesh from being a domain: no simplices, some without size, vertices that no
-    /// simplex names, places where it is no manifold.
+    /// [`MeshError::Empty`], and [`MeshError::Degenerate`] for simplices without size.
     pub fn of<const D: usize>(mesh: &Mesh<D, K>) -> Result<Self, LaplacianError> {
         if mesh.simplices().is_empty() {
             return Err(MeshError::Empty.into());
         }
-        mesh.check_referenced()?;
-        mesh.check_manifold()?;
-        Elements::of_known_manifold(mesh)
-    }
-
-    /// The same for a mesh whose simplices were looked at before; their sizes are checked.
-    pub(crate) fn of_known_manifold<const D: usize>(
-        mesh: &Mesh<D, K>,
-    ) -> Result<Self, LaplacianError> {
         mesh.check_nondegenerate()?;
         let numbered = mesh.simplices().iter().zip(mesh.measures());
         let element = |(simplex, measure): (&[usize; K], f64)| {
@@ -127,10 +119,9 @@ impl Elements<3> {
     /// The elements of a surface that is known by its edge lengths.
     ///
     /// # Errors
-    /// [`MeshError::Empty`], [`MeshError::Degenerate`] for triangles whose lengths leave no area
-    /// (mollify the surface, or flip its edges), and [`MeshError::Unreferenced`].
+    /// [`MeshError::Empty`], and [`MeshError::Degenerate`] for triangles whose lengths leave no area
+    /// (mollify the surface, or flip its edges).
     pub fn of_surface(surface: &IntrinsicSurface) -> Result<Self, LaplacianError> {
-        let mut used = vec![false; surface.vertices()];
         let (mut elements, mut flat) = (Vec::new(), Vec::new());
         for (triangle, &vertices) in surface.triangles().iter().enumerate() {
             let shape = surface.shape(triangle);
@@ -138,7 +129,6 @@ impl Elements<3> {
             if cotangents.iter().any(|c| !c.is_finite()) {
                 flat.push(triangle);
             }
-            vertices.iter().for_each(|&vertex| used[vertex] = true);
             elements.push(Element::new(vertices, area, |i, j| -0.5 * cotangents[3 - i - j]));
         }
         if elements.is_empty() {
@@ -146,10 +136,6 @@ impl Elements<3> {
         }
         if !flat.is_empty() {
             return Err(MeshError::Degenerate(Places(flat)).into());
-        }
-        let unused: Vec<usize> = (0..used.len()).filter(|&vertex| !used[vertex]).collect();
-        if !unused.is_empty() {
-            return Err(MeshError::Unreferenced(Places(unused)).into());
         }
         Ok(Elements { vertices: surface.vertices(), elements })
     }
@@ -177,6 +163,13 @@ impl<const K: usize> Elements<K> {
     /// The elements.
     pub fn elements(&self) -> &[Element<K>] {
         &self.elements
+    }
+
+    /// Vertices that no element names.
+    pub(crate) fn unnamed(&self) -> Vec<usize> {
+        let mut named = vec![false; self.vertices];
+        self.elements.iter().flat_map(|e| e.vertices).for_each(|vertex| named[vertex] = true);
+        (0..self.vertices).filter(|&vertex| !named[vertex]).collect()
     }
 
     /// Length, area or volume of the whole.
@@ -212,6 +205,7 @@ fn weight<const K: usize>(corners: &[Vector3<f64>; K], size: f64, i: usize, j: u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Domain;
     use nalgebra::{Rotation3, Vector2};
     use stationary_mesh::{Diagonals, ball, bar, cuboid, icosphere, rectangle};
 
@@ -291,17 +285,29 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_domain_is_refused() {
+    fn sheets_that_meet_and_vertices_that_nothing_names_leave_the_energy_a_sum_over_elements() {
         let points = |count: usize| {
             let at = |k: usize| Vector3::new(k as f64, (k * k) as f64, (k * k * k) as f64);
             (0..count).map(at).collect::<Vec<_>>()
         };
-        let book = Mesh::new(points(5), vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap();
-        let error = Elements::of(&book).unwrap_err();
-        assert!(matches!(error, LaplacianError::Mesh(MeshError::NonManifold(_))));
-        let stray = Mesh::new(points(4), vec![[0, 1, 2]]).unwrap();
-        let error = Elements::of(&stray).unwrap_err();
-        assert!(matches!(error, LaplacianError::Mesh(MeshError::Unreferenced(_))));
+        let sheets = [[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+        let alone = |sheet: [usize; 3]| {
+            let one = Mesh::new(points(5), vec![sheet]).unwrap();
+            Elements::of(&one).unwrap().elements()[0]
+        };
+        let book = Elements::of(&Mesh::new(points(5), sheets.to_vec()).unwrap()).unwrap();
+        assert_eq!(book.elements(), sheets.map(alone));
+        let bow = Mesh::new(points(6), vec![[0, 1, 2], [0, 3, 5]]).unwrap();
+        let domain = Domain::free(Elements::of(&bow).unwrap()).unwrap();
+        assert_eq!(domain.free_vertices(), [0, 1, 2, 3, 5]);
+        assert_eq!(domain.lumped().unwrap().masses().len(), 5);
+    }
+
+    #[test]
+    fn what_is_no_domain_is_refused() {
+        let flat = Mesh::new(vec![Vector3::zeros(), Vector3::x(), -Vector3::x()], vec![[0, 1, 2]]);
+        let error = Elements::of(&flat.unwrap()).unwrap_err();
+        assert!(matches!(error, LaplacianError::Mesh(MeshError::Degenerate(_))));
         let empty = Mesh::<3, 3>::new(vec![], vec![]).unwrap();
         assert_eq!(Elements::of(&empty), Err(LaplacianError::Mesh(MeshError::Empty)));
         let elements = Elements::of(&bar(1.0, 2).unwrap()).unwrap();

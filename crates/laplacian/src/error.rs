@@ -46,10 +46,10 @@ pub enum LaplacianError {
     /// A piece where a value is wanted is held nowhere.
     #[error("the piece of vertex {0} is held nowhere")]
     NothingHeld(usize),
-    /// Heat that has not arrived, or whose sign is lost: no distance can be read from it.
+    /// Heat that has not arrived: no distance can be read from it.
     #[error(
         "in a heat time of {time:e} no heat arrives at {count} vertices, first at {vertex}; \
-         a longer time reaches farther, and Delaunay edges keep the sign"
+         a heat time of {enough:e} arrives everywhere"
     )]
     Underflow {
         /// The first vertex.
@@ -58,12 +58,32 @@ pub enum LaplacianError {
         count: usize,
         /// The heat time, m^2.
         time: f64,
+        /// A heat time that suffices, m^2.
+        enough: f64,
+    },
+    /// Heat that is not positive: some edges' weights are negative, and no edges were found on the
+    /// same surface that have none.
+    #[error(
+        "heat takes both signs at {count} vertices, first at {vertex}: the triangles are too thin \
+         for distances from heat; shortest paths do not need it"
+    )]
+    LostSign {
+        /// The first vertex.
+        vertex: usize,
+        /// How many there are.
+        count: usize,
     },
     /// No sources to measure distances from.
     #[error("there are no sources")]
     NoSources,
-    /// A step that left the numbers; the function is as it was.
-    #[error("the step gives vertex or freedom {freedom} the value {value}")]
+    /// Modes of an energy that is not one of heat, which grow instead of decaying.
+    #[error("a mode has the eigenvalue {lambda:e}; heat has none below zero")]
+    Growing {
+        /// The eigenvalue.
+        lambda: f64,
+    },
+    /// A value that is infinite or not a number, given or found; what it was to replace is as it was.
+    #[error("the value at vertex or freedom {freedom} is {value}; values must be finite")]
     NonFinite {
         /// Where.
         freedom: usize,

@@ -162,19 +162,6 @@ impl<'a, M: Metric, P: Potential> Pencil<'a, M, P> {
         Ok(factor)
     }
 
-    /// The same by the order of elimination of another factor of this pencil.
-    pub(crate) fn factored_like(
-        &mut self,
-        other: &SparseCholesky,
-        m: f64,
-        a: f64,
-    ) -> Result<SparseCholesky, LaplacianError> {
-        self.fill(m, a)?;
-        let mut factor = other.clone();
-        factor.factor(&self.matrix)?;
-        Ok(factor)
-    }
-
     fn fill(&mut self, m: f64, a: f64) -> Result<(), LaplacianError> {
         let anywhere = vec![0.0; self.energy.dim()];
         let Pencil { metric, energy, matrix } = self;

@@ -21,7 +21,12 @@ const REACH: f64 = 600.0;
 pub(crate) fn advised(surface: &IntrinsicSurface) -> f64 {
     let count = (3 * surface.lengths().len()).max(1) as f64;
     let mean = surface.lengths().as_flattened().iter().sum::<f64>() / count;
-    mean.max(longest_way(surface) / REACH).powi(2)
+    (mean * mean).max(reaching(longest_way(surface)))
+}
+
+/// The heat time in which a number arrives this far away.
+pub(crate) fn reaching(distance: f64) -> f64 {
+    (distance / REACH).powi(2)
 }
 
 /// How far two vertices of one piece are apart along edges, about the most.

@@ -6,6 +6,7 @@
 //! df/dt = alpha Lap f            explicit, implicit, exact            (15.2, 15.3)
 //! -Lap u = s,   Lap v = -lambda v,   u'' = c^2 Lap u                  (15.2)
 //! dx/dt = Lap x                                                       a surface that shrinks
+//! d(x) = min over paths of their length                               shortest paths
 //! (M + t W) u = delta,   Lap phi = div(-grad u / |grad u|)            distance from heat
 //! ```
 //! `f u v phi` functions on vertices, linear in between, `W` the Hessian of V, `M` the mass,
@@ -29,7 +30,7 @@
 //!
 //! Reading order: an [`Element`]'s energy; a [`Domain`], its masses and its [`laplacian`]; the
 //! spectrum; [`Heat`], stepped and exact; [`Poisson`]; [`MeanCurvatureFlow`];
-//! [`GeodesicDistance`]; [`problems`] with known spectra. Waves are any integrator on a system of
+//! [`ShortestPaths`] and [`GeodesicDistance`]; [`problems`] with known spectra. Waves are any integrator on a system of
 //! the mass and the energy of [`Elements::scaled`] by the square of their speed.
 //!
 //! The crate knows nothing of files, of scenes or of materials.
@@ -43,6 +44,7 @@ mod heat;
 mod exact_heat;
 mod poisson;
 mod curvature_flow;
+mod shortest_paths;
 mod heat_time;
 mod geodesic;
 pub mod problems;
@@ -55,4 +57,5 @@ pub use exact_heat::ExactHeat;
 pub use geodesic::{Distances, GeodesicDistance};
 pub use heat::{Heat, HeatMethod};
 pub use poisson::{Poisson, harmonic};
+pub use shortest_paths::{ShortestDistances, ShortestPaths};
 pub use spectrum::{largest_eigenvalue, lowest_modes};

@@ -37,8 +37,12 @@ pub fn interval(n: usize) -> Result<Spectral<1, 2>, LaplacianError> {
     Ok(Spectral { mesh, domain, spectrum })
 }
 
-/// The eigenvalues of the Laplacian of [`interval`] with lumped mass: `4 N^2 sin^2(k pi / 2N)`.
+/// The eigenvalues of the Laplacian of [`interval`] with lumped mass: `4 N^2 sin^2(k pi / 2N)`; none
+/// where there is no segment.
 pub fn lumped_interval_spectrum(n: usize) -> Vec<f64> {
+    if n == 0 {
+        return Vec::new();
+    }
     let value = |k: usize| 4.0 * (n * n) as f64 * (k as f64 * PI / (2 * n) as f64).sin().powi(2);
     (0..=n).map(value).collect()
 }

@@ -27,11 +27,14 @@ pub fn lowest_modes<const K: usize>(
     let rest = vec![0.0; domain.dim()];
     let mut linearized = Linearized::at(metric, &homogeneous, &rest, 0.0)?;
     let constants = RigidMotions::of_points::<1>(&linearized, rest.as_chunks().0)?;
-    if count <= constants.len() {
+    if count == 0 || count > domain.dim() {
         return Err(ModalError::Count { asked: count, there: domain.dim() }.into());
     }
-    let modes = linearized.lowest(count - constants.len(), &constants)?;
-    Ok(modes.with_rigid(&constants)?)
+    // Where constants alone are asked for, the mode after them is found and let go.
+    let others = count.saturating_sub(constants.len()).max(1);
+    let mut modes = linearized.lowest(others, &constants)?.with_rigid(&constants)?;
+    modes.truncate(count);
+    Ok(modes)
 }
 
 /// The energy of the difference to the steady state: held values are zero.
@@ -108,4 +111,27 @@ pub fn largest_eigenvalue(
         _ => 0.0,
     });
     Ok(SymmetricEigen::new(tridiagonal).eigenvalues.iter().copied().fold(0.0, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Elements;
+    use stationary_mesh::bar;
+
+    #[test]
+    fn the_constants_of_the_pieces_may_be_asked_for_alone() {
+        let one = bar(1.0, 4).unwrap();
+        let two = one.beside(&one.mapped(|x| x.add_scalar(3.0)).unwrap());
+        let domain = Domain::free(Elements::of(&two).unwrap()).unwrap();
+        let metric = domain.lumped().unwrap();
+        for count in 1..=3 {
+            let modes = lowest_modes(&domain, &metric, count).unwrap();
+            assert_eq!(modes.len(), count);
+            let zeros = modes.values().iter().filter(|lambda| lambda.abs() < 1e-9).count();
+            assert_eq!(zeros, count.min(2));
+        }
+        assert!(lowest_modes(&domain, &metric, 0).is_err());
+        assert!(lowest_modes(&domain, &metric, 11).is_err());
+    }
 }

@@ -69,6 +69,8 @@ impl Scene {
         };
         let places = self.particles.iter().map(place).collect();
         let mesh = Mesh::<D, K>::new(places, simplices.to_vec()).map_err(LaplacianError::from)?;
+        // Every particle of a heated body has a share of it.
+        mesh.check_referenced().map_err(LaplacianError::from)?;
         Ok(Elements::of(&mesh)?)
     }
 
