@@ -17,7 +17,7 @@ pub const KINDS: &[Kind] = &[
     Kind {
         name: "materials",
         krate: "elasticity",
-        rule: "energy, stress or second derivative off by more than 200 roundings of F - I make",
+        rule: "energy, stress or second derivative off by more than 40 roundings of F - I make",
         in_tests: 2000,
         trial: materials::trial,
     },

@@ -304,7 +304,7 @@ fn loads(draw: &mut Draw) -> Verdict {
 
 /// The load times a factor, or `None` where that is refused.
 fn scaled(load: &DeadLoad<3>, factor: f64) -> Option<DeadLoad<3>> {
-    Some(load.scaled(factor))
+    load.scaled(factor).ok()
 }
 
 fn densities(draw: &mut Draw) -> Verdict {

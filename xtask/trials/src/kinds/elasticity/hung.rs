@@ -149,11 +149,12 @@ fn cloth(draw: &mut Draw, on_pins: bool) -> Verdict {
     let Ok(flat) = rectangle([length, length], cells, Diagonals::Alternating) else {
         return Verdict::not_judged("no mesh");
     };
-    // A little out of its plane, as every cloth is.
+    // A little out of its plane, as every cloth is, but for the edge.
     let tilt = draw.uniform(-3.0, 3.0);
     let bump = 0.02 * length;
     let noise = draw.vector(flat.vertices().len());
-    let lift = |v: usize| bump * noise[v];
+    let straight = |v: usize| flat.vertices()[v][1] <= 1e-9 * length;
+    let lift = |v: usize| if straight(v) { 0.0 } else { bump * noise[v] };
     let rest: Vec<[f64; 3]> = flat
         .vertices()
         .iter()
