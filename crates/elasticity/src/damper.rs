@@ -50,7 +50,7 @@ impl<const D: usize> Dampers<D> {
         fixed: Vec<[f64; D]>,
         dampers: Vec<Damper>,
     ) -> Result<Self, UnknownVertex> {
-        let vertices = free + fixed.len();
+        let vertices = free.saturating_add(fixed.len());
         for (stencil, damper) in dampers.iter().enumerate() {
             if let Some(&vertex) = damper.vertices.iter().find(|&&vertex| vertex >= vertices) {
                 return Err(UnknownVertex { stencil, vertex, vertices });

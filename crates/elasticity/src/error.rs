@@ -17,6 +17,14 @@ pub enum SpringError {
     /// A rest length must be finite, and positive or, for Cauchy strain, zero.
     #[error("the rest length is {0} m; it must be finite and positive, or zero with Cauchy strain")]
     RestLength(f64),
+    /// Indices have 32 bits.
+    #[error("a net of {rows} x {columns} vertices has more than 32-bit indices can tell apart")]
+    TooMany {
+        /// Vertices down.
+        rows: usize,
+        /// Vertices across.
+        columns: usize,
+    },
     /// A net needs two rows and two columns.
     #[error("a net of {rows} x {columns} vertices has no cells; each side needs at least two")]
     NetSize {
@@ -36,7 +44,7 @@ pub enum ElasticityError {
     /// A pair that gives energy away for some strain.
     #[error(
         "lambda = {lambda} Pa and mu = {mu} Pa in {dimensions} dimensions: mu and the bulk modulus \
-         must be positive and finite"
+         must be positive, and their sums finite"
     )]
     Lame {
         /// The first parameter, Pa.
@@ -133,6 +141,38 @@ pub enum ElasticityError {
         /// The vertex.
         vertex: usize,
     },
+    /// A load that was made for a body that is held elsewhere.
+    #[error(
+        "the load is for other supports than the body's: give both the same numbering of freedoms"
+    )]
+    OtherSupports,
+    /// A place that is not finite.
+    #[error("the position of vertex {vertex} is not finite")]
+    Position {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A stress without bound.
+    #[error("the stress at vertex {vertex} is not finite: an element there is flat now")]
+    Stress {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A hinge with a flat triangle, or with a vertex twice.
+    #[error("a hinge needs two triangles that are not flat; vertices {vertices:?} make none")]
+    FlatHinge {
+        /// The ends of the edge, and the corners on either side.
+        vertices: [usize; 4],
+    },
+    /// An angle at rest that is not finite.
+    #[error("the angle of a hinge at rest is {0}; it must be finite")]
+    Angle(f64),
+    /// A tolerance must not be negative, nor NaN.
+    #[error("the tolerance of Newton's method is {0} kg^1/2 m/s^2; it must be zero or positive")]
+    Tolerance(f64),
+    /// A rest in which elements are turned inside out.
+    #[error("at rest elements are turned inside out or flat: {0}; load the body in smaller steps, or less")]
+    InsideOut(Places<usize>),
     /// A body, or a piece of it, that may still move as a whole.
     #[error("{count} rigid motions are free: {names}{}", of_piece(*piece, *pieces, *vertex))]
     RigidMotions {

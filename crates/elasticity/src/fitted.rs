@@ -105,12 +105,20 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
     }
 }
 
-/// `F^T F`.
-fn gram<N: Number, const D: usize, const R: usize>(f: &[[N; D]; R]) -> [[N; R]; R] {
+/// `F - I`.
+fn displacement_gradient<N: Number, const D: usize, const R: usize>(f: &[[N; D]; R]) -> [[N; D]; R] {
+    let mut g = *f;
+    for (k, column) in g.iter_mut().enumerate() {
+        column[k] -= 1.0;
+    }
+    g
+}
+
+/// `F^T F - I = G + G^T + G^T G`, without cancellation near rest.
+fn twice_green<N: Number, const D: usize, const R: usize>(f: &[[N; D]; R]) -> [[N; R]; R] {
+    let g = displacement_gradient(f);
     std::array::from_fn(|k| {
-        std::array::from_fn(|l| {
-            (0..D).map(|i| f[k][i] * f[l][i]).fold(N::from(0.0), |sum, term| sum + term)
-        })
+        std::array::from_fn(|l| (0..D).fold(g[k][l] + g[l][k], |sum, i| sum + g[k][i] * g[l][i]))
     })
 }
 
@@ -133,14 +141,8 @@ impl<const D: usize, const R: usize> Fitted<D, R, 2> for SaintVenantKirchhoff<R>
     }
 
     fn density<N: Number>(parameters: &[N; 2], f: &[[N; D]; R]) -> N {
-        let mut strain = gram(f);
-        for (k, column) in strain.iter_mut().enumerate() {
-            column[k] -= 1.0;
-            for entry in column {
-                *entry *= 0.5;
-            }
-        }
-        quadratic(parameters, &strain)
+        let half = twice_green(f).map(|column| column.map(|entry| entry * 0.5));
+        quadratic(parameters, &half)
     }
 }
 
@@ -166,18 +168,44 @@ impl<const D: usize> Fitted<D, D, 2> for NeoHookean<D> {
 
     fn density<N: Number>([lambda, mu]: &[N; 2], f: &[[N; D]; D]) -> N {
         let d = D as f64;
-        let stretch = (0..D).map(|k| gram(f)[k][k]).fold(N::from(-d), |sum, term| sum + term);
-        let growth = determinant(f) - 1.0;
+        let g = displacement_gradient(f);
+        let (mut plain, mut square) = (N::from(0.0), N::from(0.0));
+        for k in 0..D {
+            plain += g[k][k];
+            for i in 0..D {
+                square += g[k][i] * g[k][i];
+            }
+        }
+        // J - 1 = tr G + beyond, I - d = 2 tr G + |G|^2: the traces cancel.
+        let beyond = growth_beyond_trace(&g);
+        let growth = plain + beyond;
         let volume = *lambda + *mu * (1.0 - 2.0 / (d * (d + 1.0)));
-        let shear = *mu * ((d + 1.0) / d) * 0.5 * (stretch - (stretch / (d + 1.0)).ln_1p());
-        shear + volume * growth * growth * 0.5 - *mu * growth
+        let softened = excess_over_log((plain * 2.0 + square) / (d + 1.0));
+        *mu * (square * 0.5 - beyond + softened * (0.5 * (d + 1.0) / d))
+            + volume * growth * growth * 0.5
     }
 }
 
-fn determinant<N: Number, const D: usize>(f: &[[N; D]; D]) -> N {
-    if D == 2 {
-        return f[0][0] * f[1][1] - f[1][0] * f[0][1];
+/// `II(G) + det G` in space, `det G` in the plane.
+fn growth_beyond_trace<N: Number, const D: usize>(g: &[[N; D]; D]) -> N {
+    let minor = |i: usize, j: usize| g[i][i] * g[j][j] - g[i][j] * g[j][i];
+    if D == 2 { minor(0, 1) } else { minor(0, 1) + minor(1, 2) + minor(2, 0) + determinant(g) }
+}
+
+/// `y - log(1 + y)`: near zero by the series of `atanh r`, `r = y/(2 + y)`.
+fn excess_over_log<N: Number>(y: N) -> N {
+    if y.re().abs() > 0.3 {
+        return y - y.ln_1p();
     }
+    let r = y / (y + 2.0);
+    let t = r * r;
+    // r < 0.18: the terms from the twelfth on are below rounding.
+    let sum = (1..12).rev().fold(N::from(0.0), |sum, k| (sum + 1.0 / (2.0 * f64::from(k) + 1.0)) * t);
+    r * (y - sum * 2.0)
+}
+
+/// In space.
+fn determinant<N: Number, const D: usize>(f: &[[N; D]; D]) -> N {
     (0..D).fold(N::from(0.0), |sum, i| {
         let (j, k) = ((i + 1) % D, (i + 2) % D);
         sum + f[0][i] * (f[1][j] * f[2][k] - f[1][k] * f[2][j])

@@ -129,6 +129,12 @@ impl<const D: usize> Freedoms<D> {
         Ok(())
     }
 
+    /// Whether the same coordinates are held, in the same order: whether what is numbered by one fits
+    /// the other.
+    pub fn is_numbered_as(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.numbering, &other.numbering) || self.numbering == other.numbering
+    }
+
     /// The same numbering, of velocities: those of held coordinates are zero.
     pub(crate) fn resting(&self) -> Self {
         Freedoms { places: vec![0.0; self.places.len()], ..self.clone() }

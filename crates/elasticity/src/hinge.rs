@@ -12,7 +12,8 @@
 //! The angle is the signed one of atan2, of full accuracy folded or flat; it jumps at a full fold,
 //! where the sheet would pass through itself. The gradient is the closed one of Bridson et al.
 //! (2003); second derivatives are its exact derivatives by dual numbers. A flat triangle has no
-//! normal: its hinge is not finite, for the step to report. Source: Grinspun et al., Discrete
+//! normal: at rest it is refused, and where it becomes flat later the force is not finite, for the
+//! step to report. Source: Grinspun et al., Discrete
 //! Shells (2003).
 
 use num_dual::Dual64;
@@ -20,6 +21,9 @@ use stationary_calculus::{Curvature, Number, Stencil, StencilHessian, project_se
 use stationary_mesh::Mesh;
 
 use crate::ElasticityError;
+
+/// A triangle whose angles' sines are below this is flat: its normal is rounding.
+const FLAT: f64 = 1e-12;
 
 /// A fold between two triangles: a [`Stencil`] of four vertices in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,10 @@ pub struct Hinge {
 impl Hinge {
     /// A hinge of stiffness k, joules, at rest where the vertices are. `vertices` are the ends of
     /// the edge, then the corner on its left and the one on its right; `x` their places.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Bending`], and [`ElasticityError::FlatHinge`] for a triangle whose angles'
+    /// sines are below 1e-12, for places that are not finite and for a vertex that is named twice.
     pub fn new(
         vertices: [usize; 4],
         x: &[[f64; 3]; 4],
@@ -40,20 +48,45 @@ impl Hinge {
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(ElasticityError::Bending(stiffness));
         }
+        let repeated = (0..4).any(|a| vertices[..a].contains(&vertices[a]));
+        if repeated || !x.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(ElasticityError::FlatHinge { vertices });
+        }
         let fold = Fold::of(x);
+        let is_flat = |corner: usize, square: f64| {
+            let side = |end: usize| {
+                let apart = minus(&x[corner], &x[end]);
+                dot(&apart, &apart)
+            };
+            // Twice the area over the product of two sides: the sine of an angle.
+            let longest = fold.edge * fold.edge * side(0).max(side(1));
+            !(square > FLAT * FLAT * longest)
+        };
+        if is_flat(2, fold.left.1) || is_flat(3, fold.right.1) {
+            return Err(ElasticityError::FlatHinge { vertices });
+        }
         let area = 0.5 * (fold.left.1.sqrt() + fold.right.1.sqrt());
         let (stiffness, rest) = (stiffness * fold.edge * fold.edge / area, fold.angle());
-        if stiffness.is_finite() && rest.is_finite() {
-            Ok(Hinge { vertices, stiffness, rest })
-        } else {
-            Err(stationary_mesh::MeshError::Degenerate(stationary_mesh::Places(Vec::new())).into())
+        if !rest.is_finite() {
+            return Err(ElasticityError::FlatHinge { vertices });
+        }
+        // A stiffness whose forces and curvatures leave the range of numbers.
+        let steepest = fold.gradient().as_flattened().iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        match stiffness > 0.0 && (1e3 * stiffness * steepest * steepest).is_finite() {
+            true => Ok(Hinge { vertices, stiffness, rest }),
+            false => Err(ElasticityError::Bending(stiffness)),
         }
     }
 
     /// The same hinge with another angle at rest, radians: a crease.
-    #[must_use]
-    pub fn resting_at(self, angle: f64) -> Self {
-        Hinge { rest: angle, ..self }
+    ///
+    /// # Errors
+    /// [`ElasticityError::Angle`] where it is not finite.
+    pub fn resting_at(self, angle: f64) -> Result<Self, ElasticityError> {
+        match angle.is_finite() {
+            true => Ok(Hinge { rest: angle, ..self }),
+            false => Err(ElasticityError::Angle(angle)),
+        }
     }
 
     /// The angle of the fold, radians: zero where the sheet is flat.

@@ -25,6 +25,10 @@ pub struct Lame<const DIM: usize> {
     mu: f64,
 }
 
+/// Moduli are in this range, Pa: sums and ratios of them are finite and not zero.
+const SMALLEST: f64 = 1e-300;
+const LARGEST: f64 = 1e300;
+
 impl<const DIM: usize> Lame<DIM> {
     const D: f64 = {
         assert!(1 <= DIM && DIM <= 3, "space has one, two or three dimensions");
@@ -32,9 +36,14 @@ impl<const DIM: usize> Lame<DIM> {
     };
 
     /// The pair itself, Pa.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Lame`] where mu or the bulk modulus is not positive, or so large or so small
+    /// that products with a few of them leave the range of numbers.
     pub fn new(lambda: f64, mu: f64) -> Result<Self, ElasticityError> {
         let pair = Lame { lambda, mu };
-        let positive = mu > 0.0 && mu.is_finite() && pair.bulk() > 0.0 && lambda.is_finite();
+        let is_in_range = lambda.abs() <= LARGEST && (SMALLEST..=LARGEST).contains(&mu);
+        let positive = is_in_range && pair.bulk() > 0.0 && pair.young() > 0.0;
         if positive { Ok(pair) } else { Err(ElasticityError::Lame { lambda, mu, dimensions: DIM }) }
     }
 
@@ -94,7 +103,7 @@ impl Lame<3> {
     /// The pair of a sheet whose faces are free: the default for sheets.
     pub fn plane_stress(&self) -> Lame<2> {
         let Lame { lambda, mu } = *self;
-        Lame { lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu), mu }
+        Lame { lambda: lambda * (2.0 * mu / (lambda + 2.0 * mu)), mu }
     }
 
     /// The pair of a bar whose sides are free: stretched, it resists with Young's modulus.

@@ -47,6 +47,8 @@ impl<const D: usize> Material<D, D> for Linear<D> {
     type Tangent<T: Real> = LinearTangent<T, D>;
     type Semidefinite<T: Real> = LinearTangent<T, D>;
 
+    const SMALL_DISPLACEMENTS: bool = true;
+
     #[inline(always)]
     fn energy<T: Real>(&self, f: &[[T; D]; D]) -> T {
         let strain = strain(f);

@@ -23,6 +23,9 @@ pub struct DeadLoad<const D: usize> {
 
 impl<const D: usize> DeadLoad<D> {
     /// These forces, newtons, one for each vertex.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Load`] for a force that is not finite, and [`ElasticityError::Vertices`].
     pub fn new(freedoms: &Freedoms<D>, forces: Vec<[f64; D]>) -> Result<Self, ElasticityError> {
         let bad = |force: &[f64; D]| force.iter().any(|f| !f.is_finite());
         if let Some(vertex) = forces.iter().position(bad) {
@@ -103,14 +106,18 @@ impl<const D: usize> DeadLoad<D> {
         &self.forces
     }
 
+    /// The supports that it was made for.
+    pub(crate) fn freedoms(&self) -> &Freedoms<D> {
+        &self.freedoms
+    }
+
     /// The same load times a factor.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        DeadLoad {
-            freedoms: self.freedoms.clone(),
-            forces: self.forces.iter().map(|force| force.map(|f| factor * f)).collect(),
-            free: self.free.iter().map(|f| factor * f).collect(),
-        }
+    ///
+    /// # Errors
+    /// [`ElasticityError::Load`] where the product is not finite.
+    pub fn scaled(&self, factor: f64) -> Result<Self, ElasticityError> {
+        let forces = self.forces.iter().map(|force| force.map(|f| factor * f)).collect();
+        DeadLoad::new(&self.freedoms, forces)
     }
 
     /// The sum of two loads on the same vertices.

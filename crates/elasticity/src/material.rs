@@ -22,6 +22,10 @@ pub trait Material<const D: usize, const R: usize>: Copy + Send + Sync {
     /// Its nearest positive semidefinite neighbour.
     type Semidefinite<T: Real>: Tangent<T, D, R>;
 
+    /// Whether the law takes places now for places at rest, as linear elasticity does: `P` is then
+    /// Cauchy's stress as well, and no element is ever inside out to it.
+    const SMALL_DISPLACEMENTS: bool = false;
+
     /// The energy density `W(F)`, J/m^3.
     fn energy<T: Real>(&self, f: &[[T; D]; R]) -> T;
 

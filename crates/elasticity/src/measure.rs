@@ -15,8 +15,9 @@
 //! others have. A body that is turned inside out has the stretches of its mirror image. Source:
 //! notes 3.1 with its bonus section, 13.1; errata 3 (a sign of the deformed measure).
 
+use crate::eigen::{spectral, symmetric_eigen};
 use crate::singular::singular;
-use crate::tensor::green;
+use crate::tensor::{inner, scaled, twice_green};
 
 /// A measure of how much a length has changed. All agree for small changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +31,9 @@ pub enum Measure {
     /// `(l - L)/l`: relative to the deformed length.
     Deformed,
 }
+
+/// Up to this `|F^T F - I|^2` strain is taken from there.
+const NEAR: f64 = 0.25;
 
 impl Measure {
     /// All of them.
@@ -86,10 +90,26 @@ impl Measure {
 
     /// The strain tensor of F, given by columns.
     pub fn tensor<const D: usize, const R: usize>(self, f: &[[f64; D]; R]) -> [[f64; R]; R] {
+        let twice = twice_green(f);
+        if self == Measure::Green {
+            return scaled(&twice, 0.5);
+        }
+        // Small strains have their digits in F^T F - I, large ones in the stretches.
+        if inner(&twice, &twice) <= NEAR {
+            let (values, vectors) = symmetric_eigen(&twice);
+            return spectral(&vectors, &values.map(|c| self.of_square(c)));
+        }
+        singular(f).spectral(|s| self.strain(s.abs()))
+    }
+
+    /// The strain at a stretch whose square is `1 + c`.
+    fn of_square(self, c: f64) -> f64 {
+        let s = (1.0 + c).sqrt();
         match self {
-            // Without a root, and with the digits of small strains.
-            Measure::Green => green(f),
-            _ => singular(f).spectral(|s| self.strain(s.abs())),
+            Measure::Cauchy => c / (1.0 + s),
+            Measure::Green => 0.5 * c,
+            Measure::Logarithmic => 0.5 * c.ln_1p(),
+            Measure::Deformed => c / (s * (1.0 + s)),
         }
     }
 }
@@ -167,6 +187,23 @@ mod tests {
             // Volume: the trace of logarithmic strain is the logarithm of the product.
             let volume = trace(&Measure::Logarithmic.tensor(&f));
             prop_assert!((volume - (s[0] * s[1] * s[2]).ln()).abs() < 1e-12);
+        }
+
+        #[test]
+        fn small_strains_keep_their_digits_in_every_measure(
+            e in prop::array::uniform3(-1.0..1.0_f64), power in 10..40_i32,
+        ) {
+            // Doubles, so that F - I is what it says.
+            let size = 2.0_f64.powi(-power);
+            let e = e.map(|e| size * (e * 1024.0).round() / 1024.0);
+            let f = [[1.0 + e[0], 0.0, 0.0], [0.0, 1.0 + e[1], 0.0], [0.0, 0.0, 1.0 + e[2]]];
+            for measure in Measure::ALL {
+                let tensor = measure.tensor(&f);
+                for k in 0..3 {
+                    let error = (tensor[k][k] - e[k]).abs();
+                    prop_assert!(error <= 2.0 * e[k] * e[k] + 1e-15 * size, "{:?}", measure);
+                }
+            }
         }
 
         #[test]

@@ -5,6 +5,10 @@
 //! W = m/2 [I - d - log((I + 1)/(d + 1))] + l/2 (J - 1)^2 - mu (J - 1)         J/m^3
 //! m = mu (d + 1)/d,    l = lambda + mu - 2 mu/(d (d + 1))
 //! P = a F + b cof F,   a = m (1 - 1/(I + 1)),   b = l (J - 1) - mu
+//!
+//! near rest, where the terms of first order cancel, with C = F^T F and G = F - I
+//! W = m/2 [y - log(1 + y)] + (l + mu)/2 (J - 1)^2 - mu/2 [II(C - I) + det(C - I)],  y = (I - d)/(d + 1)
+//! P = (mu + s) G + (b I) (cof F - I) + (s + b + mu) I,   s = m y/((d + 1) (1 + y))
 //! K(a', b') = a (a'.b') I + 2 m/(I + 1)^2 (F a')(F b')^T + l (cof F a')(cof F b')^T
 //!             + b dcof        dcof = -[F (a' x b')]x in space
 //! ```
@@ -19,7 +23,8 @@
 use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, others, pairs};
 use crate::material::TakesTangent;
 use crate::tensor::{
-    apply, cofactor, cross, determinant, dot, gram, inner, is_positive, scaled, shifted,
+    apply, cofactor, cross, determinant, displacement_gradient, dot, gram, growth, inner,
+    is_positive, scaled, shifted, trace, twice_green,
 };
 use crate::{ElasticityError, Lame, Material, Real, Tangent, convexified};
 
@@ -50,19 +55,41 @@ impl<const D: usize> NeoHookean<D> {
         self.lame
     }
 
-    /// `I - d` and the energy of the volume.
+    /// `y = (I - d)/(d + 1)`, and the energy without `m/2 [y - log(1 + y)]`.
+    ///
+    /// ```text
+    /// mu [(I - d)/2 - (J - 1)] + l/2 (J - 1)^2
+    /// (I - d)/2 - (J - 1) = 1/2 [(F_11 - F_22)^2 + (F_12 + F_21)^2]                in the plane
+    ///                     = 1/2 [(J - 1)^2 - II(C - I) - det(C - I)]               in space
+    /// ```
+    /// The last form for small strains, turned or not: for large ones its terms cancel, and the first
+    /// one's do not.
     #[inline(always)]
-    fn excess_and_volume<T: Real>(&self, f: &[[T; D]; D]) -> (T, T) {
-        let growth = determinant(f) + T::splat(-1.0);
-        let volume = growth * (growth * (0.5 * self.volume) + T::splat(-self.lame.mu()));
-        (inner(f, f) + T::splat(-(D as f64)), volume)
+    fn softening_and_rest<T: Real>(&self, f: &[[T; D]; D]) -> (T, T) {
+        let (mu, half) = (self.lame.mu(), 0.5 * self.volume);
+        let g = displacement_gradient(f);
+        let growth = growth(&g, &cofactor(&g));
+        if D == 2 {
+            let (turned, sheared) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
+            let shape = turned.multiply_add(turned, sheared * sheared);
+            let excess = inner(&g, &g) + (g[0][0] + g[1][1]) * 2.0;
+            let rest = shape * (0.5 * mu) + growth * growth * half;
+            return (excess * (1.0 / (D as f64 + 1.0)), rest);
+        }
+        let c = twice_green(f);
+        let cofactors = cofactor(&c);
+        let (excess, invariants) = (trace(&c), trace(&cofactors) + dot(&c[0], &cofactors[0]));
+        let volume = growth * growth;
+        let near = volume.multiply_add(T::splat(half + 0.5 * mu), invariants * (-0.5 * mu));
+        let far = volume.multiply_add(T::splat(half), (excess * 0.5 - growth) * mu);
+        let rest = excess.where_above(T::splat(1.0), far, near);
+        (excess * (1.0 / (D as f64 + 1.0)), rest)
     }
 
-    /// The energy of the stretches on top of that of the volume.
+    /// The energy with the softening on top of the rest.
     #[inline(always)]
-    fn softened<T: Real>(&self, excess: T, volume: T) -> T {
-        let softening = log_of_one_and(excess * (1.0 / (D as f64 + 1.0)));
-        (excess - softening).multiply_add(T::splat(0.5 * self.stretch), volume)
+    fn softened<T: Real>(&self, y: T, rest: T) -> T {
+        excess_over_log(y).multiply_add(T::splat(0.5 * self.stretch), rest)
     }
 
     /// `1/(I + 1)`.
@@ -114,8 +141,8 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
 
     #[inline(always)]
     fn energy<T: Real>(&self, f: &[[T; D]; D]) -> T {
-        let (excess, volume) = self.excess_and_volume(f);
-        self.softened(excess, volume)
+        let (y, rest) = self.softening_and_rest(f);
+        self.softened(y, rest)
     }
 
     /// The logarithms come after all the rest: their long chains of dependent terms overlap.
@@ -123,26 +150,40 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
     fn energies<T: Real>(&self, mut f: impl FnMut(usize) -> [[T; D]; D], densities: &mut [T]) {
         const BATCH: usize = 16;
         for (batch, densities) in densities.chunks_mut(BATCH).enumerate() {
-            let mut excess = [T::splat(0.0); BATCH];
+            let mut y = [T::splat(0.0); BATCH];
             for (k, density) in densities.iter_mut().enumerate() {
-                (excess[k], *density) = self.excess_and_volume(&f(BATCH * batch + k));
+                (y[k], *density) = self.softening_and_rest(&f(BATCH * batch + k));
             }
-            for (density, excess) in densities.iter_mut().zip(excess) {
-                *density = self.softened(excess, *density);
+            for (density, y) in densities.iter_mut().zip(y) {
+                *density = self.softened(y, *density);
             }
         }
     }
 
     #[inline(always)]
     fn stress<T: Real>(&self, f: &[[T; D]; D]) -> [[T; D]; D] {
-        let a = (T::splat(1.0) - Self::softening(f)) * self.stretch;
-        let b = self.volume_stress(f);
-        let c = cofactor(f);
+        let (mu, d) = (self.lame.mu(), D as f64);
+        let g = displacement_gradient(f);
+        let c = cofactor(&g);
+        let plain = trace(&g);
+        let pressure = growth(&g, &c) * self.volume;
+        let excess = inner(&g, &g) + plain * 2.0;
+        // I + 1 = (I - d) + (d + 1)
+        let stiffened = excess * (excess + T::splat(d + 1.0)).reciprocal();
+        let s = stiffened * (self.stretch / (d + 1.0));
+        let (a, b) = (s + T::splat(mu), pressure + T::splat(-mu));
+        // cof F - I = tr G I - G^T + cof G in space, cof G in the plane.
+        let mut diagonal = s + pressure;
+        if D == 3 {
+            diagonal = b.multiply_add(plain, diagonal);
+        }
         let mut stress = *f;
         for k in 0..D {
             for i in 0..D {
-                stress[k][i] = f[k][i].multiply_add(a, c[k][i] * b);
+                let beyond = if D == 3 { c[k][i] - g[i][k] } else { c[k][i] };
+                stress[k][i] = g[k][i].multiply_add(a, beyond * b);
             }
+            stress[k][k] += diagonal;
         }
         stress
     }
@@ -188,19 +229,19 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
     }
 }
 
-/// Below this `(y/(2 + y))^2` the polynomial of [`log_of_one_and`] is exact to rounding: for y from
+/// Below this `(y/(2 + y))^2` the polynomial of [`excess_over_log`] is exact to rounding: for y from
 /// -0.29 to 0.41.
 const MODERATE: f64 = 0.1716 * 0.1716;
 
-/// `log(1 + y) = 2 atanh r`, `r = y/(2 + y)`: a polynomial of r where every element's y is moderate,
-/// for a fraction of the time that logarithms take one by one.
+/// `y - log(1 + y) = y r - 2 (atanh r - r)`, `r = y/(2 + y)`: a polynomial of r where every element's
+/// y is moderate, for a fraction of the time that logarithms take one by one, and without cancellation.
 #[inline(always)]
-fn log_of_one_and<T: Real>(y: T) -> T {
+fn excess_over_log<T: Real>(y: T) -> T {
     let r = y * (y + T::splat(2.0)).reciprocal();
     let t = r * r;
     if t.any(|t| t.is_nan() | (t >= MODERATE)) {
-        let [log] = T::each(&[y], |[y]| [y.ln_1p()]);
-        return log;
+        let [excess] = T::each(&[y], |&[y]| [plain_excess_over_log(y)]);
+        return excess;
     }
     // The terms in pairs, and pairs of pairs: a sum one by one would wait for itself.
     let (square, fourth) = (t * t, (t * t) * (t * t));
@@ -208,8 +249,19 @@ fn log_of_one_and<T: Real>(y: T) -> T {
     let low = pair(2).multiply_add(square, pair(0));
     let high = T::splat(ATANH[6]).multiply_add(square, pair(4));
     let sum = high.multiply_add(fourth, low);
-    let twice = r + r;
-    (twice * t).multiply_add(sum, twice)
+    ((t + t) * -r).multiply_add(sum, y * r)
+}
+
+/// The same of one number: beside others that are not moderate it keeps its own bits but for rounding.
+fn plain_excess_over_log(y: f64) -> f64 {
+    let r = y / (2.0 + y);
+    let t = r * r;
+    if t < MODERATE {
+        let sum = ATANH.iter().rev().fold(0.0, |sum, c| sum * t + c);
+        y * r - 2.0 * r * t * sum
+    } else {
+        y - y.ln_1p()
+    }
 }
 
 /// `(atanh(r)/r - 1)/r^2` as a polynomial of `r^2`, through Chebyshev points from 0 to [`MODERATE`].
@@ -300,16 +352,44 @@ mod tests {
 
     #[test]
     fn the_series_is_the_logarithm_on_both_sides_of_its_border() {
-        for y in [-0.74, -0.3, -0.292, -0.1, -1e-9, 0.0, 1e-12, 0.2, 0.414, 0.4145, 30.0, 1e300] {
+        for y in [-0.74, -0.3, -0.292, -0.1, 0.2, 0.414, 0.4145, 30.0, 1e300] {
             for other in [0.01, 5.0] {
-                let lanes = log_of_one_and(Lanes::from([y, other, 0.3, y]));
+                let lanes = excess_over_log(Lanes::from([y, other, 0.3, y]));
                 for (lane, y) in [y, other, 0.3, y].into_iter().enumerate() {
-                    let log = lanes.lane(lane);
-                    let exact = y.ln_1p();
-                    assert!((log - exact).abs() <= 4e-16 * exact.abs(), "{y}: {log} {exact}");
+                    let (got, exact) = (lanes.lane(lane), y - y.ln_1p());
+                    // The plain difference loses y over the result.
+                    assert!((got - exact).abs() <= 1e-15 * y.abs() + 4e-16 * exact, "{y}: {got}");
                 }
             }
         }
-        assert!(log_of_one_and(f64::NAN).is_nan() && log_of_one_and(-1.5).is_nan());
+        assert!(excess_over_log(f64::NAN).is_nan() && excess_over_log(-1.5).is_nan());
+    }
+
+    #[test]
+    fn the_series_keeps_its_digits_down_to_nothing() {
+        for y in [1e-12, -1e-9, 1e-5, -1e-5, 0.0] {
+            let exact = y * y * (0.5 - y * (1.0 / 3.0 - y * 0.25));
+            for other in [0.0, 5.0] {
+                let got = excess_over_log(Lanes::from([y, other, 0.3, y])).lane(0);
+                assert!((got - exact).abs() <= 1e-14 * exact, "{y}: {got} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn energy_and_stress_keep_their_digits_at_strains_of_1e_12() {
+        let lame = Lame::<3>::from_young_poisson(1.0, 0.3).unwrap();
+        let (lambda, mu) = (lame.lambda(), lame.mu());
+        let rubber = NeoHookean::new(lame).unwrap();
+        // Doubles, so that F is exactly I + e: to leading order the linear law's.
+        for e in [2.0_f64.powi(-40), 2.0_f64.powi(-30), 2.0_f64.powi(-24)] {
+            let f = [[1.0 + e, 0.0, 0.0], [0.0, 1.0, 0.0], [e, 0.0, 1.0 - 2.0 * e]];
+            let energy = mu * (5.0 * e * e + 0.5 * e * e) + 0.5 * lambda * e * e;
+            assert!((rubber.energy(&f) / energy - 1.0).abs() < 20.0 * e + 1e-14, "{e}");
+            let along = 2.0 * mu * e - lambda * e;
+            assert!((rubber.stress(&f)[0][0] / along - 1.0).abs() < 100.0 * e + 1e-13, "{e}");
+        }
+        let rest = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!((rubber.energy(&rest), rubber.stress(&rest)), (0.0, [[0.0; 3]; 3]));
     }
 }

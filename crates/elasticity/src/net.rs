@@ -26,11 +26,20 @@ pub struct Net {
 }
 
 /// The springs of a net, row by row.
+///
+/// # Errors
+/// [`SpringError::NetSize`], [`SpringError::TooMany`], and what a [`Spring`] refuses.
 pub fn net(size: Net) -> Result<Vec<Spring>, SpringError> {
     let Net { rows, columns, spacing, stiffness, strain } = size;
     if rows < 2 || columns < 2 {
         return Err(SpringError::NetSize { rows, columns });
     }
+    if rows.checked_mul(columns).is_none_or(|vertices| vertices > u32::MAX as usize) {
+        return Err(SpringError::TooMany { rows, columns });
+    }
+    // A spring that cannot be is known before there is room for all of them.
+    Spring::new([0, 1], spacing, stiffness, strain)?;
+    Spring::new([0, 1], spacing * SQRT_2, stiffness, strain)?;
     let mut springs = Vec::with_capacity(4 * rows * columns);
     let mut join = |a: usize, b: usize, length: f64| {
         springs.push(Spring::new([a, b], length, stiffness, strain)?);
@@ -68,5 +77,7 @@ mod tests {
         assert_eq!(net(thin), Err(SpringError::NetSize { rows: 1, columns: 20 }));
         let slack = Net { stiffness: 0.0, ..size };
         assert_eq!(net(slack), Err(SpringError::Stiffness(0.0)));
+        let vast = Net { rows: 1 << 40, ..size };
+        assert_eq!(net(vast), Err(SpringError::TooMany { rows: 1 << 40, columns: 20 }));
     }
 }

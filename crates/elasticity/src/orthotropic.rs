@@ -12,7 +12,7 @@
 //! is the isotropic sheet. For sheets in the plane and membranes in space; for small strains,
 //! however large the motion.
 
-use crate::tensor::{apply, dot};
+use crate::tensor::{apply, dot, green};
 use crate::{ElasticityError, FullTangent, Material, Real, Tangent};
 
 /// Moduli of a woven sheet in plane stress.
@@ -50,6 +50,10 @@ impl Orthotropic {
         }
         let c22 = weft / one;
         let stiffness = [warp / one, c22, poisson * c22, shear];
+        // Moduli so large that stresses overflow.
+        if stiffness.iter().any(|c| c.abs() > 1e300) {
+            return Err(ElasticityError::Weave(weave));
+        }
         Ok(Orthotropic { stiffness, warp: [angle.cos(), angle.sin()] })
     }
 
@@ -69,9 +73,15 @@ impl Orthotropic {
 
     /// Strain S11, S22 and 2 S12, and the stress that goes with each.
     #[inline(always)]
-    fn strain_and_stress<T: Real, const D: usize>(&self, threads: &[[T; D]; 2]) -> [[T; 3]; 2] {
-        let half = |x: &[T; D]| (dot(x, x) + T::splat(-1.0)) * 0.5;
-        let strain = [half(&threads[0]), half(&threads[1]), dot(&threads[0], &threads[1])];
+    fn strain_and_stress<T: Real, const D: usize>(&self, f: &[[T; D]; 2]) -> [[T; 3]; 2] {
+        let [c, s] = self.warp;
+        let e = green(f);
+        let sheared = e[0][1] * (2.0 * c * s);
+        let strain = [
+            e[0][0] * (c * c) + sheared + e[1][1] * (s * s),
+            e[0][0] * (s * s) - sheared + e[1][1] * (c * c),
+            (e[1][1] - e[0][0]) * (2.0 * c * s) + e[0][1] * (2.0 * (c * c - s * s)),
+        ];
         [strain, self.stress_of(&strain)]
     }
 
@@ -88,14 +98,14 @@ impl<const D: usize> Material<D, 2> for Orthotropic {
 
     #[inline(always)]
     fn energy<T: Real>(&self, f: &[[T; D]; 2]) -> T {
-        let [strain, stress] = self.strain_and_stress(&self.threads(f));
+        let [strain, stress] = self.strain_and_stress(f);
         dot(&strain, &stress) * 0.5
     }
 
     #[inline(always)]
     fn stress<T: Real>(&self, f: &[[T; D]; 2]) -> [[T; D]; 2] {
         let threads = self.threads(f);
-        let [_, [s11, s22, s12]] = self.strain_and_stress(&threads);
+        let [_, [s11, s22, s12]] = self.strain_and_stress(f);
         // By columns along the threads, then turned back to the reference directions.
         let warp = apply(&threads, &[s11, s12]);
         let weft = apply(&threads, &[s12, s22]);
@@ -109,7 +119,7 @@ impl<const D: usize> Material<D, 2> for Orthotropic {
     #[inline(always)]
     fn tangent<T: Real>(&self, f: &[[T; D]; 2], weight: T) -> OrthotropicTangent<T, D> {
         let threads = self.threads(f);
-        let [_, stress] = self.strain_and_stress(&threads);
+        let [_, stress] = self.strain_and_stress(f);
         OrthotropicTangent {
             material: *self,
             threads,

@@ -149,14 +149,17 @@ where
     for (number, element) in mesh.elements().iter().enumerate() {
         let nodes = mesh.corners(element);
         points.clear();
+        let (mut negative, mut positive) = (false, true);
         points.extend(rule.iter().map(|(l, weight)| {
             let Point { gradients, size } = point::<F, N, R, Q, G>(&nodes, l);
+            negative |= size < 0.0;
+            // A NaN is flat as well: nothing may come of it.
+            positive &= size > 0.0;
             Point { gradients, size: size * weight }
         }));
-        // A NaN is flat as well: nothing may come of it.
-        if points.iter().any(|point| point.size < 0.0) {
+        if negative {
             inverted.push(number);
-        } else if !points.iter().all(|point| point.size > 0.0) {
+        } else if !positive {
             flat.push(number);
         }
         see(number, &points);

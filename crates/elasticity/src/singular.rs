@@ -223,7 +223,7 @@ fn completed<const D: usize, const R: usize>(
 
 /// The determinant where the matrix is square, else zero.
 #[inline(always)]
-fn square_determinant<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> T {
+pub(crate) fn square_determinant<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> T {
     let at = |i: usize, k: usize| f[k][i];
     match (D, R) {
         (1, 1) => at(0, 0),

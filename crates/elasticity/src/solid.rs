@@ -23,7 +23,8 @@ use crate::lane_hessian::{Accumulation, LaneHessian, begin, complete};
 use crate::lanes::LANES;
 use crate::material::TakesTangent;
 use crate::shape::visit_points;
-use crate::tensor::{apply, determinant, scaled};
+use crate::singular::square_determinant;
+use crate::tensor::{apply, scaled};
 use crate::{ElasticityError, Elements, Freedoms, Lanes, Material, Real, Reference};
 
 /// Elements of `N` nodes and `Q` quadrature points, of `R` dimensions in `D`, of one material.
@@ -84,9 +85,10 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     /// borders between parts are computed twice, few of them where neighbours in the mesh have
     /// close numbers. A matrix that was analysed for another number of parts refuses this one. From
     /// outside the threads' pool each call has to wake two of them, from within it one: what calls
-    /// often had better run there.
+    /// often had better run there. There are no more parts than groups of four elements.
     #[must_use]
     pub fn in_parts(self, count: usize) -> Self {
+        let count = count.min(self.groups.len());
         let division = Division::new(&self.freedoms, &self.groups, count);
         Solid { division, ..self }
     }
@@ -317,16 +319,25 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 }
 
-impl<M: Material<D, D>, const N: usize, const D: usize, const Q: usize> Solid<M, N, D, D, Q> {
-    /// The elements that are turned inside out, or flat, at some quadrature point.
+impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
+    Solid<M, N, D, R, Q>
+{
+    /// The elements that are turned inside out, or flat, at some quadrature point. A bar, sheet or
+    /// membrane in more dimensions than its own has no inside: none are.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Freedoms`].
     pub fn inverted(&self, q: &[f64]) -> Result<Vec<usize>, ElasticityError> {
         self.freedoms.check(q.len())?;
         let mut inverted = Vec::new();
+        if D != R {
+            return Ok(inverted);
+        }
         for (number, group) in self.groups.iter().enumerate() {
             let x = group.corners(&self.freedoms, q);
             for lane in 0..group.filled {
-                let bad = |gradients: &[[Lanes; D]; N]| {
-                    let volume = determinant(&deformation(&x, gradients)).lane(lane);
+                let bad = |gradients: &[[Lanes; R]; N]| {
+                    let volume = square_determinant(&deformation(&x, gradients)).lane(lane);
                     volume <= 0.0 || volume.is_nan()
                 };
                 if group.gradients.iter().any(bad) {

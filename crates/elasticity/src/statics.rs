@@ -7,16 +7,28 @@
 //! `f` a dead load (N), `t` the fraction of it: each step starts where the one before came to rest,
 //! so that Newton's method has a good guess. The line search lowers the energy; where the Hessian
 //! is not positive definite it is shifted by the mass (the ladder of calculus). What is found is a
-//! minimum of the energy, not of all of them the lowest. A body that can still move as a whole is
-//! refused before any solve: its Hessian has no inverse, and the answer would be whatever rounding
-//! makes of it. Source: notes 4.4; load stepping after Bonet and Wood (2008).
+//! minimum of the energy, not of all of them the lowest.
+//!
+//! ```text
+//! residual  |dV - t f|, in the metric: (r . M^-1 r)^(1/2), kg^1/2 m/s^2
+//! rounding  4 eps |H| max|x|           what rounding of the places alone makes of dV
+//! ```
+//! A residual below the second line is rest: where Newton's method gives up there, because nothing
+//! falls any more, the answer stands. It is as good as the places' own digits.
+//!
+//! A body that may shift as a whole is refused before any solve: its Hessian has no inverse. One that
+//! may turn, on a hinge, two pins or an edge, hangs where its load is lowest; it is turned there before
+//! the solve, and refused where the load does not hold it (`rigid_motions`). A rest in which elements
+//! are inside out is refused, with their numbers. Source: notes 4.4; load stepping after Bonet and
+//! Wood (2008).
 
 use stationary_calculus::{
-    ConjugateGradient, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver,
-    IterativeSolver, Newton, Ordering, Potential, SparseSolver,
+    ConjugateGradient, Covector, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver,
+    IterativeSolver, Metric, Newton, NewtonEnd, Ordering, Potential, Sink, SparseSolver, Vector,
 };
+use stationary_mesh::Places;
 
-use crate::rigid_motions::check_held;
+use crate::rigid_motions::{check_hung, hang};
 use crate::{DeadLoad, ElasticityError, Material, Solid};
 
 /// How each of Newton's steps is solved.
@@ -41,10 +53,11 @@ pub struct Statics {
 }
 
 impl Default for Statics {
-    /// In one step, to rounding, by a factor.
+    /// In one step, to rounding, by a factor. A hanging cloth takes more than a hundred iterations, of
+    /// which most find out where it folds.
     fn default() -> Self {
         let solves = Solves::Factor(Ordering::default());
-        Statics { steps: 1, newton: Newton::default(), solves }
+        Statics { steps: 1, newton: Newton { iterations: 300, ..Newton::default() }, solves }
     }
 }
 
@@ -55,6 +68,10 @@ pub struct AtRest {
     pub steps: Vec<EquilibriumReport>,
     /// The forces that hold the held coordinates, in their order, newtons.
     pub reactions: Vec<f64>,
+    /// The elements that are inside out: of a law of small displacements, to which that means nothing,
+    /// though to a reader of its answer it means that displacements are not small. Empty for every
+    /// other law, whose rest would be refused.
+    pub inverted: Vec<usize>,
 }
 
 impl AtRest {
@@ -67,6 +84,14 @@ impl AtRest {
 impl Statics {
     /// Moves `q` to where the body rests under the load, with its held coordinates moved to
     /// `places` along the way. On failure both are left as they were.
+    ///
+    /// # Errors
+    /// [`ElasticityError::NoSteps`] and [`ElasticityError::Tolerance`] for settings that cannot be;
+    /// [`ElasticityError::Freedoms`], [`ElasticityError::Position`], [`ElasticityError::HeldPlaces`],
+    /// [`ElasticityError::Held`] and [`ElasticityError::OtherSupports`] for what does not fit the body;
+    /// [`ElasticityError::RigidMotions`] where it may still move as a whole;
+    /// [`ElasticityError::Statics`] where a load step finds no rest, and
+    /// [`ElasticityError::InsideOut`] where it is one of elements inside out.
     pub fn solve<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
         &self,
         solid: &mut Solid<M, N, D, R, Q>,
@@ -78,22 +103,51 @@ impl Statics {
     where
         M: Material<D, R>,
     {
-        solid.freedoms().check(q.len())?;
+        self.check(solid, load, metric, q)?;
         let before = solid.freedoms().places().to_vec();
         let mut x = q.to_vec();
-        check_held(solid, &x)?;
+        hang(solid, load, &mut x)?;
         let solved = self.climb(solid, load, metric, (&before, places), &mut x);
-        match solved {
-            Ok(steps) => {
+        let rest = solved.and_then(|steps| at_rest(solid, load, steps, &x));
+        match rest {
+            Ok(rest) => {
                 q.copy_from_slice(&x);
-                let differential = solid.held_differential(q)?;
-                let reactions = differential.iter().zip(load.at_held()).map(|(dv, f)| dv - f);
-                Ok(AtRest { steps, reactions: reactions.collect() })
+                Ok(rest)
             }
             Err(error) => {
                 solid.hold_at(&before)?;
                 Err(error)
             }
+        }
+    }
+
+    /// Whether the settings can be, and what is given fits the body.
+    fn check<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
+        &self,
+        solid: &Solid<M, N, D, R, Q>,
+        load: &DeadLoad<D>,
+        metric: &DiagonalMetric<Vec<f64>>,
+        q: &[f64],
+    ) -> Result<(), ElasticityError>
+    where
+        M: Material<D, R>,
+    {
+        if self.steps == 0 {
+            return Err(ElasticityError::NoSteps);
+        }
+        if self.newton.tolerance.is_nan() || self.newton.tolerance < 0.0 {
+            return Err(ElasticityError::Tolerance(self.newton.tolerance));
+        }
+        let freedoms = solid.freedoms();
+        freedoms.check(q.len())?;
+        freedoms.check(metric.dim())?;
+        if !load.freedoms().is_numbered_as(freedoms) {
+            return Err(ElasticityError::OtherSupports);
+        }
+        let positions = freedoms.positions(q)?;
+        match positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+            Some(vertex) => Err(ElasticityError::Position { vertex }),
+            None => Ok(()),
         }
     }
 
@@ -108,9 +162,6 @@ impl Statics {
     where
         M: Material<D, R>,
     {
-        if self.steps == 0 {
-            return Err(ElasticityError::NoSteps);
-        }
         solid.hold_at(end)?;
         match self.solves {
             Solves::Factor(ordering) => {
@@ -144,16 +195,81 @@ impl Statics {
             let between: Vec<f64> =
                 start.iter().zip(end).map(|(a, b)| (1.0 - t) * a + t * b).collect();
             solid.hold_at(&between)?;
-            let potential = (&*solid, load.scaled(t));
-            potential.0.freedoms().check(potential.1.dim())?;
+            let potential = (&*solid, load.scaled(t)?);
             let mut search = Equilibrium::new(metric, &potential, &mut solver, self.newton)?;
-            let found = search.find(x);
-            reports.push(found.map_err(|source| ElasticityError::Statics {
-                step,
-                steps,
-                source,
-            })?);
+            let found = search.find(x).or_else(|source| {
+                // What is left may be rounding: then there is nothing left to fall.
+                let tolerance = rounding(solid, metric, x);
+                if source.history.last().is_none_or(|&last| !(last <= tolerance)) {
+                    return Err(ElasticityError::Statics { step, steps, source });
+                }
+                let newton = Newton { tolerance, ..self.newton };
+                let mut search = Equilibrium::new(metric, &potential, &mut solver, newton)?;
+                let found = search.find(x);
+                let mut report =
+                    found.map_err(|source| ElasticityError::Statics { step, steps, source })?;
+                report.newton.iterations = source.history.len() as u32 - 1;
+                report.newton.end = NewtonEnd::Rounding;
+                Ok(report)
+            });
+            reports.push(found?);
         }
         Ok(reports)
+    }
+}
+
+/// The reactions at a rest that was found, which must be one.
+fn at_rest<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
+    solid: &Solid<M, N, D, R, Q>,
+    load: &DeadLoad<D>,
+    steps: Vec<EquilibriumReport>,
+    q: &[f64],
+) -> Result<AtRest, ElasticityError>
+where
+    M: Material<D, R>,
+{
+    check_hung(solid, load, q)?;
+    let inverted = solid.inverted(q)?;
+    if !inverted.is_empty() && !M::SMALL_DISPLACEMENTS {
+        return Err(ElasticityError::InsideOut(Places(inverted)));
+    }
+    let differential = solid.held_differential(q)?;
+    let reactions = differential.iter().zip(load.at_held()).map(|(dv, f)| dv - f).collect();
+    Ok(AtRest { steps, reactions, inverted })
+}
+
+/// How much of the residual rounding may be, in the metric: `4 eps |H| max|x|`.
+fn rounding<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
+    solid: &Solid<M, N, D, R, Q>,
+    metric: &DiagonalMetric<Vec<f64>>,
+    q: &[f64],
+) -> f64
+where
+    M: Material<D, R>,
+{
+    let places = q.iter().chain(solid.freedoms().places());
+    let farthest = places.fold(0.0, |most: f64, x| most.max(x.abs()));
+    let mut sink = RowSizes { rows: vec![0.0; q.len()] };
+    solid.add_hessian(q, &mut sink);
+    let noise: Vec<f64> = sink.rows.iter().map(|row| 4.0 * f64::EPSILON * farthest * row).collect();
+    let mut acceleration = vec![0.0; q.len()];
+    metric.sharp(Covector(&noise), Vector(&mut acceleration));
+    noise.iter().zip(&acceleration).map(|(f, a)| f * a).sum::<f64>().sqrt()
+}
+
+/// Sums the sizes of the entries of each row.
+struct RowSizes {
+    rows: Vec<f64>,
+}
+
+impl Sink for RowSizes {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for column in block.chunks_exact(freedoms.len()) {
+            for (&row, entry) in freedoms.iter().zip(column) {
+                if let Some(sum) = self.rows.get_mut(row) {
+                    *sum += entry.abs();
+                }
+            }
+        }
     }
 }

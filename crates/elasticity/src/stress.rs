@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! sigma = P F^T / J                     Cauchy's stress, D x D, Pa
-//! sigma_e(X_a) = sum_q w_q(a) sigma_q   the linear function through its values at the points
+//! sigma = P                             of a law of small displacements, which knows no F^T and no J
+//! sigma_e(X_a) = sum_q w_q(a) sigma_q   the linear function nearest to the values at the points
 //! sigma_a = sum_e |e| sigma_e(X_a) / sum_e |e|         over the elements e at node a
 //! ```
 //! Named extrapolated and averaged: stress is taken at the quadrature points, where it is most
@@ -11,11 +12,18 @@
 //! between two materials stress may jump, and is averaged all the same. Source: Zienkiewicz and
 //! Taylor, The Finite Element Method (2005); Barlow (1976).
 
-use crate::shape::point;
+use nalgebra::DMatrix;
+
+use crate::shape::visit_points;
 use crate::tensor::determinant;
 use crate::{ElasticityError, Elements, Material, Reference};
 
 /// Cauchy's stress at every node, by columns, Pa; zero at nodes that no element names.
+///
+/// # Errors
+/// [`ElasticityError::Vertices`], [`ElasticityError::Position`] for positions that are not finite,
+/// [`ElasticityError::Mesh`] for elements that are flat or inside out at rest, and
+/// [`ElasticityError::Stress`] where an element is so flat now that its stress has no bound.
 pub fn averaged_stress<F, M, const N: usize, const D: usize, const Q: usize>(
     _family: F,
     mesh: &impl Elements<D, N>,
@@ -26,21 +34,24 @@ where
     F: Reference<N, D, Q>,
     M: Material<D, D>,
 {
+    const { assert!(1 <= Q, "stress is taken at quadrature points") };
     let (expected, got) = (mesh.count(), positions.len());
     if expected != got {
         return Err(ElasticityError::Vertices { expected, got });
     }
+    if let Some(vertex) = positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+        return Err(ElasticityError::Position { vertex });
+    }
+    let shares = shares(&F::POINTS.map(|(l, _)| l), &F::NODES);
     let mut sums = vec![([[0.0; D]; D], 0.0); mesh.count()];
-    for element in mesh.elements() {
-        let rest = mesh.corners(element);
+    visit_points::<F, N, D, Q, D>(mesh, &F::POINTS, |number, points| {
+        let element = &mesh.elements()[number];
         let moved = element.map(|node| positions[node]);
-        let points = F::POINTS.map(|(l, weight)| (point::<F, N, D, Q, D>(&rest, &l), weight));
-        let size: f64 = points.iter().map(|(point, weight)| weight * point.size).sum();
-        let stresses =
-            points.map(|(point, _)| cauchy(material, &deformation(&moved, &point.gradients)));
-        for (&node, l) in element.iter().zip(&F::NODES) {
+        let size: f64 = points.iter().map(|point| point.size).sum();
+        for (&node, shares) in element.iter().zip(&shares) {
             let (sum, weight) = &mut sums[node];
-            for (stress, share) in stresses.iter().zip(shares::<F, N, D, Q>(l)) {
+            for (point, share) in points.iter().zip(shares) {
+                let stress = cauchy(material, &deformation(&moved, &point.gradients));
                 for j in 0..D {
                     for i in 0..D {
                         sum[j][i] += size * share * stress[j][i];
@@ -49,28 +60,38 @@ where
             }
             *weight += size;
         }
-    }
+    })?;
     let average = |(sum, weight): ([[f64; D]; D], f64)| {
         if weight > 0.0 { sum.map(|column| column.map(|entry| entry / weight)) } else { sum }
     };
-    Ok(sums.into_iter().map(average).collect())
+    let stresses: Vec<[[f64; D]; D]> = sums.into_iter().map(average).collect();
+    let is_bad = |stress: &[[f64; D]; D]| stress.as_flattened().iter().any(|x| !x.is_finite());
+    match stresses.iter().position(is_bad) {
+        Some(vertex) => Err(ElasticityError::Stress { vertex }),
+        None => Ok(stresses),
+    }
 }
 
-/// The linear functions that are one at their own quadrature point and zero at the others. Point q
-/// is the one close to corner q.
-fn shares<F, const N: usize, const D: usize, const Q: usize>(l: &[f64; D]) -> [f64; Q]
-where
-    F: Reference<N, D, Q>,
-{
-    if Q == 1 {
-        return [1.0; Q];
-    }
-    let coordinate = |l: &[f64; D], corner: usize| match corner {
-        0 => 1.0 - l.iter().sum::<f64>(),
-        corner => l[corner - 1],
-    };
-    let (near, far) = (coordinate(&F::POINTS[0].0, 0), coordinate(&F::POINTS[1].0, 0));
-    std::array::from_fn(|q| (coordinate(l, q) - far) / (near - far))
+/// What each point's value counts for at each node: of the linear functions that are nearest to the
+/// values at the points the one that is constant where the points say nothing.
+fn shares<const N: usize, const D: usize, const Q: usize>(
+    points: &[[f64; D]; Q],
+    nodes: &[[f64; D]; N],
+) -> [[f64; Q]; N] {
+    /// Directions in which the points spread less than this part of the most are none.
+    const SPREAD: f64 = 1e-9;
+    let middle: [f64; D] =
+        std::array::from_fn(|i| points.iter().map(|l| l[i]).sum::<f64>() / Q as f64);
+    // An average, and slopes that least squares take from where the points are.
+    let apart = DMatrix::from_fn(Q, D, |q, i| points[q][i] - middle[i]);
+    let spread = apart.amax();
+    let slopes = apart.pseudo_inverse(SPREAD * spread).unwrap_or_else(|_| DMatrix::zeros(D, Q));
+    std::array::from_fn(|a| {
+        std::array::from_fn(|q| {
+            let slope: f64 = (0..D).map(|i| (nodes[a][i] - middle[i]) * slopes[(i, q)]).sum();
+            1.0 / Q as f64 + slope
+        })
+    })
 }
 
 /// F from the gradients of the shape functions.
@@ -83,9 +104,13 @@ fn deformation<const N: usize, const D: usize>(
     })
 }
 
-/// Cauchy's stress of a material at F, by columns, Pa. Not finite where F is singular.
-pub fn cauchy<const D: usize>(material: &impl Material<D, D>, f: &[[f64; D]; D]) -> [[f64; D]; D] {
+/// Cauchy's stress of a material at F, by columns, Pa. Not finite where F is singular, unless the law
+/// is one of small displacements.
+pub fn cauchy<M: Material<D, D>, const D: usize>(material: &M, f: &[[f64; D]; D]) -> [[f64; D]; D] {
     let (stress, volume) = (material.stress(f), determinant(f));
+    if M::SMALL_DISPLACEMENTS {
+        return stress;
+    }
     std::array::from_fn(|j| {
         std::array::from_fn(|i| (0..D).map(|k| stress[k][i] * f[k][j]).sum::<f64>() / volume)
     })

@@ -179,19 +179,71 @@ pub(crate) fn is_positive<T: Real, const R: usize>(s: &[[T; R]; R]) -> bool {
     (second * third - mixed * mixed).all(positive)
 }
 
+/// The displacement gradient `G = F - I`, of a body that lies along its first R directions; exact
+/// near rest.
+#[inline(always)]
+pub(crate) fn displacement_gradient<T: Real, const D: usize, const R: usize>(
+    f: &[[T; D]; R],
+) -> [[T; D]; R] {
+    let mut g = *f;
+    for (k, column) in g.iter_mut().enumerate() {
+        column[k] += T::splat(-1.0);
+    }
+    g
+}
+
+/// `C - I = F^T F - I = G + G^T + G^T G`: nothing of small strains is lost to the ones, and no more
+/// than `F^T F - I` loses where a body is turned.
+#[inline(always)]
+pub(crate) fn twice_green<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; R]; R] {
+    let g = displacement_gradient(f);
+    let mut strain = [[T::splat(0.0); R]; R];
+    for k in 0..R {
+        for l in 0..=k {
+            strain[k][l] = dot(&g[k], &g[l]) + (g[k][l] + g[l][k]);
+            strain[l][k] = strain[k][l];
+        }
+    }
+    strain
+}
+
 /// Green's strain `1/2 (F^T F - I)`.
 #[inline(always)]
 pub(crate) fn green<T: Real, const D: usize, const R: usize>(f: &[[T; D]; R]) -> [[T; R]; R] {
-    let mut strain = scaled(&gram(f), T::splat(0.5));
-    for (k, column) in strain.iter_mut().enumerate() {
-        column[k] += T::splat(-0.5);
+    scaled(&twice_green(f), T::splat(0.5))
+}
+
+/// `J - 1` from G and its cofactors: `tr G + tr cof G + det G` in space, `tr G + det G` in the plane.
+#[inline(always)]
+pub(crate) fn growth<T: Real, const D: usize>(g: &[[T; D]; D], cofactor: &[[T; D]; D]) -> T {
+    let trace = trace(g);
+    match D {
+        1 => trace,
+        2 => dot(&g[0], &cofactor[0]) + trace,
+        _ => dot(&g[0], &cofactor[0]) + (trace + self::trace(cofactor)),
     }
-    strain
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn growth_and_strain_keep_the_digits_of_small_gradients() {
+        let near = |size: f64| -> [[f64; 3]; 3] {
+            [[1.0 + size, 2.0 * size, 0.0], [0.0, 1.0 - size, size], [size, 0.0, 1.0 + size]]
+        };
+        // With e = size: J - 1 = e - e^2 + ..., C_11 - 1 = 2 e + 5 e^2, of sizes that are doubles.
+        for size in [2.0_f64.powi(-40), 2.0_f64.powi(-20), 2.0_f64.powi(-7)] {
+            let f = near(size);
+            let g = displacement_gradient(&f);
+            let e = size;
+            let exact = e - e * e + e.powi(3);
+            assert!((growth(&g, &cofactor(&g)) - exact).abs() <= 1e-15 * e);
+            assert!((growth(&g, &cofactor(&g)) - (determinant(&f) - 1.0)).abs() < 1e-15);
+            assert!((twice_green(&f)[0][0] - (2.0 * e + 5.0 * e * e)).abs() <= 1e-15 * e);
+        }
+    }
 
     #[test]
     fn cofactors_are_the_inverse_transposed_times_the_determinant() {

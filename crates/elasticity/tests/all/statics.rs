@@ -124,7 +124,7 @@ fn a_weight_is_borne_by_the_supports() {
     assert!((up - 2.0 * 9.81).abs() < 1e-9, "{up}");
     assert_ne!(q, before);
     let double = weight.plus(&weight).unwrap();
-    assert_eq!(double, weight.scaled(2.0));
+    assert_eq!(double, weight.scaled(2.0).unwrap());
     assert_derivatives(&(&solid, &weight), &q);
 }
 
