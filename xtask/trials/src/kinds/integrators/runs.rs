@@ -75,7 +75,8 @@ impl Setting {
             Adaptive::BackwardDifferences(_) => 1e-8,
         };
         // Loose tolerances are where an estimate fails.
-        let finest = if draw.chance(0.5) { finest } else { finest.max(1e-4) };
+        let loose = problem.stiff && draw.chance(0.5);
+        let finest = if loose { finest.max(1e-4) } else { finest };
         let relative = draw.log_uniform(1e-2, finest);
         let common = if draw.chance(0.5) { draw.log_uniform(1.0, 1e-4) } else { 1.0 };
         let one_by_one = draw.chance(0.3);
