@@ -37,6 +37,8 @@ const SECTORS: [f64; HIGHEST] = [90.0, 90.0, 86.03, 73.35, 51.84];
 /// Their names, by the highest order.
 const NAMES: [&str; HIGHEST] = ["bdf-1", "bdf-2", "bdf-3", "bdf-4", "bdf-5"];
 
+/// The part of the tolerance that a step may use: the errors of many steps add up.
+const PART: f64 = 0.2;
 /// The safety factor of the step control.
 const SAFETY: f64 = 0.9;
 /// A step grows at most to this multiple of the last.
@@ -107,9 +109,9 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         check_mass(&field)?;
         let n = field.dim();
         let zero: C = zeros(n)?;
-        let relative = control.tolerance.relative;
+        let relative = PART * control.tolerance.relative;
         let mut method = BackwardDifferences {
-            scale: ErrorScale::new(&control.tolerance, n)?,
+            scale: ErrorScale::new(&control.tolerance.scaled(PART), n)?,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
             field,
             control,

@@ -353,7 +353,7 @@ fn nystrom(draw: &mut Draw) -> Verdict {
     let mut within = State::new(vec![0.0; n], vec![0.0; n]);
     let part = if draw.chance(0.3) { draw.any_f64() } else { draw.unit() };
     let mut inside = Verdict::due();
-    let answer = nystrom.run(&mut now, end, |step| {
+    let answer = nystrom.run(&mut now, end, |mut step| {
         let t = step.before.t + part * (step.after.t - step.before.t);
         inside = judge("at", step.at(t, &mut within).map(|()| of_state(&within)));
         match inside {

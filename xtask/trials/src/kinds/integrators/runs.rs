@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, Jacobian,
-    MechanicalField, Moment, Nystrom, NystromPair, OutputTimes, Pair8, Pair12, RadauIia5, State,
+    MechanicalField, Moment, Nystrom, NystromMethod8, NystromMethod12, NystromPair, OutputTimes, Pair8, Pair12, RadauIia5, State,
     StepControl, Tolerance, VectorField, integrate,
 };
 
@@ -108,7 +108,6 @@ impl Setting {
             let control = StepControl::from(tolerance.expect("tolerances in their ranges"));
             control.most_steps(MOST_STEPS).expect("a bound above zero")
         };
-        let of_half = control(&self.absolute[..problem.dim() / 2]);
         let control = control(&self.absolute);
         let start = Moment::new(0.0, problem.start.clone());
         let masses = problem.masses.as_ref().filter(|_| {
@@ -119,8 +118,14 @@ impl Setting {
             let metric = DiagonalMetric::new(masses.clone()).expect("positive masses");
             let system = System::new(metric, Forces(problem)).expect("one size");
             return match (self.method, self.way) {
-                (Adaptive::Nystrom8, _) => nystrom::<Pair8, 9>(&system, of_half, &start, times),
-                (Adaptive::Nystrom12, _) => nystrom::<Pair12, 17>(&system, of_half, &start, times),
+                (Adaptive::Nystrom8, Way::Method) => {
+                    read(NystromMethod8::new(&system, control, start)?, times)
+                }
+                (Adaptive::Nystrom12, Way::Method) => {
+                    read(NystromMethod12::new(&system, control, start)?, times)
+                }
+                (Adaptive::Nystrom8, _) => nystrom::<Pair8, 9>(&system, control, &start, times),
+                (Adaptive::Nystrom12, _) => nystrom::<Pair12, 17>(&system, control, &start, times),
                 _ => self.first_order(&MechanicalField::new(&system), control, start, times),
             };
         }
@@ -180,7 +185,7 @@ fn nystrom<T: NystromPair<S>, const S: usize>(
     let mut within = state.clone();
     let mut nystrom = Nystrom::<T, _, _, _, S>::new(system, control)?;
     let (mut states, mut fault, mut ahead) = (Vec::new(), None, times);
-    nystrom.run(&mut state, *times.last().expect("a time"), |step| {
+    nystrom.run(&mut state, *times.last().expect("a time"), |mut step| {
         while let [t, rest @ ..] = ahead {
             if *t > step.after.t {
                 break;

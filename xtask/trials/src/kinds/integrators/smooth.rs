@@ -164,7 +164,9 @@ pub fn oscillators(draw: &mut Draw) -> InitialValue {
     let frequencies: Vec<f64> = (0..n).map(|_| draw.log_uniform(0.3, 10.0)).collect();
     let modes = orthogonal(draw, n);
     let start: Vec<f64> = (0..2 * n).map(|_| draw.normal()).collect();
-    let end = draw.uniform(0.5, 10.0);
+    // Over at most eight turns: the errors of all steps add up.
+    let fastest = frequencies.iter().copied().fold(0.0, f64::max);
+    let end = draw.uniform(0.5, 10.0).min(50.0 / fastest);
     draw.note(format!("oscillators, masses {masses:?}, frequencies {frequencies:?}, until {end}"));
     let roots = DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| masses[i].sqrt()));
     let squares = DVector::from_fn(n, |i, _| frequencies[i] * frequencies[i]);
