@@ -25,6 +25,9 @@ const NEARLY: f64 = 1.01;
 /// The least part of a step that time must resolve: stages lie closer to each other than its ends.
 const RESOLVED: f64 = 0.1;
 
+/// The relative tolerance above which an estimate of order 6 or 10 is no longer one.
+const LOOSEST: f64 = 1e-5;
+
 /// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]
 pub struct Nystrom<'s, T, M, P, C, const S: usize> {
@@ -57,7 +60,7 @@ where
         let n = system.dim();
         let zero: C = zeros(n)?;
         Ok(Nystrom {
-            tolerated: tolerated(&control.tolerance, n)?,
+            tolerated: tolerated(&held(&control.tolerance), n)?,
             control,
             stages: NystromStages::new(system)?,
             other: State::new(zero.clone(), zero.clone()),
@@ -167,6 +170,11 @@ where
     pub(super) fn go_on(&mut self) {
         std::mem::swap(&mut self.first, &mut self.last);
     }
+}
+
+/// A looser tolerance than `LOOSEST` is held as that: steps so long say nothing of their own error.
+fn held(tolerance: &Tolerance) -> Tolerance {
+    tolerance.scaled((LOOSEST / tolerance.relative).min(1.0))
 }
 
 fn tolerated<C: Storage>(tolerance: &Tolerance, n: usize) -> Result<Tolerated<C>, SizeError> {

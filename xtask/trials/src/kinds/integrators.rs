@@ -29,7 +29,7 @@ pub const KINDS: &[Kind] = &[
         krate: "integrators",
         rule: "the error of dense output at a random time, in the scale of the tolerance, above \
                min(0.1, 100 tol max(1, A)), of BDF held to order k <= 2 above \
-               100 tol^(k/(k+1)) max(1, A)",
+               100 tol^(k/(k+1)) max(1, A), of Radau on stiff problems above 10 tol^(2/3) max(1, A)",
         in_tests: 150,
         trial: tolerance::between_the_steps,
     },

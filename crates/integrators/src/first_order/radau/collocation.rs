@@ -198,7 +198,7 @@ impl<C: Storage> Collocation<C> {
             w.as_mut().iter_mut().zip(dw.as_ref()).for_each(|(w, dw)| *w += dw);
         }
         transform(&T, w, z);
-        (sum / (3 * pair.len()) as f64).sqrt()
+        (sum / (3 * pair.len()).max(1) as f64).sqrt()
     }
 
     /// Writes (GAMMA/h M - J)^-1 (f + M E z/h), the error of a step, and returns its norm.
