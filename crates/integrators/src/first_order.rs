@@ -43,6 +43,7 @@ pub use facts::FirstOrderFacts;
 pub use integrate::{AcceptedStep, Outcome, integrate, integrate_to_event};
 pub use mechanical::MechanicalField;
 pub use method::{AdaptiveMethod, Moment, Work};
+pub(crate) use method::{check_finite, check_inside};
 pub use output::OutputTimes;
 pub use radau::RadauIia5;
 pub use saved::Saved;

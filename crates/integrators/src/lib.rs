@@ -133,7 +133,10 @@ pub use momentum::{
 pub use newmark::Newmark;
 pub use newmark_weights::NewmarkWeights;
 pub use noether::{Asymmetry, Symmetry, discrete_momentum_map, momentum_map};
-pub use nystrom::{Nystrom, Nystrom8, Nystrom12, NystromPair, NystromStep, Pair8, Pair12};
+pub use nystrom::{
+    Nystrom, Nystrom8, Nystrom12, NystromMethod, NystromMethod8, NystromMethod12, NystromPair,
+    NystromStages, NystromStep, Pair8, Pair12,
+};
 pub use nystrom_4::Nystrom4;
 pub use quadrature::{Quadrature, Sampled};
 pub use reversible::{PotentialPower, ReversibleSteps, StepDensity};

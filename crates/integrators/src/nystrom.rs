@@ -23,19 +23,22 @@
 //! Not for the metric of a configuration that moves on a curved space, nor for stiff systems: the
 //! steps would have to resolve the fastest oscillation.
 
-mod hermite;
+mod method;
 mod pair;
 mod pair_8_6;
 mod pair_12_10;
 mod solver;
 mod stages;
+mod step;
 mod step_trend;
 
-pub use hermite::NystromStep;
+pub use method::{NystromMethod, NystromMethod8, NystromMethod12};
 pub use pair::NystromPair;
 pub use pair_8_6::Pair8;
 pub use pair_12_10::Pair12;
 pub use solver::Nystrom;
+pub use stages::NystromStages;
+pub use step::NystromStep;
 
 /// The pair of order 8: eight evaluations a step.
 pub type Nystrom8<'s, M, P, C> = Nystrom<'s, Pair8, M, P, C, 9>;

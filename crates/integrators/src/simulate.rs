@@ -9,7 +9,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::{HorizonError, Integrator, SimulationError, State, StepReport};
+use crate::{HorizonError, Integrator, SimulationError, State, StepError, StepReport};
 
 /// A number of equal steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,12 @@ pub fn simulate<C, I: Integrator<C> + ?Sized>(
     mut observe: impl FnMut(Observation<'_, C>) -> ControlFlow<()>,
 ) -> Result<Cost, SimulationError> {
     let mut cost = Cost::default();
-    state.t = horizon.time(horizon.done);
+    let (start, end) = horizon.span();
+    if !(start.is_finite() && end.is_finite()) {
+        let (step, source) = (horizon.done + 1, StepError::Time(horizon.start));
+        return Err(SimulationError { step, time: state.t, source });
+    }
+    state.t = start;
     for step in horizon.done + 1..=horizon.steps {
         let time = state.t;
         let report = integrator.step(state, horizon.step).map_err(|source| SimulationError {

@@ -148,7 +148,7 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         let both = fifth + 0.01 * third;
         let both = if both > 0.0 { both } else { 1.0 };
         // err = h fifth / sqrt(both n). Nothing waits for a second division.
-        both * y.len() as f64 / ((h * fifth) * (h * fifth))
+        both * y.len().max(1) as f64 / ((h * fifth) * (h * fifth))
     }
 
     /// Proposes the next step after one of `h`, which could have been longer by a factor.

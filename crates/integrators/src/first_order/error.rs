@@ -120,6 +120,14 @@ pub enum AdaptiveError {
         /// The end, seconds.
         end: f64,
     },
+    /// A saved number that is not finite, or is none that its place can hold.
+    #[error("saved number {slot} is {value}, which no run of this method leaves there")]
+    SavedNumber {
+        /// Its place, counted from 0.
+        slot: usize,
+        /// The number.
+        value: f64,
+    },
     /// Saved numbers that no run of this method on this field leaves behind.
     #[error("the saved state does not fit: {0}")]
     Saved(&'static str),

@@ -14,7 +14,8 @@ pub struct FirstOrderFacts {
     pub dense_order: u32,
     /// Evaluations of f in an accepted step, or stages of an implicit one.
     pub stages: u32,
-    /// Evaluations of f that dense output costs on top, once for each step that is looked into.
+    /// Evaluations of f that dense output costs on top: once for each step that is looked into, or
+    /// for each moment within it where the method is implicit or a Nystrom pair.
     pub dense_stages: u32,
     /// Whether a step solves an equation.
     pub evaluation: Evaluation,

@@ -62,7 +62,7 @@ impl<C: Storage> Linearization<C> {
         let n = y.as_ref().len();
         field.evaluate(*t, y.as_ref(), f.as_mut());
         moved.clone_from(y);
-        for (j, column) in matrix.chunks_exact_mut(n).enumerate() {
+        for (j, column) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
             let (y, moved) = (y.as_ref()[j], moved.as_mut());
             let size = y.abs().max(scale.absolute.as_ref()[j] / scale.relative);
             moved[j] = y + (f64::EPSILON.sqrt() * size).copysign(f.as_ref()[j]);
@@ -88,7 +88,7 @@ pub(crate) fn check_mass<F: VectorField>(field: &F) -> Result<(), AdaptiveError>
 pub(crate) fn mass_times<F: VectorField>(field: &F, x: &[f64], product: &mut [f64]) {
     let Some(mass) = field.mass() else { return product.copy_from_slice(x) };
     product.fill(0.0);
-    for (column, x) in mass.chunks_exact(x.len()).zip(x) {
+    for (column, x) in mass.chunks_exact(x.len().max(1)).zip(x) {
         for (product, entry) in product.iter_mut().zip(column) {
             *product += entry * x;
         }

@@ -95,7 +95,7 @@ impl<T: Entry> Lu<T> {
             for entry in &mut column[j + 1..] {
                 *entry = *entry * self.pivots[j];
             }
-            for other in rest.chunks_exact_mut(n) {
+            for other in rest.chunks_exact_mut(n.max(1)) {
                 other.swap(j, k);
                 let top = other[j];
                 for (entry, factor) in other[j + 1..].iter_mut().zip(&column[j + 1..]) {
@@ -106,7 +106,7 @@ impl<T: Entry> Lu<T> {
         // Rows of the columns to the left are exchanged last: nobody read them meanwhile.
         for j in 1..n {
             let k = self.exchanges[j];
-            for column in self.entries.chunks_exact_mut(n).take(j) {
+            for column in self.entries.chunks_exact_mut(n.max(1)).take(j) {
                 column.swap(j, k);
             }
         }
@@ -118,13 +118,13 @@ impl<T: Entry> Lu<T> {
         for (j, &k) in self.exchanges.iter().enumerate() {
             b.swap(j, k);
         }
-        for (j, column) in self.entries.chunks_exact(n).enumerate() {
+        for (j, column) in self.entries.chunks_exact(n.max(1)).enumerate() {
             let known = b[j];
             for (b, entry) in b[j + 1..].iter_mut().zip(&column[j + 1..]) {
                 *b = *b - *entry * known;
             }
         }
-        for (j, column) in self.entries.chunks_exact(n).enumerate().rev() {
+        for (j, column) in self.entries.chunks_exact(n.max(1)).enumerate().rev() {
             let known = b[j] * self.pivots[j];
             b[j] = known;
             for (b, entry) in b[..j].iter_mut().zip(column) {

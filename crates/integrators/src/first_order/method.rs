@@ -128,6 +128,9 @@ pub trait AdaptiveMethod<C: Storage> {
     }
 
     /// Takes over what the same method on the same field had saved, or stays as it is.
+    ///
+    /// # Errors
+    /// Another method's name, and numbers that no run leaves behind.
     fn load(&mut self, saved: &Saved) -> Result<(), AdaptiveError> {
         if saved.method != self.facts().name {
             return Err(AdaptiveError::Saved("it is another method's"));
@@ -136,13 +139,27 @@ pub trait AdaptiveMethod<C: Storage> {
         if before.numbers.len() != saved.numbers.len() {
             return Err(AdaptiveError::Saved("it has another number of numbers"));
         }
+        if let Some(slot) = first_non_finite(&saved.numbers) {
+            return Err(AdaptiveError::SavedNumber { slot, value: saved.numbers[slot] });
+        }
         self.assign(&saved.numbers);
-        let settled = self.settle();
+        let settled = self.settle().and_then(|()| self.check_read_back(saved));
         if settled.is_err() {
             self.assign(&before.numbers);
             self.settle()?;
         }
         settled
+    }
+
+    /// An error where a number reads back as another: half an order, a negative count.
+    #[doc(hidden)]
+    fn check_read_back(&mut self, saved: &Saved) -> Result<(), AdaptiveError> {
+        let now = self.save().numbers;
+        let differs = |(now, saved): (&f64, &f64)| now.to_bits() != saved.to_bits();
+        match now.iter().zip(&saved.numbers).position(differs) {
+            Some(slot) => Err(AdaptiveError::SavedNumber { slot, value: saved.numbers[slot] }),
+            None => Ok(()),
+        }
     }
 
     /// Overwrites the visited numbers, in order.

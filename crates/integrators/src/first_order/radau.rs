@@ -39,7 +39,7 @@ pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
     order: 5,
     dense_order: 3,
     stages: 3,
-    dense_stages: 0,
+    dense_stages: 1,
     evaluation: Evaluation::Implicit,
     damping: Damping::LStable,
     sector: 90.0,
@@ -89,9 +89,7 @@ struct Last<C> {
 
 /// The error per step is made smaller than asked for, because the estimate is of order 3.
 fn stricter(tolerance: &Tolerance) -> Tolerance {
-    let relative = 0.1 * tolerance.relative.powf(2.0 / 3.0);
-    let absolute = tolerance.absolute.iter().map(|a| a * relative / tolerance.relative);
-    Tolerance { relative, absolute: absolute.collect() }
+    tolerance.scaled(0.1 * tolerance.relative.powf(-1.0 / 3.0))
 }
 
 impl<F: VectorField, C: Storage> RadauIia5<F, C> {
@@ -128,6 +126,24 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
     fn polynomial(&self, x: f64, i: usize) -> f64 {
         let [a, b, c] = self.last.polynomial.each_ref().map(|d| d.as_ref()[i]);
         x * (a + (x - C2 + 1.0) * (b + (x - C1 + 1.0) * c))
+    }
+
+    /// The slope of the polynomial there, per step.
+    fn slope(&self, x: f64, i: usize) -> f64 {
+        let [a, b, c] = self.last.polynomial.each_ref().map(|d| d.as_ref()[i]);
+        let inner = b + (x - C1 + 1.0) * c;
+        a + (x - C2 + 1.0) * inner + x * (inner + (x - C2 + 1.0) * c)
+    }
+
+    /// Corrects the polynomial's value `y` at `t` in the components that are stiff.
+    fn correct(&mut self, x: f64, t: f64, y: &mut [f64]) {
+        let mut slope = self.moved.lend();
+        for (i, slope) in slope.as_mut().iter_mut().enumerate() {
+            *slope = self.slope(x, i) / self.last.h;
+        }
+        let RadauIia5 { field, collocation, error, last, work, .. } = self;
+        work.evaluations += collocation.correct(field, (t, last.h), y, (&mut slope, error));
+        self.moved.put_back(slope);
     }
 
     /// Starts the iterations from the last step's polynomial, carried on.
@@ -293,6 +309,9 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
             let x = (t - self.moment.t) / self.last.h;
             for (i, y) in y.iter_mut().enumerate() {
                 *y += self.polynomial(x, i);
+            }
+            if self.last.begin != Some(t) && t != self.moment.t {
+                self.correct(x, t, y);
             }
         }
         Ok(())

@@ -38,6 +38,12 @@ impl Tolerance {
         Ok(Tolerance { relative, absolute })
     }
 
+    /// A tolerance this many times as large.
+    pub(crate) fn scaled(&self, factor: f64) -> Tolerance {
+        let absolute = self.absolute.iter().map(|absolute| factor * absolute).collect();
+        Tolerance { relative: factor * self.relative, absolute }
+    }
+
     /// The relative tolerance.
     pub fn relative(&self) -> f64 {
         self.relative

@@ -8,30 +8,40 @@
 //! symplectic: it is for accuracy over some thousands of turns, not for the character of a motion
 //! over millions.
 
-use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Metric, Potential, SizeError, Storage, System, first_non_finite};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, System};
 
-use super::stages::Stages;
+use super::stages::Tolerated;
+use super::step::check_state;
 use super::step_trend::StepTrend;
-use super::{NystromPair, NystromStep};
+use super::{NystromPair, NystromStages, NystromStep};
 use crate::first_order::ErrorScale;
-use crate::{AdaptiveError, Moment, State, StepControl, Work};
+use crate::integrator::zeros;
+use crate::{AdaptiveError, Moment, State, StepControl, Tolerance, Work};
 
 /// A step that comes this near to the end takes all that is left, so that no sliver remains.
 const NEARLY: f64 = 1.01;
 /// The least part of a step that time must resolve: stages lie closer to each other than its ends.
 const RESOLVED: f64 = 0.1;
 
+/// The relative tolerance above which an estimate of order 6 or 10 is no longer one.
+const LOOSEST: f64 = 1e-5;
+
 /// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]
 pub struct Nystrom<'s, T, M, P, C, const S: usize> {
-    system: &'s System<M, P>,
     control: StepControl,
-    scale: ErrorScale<C>,
-    stages: Stages<C, S>,
-    pair: PhantomData<T>,
+    tolerated: Tolerated<C>,
+    pub(super) stages: NystromStages<'s, T, M, P, C, S>,
+    /// The state before the last step; while a step is tried, the one after it.
+    pub(super) other: State<C>,
+    /// dV at the start of a step, and at its end.
+    pub(super) first: Covector<C>,
+    pub(super) last: Covector<C>,
+    /// The step proposed for the next attempt, and the errors so far.
+    pub(super) h: f64,
+    pub(super) trend: StepTrend,
 }
 
 impl<'s, T, M, P, C, const S: usize> Nystrom<'s, T, M, P, C, S>
@@ -41,12 +51,24 @@ where
     P: Potential,
     C: Storage,
 {
-    /// The method on a system. The tolerance is on configurations, and on what the velocity's error
-    /// moves them by within a step.
+    /// The method on a system of n freedoms. The tolerance is on configurations and momenta: one
+    /// absolute tolerance for all, or 2 n of them, those of the momenta last.
+    ///
+    /// # Errors
+    /// A storage of another size, or another number of tolerances.
     pub fn new(system: &'s System<M, P>, control: StepControl) -> Result<Self, SizeError> {
         let n = system.dim();
-        let scale = ErrorScale::new(&control.tolerance, n)?;
-        Ok(Nystrom { system, scale, control, stages: Stages::new(n)?, pair: PhantomData })
+        let zero: C = zeros(n)?;
+        Ok(Nystrom {
+            tolerated: tolerated(&held(&control.tolerance), n)?,
+            control,
+            stages: NystromStages::new(system)?,
+            other: State::new(zero.clone(), zero.clone()),
+            first: Covector(zero.clone()),
+            last: Covector(zero),
+            h: 0.0,
+            trend: StepTrend::new(T::ORDERS.1),
+        })
     }
 
     /// Moves `state` to the time `end`, or until the observer, which sees every accepted step,
@@ -58,61 +80,119 @@ where
         &mut self,
         state: &mut State<C>,
         end: f64,
-        mut observe: impl FnMut(NystromStep<'_, M, C>) -> ControlFlow<()>,
+        mut observe: impl FnMut(
+            NystromStep<'_, NystromStages<'s, T, M, P, C, S>, C>,
+        ) -> ControlFlow<()>,
     ) -> Result<Work, AdaptiveError> {
         let mut work = Work::default();
-        let Nystrom { system, control, scale, stages, .. } = self;
-        check(state, system.dim(), end)?;
-        stages.begin(system, &state.q);
-        work.evaluations += 1;
-        let guess = stages.first_step::<T, M, P>(system, state, scale, end - state.t);
-        let mut h = control.begin(guess);
-        let mut trend = StepTrend::new(T::ORDERS.1);
+        self.check(state)?;
+        check_end(state.t, end)?;
+        self.begin(state, &mut work);
+        self.h = self.h.min(end - state.t);
         while state.t < end {
-            let left = end - state.t;
-            let length = if NEARLY * h >= left { left } else { h };
-            check_attempt(state, length, &work, control.most_steps)?;
-            stages.advance::<T, M, P>(system, state, length);
-            work.evaluations += S as u64 - 1;
-            let error = stages.error::<T>(state, scale);
-            let tolerable = error <= 1.0 || control.constant.is_some();
-            if !(tolerable && stages.next.check_finite().is_ok()) {
-                work.rejected += 1;
-                h = trend.refused(length, error);
-                continue;
-            }
-            work.steps += 1;
-            work.evaluations += stages.finish::<T, M, P>(system);
-            stages.next.t = if length == left { end } else { state.t + length };
-            std::mem::swap(state, &mut stages.next);
-            h = control.next(trend.accepted(length, error));
-            let step = NystromStep {
+            self.step(state, end, &mut work)?;
+            let on = observe(NystromStep {
                 number: work.steps,
-                before: &stages.next,
+                before: &self.other,
                 after: state,
-                differentials: [&stages.first, &stages.last],
-                metric: system.metric(),
-            };
-            let on = observe(step);
-            std::mem::swap(&mut stages.first, &mut stages.last);
+                first: &self.first,
+                stages: &mut self.stages,
+                evaluations: &mut work.evaluations,
+            });
+            self.go_on();
             if on.is_break() {
                 break;
             }
         }
         Ok(work)
     }
-}
 
-/// An error unless the state has the system's size and is finite, and the end lies ahead of it.
-fn check<C: Storage>(state: &State<C>, n: usize, end: f64) -> Result<(), AdaptiveError> {
-    let t = state.t;
-    let parts = [("the configuration", state.q.as_ref()), ("the momentum", state.p.components())];
-    for (what, numbers) in parts {
-        SizeError::check("the state's numbers", n, numbers.len())?;
-        if let Some(component) = first_non_finite(numbers) {
-            return Err(AdaptiveError::NonFinite { what, t, component });
+    /// An error unless the state has the system's size and is finite.
+    pub(super) fn check(&self, state: &State<C>) -> Result<(), AdaptiveError> {
+        let n = self.stages.system.dim();
+        SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
+        SizeError::check("the momentum's components", n, state.p.components().len())?;
+        check_state(state)
+    }
+
+    /// Starts from a state: dV there, and a first step.
+    pub(super) fn begin(&mut self, state: &State<C>, work: &mut Work) {
+        self.stages.differential_at(&state.q, &mut self.first);
+        work.evaluations += 1;
+        let Nystrom { stages, first, tolerated, control, .. } = self;
+        self.h = control.begin(stages.first_step(state, first, &tolerated.configuration));
+        self.trend = StepTrend::new(T::ORDERS.1);
+    }
+
+    /// Moves `state` by one step that ends at `end` at the latest; the state before it is then in
+    /// `other`, and both differentials are known.
+    #[inline]
+    pub(super) fn step(
+        &mut self,
+        state: &mut State<C>,
+        end: f64,
+        work: &mut Work,
+    ) -> Result<(), AdaptiveError> {
+        let Nystrom { control, tolerated, stages, other: next, first, last, h, trend } = self;
+        loop {
+            let left = end - state.t;
+            let length = if NEARLY * *h >= left { left } else { *h };
+            check_attempt(state, length, work, control.most_steps)?;
+            stages.advance(state, first, length, next);
+            work.evaluations += S as u64 - 1;
+            let error = stages.error(state, next, length, tolerated);
+            let tolerable = error <= 1.0 || control.constant.is_some();
+            if !(tolerable && next.check_finite().is_ok()) {
+                work.rejected += 1;
+                *h = trend.refused(length, error);
+                continue;
+            }
+            work.steps += 1;
+            if T::FIRST_SAME_AS_LAST {
+                std::mem::swap(last, &mut stages.differential);
+            } else {
+                stages.differential_at(&next.q, last);
+                work.evaluations += 1;
+            }
+            if length == left {
+                next.t = end;
+            }
+            std::mem::swap(state, next);
+            let proposed = control.next(trend.accepted(length, error));
+            // A last step that was cut short says little of the next one.
+            *h = if length < *h { proposed.max(*h) } else { proposed };
+            return Ok(());
         }
     }
+
+    /// The end of the last step is the start of the next.
+    #[inline]
+    pub(super) fn go_on(&mut self) {
+        std::mem::swap(&mut self.first, &mut self.last);
+    }
+}
+
+/// A looser tolerance than `LOOSEST` is held as that: steps so long say nothing of their own error.
+fn held(tolerance: &Tolerance) -> Tolerance {
+    tolerance.scaled((LOOSEST / tolerance.relative).min(1.0))
+}
+
+fn tolerated<C: Storage>(tolerance: &Tolerance, n: usize) -> Result<Tolerated<C>, SizeError> {
+    let absolute = match tolerance.absolute.as_slice() {
+        [same] => vec![*same; 2 * n],
+        each => each.to_vec(),
+    };
+    SizeError::check("the tolerances", 2 * n, absolute.len())?;
+    let part = |absolute: &[f64]| -> Result<ErrorScale<C>, SizeError> {
+        let mut stored: C = zeros(n)?;
+        stored.as_mut().copy_from_slice(absolute);
+        Ok(ErrorScale { relative: tolerance.relative, absolute: stored })
+    };
+    Ok(Tolerated { configuration: part(&absolute[..n])?, momentum: part(&absolute[n..])? })
+}
+
+/// An error unless the end lies ahead.
+pub(super) fn check_end(t: f64, end: f64) -> Result<(), AdaptiveError> {
     // The negation catches a time that is not a number.
     if end > t && end.is_finite() { Ok(()) } else { Err(AdaptiveError::End { end, t }) }
 }

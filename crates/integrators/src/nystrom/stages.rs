@@ -4,15 +4,15 @@
 //! u_i = h^2 M^-1 dV(q_i)                 q_i = q + c_i h v - sum_{j<i} a_ij u_j
 //! ```
 //! Everything is a displacement, in the unit of the configuration: what a stage's force moves the
-//! system by within the step. So is the step's error. The metric enters once a stage, to turn dV
-//! into `u`, and once a step, to turn a sum of them back into momentum.
+//! system by within the step. The metric enters once a stage, to turn dV into `u`, and once a sum of
+//! them, to turn it back into momentum.
 //!
 //! Each stage is compiled by itself, so that its coefficients are constants in the code and those
 //! that are zero leave no trace; it adds the last stage's displacement last, so that the sum waits
-//! for nothing else. All memory is lent by value for the length of a run: a small state stays in
-//! registers.
+//! for nothing else.
 
 use std::array;
+use std::marker::PhantomData;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, System, Vector};
 
@@ -21,82 +21,94 @@ use crate::State;
 use crate::first_order::ErrorScale;
 use crate::integrator::zeros;
 
-/// The memory of a step.
+/// The memory of a step of the pair `T` on a system, which computes it.
 #[derive(Clone, Debug)]
-pub(super) struct Stages<C, const S: usize> {
-    /// dV at the start of the step.
-    pub first: Covector<C>,
-    /// dV at the end of the step.
-    pub last: Covector<C>,
-    /// The end of the step.
-    pub next: State<C>,
+pub struct NystromStages<'s, T, M, P, C, const S: usize> {
+    pub(super) system: &'s System<M, P>,
+    /// dV at the last stage.
+    pub(super) differential: Covector<C>,
     displacements: [Vector<C>; S],
     velocity: Vector<C>,
     sum: Vector<C>,
+    momentum: Covector<C>,
     stage: C,
+    pair: PhantomData<T>,
 }
 
-impl<C: Storage, const S: usize> Stages<C, S> {
-    pub fn new(n: usize) -> Result<Self, SizeError> {
-        let zero: C = zeros(n)?;
-        Ok(Stages {
-            first: Covector(zero.clone()),
-            last: Covector(zero.clone()),
-            next: State::new(zero.clone(), Covector(zero.clone())),
+/// What is tolerated of the configuration and of the momentum.
+#[derive(Clone, Debug)]
+pub(super) struct Tolerated<C> {
+    pub configuration: ErrorScale<C>,
+    pub momentum: ErrorScale<C>,
+}
+
+impl<'s, T, M, P, C, const S: usize> NystromStages<'s, T, M, P, C, S>
+where
+    T: NystromPair<S>,
+    M: Metric,
+    P: Potential,
+    C: Storage,
+{
+    pub(super) fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
+        let zero: C = zeros(system.dim())?;
+        Ok(NystromStages {
+            system,
+            differential: Covector(zero.clone()),
             displacements: array::from_fn(|_| Vector(zero.clone())),
             velocity: Vector(zero.clone()),
             sum: Vector(zero.clone()),
+            momentum: Covector(zero.clone()),
             stage: zero,
+            pair: PhantomData,
         })
     }
 
-    /// dV at the state that a run starts from.
+    /// Writes dV(q).
     #[inline]
-    pub fn begin<M: Metric, P: Potential>(&mut self, system: &System<M, P>, q: &C) {
-        self.first.clear();
-        system.potential().add_differential(q.as_ref(), self.first.view_mut());
+    pub(super) fn differential_at(&self, q: &C, dv: &mut Covector<C>) {
+        dv.clear();
+        self.system.potential().add_differential(q.as_ref(), dv.view_mut());
     }
 
-    /// From `state` to `next`, `h` seconds later. The first differential is known, and the last is
-    /// where the pair has it for nothing.
+    /// From `state`, where dV is `first`, to `next`, `h` seconds later.
     #[inline]
-    pub fn advance<T: NystromPair<S>, M: Metric, P: Potential>(
+    pub(super) fn advance(
         &mut self,
-        system: &System<M, P>,
         state: &State<C>,
+        first: &Covector<C>,
         h: f64,
+        next: &mut State<C>,
     ) {
         const { assert!(S <= 17) };
-        system.metric().drift(h, state.p.view(), self.velocity.view_mut());
-        system.metric().drift(h * h, self.first.view(), self.displacements[0].view_mut());
+        let metric = self.system.metric();
+        metric.drift(h, state.p.view(), self.velocity.view_mut());
+        metric.drift(h * h, first.view(), self.displacements[0].view_mut());
         macro_rules! stages {
             ($($i:literal)+) => {
-                $(if $i < S { self.stage::<T, M, P, $i>(system, &state.q, h); })+
+                $(if $i < S { self.stage::<$i>(&state.q, h); })+
             };
         }
         stages!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
         self.configuration(&state.q, 1.0, |j| T::B[j]);
-        self.next.q.clone_from(&self.stage);
+        next.q.clone_from(&self.stage);
         self.sum(|j| T::B_MOMENTUM[j]);
-        system.metric().flat(self.sum.view(), self.next.p.view_mut());
-        let p = self.next.p.components_mut();
+        metric.flat(self.sum.view(), next.p.view_mut());
+        let p = next.p.components_mut();
         let (n, per_second) = (p.len(), h.recip());
         for (p, before) in p.iter_mut().zip(&state.p.components()[..n]) {
             *p = before - per_second * *p;
         }
+        next.t = state.t + h;
     }
 
     #[inline]
-    fn stage<T: NystromPair<S>, M: Metric, P: Potential, const I: usize>(
-        &mut self,
-        system: &System<M, P>,
-        q: &C,
-        h: f64,
-    ) {
+    fn stage<const I: usize>(&mut self, q: &C, h: f64) {
         self.configuration(q, T::NODES[I], |j| if j < I { T::A[I][j] } else { 0.0 });
-        self.last.clear();
-        system.potential().add_differential(self.stage.as_ref(), self.last.view_mut());
-        system.metric().drift(h * h, self.last.view(), self.displacements[I].view_mut());
+        self.differential.clear();
+        let dv = self.differential.view_mut();
+        self.system.potential().add_differential(self.stage.as_ref(), dv);
+        let u = self.displacements[I].view_mut();
+        self.system.metric().drift(h * h, self.differential.view(), u);
     }
 
     /// `stage = q + c h v - sum_j w_j u_j`.
@@ -134,71 +146,70 @@ impl<C: Storage, const S: usize> Stages<C, S> {
         }
     }
 
-    /// dV at the end of the step, in how many evaluations.
+    /// How far the ends of the step of `h` seconds from `state` to `next` are apart, in units of what
+    /// is tolerated: the largest of the difference of the configurations, of what the difference of
+    /// the velocities moves in `h`, and of the difference of the momenta.
     #[inline]
-    pub fn finish<T: NystromPair<S>, M: Metric, P: Potential>(
+    pub(super) fn error(
         &mut self,
-        system: &System<M, P>,
-    ) -> u64 {
-        if T::FIRST_SAME_AS_LAST {
-            return 0;
-        }
-        self.last.clear();
-        system.potential().add_differential(self.next.q.as_ref(), self.last.view_mut());
-        1
-    }
-
-    /// How far the step's two ends are apart, in units of what is tolerated: the larger one of the
-    /// difference of the configurations and of what the difference of the velocities moves in `h`.
-    #[inline]
-    pub fn error<T: NystromPair<S>>(&mut self, state: &State<C>, scale: &ErrorScale<C>) -> f64 {
+        state: &State<C>,
+        next: &State<C>,
+        h: f64,
+        tolerated: &Tolerated<C>,
+    ) -> f64 {
+        let Tolerated { configuration, momentum } = tolerated;
+        let (q, q_next) = (state.q.as_ref(), next.q.as_ref());
         self.sum(|j| T::ERROR[j]);
-        let configuration = self.size(state, scale);
+        let place = size(self.sum.components(), q, q_next, configuration);
         self.sum(|j| T::ERROR_MOMENTUM[j]);
-        configuration.max(self.size(state, scale))
-    }
-
-    /// The root mean square of `sum`, in units of what is tolerated there.
-    #[inline(always)]
-    fn size(&self, state: &State<C>, scale: &ErrorScale<C>) -> f64 {
-        let u = self.sum.components();
-        let n = u.len();
-        let (before, after) = (&state.q.as_ref()[..n], &self.next.q.as_ref()[..n]);
-        let absolute = &scale.absolute.as_ref()[..n];
-        let mut squares = 0.0;
-        for k in 0..n {
-            let tolerated = absolute[k] + scale.relative * before[k].abs().max(after[k].abs());
-            squares += (u[k] / tolerated) * (u[k] / tolerated);
-        }
-        (squares / n as f64).sqrt()
+        let moved = size(self.sum.components(), q, q_next, configuration);
+        self.system.metric().flat(self.sum.view(), self.momentum.view_mut());
+        let (p, p_next) = (state.p.components(), next.p.components());
+        let kicked = size(self.momentum.components(), p, p_next, momentum) / h;
+        // `max` ignores what is not a number, which this must not.
+        let largest = place.max(moved).max(kicked);
+        if (place + moved + kicked).is_nan() { f64::NAN } else { largest }
     }
 
     /// A first step, from how fast the state moves: the shortest of the times in which velocity
     /// and acceleration move it by its own size, and in which acceleration changes the velocity by
     /// its own size, shortened as far as the tolerance lies below the motion in that time.
-    pub fn first_step<T: NystromPair<S>, M: Metric, P: Potential>(
+    pub(super) fn first_step(
         &mut self,
-        system: &System<M, P>,
         state: &State<C>,
+        first: &Covector<C>,
         scale: &ErrorScale<C>,
-        left: f64,
     ) -> f64 {
-        self.next.q.clone_from(&state.q);
-        self.sum.components_mut().copy_from_slice(state.q.as_ref());
-        let size = self.size(state, scale);
-        system.metric().sharp(state.p.view(), self.sum.view_mut());
-        let speed = self.size(state, scale);
-        system.metric().sharp(self.first.view(), self.sum.view_mut());
-        let acceleration = self.size(state, scale);
-        let times = [size / speed, (size / acceleration).sqrt(), speed / acceleration];
+        let q = state.q.as_ref();
+        let size_of = |u: &[f64]| size(u, q, q, scale);
+        let place = size_of(q);
+        self.system.metric().sharp(state.p.view(), self.sum.view_mut());
+        let speed = size_of(self.sum.components());
+        self.system.metric().sharp(first.view(), self.sum.view_mut());
+        let acceleration = size_of(self.sum.components());
+        let times = [place / speed, (place / acceleration).sqrt(), speed / acceleration];
         let moves = times.into_iter().filter(|time| *time > 0.0 && time.is_finite());
         let time = moves.fold(f64::INFINITY, f64::min);
         if time == f64::INFINITY {
-            return left;
+            return f64::MAX;
         }
         let motion = (speed * time).max(acceleration * time * time).max(1.0);
-        (time * motion.powf(-1.0 / f64::from(T::ORDERS.1 + 1))).min(left)
+        time * motion.powf(-1.0 / f64::from(T::ORDERS.1 + 1))
     }
+}
+
+/// The root mean square of `u`, in units of what is tolerated between two states.
+#[inline(always)]
+fn size<C: Storage>(u: &[f64], before: &[f64], after: &[f64], scale: &ErrorScale<C>) -> f64 {
+    let n = u.len();
+    let (before, after) = (&before[..n], &after[..n]);
+    let absolute = &scale.absolute.as_ref()[..n];
+    let mut squares = 0.0;
+    for k in 0..n {
+        let tolerated = absolute[k] + scale.relative * before[k].abs().max(after[k].abs());
+        squares += (u[k] / tolerated) * (u[k] / tolerated);
+    }
+    (squares / n.max(1) as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -213,14 +224,15 @@ mod tests {
     /// ellipse a method of order 12 meets rounding before its error follows a power of the step.
     fn error_in_equal_steps<T: NystromPair<S>, const S: usize>(steps: u32) -> f64 {
         let problem = kepler(0.05).unwrap();
-        let mut stages = Stages::<[f64; 2], S>::new(2).unwrap();
+        let mut stages = NystromStages::<T, _, _, [f64; 2], S>::new(&problem.system).unwrap();
         let mut state = problem.initial.clone();
+        let (mut next, mut first) = (state.clone(), Covector([0.0; 2]));
         let h = problem.period / f64::from(steps);
         let mut worst = 0.0_f64;
         for step in 1..=steps {
-            stages.begin(&problem.system, &state.q);
-            stages.advance::<T, _, _>(&problem.system, &state, h);
-            std::mem::swap(&mut state, &mut stages.next);
+            stages.differential_at(&state.q, &mut first);
+            stages.advance(&state, &first, h, &mut next);
+            std::mem::swap(&mut state, &mut next);
             state.t = f64::from(step) * h;
             worst = worst.max(problem.error(state.t, &state.q).unwrap());
         }

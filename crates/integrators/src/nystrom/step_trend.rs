@@ -31,6 +31,15 @@ impl StepTrend {
         StepTrend { exponent: -1.0 / f64::from(order + 1), before: None, growth: GROWTH }
     }
 
+    /// Visits what is remembered; a length of 0 stands for no step.
+    pub fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
+        let (mut length, mut factor) = self.before.unwrap_or((0.0, 0.0));
+        visit(&mut length);
+        visit(&mut factor);
+        visit(&mut self.growth);
+        self.before = (length != 0.0).then_some((length, factor));
+    }
+
     /// The step after an accepted one of `h` seconds.
     #[inline]
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {

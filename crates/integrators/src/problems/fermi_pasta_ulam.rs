@@ -84,7 +84,7 @@ impl Potential for AlternatingSprings {
 pub fn fermi_pasta_ulam(
     frequency: f64,
 ) -> Result<SmallProblem<AlternatingSprings, 6>, ProblemError> {
-    within("the frequency", frequency, "(0, inf)", 0.0..f64::INFINITY)?;
+    within("the frequency", frequency, "(1e-50, 1e50)", 1e-50..1e50)?;
     let (near, far) = (1.0 - frequency.recip(), 1.0 + frequency.recip());
     Ok(Problem {
         name: "fermi-pasta-ulam",

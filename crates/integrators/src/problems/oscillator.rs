@@ -46,7 +46,7 @@ impl<const N: usize> Potential for Linear<N> {
 
 /// An oscillator of angular frequency `omega` (rad/s, positive) that starts at rest at q = 1.
 pub fn oscillator(omega: f64) -> Result<SmallProblem<Linear<1>, 1>, ProblemError> {
-    within("omega", omega, "(0, inf)", 0.0..f64::INFINITY)?;
+    within("omega", omega, "(1e-100, 1e100)", 1e-100..1e100)?;
     Ok(Problem {
         name: "oscillator",
         system: System::new(DiagonalMetric::new([1.0; 1])?, Linear { stiffness: omega * omega })?,

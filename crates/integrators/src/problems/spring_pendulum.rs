@@ -52,7 +52,7 @@ impl Potential for TetherPotential {
 
 /// The swinging mass on a spring of stiffness `k` (positive), over one swing of a rigid pendulum.
 pub fn spring_pendulum(k: f64) -> Result<SmallProblem<TetherPotential, 2>, ProblemError> {
-    within("k", k, "(0, inf)", 0.0..f64::INFINITY)?;
+    within("k", k, "(1e-100, 1e100)", 1e-100..1e100)?;
     Ok(Problem {
         name: "spring-pendulum",
         system: System::new(DiagonalMetric::new([1.0; 2])?, TetherPotential { stiffness: k })?,

@@ -6,7 +6,8 @@
 //! ```
 //! `z` three stages (n each), `w` the same in the coordinates in which they decouple, `J` the
 //! Jacobian at one point. The iteration ends where the next change would be below a part of the
-//! tolerance.
+//! tolerance, by the rate of its own last two changes: a rate carried over from another step lets a
+//! wrong first iterate pass.
 
 use nalgebra::Complex;
 use stationary_calculus::{SizeError, Storage};
@@ -51,8 +52,6 @@ pub(super) struct Collocation<C> {
     pub(super) reuse: Reuse,
     /// The factor by which the last iterations shrank.
     pub(super) contraction: f64,
-    /// contraction / (1 - contraction), carried from step to step.
-    slowness: f64,
     tolerance: f64,
     jacobian: Linearization<C>,
     /// The step that the factors belong to; 0 where there are none.
@@ -73,7 +72,6 @@ impl<C: Storage> Collocation<C> {
             z: three(),
             reuse: Reuse::Nothing,
             contraction: 0.0,
-            slowness: 1.0,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
             jacobian: Linearization::new(n)?,
             factored: 0.0,
@@ -89,7 +87,7 @@ impl<C: Storage> Collocation<C> {
     /// Forgets what was learnt about another motion.
     pub(super) fn restart(&mut self) {
         (self.reuse, self.factored) = (Reuse::Nothing, 0.0);
-        (self.contraction, self.slowness) = (0.0, 1.0);
+        self.contraction = 0.0;
     }
 
     fn factor<F: VectorField>(&mut self, field: &F, h: f64) -> Result<(), Singular> {
@@ -135,7 +133,6 @@ impl<C: Storage> Collocation<C> {
         work: &mut Work,
     ) -> Iterated {
         transform(&T_INVERSE, &self.z, &mut self.w);
-        self.slowness = self.slowness.max(f64::EPSILON).powf(0.8);
         let (mut contraction, mut last_ratio, mut last_size) = (1e-3_f64, 1.0_f64, 0.0_f64);
         for iteration in 1..=MOST_ITERATIONS {
             work.iterations += 1;
@@ -144,6 +141,7 @@ impl<C: Storage> Collocation<C> {
             if !size.is_finite() {
                 return Iterated::Diverged;
             }
+            let mut converged = false;
             if iteration > 1 {
                 let ratio = size / last_size;
                 contraction = if iteration == 2 { ratio } else { (ratio * last_ratio).sqrt() };
@@ -151,17 +149,18 @@ impl<C: Storage> Collocation<C> {
                 if contraction >= 0.99 {
                     return Iterated::Diverged;
                 }
-                self.slowness = contraction / (1.0 - contraction);
+                let slowness = contraction / (1.0 - contraction);
                 let left = (MOST_ITERATIONS - iteration) as i32;
-                let expected = self.slowness * size * contraction.powi(left - 1) / self.tolerance;
+                let expected = slowness * size * contraction.powi(left - 1) / self.tolerance;
                 if left > 0 && expected >= 1.0 {
                     let excess = expected.clamp(1e-4, 20.0);
                     return Iterated::TooSlow(0.8 * excess.powf(-1.0 / f64::from(3 + left)));
                 }
+                converged = slowness * size <= self.tolerance;
             }
             last_size = size.max(f64::EPSILON);
             self.contraction = contraction;
-            if self.slowness * size <= self.tolerance {
+            if converged || size == 0.0 {
                 return Iterated::Converged(iteration);
             }
         }
@@ -199,7 +198,7 @@ impl<C: Storage> Collocation<C> {
             w.as_mut().iter_mut().zip(dw.as_ref()).for_each(|(w, dw)| *w += dw);
         }
         transform(&T, w, z);
-        (sum / (3 * pair.len()) as f64).sqrt()
+        (sum / (3 * pair.len()).max(1) as f64).sqrt()
     }
 
     /// Writes (GAMMA/h M - J)^-1 (f + M E z/h), the error of a step, and returns its norm.
@@ -220,6 +219,39 @@ impl<C: Storage> Collocation<C> {
         norm(error.as_ref(), s.as_ref())
     }
 
+    /// Adds to `y`, what the polynomial says at `t`, the correction
+    ///
+    /// ```text
+    /// (I - GAMMA/h A^-1 M) A^-1 (f(t, y) - M y'),      A = GAMMA/h M - J
+    /// ```
+    /// with the slope y' of the polynomial, and returns how often f was evaluated. In stiff components
+    /// it is a Newton step towards the slow motion, which the polynomial follows to order 3 only while
+    /// the ends of the steps lie on it; in the others the factor in front is of the order of h J.
+    pub(super) fn correct<F: VectorField>(
+        &mut self,
+        field: &F,
+        (t, h): (f64, f64),
+        y: &mut [f64],
+        (slope, defect): (&mut C, &mut C),
+    ) -> u64 {
+        if self.factored != h {
+            return 0;
+        }
+        field.evaluate(t, y, defect.as_mut());
+        mass_times(field, slope.as_ref(), self.b.as_mut());
+        let terms = defect.as_mut().iter_mut().zip(self.b.as_ref());
+        terms.for_each(|(defect, b)| *defect -= b);
+        self.real.solve(defect.as_mut());
+        mass_times(field, defect.as_ref(), slope.as_mut());
+        self.real.solve(slope.as_mut());
+        let terms = defect.as_mut().iter_mut().zip(slope.as_ref());
+        terms.for_each(|(defect, slope)| *defect -= GAMMA / h * slope);
+        if defect.as_ref().iter().all(|d| d.is_finite()) {
+            y.iter_mut().zip(defect.as_ref()).for_each(|(y, d)| *y += d);
+        }
+        1
+    }
+
     pub(super) fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
         let mut reuse = match self.reuse {
             Reuse::Nothing => 0.0,
@@ -233,7 +265,6 @@ impl<C: Storage> Collocation<C> {
             _ => Reuse::Fresh,
         };
         visit(&mut self.contraction);
-        visit(&mut self.slowness);
         visit(&mut self.factored);
         visit(&mut self.jacobian.at.t);
         self.jacobian.at.y.as_mut().iter_mut().for_each(visit);
