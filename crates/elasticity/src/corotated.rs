@@ -177,10 +177,16 @@ mod tests {
         let at = |s: f64| [[0.6 * s, 0.8 * s], [-0.8, 0.6]];
         let (below, above) = (at(border * (1.0 - 1e-12)), at(border * (1.0 + 1e-12)));
         assert!((body.energy(&above) - body.energy(&below)).abs() < 1e-11);
-        for (a, b) in body.stress(&above).iter().flatten().zip(body.stress(&below).iter().flatten()) {
+        for (a, b) in body.stress(&above).iter().flatten().zip(body.stress(&below).iter().flatten())
+        {
             assert!((a - b).abs() < 1e-11, "{a} {b}");
         }
         // A mirror image has no strain in C, and a lot of it in F - R.
-        assert!((body.energy(&[[1.0, 0.0], [0.0, -1.0]]) - (4.0 * body.lame().mu() + 2.0 * body.lame().lambda())).abs() < 1e-14);
+        assert!(
+            (body.energy(&[[1.0, 0.0], [0.0, -1.0]])
+                - (4.0 * body.lame().mu() + 2.0 * body.lame().lambda()))
+            .abs()
+                < 1e-14
+        );
     }
 }

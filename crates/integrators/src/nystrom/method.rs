@@ -7,7 +7,7 @@
 //! of every [`AdaptiveMethod`]. The state is stored by the caller's choice, the stages on the heap,
 //! taken once.
 
-use stationary_calculus::{Metric, Potential, SizeError, Storage, System};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, System};
 
 use super::step::within;
 use super::{Nystrom, NystromPair, Pair8, Pair12};
@@ -50,7 +50,7 @@ where
         start: Moment<Y>,
     ) -> Result<Self, AdaptiveError> {
         let zero = vec![0.0; system.dim()];
-        let state = State::new(zero.clone(), zero);
+        let state = State::new(zero.clone(), Covector(zero));
         let mut method = NystromMethod {
             steps: Nystrom::new(system, control)?,
             inside: state.clone(),

@@ -63,7 +63,7 @@ where
             tolerated: tolerated(&held(&control.tolerance), n)?,
             control,
             stages: NystromStages::new(system)?,
-            other: State::new(zero.clone(), zero.clone()),
+            other: State::new(zero.clone(), Covector(zero.clone())),
             first: Covector(zero.clone()),
             last: Covector(zero),
             h: 0.0,
@@ -80,9 +80,7 @@ where
         &mut self,
         state: &mut State<C>,
         end: f64,
-        mut observe: impl FnMut(
-            NystromStep<'_, NystromStages<'s, T, M, P, C, S>, C>,
-        ) -> ControlFlow<()>,
+        mut observe: impl FnMut(NystromStep<'_, NystromStages<'s, T, M, P, C, S>, C>) -> ControlFlow<()>,
     ) -> Result<Work, AdaptiveError> {
         let mut work = Work::default();
         self.check(state)?;

@@ -80,7 +80,7 @@ fn planet() -> System<DiagonalMetric<[f64; 2]>, CentralGravity<2>> {
 
 fn state(draw: &mut Draw, n: usize) -> State<Vec<f64>> {
     let [q, p] = [length(draw, n), length(draw, n)].map(|n| numbers(draw, n));
-    let mut state = State::new(q, p);
+    let mut state = State::new(q, Covector(p));
     state.t = number(draw);
     state
 }
@@ -121,7 +121,7 @@ fn horizons(draw: &mut Draw) -> Verdict {
     }
     let system = planet();
     let mut verlet = StormerVerlet::new(&system).expect("one size");
-    let mut now = State::new(vec![1.0, 0.0], vec![0.0, 1.0]);
+    let mut now = State::new(vec![1.0, 0.0], Covector(vec![0.0, 1.0]));
     let answer = simulate(&mut verlet, &mut now, horizon, |_| ControlFlow::Continue(()));
     judge("simulate", answer.map(|_| of_state(&now)))
 }
@@ -309,7 +309,7 @@ fn empty(draw: &mut Draw) -> Verdict {
     let metric = DiagonalMetric::new(Vec::new());
     let Ok(metric) = metric else { return Verdict::due() };
     let system = System::new(metric, Nothing).expect("one size");
-    let mut now = State::new(Vec::new(), Vec::new());
+    let mut now = State::new(Vec::new(), Covector(Vec::new()));
     if which == 2 {
         let answer = Nystrom8::new(&system, control).map_err(AdaptiveError::from);
         let answer = answer
@@ -350,7 +350,7 @@ fn nystrom(draw: &mut Draw) -> Verdict {
     draw.note(format!("{now:?} to {end}, {control:?}"));
     let Ok(mut nystrom) = Nystrom12::new(&system, control) else { return Verdict::due() };
     let n = length(draw, 2);
-    let mut within = State::new(vec![0.0; n], vec![0.0; n]);
+    let mut within = State::new(vec![0.0; n], Covector(vec![0.0; n]));
     let part = if draw.chance(0.3) { draw.any_f64() } else { draw.unit() };
     let mut inside = Verdict::due();
     let answer = nystrom.run(&mut now, end, |mut step| {
@@ -390,10 +390,15 @@ fn outputs_and_events(draw: &mut Draw) -> Verdict {
     let points = draw.below(4) as u32;
     let like = Moment::new(0.0, vec![0.0; length(draw, 2)]);
     let late = draw.chance(0.3);
-    let mut event = Event::new(direction, &like, move |t, y: &[f64]| {
-        if late && t > 0.5 { value } else { y[0] - level }
-    })
-    .looking_at(points);
+    let mut event =
+        Event::new(
+            direction,
+            &like,
+            move |t, y: &[f64]| {
+                if late && t > 0.5 { value } else { y[0] - level }
+            },
+        )
+        .looking_at(points);
     let end = positive(draw);
     draw.note(format!("event at {level}, later {value}: {late}, until {end}, {}", like.y.len()));
     let answer = integrate_to_event(&mut **method, end, &mut event, |_| ());
@@ -431,13 +436,15 @@ fn forces(draw: &mut Draw) -> Verdict {
     };
     let mut now = state(draw, 2);
     let answer = newmark.step(&mut now, 0.1);
-    let stepped = judge("a step with drag", answer.map(|_| {
-        now.q.iter().chain(now.p.components()).copied().collect()
-    }));
+    let stepped = judge(
+        "a step with drag",
+        answer.map(|_| now.q.iter().chain(now.p.components()).copied().collect()),
+    );
     let Ok(field) = MechanicalField::forced(&system, &drag) else { return bumped.and(stepped) };
     let control = StepControl::from(Tolerance::new(1e-6, 1e-6).expect("a tolerance"));
     let y = numbers(draw, 4);
-    let answer = RadauIia5::new(&field, control.most_steps(500).expect("a bound"), Moment::new(0.0, y));
+    let answer =
+        RadauIia5::new(&field, control.most_steps(500).expect("a bound"), Moment::new(0.0, y));
     let answer = answer.and_then(|mut radau| {
         radau.step(1.0)?;
         Ok(of_moment(&radau))
@@ -453,7 +460,7 @@ fn weights(draw: &mut Draw) -> Verdict {
     draw.note(format!("{weights:?}"));
     let Ok(weights) = weights else { return Verdict::due() };
     let system = planet();
-    let mut now = State::new(vec![1.0, 0.0], vec![0.0, 1.0]);
+    let mut now = State::new(vec![1.0, 0.0], Covector(vec![0.0, 1.0]));
     let answer = Newmark::<_, _, Vec<f64>>::new(&system, weights).expect("one size");
     let mut newmark = answer;
     let answer = newmark.step(&mut now, 0.1);
@@ -521,7 +528,7 @@ fn lagrangians(draw: &mut Draw) -> Verdict {
     let b = judge("velocity", equations.velocity(q, Covector(v)).map(|v| v.0.to_vec()));
     let quadrature = draw.one_of(&Quadrature::ALL);
     let sampled = Sampled { lagrangian, quadrature };
-    let mut now = State::new(q, v);
+    let mut now = State::new(q, Covector(v));
     let c = match Variational::new(sampled) {
         Err(_) => Verdict::due(),
         Ok(mut variational) => {

@@ -7,7 +7,7 @@
 use std::rc::Rc;
 
 use nalgebra::DMatrix;
-use stationary_calculus::{BilinearForm, DiagonalMetric, System, loglog_slope};
+use stationary_calculus::{BilinearForm, Covector, DiagonalMetric, System, loglog_slope};
 use stationary_integrators::{Filter, Gautschi, Imex, Integrator, Method, State, StepError};
 
 use super::problem::InitialValue;
@@ -141,7 +141,7 @@ fn error(
 ) -> Result<f64, StepError> {
     let n = problem.dim() / 2;
     let (q, p) = problem.start.split_at(n);
-    let mut state = State::new(q.to_vec(), p.to_vec());
+    let mut state = State::new(q.to_vec(), Covector(p.to_vec()));
     let h = problem.end / (TIMES * steps) as f64;
     let mut worst = 0.0_f64;
     for truth in truth {
@@ -157,8 +157,7 @@ fn error(
 
 fn judge(stepper: &mut dyn Integrator<Vec<f64>>, problem: &InitialValue) -> Verdict {
     let facts = stepper.facts();
-    let times: Vec<f64> =
-        (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
+    let times: Vec<f64> = (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
     let truth = match &problem.truth {
         Some(at) => times.iter().map(|&t| at(t)).collect(),
         None => match problem.reference(&problem.begin(), &times, 1e-13) {
