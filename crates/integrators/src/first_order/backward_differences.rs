@@ -38,7 +38,7 @@ const SECTORS: [f64; HIGHEST] = [90.0, 90.0, 86.03, 73.35, 51.84];
 const NAMES: [&str; HIGHEST] = ["bdf-1", "bdf-2", "bdf-3", "bdf-4", "bdf-5"];
 
 /// The part of the tolerance that a step may use: the errors of many steps add up.
-const PART: f64 = 0.2;
+const PART: f64 = 0.1;
 /// A looser relative tolerance is held as this one: the past of steps that long is no past.
 const LOOSEST: f64 = 1e-3;
 /// The safety factor of the step control.
