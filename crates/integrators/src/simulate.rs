@@ -183,8 +183,7 @@ mod tests {
             let horizon = Horizon::new(1.0, 0.1).unwrap().starting(start);
             let mut verlet = StormerVerlet::new(&planet.system).unwrap();
             let mut state = planet.initial.clone();
-            let run =
-                simulate(&mut verlet, &mut state, horizon, |_| ControlFlow::Continue(()));
+            let run = simulate(&mut verlet, &mut state, horizon, |_| ControlFlow::Continue(()));
             assert!(matches!(run.unwrap_err().source, StepError::Time(_)));
             assert_eq!(state, planet.initial);
         }

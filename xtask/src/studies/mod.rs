@@ -27,6 +27,7 @@ mod stability_regions;
 mod stiff;
 mod step_control;
 mod table_4_1;
+mod tolerance_honesty;
 mod work_precision;
 
 use crate::study::Entry;
@@ -64,6 +65,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     stiff::WORK_PRECISION,
     net_in_honey::STUDY,
     step_control::STUDY,
+    tolerance_honesty::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,

@@ -80,9 +80,7 @@ where
         &mut self,
         state: &mut State<C>,
         end: f64,
-        mut observe: impl FnMut(
-            NystromStep<'_, NystromStages<'s, T, M, P, C, S>, C>,
-        ) -> ControlFlow<()>,
+        mut observe: impl FnMut(NystromStep<'_, NystromStages<'s, T, M, P, C, S>, C>) -> ControlFlow<()>,
     ) -> Result<Work, AdaptiveError> {
         let mut work = Work::default();
         self.check(state)?;

@@ -218,8 +218,7 @@ fn a_system_without_unknowns_reaches_its_end() {
     }
 }
 
-/// Radau on HIRES, a tolerance for each twenty-fourth part of a decade: how many runs end more than a
-/// tenth wrong, and all their evaluations.
+/// Radau on HIRES, a tolerance for each fortieth part of a decade.
 #[test]
 fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
     let problem = hires();
@@ -236,8 +235,8 @@ fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
             assert!((y / truth - 1.0).abs() < 0.1, "{relative:e}: {y:e} for {truth:e}");
         }
     }
-    // The price of a second iterate: 44,797 evaluations without it.
-    assert!(evaluations < 47_000, "{evaluations}");
+    // Without a second iterate they were 44,797, of which 26 runs were short and wrong.
+    assert!(evaluations < 53_000, "{evaluations}");
 }
 
 /// y' = -rate (y - cos 5t) - 5 sin 5t: the slow motion between steps, where a polynomial of order 3

@@ -175,10 +175,7 @@ fn within_a_step_the_error_is_that_of_its_ends() {
 }
 
 /// A year of a planet of eccentricity e from where it is farthest: the errors of position and energy.
-fn errors_from_the_apoapsis<T: NystromPair<S>, const S: usize>(
-    e: f64,
-    tolerance: f64,
-) -> [f64; 2] {
+fn errors_from_the_apoapsis<T: NystromPair<S>, const S: usize>(e: f64, tolerance: f64) -> [f64; 2] {
     let problem = kepler(e).unwrap();
     let slow = ((1.0 - e) / (1.0 + e)).sqrt();
     let mut state = State::new([-1.0 - e, 0.0], [0.0, -slow]);
@@ -191,7 +188,7 @@ fn errors_from_the_apoapsis<T: NystromPair<S>, const S: usize>(
 
 #[test]
 fn an_orbit_that_begins_far_from_its_close_encounter_is_followed_through_it() {
-    for (e, tolerance, bound) in [(0.999, 1e-4, 1e-2), (0.9999, 1e-8, 1e-6)] {
+    for (e, tolerance, bound) in [(0.999, 1e-4, 1e-2), (0.9999, 1e-8, 1e-5)] {
         let pairs = [
             errors_from_the_apoapsis::<Pair8, 9>(e, tolerance),
             errors_from_the_apoapsis::<Pair12, 17>(e, tolerance),

@@ -391,10 +391,15 @@ fn outputs_and_events(draw: &mut Draw) -> Verdict {
     let points = draw.below(4) as u32;
     let like = Moment::new(0.0, vec![0.0; length(draw, 2)]);
     let late = draw.chance(0.3);
-    let mut event = Event::new(direction, &like, move |t, y: &[f64]| {
-        if late && t > 0.5 { value } else { y[0] - level }
-    })
-    .looking_at(points);
+    let mut event =
+        Event::new(
+            direction,
+            &like,
+            move |t, y: &[f64]| {
+                if late && t > 0.5 { value } else { y[0] - level }
+            },
+        )
+        .looking_at(points);
     let end = positive(draw);
     draw.note(format!("event at {level}, later {value}: {late}, until {end}, {}", like.y.len()));
     let answer = integrate_to_event(&mut **method, end, &mut event, |_| ());
@@ -432,13 +437,15 @@ fn forces(draw: &mut Draw) -> Verdict {
     };
     let mut now = state(draw, 2);
     let answer = newmark.step(&mut now, 0.1);
-    let stepped = judge("a step with drag", answer.map(|_| {
-        now.q.iter().chain(now.p.components()).copied().collect()
-    }));
+    let stepped = judge(
+        "a step with drag",
+        answer.map(|_| now.q.iter().chain(now.p.components()).copied().collect()),
+    );
     let Ok(field) = MechanicalField::forced(&system, &drag) else { return bumped.and(stepped) };
     let control = StepControl::from(Tolerance::new(1e-6, 1e-6).expect("a tolerance"));
     let y = numbers(draw, 4);
-    let answer = RadauIia5::new(&field, control.most_steps(500).expect("a bound"), Moment::new(0.0, y));
+    let answer =
+        RadauIia5::new(&field, control.most_steps(500).expect("a bound"), Moment::new(0.0, y));
     let answer = answer.and_then(|mut radau| {
         radau.step(1.0)?;
         Ok(of_moment(&radau))

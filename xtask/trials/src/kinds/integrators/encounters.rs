@@ -36,7 +36,16 @@ fn central(mass: f64, strength: f64, start: Vec<f64>, end: f64, sizes: [f64; 2])
     let (truth, energy) = (None, Some(energy));
     InitialValue {
         name: "orbit",
-        slope, derivative, start, end, sizes, truth, stiff: false, masses, energy }
+        slope,
+        derivative,
+        start,
+        end,
+        sizes,
+        truth,
+        stiff: false,
+        masses,
+        energy,
+    }
 }
 
 /// The eccentric anomaly E of `E - e sin E = mean`, by bisection and then Newton's steps.
@@ -177,5 +186,16 @@ pub fn stars(draw: &mut Draw) -> InitialValue {
     );
     let sizes = (0..2 * n).map(|i| if i < n { 1.0 } else { masses[i - n] }).collect();
     let (masses, truth, energy) = (Some(masses), None, None);
-    InitialValue { name: "stars", slope, derivative, start, end, sizes, truth, stiff: false, masses, energy }
+    InitialValue {
+        name: "stars",
+        slope,
+        derivative,
+        start,
+        end,
+        sizes,
+        truth,
+        stiff: false,
+        masses,
+        energy,
+    }
 }

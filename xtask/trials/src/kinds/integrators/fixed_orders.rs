@@ -157,8 +157,7 @@ fn error(
 
 fn judge(stepper: &mut dyn Integrator<Vec<f64>>, problem: &InitialValue) -> Verdict {
     let facts = stepper.facts();
-    let times: Vec<f64> =
-        (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
+    let times: Vec<f64> = (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
     let truth = match &problem.truth {
         Some(at) => times.iter().map(|&t| at(t)).collect(),
         None => match problem.reference(&problem.begin(), &times, 1e-13) {

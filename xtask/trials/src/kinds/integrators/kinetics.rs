@@ -81,7 +81,8 @@ pub fn network(draw: &mut Draw) -> InitialValue {
 /// Three reactions like Robertson's: slow decay, fast catalysis, and a very fast reaction between
 /// two of one kind.
 pub fn catalysis(draw: &mut Draw) -> InitialValue {
-    let rates = [draw.log_uniform(1e-3, 1.0), draw.log_uniform(1e2, 1e6), draw.log_uniform(1e4, 1e9)];
+    let rates =
+        [draw.log_uniform(1e-3, 1.0), draw.log_uniform(1e2, 1e6), draw.log_uniform(1e4, 1e9)];
     let end = draw.log_uniform(0.3, 1e4);
     draw.note(format!("catalysis at {rates:?} until {end}"));
     let reactions = vec![
@@ -101,7 +102,9 @@ pub fn response(draw: &mut Draw) -> InitialValue {
     let feed = rate(7e-4);
     let (chosen, part) = (draw.chance(0.3), draw.uniform(0.1, 0.9));
     let latest = draw.log_uniform(3000.0, 100.0);
-    draw.note(format!("response at {k:?}, binding {binding}, feed {feed}, latest {latest}, {chosen}, {part}"));
+    draw.note(format!(
+        "response at {k:?}, binding {binding}, feed {feed}, latest {latest}, {chosen}, {part}"
+    ));
     // Linear rates as (from, to, rate): what leaves `from` arrives at `to`.
     let linear = [
         (0, 1, k[0]),

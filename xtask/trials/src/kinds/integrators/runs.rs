@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, Jacobian,
-    MechanicalField, Moment, Nystrom, NystromMethod8, NystromMethod12, NystromPair, OutputTimes, Pair8, Pair12, RadauIia5, State,
-    StepControl, Tolerance, VectorField, integrate,
+    MechanicalField, Moment, Nystrom, NystromMethod8, NystromMethod12, NystromPair, OutputTimes,
+    Pair8, Pair12, RadauIia5, State, StepControl, Tolerance, VectorField, integrate,
 };
 
 use super::problem::InitialValue;
@@ -143,8 +143,7 @@ impl Setting {
         match self.method {
             Adaptive::Radau => read(RadauIia5::new(field, control, start)?, times),
             Adaptive::BackwardDifferences(highest) => {
-                let method =
-                    BackwardDifferences::of_order_at_most(highest, field, control, start)?;
+                let method = BackwardDifferences::of_order_at_most(highest, field, control, start)?;
                 read(method, times)
             }
             _ => read(DormandPrince853::new(field, control, start)?, times),
@@ -254,8 +253,7 @@ impl Potential for Forces<'_> {
         let mut df = vec![0.0; 4 * n * n];
         (self.0.derivative)(0.0, &y, &mut df);
         let freedoms: Vec<usize> = (0..n).collect();
-        let block: Vec<f64> =
-            (0..n * n).map(|at| -df[n + at % n + 2 * n * (at / n)]).collect();
+        let block: Vec<f64> = (0..n * n).map(|at| -df[n + at % n + 2 * n * (at / n)]).collect();
         hessian.add_symmetric(&freedoms, &block);
     }
 }

@@ -153,8 +153,11 @@ fn judge(
             continue;
         }
         let beyond = amplified * tolerance > CHAOTIC;
-        let promised =
-            if beyond { (5.0 * amplified * tolerance).max(0.1) } else { promised(setting, amplified) };
+        let promised = if beyond {
+            (5.0 * amplified * tolerance).max(0.1)
+        } else {
+            promised(setting, amplified)
+        };
         // Its dense output is held to its own tolerance where a stiff part is driven.
         let own = match (setting.method, problem.stiff, looked) {
             (Adaptive::Radau, true, Looked::Between) => 10.0 * tolerance.powf(2.0 / 3.0),
