@@ -54,7 +54,7 @@ fn allocations_of_a_run<T: NystromPair<S>, C: Storage, const S: usize>(state: St
     let mut nystrom = Nystrom::<T, _, _, C, S>::new(&planet.system, tolerance.into()).unwrap();
     let (mut state, mut middle) = (state.clone(), state);
     let counted = measure(|| {
-        let run = nystrom.run(&mut state, 10.0, |step| {
+        let run = nystrom.run(&mut state, 10.0, |mut step| {
             let half = 0.5 * (step.before.t + step.after.t);
             assert!(step.at(half, &mut middle).is_ok());
             ControlFlow::Continue(())

@@ -177,6 +177,19 @@ mod tests {
     }
 
     #[test]
+    fn a_simulation_that_starts_at_no_time_is_refused_and_changes_nothing() {
+        let planet = kepler(0.6).unwrap();
+        for start in [f64::NAN, f64::INFINITY] {
+            let horizon = Horizon::new(1.0, 0.1).unwrap().starting(start);
+            let mut verlet = StormerVerlet::new(&planet.system).unwrap();
+            let mut state = planet.initial.clone();
+            let run = simulate(&mut verlet, &mut state, horizon, |_| ControlFlow::Continue(()));
+            assert!(matches!(run.unwrap_err().source, StepError::Time(_)));
+            assert_eq!(state, planet.initial);
+        }
+    }
+
+    #[test]
     fn a_horizon_that_is_not_a_number_of_steps_is_refused() {
         assert_eq!(Horizon::new(1.0, 0.1).unwrap().steps(), 10);
         assert_eq!(Horizon::new(0.3, 0.1).unwrap().steps(), 3);

@@ -28,6 +28,7 @@ mod stiff;
 mod step_control;
 mod table_4_1;
 mod trials;
+mod tolerance_honesty;
 mod work_precision;
 
 use crate::study::Entry;
@@ -65,6 +66,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     stiff::WORK_PRECISION,
     net_in_honey::STUDY,
     step_control::STUDY,
+    tolerance_honesty::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,

@@ -38,9 +38,11 @@ const SECTORS: [f64; HIGHEST] = [90.0, 90.0, 86.03, 73.35, 51.84];
 const NAMES: [&str; HIGHEST] = ["bdf-1", "bdf-2", "bdf-3", "bdf-4", "bdf-5"];
 
 /// The part of the tolerance that a step may use: the errors of many steps add up.
-const PART: f64 = 0.2;
+const PART: f64 = 0.1;
 /// A looser relative tolerance is held as this one: the past of steps that long is no past.
 const LOOSEST: f64 = 1e-3;
+/// No part of a tolerance may be below this, which rounding does not allow.
+const FINEST: f64 = 1e-14;
 /// The safety factor of the step control.
 const SAFETY: f64 = 0.9;
 /// A step grows at most to this multiple of the last.
@@ -112,7 +114,7 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let n = field.dim();
         let zero: C = zeros(n)?;
         let asked = control.tolerance.relative;
-        let part = PART * (LOOSEST / asked).min(1.0);
+        let part = (PART * (LOOSEST / asked).min(1.0)).max((FINEST / asked).min(1.0));
         let relative = part * asked;
         let mut method = BackwardDifferences {
             scale: ErrorScale::new(&control.tolerance.scaled(part), n)?,

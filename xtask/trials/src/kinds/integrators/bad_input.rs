@@ -368,7 +368,8 @@ fn outputs_and_events(draw: &mut Draw) -> Verdict {
     let n = draw.below(4);
     let times: Vec<f64> = (0..draw.below(4)).map(|_| positive(draw)).collect();
     let field = AnyField { n: 2, bad: None, mass: None };
-    let control = Tolerance::new(1e-6, 1e-6).expect("a tolerance").into();
+    let control = StepControl::from(Tolerance::new(1e-6, 1e-6).expect("a tolerance"));
+    let control = control.most_steps(10_000).expect("a bound");
     let start = Moment::new(0.0, vec![1.0, 0.0]);
     let mut method = any_method(draw, &field, control, start.clone());
     let Ok(method) = &mut method else { return Verdict::due() };
