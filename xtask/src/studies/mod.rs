@@ -27,8 +27,8 @@ mod stability_regions;
 mod stiff;
 mod step_control;
 mod table_4_1;
-mod trials;
 mod tolerance_honesty;
+mod trials;
 mod work_precision;
 
 use crate::study::Entry;

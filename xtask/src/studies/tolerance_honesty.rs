@@ -196,13 +196,12 @@ struct Case<'a, 'f> {
 impl Case<'_, '_> {
     /// A run of a method from a start.
     fn run(&self, method: Adaptive, tolerance: f64, start: Vec<f64>) -> Result<Run, StudyError> {
-        let at = StudyError::at;
         let absolute = self.sizes.iter().map(|size| tolerance * size).collect();
         let control = Tolerance::componentwise(tolerance, absolute).map(StepControl::from);
         let control = control.and_then(|control| control.most_steps(MOST_STEPS));
-        let control = control.map_err(at("a tolerance"))?;
+        let control = control.map_err(StudyError::at("a tolerance"))?;
         let method = (self.make)(method, control, Moment::new(0.0, start));
-        let mut method = method.map_err(at(self.name))?;
+        let mut method = method.map_err(StudyError::at(self.name))?;
         let outcome = integrate(&mut *method, self.end, |_| ControlFlow::Continue(()));
         Ok(Run {
             name: method.facts().name,

@@ -178,7 +178,7 @@ fn within_a_step_the_error_is_that_of_its_ends() {
 fn errors_from_the_apoapsis<T: NystromPair<S>, const S: usize>(e: f64, tolerance: f64) -> [f64; 2] {
     let problem = kepler(e).unwrap();
     let slow = ((1.0 - e) / (1.0 + e)).sqrt();
-    let mut state = State::new([-1.0 - e, 0.0], [0.0, -slow]);
+    let mut state = State::new([-1.0 - e, 0.0], Covector([0.0, -slow]));
     let mut nystrom =
         Nystrom::<T, _, _, [f64; 2], S>::new(&problem.system, both(tolerance)).unwrap();
     nystrom.run(&mut state, problem.period, |_| Continue(())).unwrap();
@@ -204,7 +204,7 @@ fn a_fall_into_the_sun_ends_there_with_an_error() {
     let problem = kepler(0.5).unwrap();
     let collision = std::f64::consts::PI / 8.0_f64.sqrt();
     for tolerance in [1e-3, 1e-6, 1e-9] {
-        let mut state = State::new([1.0, 0.0], [0.0, 0.0]);
+        let mut state = State::new([1.0, 0.0], Covector([0.0, 0.0]));
         let mut nystrom = Nystrom8::new(&problem.system, both(tolerance)).unwrap();
         let error = nystrom.run(&mut state, 3.0, |_| Continue(())).unwrap_err();
         assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");
