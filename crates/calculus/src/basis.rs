@@ -89,9 +89,6 @@ impl ChangeOfBasis {
             let (row, column) = (bad % dim, bad / dim);
             return Err(BasisError::NotFinite { row, column, entry: t[bad] });
         }
-        if dim == 0 {
-            return Err(BasisError::Singular { rank: 0, dim });
-        }
         let factor = FullPivLU::new(t.clone());
         let pivots = factor.u().diagonal();
         let negligible = dim as f64 * f64::EPSILON * pivots.amax();

@@ -57,6 +57,10 @@ impl Scale {
         Scale { far, near, believed, arguments: largest.max(far), magnitudes }
     }
 
+    fn largest(&self) -> f64 {
+        self.magnitudes.iter().fold(0.0_f64, |m, x| m.max(*x))
+    }
+
     /// The steps along a direction, descending: from a quarter of the length to what rounding leaves of
     /// the freedom that moves, or of all of them.
     pub fn steps(&self, w: &[f64]) -> Vec<f64> {
@@ -67,7 +71,9 @@ impl Scale {
             _ => 0.0,
         };
         let size = if alone > 0.0 { alone.min(self.near) } else { self.near };
-        let smallest = (size * 2.0_f64.powi(-47)).max(f64::MIN_POSITIVE);
+        // What moves, or where it stands still at zero the largest beside it, is rounded.
+        let rounded = if alone > 0.0 { alone } else { self.largest() };
+        let smallest = (size.max(rounded) * 2.0_f64.powi(-47)).max(f64::MIN_POSITIVE);
         let mut steps = vec![2.0_f64.powi(self.far.log2().floor() as i32 - 2)];
         while let Some(&h) = steps.last()
             && h / RATIO >= smallest
