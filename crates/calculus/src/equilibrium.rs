@@ -173,7 +173,6 @@ mod tests {
             let mut energies = landscape.hessians_at.into_inner();
             energies.dedup();
             assert!(energies.windows(5).all(|e| e[4] < e[0]), "{energies:?}");
-            assert!(energies.iter().all(|e| *e <= energies[0]), "{energies:?}");
         }
     }
 

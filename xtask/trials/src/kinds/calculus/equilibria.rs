@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use stationary_calculus::{
     DenseSolver, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver, Newton,
-    NewtonError, Potential, Rung, SparseSolver,
+    NewtonError, NewtonFailure, Potential, SparseSolver, Stationary,
 };
 
 use super::landscape::{Coordinate, End, Landscape, Shape, Term};
