@@ -135,7 +135,7 @@ fn judge(case: &Case, q: &[f64], found: Result<EquilibriumReport, NewtonError>) 
             }
         }
         // It has an answer, which was not found, and says so.
-        (Err(error), Known::Minimum)
+        (Err(error), Known::Minimum | Known::Unbounded)
             if matches!(error.failure, NewtonFailure::Stalled | NewtonFailure::NotConverged) =>
         {
             Verdict::refused(error.failure)
