@@ -89,9 +89,6 @@ impl ChangeOfBasis {
             let (row, column) = (bad % dim, bad / dim);
             return Err(BasisError::NotFinite { row, column, entry: t[bad] });
         }
-        if dim == 0 {
-            return Err(BasisError::Singular { rank: 0, dim });
-        }
         let factor = FullPivLU::new(t.clone());
         let pivots = factor.u().diagonal();
         let negligible = dim as f64 * f64::EPSILON * pivots.amax();
@@ -111,7 +108,9 @@ impl ChangeOfBasis {
     pub fn vector<C: AsRef<[f64]>>(&self, v: &Vector<C>) -> Result<Vector<Vec<f64>>, SizeError> {
         SizeError::check("the vector's components", self.t.nrows(), v.components().len())?;
         let mut new = DVector::from_column_slice(v.components());
-        self.factor.solve_mut(&mut new);
+        if !new.is_empty() {
+            self.factor.solve_mut(&mut new);
+        }
         Ok(Vector(new.data.into()))
     }
 
@@ -147,7 +146,9 @@ impl ChangeOfBasis {
     }
 
     fn solved(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
-        self.factor.solve_mut(&mut columns);
+        if !columns.is_empty() {
+            self.factor.solve_mut(&mut columns);
+        }
         columns
     }
 

@@ -127,8 +127,8 @@ pub fn check_jacobian(
 /// What it cannot see:
 /// - errors below a millionth of the row's largest entry: freedoms whose units make their entries
 ///   tiny beside the others of their row hide theirs;
-/// - where no length is given and all of q is below a millionth, errors below rounding of a body of
-///   length 1, as q may be its displacements: give the length;
+/// - where no length is given and all of q is below a millionth, what is farther away than q is large,
+///   and errors below the rounding of a body of length 1, whose displacements q may be: give the length;
 /// - errors below the function's own noise, if a large constant or cancellation makes it noisy:
 ///   [`Report::unseen`] says how large;
 /// - features far smaller than the typical length (by ten decades; far from the origin, than q by
@@ -228,7 +228,8 @@ impl DerivativeCheck {
             })
             .collect();
         let spreads = [near / 32.0, near, -near, far, -far];
-        let distinct = if far > 2.0 * near { 5 } else { 3 };
+        // A problem so small that q is below a millionth is another one at a distance of 1.
+        let distinct = if far > 2.0 * near && near > 1e-6 { 5 } else { 3 };
         for &spread in spreads[..distinct].iter().take(self.configurations) {
             add(if spread.abs() < near { &near_by } else { &away }, spread);
         }

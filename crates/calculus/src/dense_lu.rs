@@ -156,4 +156,11 @@ mod tests {
             assert_eq!(lu.factor(), Err(Unsolvable::NonFinite));
         }
     }
+
+    #[test]
+    fn a_matrix_without_unknowns_is_factored_and_solved() {
+        let mut lu = DenseLu::new(0);
+        lu.factor().unwrap();
+        lu.solve(&mut []);
+    }
 }

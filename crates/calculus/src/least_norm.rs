@@ -287,4 +287,31 @@ mod tests {
             assert!(matches!(error, LeastNormError::Tolerance(_)));
         }
     }
+
+    #[test]
+    fn the_shortest_solution_is_found_at_every_scale() {
+        let a = dmatrix![3.0, 1.0; 1.0, 2.0];
+        for (unit, load) in [(1e-200, 1.0), (1e200, 1e200), (1e-300, 1e-300), (1.0, 1e250)] {
+            let found = least_norm(&(&a * unit), &(dvector![5.0, 5.0] * load), 1e-12).unwrap();
+            assert_eq!(found.rank, 2);
+            let x = found.x / load * unit;
+            assert!((x - dvector![1.0, 2.0]).amax() < 1e-14, "{unit} {load}");
+        }
+        let tiny = least_norm(&(a * 1e-200), &(dvector![5.0, 5.0] * 1e200), 1e-12);
+        assert_eq!(tiny, Err(LeastNormError::Overflow));
+    }
+
+    #[test]
+    fn many_dependent_equations_converge() {
+        for n in [25, 40, 80] {
+            // Whole numbers of rank 5.
+            let factor = |i: usize, k: usize| ((7 * i + 3 * k * k + i * k) % 7) as f64 - 3.0;
+            let half = DMatrix::from_fn(n, 5, factor);
+            let a = &half * half.transpose();
+            let b = &a * DVector::from_fn(n, |i, _| (i as f64).cos());
+            let found = least_norm(&a, &b, 1e-10).unwrap();
+            assert!(found.rank <= 5, "{n}");
+            assert!(found.residual < 1e-9 * b.norm(), "{n}: {}", found.residual);
+        }
+    }
 }

@@ -23,6 +23,9 @@ const RATIO: f64 = 8.0;
 /// How far rounding may exceed the estimate of it.
 pub(super) const SAFETY: f64 = 4.0;
 
+/// Configurations below this are at zero, but for rounding.
+const ZERO: f64 = 1e-13;
+
 /// A slope known within this many margins is one that a function is sure of.
 const SURE: f64 = 200.0;
 
@@ -44,17 +47,21 @@ pub(super) struct Scale {
 impl Scale {
     /// The scale of a configuration `q`, in a problem of a given typical length or of one that is
     /// read off q: its magnitude, and 1. Numbers below a millionth may be displacements of a body of
-    /// length 1 as well as places in a problem that is so small: both are looked at.
+    /// length 1 as well as places in a problem that is so small: steps are taken of both lengths.
     pub fn of(q: &[f64], length: Option<f64>) -> Self {
         let magnitudes: Vec<f64> = q.iter().map(|x| x.abs()).collect();
         let largest = magnitudes.iter().fold(0.0_f64, |m, x| m.max(*x));
         let (near, far) = match length {
             Some(length) => (length, length),
-            None if largest > 0.0 => (largest, largest.max(1.0)),
+            None if largest > ZERO => (largest, largest.max(1.0)),
             None => (1.0, 1.0),
         };
         let believed = if largest > 1e-6 || length.is_some() { near } else { far };
         Scale { far, near, believed, arguments: largest.max(far), magnitudes }
+    }
+
+    fn largest(&self) -> f64 {
+        self.magnitudes.iter().fold(0.0_f64, |m, x| m.max(*x))
     }
 
     /// The steps along a direction, descending: from a quarter of the length to what rounding leaves of
@@ -67,7 +74,9 @@ impl Scale {
             _ => 0.0,
         };
         let size = if alone > 0.0 { alone.min(self.near) } else { self.near };
-        let smallest = (size * 2.0_f64.powi(-47)).max(f64::MIN_POSITIVE);
+        // What moves, or where it stands still at zero the largest beside it, is rounded.
+        let rounded = if alone > 0.0 { alone } else { self.largest() };
+        let smallest = (size.max(rounded) * 2.0_f64.powi(-47)).max(f64::MIN_POSITIVE);
         let mut steps = vec![2.0_f64.powi(self.far.log2().floor() as i32 - 2)];
         while let Some(&h) = steps.last()
             && h / RATIO >= smallest

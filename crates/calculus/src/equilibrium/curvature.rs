@@ -17,6 +17,10 @@ use crate::{
 const ROUNDS: u32 = 8;
 /// Products a round.
 const POWERS: u32 = 6;
+/// Rounds more with the last shift, until the quotient changes by less than a part of itself: the
+/// direction is then known to the root of it.
+const POLISH: u32 = 6;
+const SETTLED: f64 = 1e-13;
 /// What a Rayleigh quotient must exceed, relative to its terms, to have a sign.
 const ROUNDING: f64 = 1e-10;
 /// The smallest shift, relative to the Hessian's scale.
@@ -77,6 +81,16 @@ pub(super) fn lowest<M: Metric, P: Potential>(
             if settled {
                 break;
             }
+        }
+    }
+    for _ in 0..POLISH {
+        let before = found.curvature;
+        if !found.is_negative {
+            break;
+        }
+        found = iterate(solver, metric, potential, q, &mut x);
+        if (found.curvature - before).abs() <= SETTLED * before.abs() {
+            break;
         }
     }
     found.sigma = sigma;

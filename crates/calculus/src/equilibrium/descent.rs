@@ -36,6 +36,12 @@ const ROUNDINGS: f64 = 64.0;
 const NEARLY: f64 = 1e-6;
 /// Below this part of the first residual the way along a ridge has come to its end.
 const SETTLED: f64 = 1e-2;
+/// What is left of the guess's size where q itself is close to zero.
+const FORGOTTEN: f64 = 1e-8;
+/// A residual that has not halved over so many steps stands still.
+const STANDSTILL: usize = 4;
+/// A search of more steps than this may have come to where higher derivatives decide.
+const DOZEN: u32 = 12;
 /// From one length to the next while the energy falls.
 const GROWTH: f64 = 4.0;
 /// From one length to the next while the energy rises, where a step has no length of its own.
@@ -129,19 +135,26 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let mut energy = None;
         while size > self.newton.tolerance {
             if report.iterations as usize >= self.newton.iterations {
-                return if self.is_rounding(q, guess) {
+                return if self.is_rounding(q, largest(q).max(FORGOTTEN * guess)) {
                     report.end = NewtonEnd::Rounding;
                     break;
                 } else {
                     Err(NewtonFailure::NotConverged)
                 };
             }
-            let falls = size > SETTLED * history[0];
+            let halved = history.iter().rev().nth(1).is_none_or(|before| size < 0.5 * before);
+            let falls = size > SETTLED * history[0] && halved;
             let (kind, rung) = self.direction(q, falls)?;
             highest_rung = highest_rung.max(rung);
             report.iterations += 1;
             let nearly = largest(&self.step) <= NEARLY * largest(q).max(guess);
-            if nearly && kind == Step::Newton && self.is_rounding(q, 0.0) {
+            let least = largest(q).max(FORGOTTEN * guess);
+            let rounding = match kind {
+                Step::Newton if nearly && stands_still(history) => self.is_rounding(q, least),
+                Step::Newton if nearly => self.is_rounding(q, 0.0),
+                _ => false,
+            };
+            if rounding {
                 report.end = NewtonEnd::Rounding;
                 break;
             }
@@ -167,7 +180,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     (size, energy) = (found.size, Some(found.energy));
                     history.push(size);
                 }
-                None if self.is_rounding(q, guess) => {
+                None if self.is_rounding(q, least) => {
                     report.end = NewtonEnd::Rounding;
                     break;
                 }
@@ -175,7 +188,10 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             }
         }
         report.residual = size;
-        let (kind, rung) = self.classify(q)?;
+        let (mut kind, rung) = self.classify(q)?;
+        if kind == Stationary::Minimum && report.iterations > DOZEN && !self.bends_around(q) {
+            kind = Stationary::Flat;
+        }
         Ok(EquilibriumReport { newton: report, kind, highest_rung, rung })
     }
 
@@ -195,6 +211,15 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             _ => Stationary::Flat,
         };
         Ok((kind, rung))
+    }
+
+    /// Whether the Hessian is definite a few roundings of q away as well.
+    fn bends_around(&mut self, q: &[f64]) -> bool {
+        let by = ROUNDINGS * f64::EPSILON * largest(q);
+        [by, -by].into_iter().all(|by| {
+            let beside: Vec<f64> = q.iter().map(|q| q + by).collect();
+            self.factor(&beside) == Ok(Rung::Cholesky)
+        })
     }
 
     fn factor(&mut self, q: &[f64]) -> Result<Rung, Unsolvable> {
@@ -471,12 +496,17 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
     /// Whether each component of the differential is what rounding makes of its terms, where every
     /// component of q is at least `least`.
     fn is_rounding(&mut self, q: &[f64], least: f64) -> bool {
-        let least = if least > 0.0 { least.max(largest(q)) } else { 0.0 };
         let sizes: Vec<f64> = q.iter().map(|q| q.abs().max(least)).collect();
         magnitudes(self.potential, q, &sizes, &mut self.scratch);
         let small = |(f, t): (&f64, &f64)| f.abs() <= ROUNDINGS * f64::EPSILON * t;
         self.force.iter().zip(&self.scratch).all(small)
     }
+}
+
+/// Whether the residual has not halved over the last steps.
+fn stands_still(history: &[f64]) -> bool {
+    let Some(first) = history.len().checked_sub(STANDSTILL + 1) else { return false };
+    history[first + 1..].iter().all(|&size| size > 0.5 * history[first])
 }
 
 /// Whether a step of length t leads far enough down.

@@ -234,3 +234,48 @@ fn a_failure_is_told_in_a_line_however_many_steps_it_took() {
     let grown = tells((0..51).map(|k| 0.04 * 2.0_f64.powi(k)).collect());
     assert_eq!(grown, format!("{why} 4.0e-2 at first, 4.5e13 after 50 steps"));
 }
+
+#[test]
+fn a_tolerance_that_is_negative_or_none_is_refused() {
+    for tolerance in [f64::NAN, -1.0, f64::NEG_INFINITY] {
+        let newton = Newton { tolerance, iterations: 50 };
+        let (x, result, _) = root(newton, 2.0, |x| x * x - 2.0, |x| 2.0 * x);
+        let failure = result.unwrap_err().failure;
+        assert!(matches!(failure, NewtonFailure::Tolerance(_)), "{failure}");
+        assert_eq!(x, 2.0);
+    }
+}
+
+#[test]
+fn a_root_is_found_at_every_scale_of_the_equation() {
+    for scale in [1e-300, 1e-200, 1e-160, 1.0, 1e160, 1e300] {
+        let (x, report, _) =
+            root(Newton::default(), 2.0, |x| scale * (x * x - 2.0), |x| scale * 2.0 * x);
+        assert!((x - 2.0_f64.sqrt()).abs() < 1e-15, "{scale}: {x}");
+        assert!(report.unwrap().iterations > 2);
+    }
+}
+
+#[test]
+fn sizes_that_do_not_fit_are_refused() {
+    let equation = || {
+        FunctionEquation::new(
+            2,
+            |x: &[f64], f: &mut [f64]| f.copy_from_slice(&[x[0], x[1]]),
+            |_: &[f64], df: &mut [f64]| df.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]),
+        )
+    };
+    for (held, n) in [(2, 1), (2, 3), (1, 2), (3, 3), (0, 0)] {
+        let mut memory = NewtonMemory::<Vec<f64>>::new(held, 5).unwrap();
+        let result = Newton::default().solve(&mut equation(), &mut vec![1.0; n], &mut memory);
+        let failure = result.unwrap_err().failure;
+        assert!(matches!(failure, NewtonFailure::Size(_)), "{failure}");
+    }
+}
+
+#[test]
+fn memory_that_cannot_be_had_is_none_and_a_bound_without_end_takes_little() {
+    assert!(NewtonMemory::<[f64; 1]>::new(1, 1 << 50).is_some());
+    assert!(NewtonMemory::<[f64; 1]>::new(1, usize::MAX).is_some());
+    assert!(NewtonMemory::<Vec<f64>>::new(1 << 60, 1).is_none());
+}

@@ -318,7 +318,7 @@ pub(crate) mod tests {
         let report = cg.solve(1.0, &metric, 4.0, &springs, &[0.0; 100], &r, &mut x).unwrap();
         assert!(report.iterations < 150 && report.relative_residual < 1e-12, "{report:?}");
         let mut exact = r.clone();
-        let mut solver = SparseSolver::new(&metric, &springs, &[]).unwrap();
+        let mut solver = SparseSolver::new(&metric, &springs, &[0.0; 100]).unwrap();
         solver.factor(&metric, &springs, &[], 4.0).unwrap();
         solver.solve(&mut exact);
         assert!(x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-12));
@@ -361,7 +361,31 @@ pub(crate) mod tests {
         let (metric, springs, _) = row(4);
         let cg = ConjugateGradient { tolerance: 0.0, iterations: 10 };
         let mut x = [1.0; 4];
-        let report = cg.solve(1.0, &metric, 1.0, &springs, &[], &[0.0; 4], &mut x).unwrap();
+        let report = cg.solve(1.0, &metric, 1.0, &springs, &[0.0; 4], &[0.0; 4], &mut x).unwrap();
         assert_eq!((report.iterations, x), (0, [0.0; 4]));
+    }
+
+    #[test]
+    fn a_system_is_solved_at_every_scale() {
+        let (metric, springs, r) = row(100);
+        for scale in [1e-300, 1e-200, 1.0, 1e200, 1e300] {
+            let cg = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
+            let scaled = Row(springs.0.iter().map(|k| k * scale).collect());
+            let load: Vec<f64> = r.iter().map(|r| r * scale).collect();
+            let (q, mut x, mut y) = ([0.0; 100], [0.0; 100], [0.0; 100]);
+            let report = cg.solve(0.0, &metric, 1.0, &scaled, &q, &load, &mut x).unwrap();
+            assert!(report.relative_residual <= 1e-11, "{scale} {report:?}");
+            cg.solve(0.0, &metric, 1.0, &springs, &q, &r, &mut y).unwrap();
+            let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
+            assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() <= 1e-9 * largest), "{scale}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_that_is_none_is_refused() {
+        let (metric, springs, r) = row(4);
+        let cg = ConjugateGradient { tolerance: f64::NAN, iterations: 10 };
+        let refused = cg.solve(1.0, &metric, 1.0, &springs, &[0.0; 4], &r, &mut [0.0; 4]);
+        assert!(matches!(refused, Err(SparseError::Tolerance(_))), "{refused:?}");
     }
 }

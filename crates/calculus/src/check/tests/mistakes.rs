@@ -200,3 +200,116 @@ fn the_assertion_fails_a_test_with_the_message() {
     let potential = chain(3, 1.0).with_differential(|dv| dv[1] += 1e-3);
     assert_derivatives(&potential, &[0.3, -0.2, 0.5]);
 }
+
+#[test]
+fn a_branch_within_half_a_length_is_found_with_every_seed() {
+    for seed in 0..50 {
+        let check = DerivativeCheck { seed, ..DerivativeCheck::default() };
+        for (q, bound) in [(-0.3, 0.0), (0.3, 0.0), (-0.3, -0.75), (5.0, 7.4)] {
+            let beyond = move |x: f64| (x > bound) != (q > bound);
+            let branch = given(
+                1,
+                |q| q[0].powi(4) + q[0],
+                move |q| vec![if beyond(q[0]) { 1.0 } else { 4.0 * q[0].powi(3) + 1.0 }],
+                |q| vec![(vec![0], vec![12.0 * q[0] * q[0]])],
+            );
+            let entry = wrong(check.potential(&branch, &[q]));
+            assert_eq!(entry.derivative, Derivative::Differential, "{seed} {q} {bound}");
+        }
+    }
+}
+
+/// A square in each freedom that writes over what was there.
+struct Assigns(usize);
+
+impl Potential for Assigns {
+    fn dim(&self) -> usize {
+        3
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        0.5 * q.iter().map(|q| q * q).sum::<f64>()
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        for (i, (dv, q)) in dv.0.iter_mut().zip(q).enumerate() {
+            if i == self.0 { *dv = *q } else { *dv += q }
+        }
+    }
+
+    fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+        (0..3).for_each(|i| hessian.add_symmetric(&[i], &[1.0]));
+    }
+}
+
+#[test]
+fn a_differential_that_is_assigned_and_not_added_is_named() {
+    for freedom in 0..3 {
+        for q in [[0.3, -0.2, 0.5], [0.0; 3], [1e6, -1e-6, 0.0]] {
+            let error = check_potential(&Assigns(freedom), &q).unwrap_err();
+            assert_eq!(error, DerivativeError::Assigned { freedom });
+        }
+    }
+    assert_derivatives(&Assigns(3), &[0.3, -0.2, 0.5]);
+}
+
+#[test]
+fn blocks_whose_order_depends_on_q_are_named() {
+    let ordered = |keeps: bool| {
+        given(
+            2,
+            |q| 0.5 * q[0] * q[0] + q[1] * q[1],
+            |q| vec![q[0], 2.0 * q[1]],
+            move |q| {
+                let mut blocks = vec![(vec![0], vec![1.0]), (vec![1], vec![2.0])];
+                if q[0] > 0.0 && !keeps {
+                    blocks.reverse();
+                }
+                blocks
+            },
+        )
+    };
+    let error = check_potential(&ordered(false), &[-0.3, 0.2]).unwrap_err();
+    assert!(matches!(error, DerivativeError::PatternChanged { block: 0, .. }), "{error}");
+    assert_derivatives(&ordered(true), &[-0.3, 0.2]);
+}
+
+#[test]
+fn a_differential_too_little_wrong_to_be_seen_is_blamed_and_not_the_hessian() {
+    // Beside a load of 1e7 the force sin q is nothing, but its slope is not.
+    let loaded = given(
+        2,
+        |q| 1e7 * q[0] - q[1].cos(),
+        |q| vec![1e7, 1.3 * q[1].sin()],
+        |q| vec![(vec![1], vec![q[1].cos()])],
+    );
+    let entry = wrong(check_potential(&loaded, &[0.2, 0.4]));
+    assert_eq!((entry.derivative, entry.column), (Derivative::Differential, 1));
+    assert_eq!(entry.along, Some(1));
+    assert!((entry.claimed / entry.measured - 1.3).abs() < 1e-3, "{entry}");
+}
+
+#[test]
+fn settings_that_are_no_numbers_are_refused() {
+    let steep = chain(2, 1.0).with_differential(|dv| dv.iter_mut().for_each(|x| *x *= 3.5));
+    for tolerance in [f64::NAN, 0.0, -1.0, 1.0, f64::INFINITY] {
+        let check = DerivativeCheck { tolerance, ..DerivativeCheck::default() };
+        let error = check.potential(&steep, &[0.3, 0.1]).unwrap_err();
+        assert!(matches!(error, DerivativeError::Setting { setting: "tolerance", .. }), "{error}");
+    }
+    for length in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+        let check = DerivativeCheck { length: Some(length), ..DerivativeCheck::default() };
+        let error = check.potential(&steep, &[0.3, 0.1]).unwrap_err();
+        assert!(matches!(error, DerivativeError::Setting { setting: "length", .. }), "{error}");
+    }
+}
+
+#[test]
+fn blocks_and_values_of_other_sizes_are_refused() {
+    let blocks = chain(2, 1.0).with_hessian(|blocks| blocks[1].1 = vec![1.0, 2.0]);
+    let error = check_potential(&blocks, &[0.3, 0.1]).unwrap_err();
+    assert_eq!(error, DerivativeError::BlockSize { block: 1, entries: 2, freedoms: 1 });
+    let changing = |q: &[f64]| vec![1.0; if q[0] > 0.4 { 2 } else { 1 }];
+    let error = check_jacobian(changing, |_| DMatrix::zeros(1, 1), &[0.3]).unwrap_err();
+    assert!(matches!(error, DerivativeError::Size(_)), "{error}");
+}
