@@ -166,6 +166,9 @@ fn judge(
         form.sizes[0] * x.abs() + form.sizes[1] * rate.abs(),
         form.sizes[2] * x.abs() + form.sizes[3] * rate.abs(),
     ];
+    if !sizes.iter().all(|size| size.is_finite()) {
+        return Verdict::not_judged("the referee's terms leave the range of numbers");
+    }
     let phase = w * t.abs();
     let is_gone = sizes[0] <= 1e-12 * (x.abs() + rate.abs() / w);
     if is_periodic && f64::EPSILON * phase > 1.0 && !is_gone {
