@@ -27,11 +27,13 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// The others that belong to a thing, in rising order.
-    ///
-    /// # Panics
-    /// If there is no such thing.
-    pub fn of(&self, thing: usize) -> &[usize] {
+    /// The others that belong to a thing, in rising order; `None` where there is no such thing.
+    pub fn get(&self, thing: usize) -> Option<&[usize]> {
+        (thing < self.len()).then(|| self.of(thing))
+    }
+
+    /// The others that belong to a thing that there is.
+    pub(crate) fn of(&self, thing: usize) -> &[usize] {
         &self.others[self.starts[thing]..self.starts[thing + 1]]
     }
 

@@ -63,6 +63,9 @@ impl<const D: usize, const K: usize> Mesh<D, K> {
     }
 
     /// The corners of a simplex of this mesh.
+    ///
+    /// # Panics
+    /// For a simplex of another mesh that names a vertex that this one has not: it is an index.
     pub fn corners(&self, simplex: &[usize; K]) -> [SVector<f64, D>; K] {
         simplex.map(|vertex| self.vertices[vertex])
     }

@@ -110,7 +110,10 @@ where
         crate::mesh::part(&self.nodes, &simplices).mesh
     }
 
-    /// The point of an element with these barycentric coordinates.
+    /// The point of an element of these with these barycentric coordinates.
+    ///
+    /// # Panics
+    /// For an element of others that names a node that these have not: it is an index.
     pub fn point(&self, element: &[usize; N], l: &[f64; K]) -> SVector<f64, D> {
         let shape = shape::<K, N>(l);
         element.iter().zip(shape).map(|(&node, n)| self.nodes[node] * n).sum()

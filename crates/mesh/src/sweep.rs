@@ -70,7 +70,7 @@ struct Sweeping<'a> {
 
 impl Sweeping<'_> {
     /// Where this edge lies from another that begins no later.
-    fn from_earlier(&self, earlier: &Self) -> Ordering {
+    fn side_of(&self, earlier: &Self) -> Ordering {
         side_of_line(&earlier.left, &earlier.right, &self.left)
             .then_with(|| side_of_line(&earlier.left, &earlier.right, &self.right))
     }
@@ -83,9 +83,9 @@ impl Ord for Sweeping<'_> {
         }
         self.comparisons.set(self.comparisons.get() + 1);
         let side = if along(&self.left, &other.left) == Ordering::Less {
-            other.from_earlier(self).reverse()
+            other.side_of(self).reverse()
         } else {
-            self.from_earlier(other)
+            self.side_of(other)
         };
         side.then(self.edge.cmp(&other.edge))
     }
@@ -144,6 +144,7 @@ impl<'a> Sweep<'a> {
 mod tests {
     use super::*;
     use nalgebra::Rotation2;
+    use std::f64::consts::FRAC_PI_2;
 
     /// Teeth of this height on a bar, turned.
     fn comb(teeth: usize, height: f64, angle: f64) -> Vec<Vector2<f64>> {
@@ -167,7 +168,7 @@ mod tests {
             comparisons.get() as f64
         };
         for height in [1.0, 5000.0] {
-            for angle in [0.0, 0.3, 0.8, 1.570796, 2.5, -1.1] {
+            for angle in [0.0, 0.3, 0.8, FRAC_PI_2, 2.5, -1.1] {
                 let edges = 4.0 * 2000.0;
                 let bound = 20.0 * edges * f64::log2(edges);
                 assert!(cost(2000, height, angle) < bound, "{height} {angle}");
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn one_tooth_through_its_neighbour_is_found_however_the_comb_lies() {
-        for angle in [0.0, 0.3, 0.8, 1.570796, 2.5, -1.1] {
+        for angle in [0.0, 0.3, 0.8, FRAC_PI_2, 2.5, -1.1] {
             let mut corners = comb(300, 50.0, 0.0);
             corners[603].x -= 1.5;
             let turn = Rotation2::new(angle);

@@ -68,7 +68,7 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
                 return Err(ModalError::Parameter { what, value });
             }
         }
-        if let Some(&value) = modes.values().iter().find(|lambda| !(**lambda > 0.0)) {
+        if let Some(&value) = modes.values().iter().find(|lambda| **lambda <= 0.0) {
             return Err(ModalError::Parameter { what: "the lambda of a mode", value });
         }
         self.factor(0.0)?.map_err(ModalError::Stiffness)?;

@@ -94,6 +94,11 @@ pub(crate) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, |largest: f64, x| if largest.is_nan() || x <= largest { largest } else { x })
 }
 
+/// Whether a number is above a limit, or none.
+pub(crate) fn exceeds(x: f64, limit: f64) -> bool {
+    x > limit || x.is_nan()
+}
+
 /// How far the products of these columns in the mass are from one and zero; NaN where one is.
 pub(crate) fn skewness(mass: &SymmetricMatrix, columns: &[f64]) -> f64 {
     let n = mass.dim().max(1);

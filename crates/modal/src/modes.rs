@@ -164,7 +164,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
         modes.complete_below = limit;
         modes.truncate(count);
         let allowed = self.width();
-        let bad = modes.residuals.iter().position(|residual| !(*residual <= allowed));
+        let is_bad = |residual: &f64| dense::exceeds(*residual, allowed);
+        let bad = modes.residuals.iter().position(is_bad);
         match bad {
             Some(mode) => {
                 let residual = modes.residuals[mode];
@@ -197,22 +198,18 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
 
     /// The best approximations to modes among the combinations of these vectors, which are made
     /// orthonormal where they are not.
-    fn rayleigh_ritz(
-        &self,
-        mut basis: Vec<f64>,
-        rigid: &RigidMotions,
-    ) -> Result<Modes, ModalError> {
+    fn rayleigh_ritz(&self, basis: Vec<f64>, rigid: &RigidMotions) -> Result<Modes, ModalError> {
         let mut modes = self.ritz(&basis, rigid)?;
-        if !(dense::skewness(self.mass(), &modes.columns) <= SKEW) {
-            basis = dense::orthonormal(self.mass(), &modes.columns, INDEPENDENT);
+        let mut off = dense::skewness(self.mass(), &modes.columns);
+        if dense::exceeds(off, SKEW) {
+            let basis = dense::orthonormal(self.mass(), &modes.columns, INDEPENDENT);
             modes = self.ritz(&basis, rigid)?;
+            off = dense::skewness(self.mass(), &modes.columns);
         }
-        let off = dense::skewness(self.mass(), &modes.columns);
-        if off <= SKEW {
-            Ok(modes)
-        } else {
-            Err(ModalError::NotOrthonormal { what: "the modes", off, allowed: SKEW })
+        if dense::exceeds(off, SKEW) {
+            return Err(ModalError::NotOrthonormal { what: "the modes", off, allowed: SKEW });
         }
+        Ok(modes)
     }
 
     fn ritz(&self, basis: &[f64], rigid: &RigidMotions) -> Result<Modes, ModalError> {

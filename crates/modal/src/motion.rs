@@ -85,8 +85,8 @@ impl<'a> Motion<'a> {
     ///
     /// # Errors
     /// [`ModalError::Size`]; [`ModalError::Parameter`] for a time that is not finite, or where the
-    /// motion leaves the range of numbers; [`ModalError::PhaseLost`] where rounding of the phase
-    /// reaches a hundredth of a radian.
+    /// motion leaves the range of numbers; [`ModalError::PhaseLost`] where rounding of phases reaches a
+    /// hundredth of a radian in modes that make up a hundredth of the motion.
     pub fn at(
         &self,
         t: f64,
@@ -137,28 +137,22 @@ impl<'a> Motion<'a> {
         propagator.applied(self.displacements[i], self.rates[i])
     }
 
-    /// An error where modes that swing, and have not died away, make up more of the motion than
-    /// rounding leaves of their phase.
+    /// An error where modes that swing, and have not died away, had a hundredth of the start, each by
+    /// the root of its energy, and rounding has taken their phase.
     fn check_phases(&self, t: f64) -> Result<(), ModalError> {
-        let swings = |i: usize| self.modes.values()[i] > 0.0 && self.ratios[i] < 1.0;
         let (mut all, mut lost, mut worst) = (0.0, 0.0, None);
-        for i in 0..self.modes.len() {
-            let (lambda, zeta) = (self.modes.values()[i], self.ratios[i]);
-            let radians = lambda.abs().sqrt() * t.abs();
-            let decay = if zeta > 0.0 { (-zeta * radians.copysign(t)).exp() } else { 1.0 };
-            let (x, rate) = if swings(i) {
-                let w = lambda.sqrt();
-                let size = self.displacements[i].abs().hypot(self.rates[i].abs() / w);
-                (size * decay, size * decay * w)
-            } else {
-                self.mode_at(i, t)
-            };
-            let size = x.abs().max(rate.abs());
+        for (i, &lambda) in self.modes.values().iter().enumerate() {
+            let w = lambda.abs().sqrt();
+            let size = (w * self.displacements[i]).hypot(self.rates[i]);
             all += size;
-            let turned = f64::EPSILON * radians;
-            if swings(i) && turned > LOST && decay > f64::EPSILON && size > 0.0 {
-                lost += size;
-                worst = worst.or(Some((i, radians)));
+            let (zeta, radians) = (self.ratios[i], w * t.abs());
+            let swings = lambda > 0.0 && zeta < 1.0;
+            if swings && f64::EPSILON * radians > LOST {
+                let decay = (-zeta * w * t).exp();
+                if decay > f64::EPSILON && size > 0.0 {
+                    lost += size;
+                    worst = worst.or(Some((i, radians)));
+                }
             }
         }
         match worst {

@@ -99,7 +99,7 @@ impl RigidMotions {
         let n = system.dim();
         SizeError::check("the rigid motions' numbers", self.count * n, self.columns.len())?;
         let off = dense::skewness(system.mass(), &self.columns);
-        if !(off <= ORTHONORMAL) {
+        if dense::exceeds(off, ORTHONORMAL) {
             let (what, allowed) = ("the rigid motions", ORTHONORMAL);
             return Err(ModalError::NotOrthonormal { what, off, allowed });
         }
@@ -108,7 +108,7 @@ impl RigidMotions {
         let pairs = self.columns.chunks_exact(n).zip(moved.chunks_exact(n));
         for (motion, (x, y)) in pairs.enumerate() {
             let lambda = dense::dot(x, y);
-            if !(lambda.abs() <= allowed) {
+            if dense::exceeds(lambda.abs(), allowed) {
                 return Err(ModalError::NotRigid { motion, lambda, allowed });
             }
         }

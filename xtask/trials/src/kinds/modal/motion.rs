@@ -166,6 +166,9 @@ fn judge(
         form.sizes[0] * x.abs() + form.sizes[1] * rate.abs(),
         form.sizes[2] * x.abs() + form.sizes[3] * rate.abs(),
     ];
+    if !sizes.iter().all(|size| size.is_finite()) {
+        return Verdict::not_judged("the referee's terms leave the range of numbers");
+    }
     let phase = w * t.abs();
     let is_gone = sizes[0] <= 1e-12 * (x.abs() + rate.abs() / w);
     if is_periodic && f64::EPSILON * phase > 1.0 && !is_gone {
@@ -186,7 +189,7 @@ fn judge(
     let exact = [form.x[0] * x + form.x[1] * rate, form.v[0] * x + form.v[1] * rate];
     // What other modes get from the rounding of the start, and what is below the least number.
     let spill = if n > 1 { 1e-27 } else { 0.0 };
-    let start = x.abs() + rate.abs() * (t.abs() + 1.0) / w.min(1.0).max(1e-9);
+    let start = x.abs() + rate.abs() * (t.abs() + 1.0) / w.clamp(1e-9, 1.0);
     let least = 1e-290 + spill * start;
     let fastest = modes.values().iter().fold(1.0_f64, |most, l| most.max(l.abs().sqrt()));
     let off = [(part(end) - exact[0]).abs(), (part(speed) - exact[1]).abs()];
