@@ -44,7 +44,7 @@ fn trial(draw: &mut Draw) -> Verdict {
 fn in_range(draw: &mut Draw) -> Verdict {
     let shape = shapes::in_pieces(draw, shapes::surface).placed(draw);
     let shape_of = Matrices::of(&shape).shape;
-    if !(shape_of > 1e-5) {
+    if shape_of < 1e-5 {
         return Verdict::not_judged("too flat for lengths alone");
     }
     let surface = shape.mesh().and_then(|mesh| {
