@@ -48,7 +48,9 @@ impl<'a> ExactHeat<'a> {
         let values = modes.values();
         // Where constants alone are there, the next mode tells what is small.
         let scale = values.iter().copied().fold(0.0, f64::max).max(modes.complete_below());
-        if let Some(&lambda) = values.iter().find(|&&lambda| !(lambda >= -ROUNDING * scale)) {
+        if let Some(&lambda) =
+            values.iter().find(|&&lambda| lambda.is_nan() || lambda < -ROUNDING * scale)
+        {
             return Err(LaplacianError::Growing { lambda });
         }
         let (mut coefficients, mut rest) = (Vec::new(), f.to_vec());

@@ -169,7 +169,7 @@ impl GeodesicDistance {
         places.iter().for_each(|&source| warmest[source] = 1.0);
         let is_cold = |&(freedom, vertex): &(usize, &usize)| {
             let u = warmest[freedom];
-            zeros[self.pieces[*vertex]].1 > 0 && !(u >= FAINTEST)
+            zeros[self.pieces[*vertex]].1 > 0 && (u.is_nan() || u < FAINTEST)
         };
         let free = self.domain.free_vertices().iter().enumerate();
         let cold: Vec<usize> = free.filter(is_cold).map(|(_, &vertex)| vertex).collect();

@@ -66,6 +66,13 @@ struct Window {
     before: f64,
 }
 
+impl Window {
+    /// How far it is from the sources to a place on the side.
+    fn through(&self, place: f64) -> f64 {
+        self.before + length([place - self.from[0], self.from[1]])
+    }
+}
+
 /// What is next: a vertex that was reached, or a window.
 #[derive(Clone, Copy, Debug)]
 enum Front {
@@ -254,87 +261,80 @@ impl Search<'_> {
         }
     }
 
+    /// A window that may hold a shortest path waits for its turn.
     fn push(&mut self, window: Window) {
-        let laid = &self.paths.sides[window.side];
         let [low, high] = window.interval;
-        if !(high - low > NARROW * laid.length) {
-            return;
+        if high - low > NARROW * self.paths.sides[window.side].length && !self.is_beaten(&window) {
+            let distance = window.through(window.from[0].clamp(low, high));
+            self.events.push(Event { distance, front: Front::Window(window) });
         }
-        let through = |x: f64| window.before + length([x - window.from[0], window.from[1]]);
-        let [first, second] = laid.ends.map(|end| self.distance[end]);
-        if is_shorter(first + high, through(high))
-            || is_shorter(second + (laid.length - low), through(low))
-        {
-            return;
-        }
-        let distance = through(window.from[0].clamp(low, high));
-        self.events.push(Event { distance, front: Front::Window(window) });
+    }
+
+    /// Whether an end of its side offers a shorter way to all of a window: then to the farthest point
+    /// of it, and along the side.
+    fn is_beaten(&self, window: &Window) -> bool {
+        let laid = &self.paths.sides[window.side];
+        let ([low, high], [first, second]) =
+            (window.interval, laid.ends.map(|end| self.distance[end]));
+        is_shorter(first + high, window.through(high))
+            || is_shorter(second + (laid.length - low), window.through(low))
     }
 
     /// Carries a window across the triangle ahead.
     fn carry(&mut self, window: &Window) {
         self.windows += 1;
-        let paths = self.paths;
-        let laid = &paths.sides[window.side];
-        let ([low, high], apex, from) = (window.interval, laid.apex, window.from);
         // What was the shortest way when the window was made may not be any more.
-        let through = |x: f64| window.before + length([x - from[0], from[1]]);
-        let [first, second] = laid.ends.map(|end| self.distance[end]);
-        if is_shorter(first + high, through(high))
-            || is_shorter(second + (laid.length - low), through(low))
-        {
+        if self.is_beaten(window) {
             return;
         }
+        let laid = &self.paths.sides[window.side];
+        let ([low, high], apex, from) = (window.interval, laid.apex, window.from);
         let rise = apex[1] - from[1];
         let crossing =
             if rise > 0.0 { from[0] - (apex[0] - from[0]) * (from[1] / rise) } else { apex[0] };
-        let bend = crossing.clamp(low, high);
         let is_seen = low <= crossing && crossing <= high;
         let to_apex = if is_seen {
             window.before + length([apex[0] - from[0], rise])
         } else {
-            through(bend) + length([apex[0] - bend, apex[1]])
+            let bend = crossing.clamp(low, high);
+            window.through(bend) + length([apex[0] - bend, apex[1]])
         };
         self.reach(laid.apex_vertex, to_apex);
-        let (mut right, mut left) = (crossing < high, crossing > low);
+        let (mut left, mut right) = (crossing > low, crossing < high);
         if is_seen {
             let (nearest, there) = self.nearest[window.side];
             if is_shorter(nearest, to_apex) {
                 // One angle, one split: on the apex' other side the nearer window is nearer still, but
                 // not where one lies behind the other.
                 let same = SAME_WAY * laid.length;
-                right &= crossing > there - same;
                 left &= crossing < there + same;
+                right &= crossing > there - same;
             } else if to_apex < nearest {
                 self.nearest[window.side] = (to_apex, crossing);
             }
         }
-        if right {
-            let ends = [(crossing > low).then_some(0.0), (high >= laid.length).then_some(1.0)];
-            let end = [laid.length, 0.0];
-            self.pass(window, laid.others[0], [apex, end], [low, high], ends, [0.0, 0.0]);
-        }
         if left {
-            let ends = [(low <= 0.0).then_some(0.0), (crossing < high).then_some(1.0)];
-            let end = [laid.length, 0.0];
-            self.pass(window, laid.others[1], [[0.0, 0.0], apex], [low, high], ends, end);
+            self.pass(window, crossing, Turn::Left);
+        }
+        if right {
+            self.pass(window, crossing, Turn::Right);
         }
     }
 
-    /// The part of a window that crosses one of the two sides ahead, which leads from one point to
-    /// another seen from beyond. Rays through `places` on the side below bound it, or the ends of the
-    /// side where those are known to. `behind` is the end of the side below that lies opposite.
-    fn pass(
-        &mut self,
-        window: &Window,
-        side: usize,
-        [start, end]: [[f64; 2]; 2],
-        places: [f64; 2],
-        ends: [Option<f64>; 2],
-        behind: [f64; 2],
-    ) {
-        let laid = &self.paths.sides[side];
-        let Some(over) = laid.across else { return };
+    /// The part of a window that leaves the triangle ahead on one side of the apex, which is seen
+    /// where the side below is crossed.
+    fn pass(&mut self, window: &Window, crossing: f64, turn: Turn) {
+        let paths = self.paths;
+        let below = &paths.sides[window.side];
+        let ([low, high], corners) = (window.interval, [[0.0, 0.0], [below.length, 0.0]]);
+        // The way out as seen from beyond: from a start to an end, each known to be the window's own
+        // or not. Behind lies the end of the side below that the way out does not touch.
+        let (out, [start, end], own, behind) = match turn {
+            Turn::Left => (1, [corners[0], below.apex], [low <= 0.0, crossing < high], 1),
+            Turn::Right => (0, [below.apex, corners[1]], [crossing > low, high >= below.length], 0),
+        };
+        let laid = &paths.sides[below.others[out]];
+        let Some(side) = laid.across else { return };
         let along = [(end[0] - start[0]) / laid.length, (end[1] - start[1]) / laid.length];
         let turned = |x: [f64; 2]| {
             let off = [x[0] - start[0], x[1] - start[1]];
@@ -342,30 +342,32 @@ impl Search<'_> {
         };
         let from = turned(window.from);
         let from = [from[0], from[1].min(0.0)];
-        let meet = |place: f64, end: Option<f64>| match end {
-            Some(part) => part * laid.length,
-            None => {
-                let on = turned([place, 0.0]);
-                let rise = on[1] - from[1];
-                let way = if rise > 0.0 { -from[1] / rise } else { 1.0 };
-                (from[0] + (on[0] - from[0]) * way).clamp(0.0, laid.length)
-            }
+        // Where the ray through a place on the side below crosses the way out.
+        let crossed = |place: f64| {
+            let on = turned([place, 0.0]);
+            let rise = on[1] - from[1];
+            let part = if rise > 0.0 { -from[1] / rise } else { 1.0 };
+            (from[0] + (on[0] - from[0]) * part).clamp(0.0, laid.length)
         };
-        let interval = [meet(places[0], ends[0]), meet(places[1], ends[1])];
-        // The vertex behind may offer a shorter way to all of the window: then to its end that is
-        // farthest around.
-        let (behind_vertex, farthest) = if behind[0] > 0.0 {
-            (self.paths.sides[window.side].ends[1], interval[0])
-        } else {
-            (self.paths.sides[window.side].ends[0], interval[1])
-        };
-        let behind = turned(behind);
-        let this_way = window.before + length([farthest - from[0], from[1]]);
-        let that_way = self.distance[behind_vertex] + length([farthest - behind[0], behind[1]]);
-        if !is_shorter(that_way, this_way) {
-            self.push(Window { side: over, interval, from, before: window.before });
+        let first = if own[0] { 0.0 } else { crossed(low) };
+        let last = if own[1] { laid.length } else { crossed(high) };
+        let next = Window { side, interval: [first, last], from, before: window.before };
+        // The vertex behind may offer a shorter way to the point that is farthest around from it: then
+        // to all of the window.
+        let far = [last, first][behind];
+        let seen = turned(corners[behind]);
+        let that_way = self.distance[below.ends[behind]] + length([far - seen[0], seen[1]]);
+        if !is_shorter(that_way, next.through(far)) {
+            self.push(next);
         }
     }
+}
+
+/// On which side of the apex a path leaves a triangle.
+#[derive(Clone, Copy, Debug)]
+enum Turn {
+    Left,
+    Right,
 }
 
 fn length(x: [f64; 2]) -> f64 {

@@ -13,7 +13,7 @@ pub const KIND: Kind = Kind {
            1e-8 of the farthest), a largest stated error above twice the largest true one, a shortest \
            path off by more than 1e-9 of the farthest, a vertex that no path leads to and is not \
            told so",
-    in_tests: 150,
+    in_tests: 400,
     trial,
 };
 

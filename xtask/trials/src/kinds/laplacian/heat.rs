@@ -2,8 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::Metric;
-use stationary_laplacian::{Domain, Elements, ExactHeat, Heat, HeatMethod, lowest_modes};
-use stationary_mesh::Simplex;
+use stationary_laplacian::{
+    Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, lowest_modes,
+};
+use stationary_mesh::{IntrinsicSurface, Simplex};
 
 use super::matrices::{Matrices, part, solve};
 use super::shapes::{self, Shape};
@@ -20,7 +22,7 @@ pub const KIND: Kind = Kind {
 };
 
 fn trial(draw: &mut Draw) -> Verdict {
-    match draw.below(3) {
+    match draw.below(4) {
         0 => {
             let shape = shapes::in_pieces(draw, shapes::line).placed(draw);
             flow(draw, &shape)
@@ -29,11 +31,67 @@ fn trial(draw: &mut Draw) -> Verdict {
             let shape = shapes::in_pieces(draw, shapes::surface).placed(draw);
             flow(draw, &shape)
         }
-        _ => {
+        2 => {
             let shape = shapes::in_pieces(draw, shapes::solid).placed(draw);
             flow(draw, &shape)
         }
+        _ => in_range(draw),
     }
+}
+
+/// On a surface with Delaunay edges and split obtuse boundary sides no weight is negative: implicit
+/// Euler with lumped mass keeps the range of its start, whatever the step.
+fn in_range(draw: &mut Draw) -> Verdict {
+    let shape = shapes::in_pieces(draw, shapes::surface).placed(draw);
+    let shape_of = Matrices::of(&shape).shape;
+    if shape_of < 1e-5 {
+        return Verdict::not_judged("too flat for lengths alone");
+    }
+    let surface = shape.mesh().and_then(|mesh| {
+        let mut surface = IntrinsicSurface::of(&mesh)?;
+        surface.split_obtuse_boundary()?;
+        Ok(surface)
+    });
+    let surface = match surface {
+        Ok(surface) => surface,
+        Err(error) => return Verdict::refused(error),
+    };
+    let repeats = surface.triangles().iter().any(|&[a, b, c]| a == b || b == c || c == a);
+    match before_and_after(draw, &surface) {
+        Ok((before, f)) => {
+            let least = |f: &[f64]| f.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = |f: &[f64]| f.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let outside = (least(&before) - least(&f)).max(most(&f) - most(&before)).max(0.0);
+            Verdict::of(outside, 1e-11, "the range of the start")
+        }
+        // A triangle that names a vertex twice has no sparse matrix: the page says so.
+        Err(_) if repeats => Verdict::due(),
+        Err(error) => Verdict::refused(error),
+    }
+}
+
+/// Some steps of implicit Euler with lumped mass.
+fn before_and_after(
+    draw: &mut Draw,
+    surface: &IntrinsicSurface,
+) -> Result<(Vec<f64>, Vec<f64>), LaplacianError> {
+    let domain = Domain::free(Elements::of_surface(surface)?)?;
+    let metric = domain.lumped()?;
+    let mut f = vec![0.0; domain.dim()];
+    if draw.chance(0.5) {
+        f[draw.below(domain.dim())] = 1.0;
+    } else {
+        f = draw.vector(domain.dim());
+    }
+    let before = f.clone();
+    let h = draw.log_uniform(1e-8, 1e4) * surface.area();
+    draw.note(format!("on {} vertices with Delaunay edges, h {h:.2e}", f.len()));
+    let method = HeatMethod::ImplicitEuler;
+    let mut heat = Heat::new(&metric, domain.dirichlet(), method, 1.0, h)?;
+    for _ in 0..draw.between(1, 4) {
+        heat.step(&mut f)?;
+    }
+    Ok((before, f))
 }
 
 /// What flows, in the referee's words: on the free vertices, about held values.

@@ -208,7 +208,7 @@ impl Case<'_> {
             matrix += &weights * weights.transpose() * strength;
         }
         let (expected, condition) = solve(&matrix, &right);
-        if !(condition < 1e9) {
+        if condition > 1e9 {
             return Verdict::not_judged("a matrix too close to singular for the referee");
         }
         let scale = largest(expected.iter().copied()).max(largest(values));

@@ -136,7 +136,7 @@ where
     };
     let matrices = Matrices::of(shape);
     let undefined = damage.empty || matrices.shape < 1e-15;
-    if !undefined && !(matrices.shape > 1e-9) {
+    if !undefined && matrices.shape < 1e-9 {
         return Verdict::not_judged("a simplex of hardly any size");
     }
     let elements = match Elements::of(&mesh) {
@@ -220,7 +220,7 @@ fn by_lengths(mesh: &Mesh<3, 3>, shape: &Shape<3>) -> Verdict {
         Err(error) => return Verdict::wrong(format!("refused though it can be glued: {error}")),
     };
     let matrices = Matrices::of(shape);
-    if !(matrices.shape > 1e-5) {
+    if matrices.shape < 1e-5 {
         return Verdict::not_judged("too flat for lengths alone");
     }
     match Elements::of_surface(&surface) {

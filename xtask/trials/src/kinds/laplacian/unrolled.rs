@@ -495,7 +495,7 @@ fn straightened(shape: &Shape<3>, mut path: Vec<Node>) -> (f64, bool) {
         }
     }
     let inner = path.get(1..path.len() - 1).unwrap_or(&[]);
-    let near = |part: f64| part < 0.05 || part > 0.95;
+    let near = |part: f64| !(0.05..=0.95).contains(&part);
     let caught = inner.iter().any(|node| near(node.part));
     (path.windows(2).map(|pair| (place(&pair[0]) - place(&pair[1])).norm()).sum(), caught)
 }
