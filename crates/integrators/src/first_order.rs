@@ -5,7 +5,7 @@
 //! ```
 //! `y` n numbers, `t` seconds, `M` a constant n x n matrix that may be singular. A right-hand side
 //! is a [`VectorField`]; mechanics is one instance ([`MechanicalField`]). The methods choose their
-//! own steps from a [`Tolerance`], know their last step as a polynomial, and are data between
+//! own steps from a [`Tolerance`], know what lies within their last step, and are data between
 //! steps: what is saved goes on to the same bits.
 //!
 //! | method | for | mass matrix |

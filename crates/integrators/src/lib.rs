@@ -36,8 +36,9 @@
 //! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
 //! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
 //! [`simulate`]; systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
-//! [`BackwardDifferences`], [`integrate`]); orbits to many digits ([`Nystrom12`]); the potentials of chapter 0, momenta with the symmetries
-//! that keep them ([`Symmetry`]), and [`problems`] with known answers. Last, Hamilton's principle:
+//! [`BackwardDifferences`], [`integrate`]); orbits to many digits ([`Nystrom12`]); the potentials of
+//! chapter 0, momenta with the symmetries that keep them ([`Symmetry`]), and [`problems`] with known
+//! answers. Last, Hamilton's principle:
 //! [`Lagrangian`], [`DiscreteLagrangian`] and its integrator [`Variational`], the [`Action`] and
 //! motions between two ends, [`Drag`], [`Load`] and [`Impulse`].
 //!

@@ -44,8 +44,8 @@ const COARSEST: i32 = 2;
 const MOST_STEPS: u64 = 30_000;
 /// The error at the end in units of `tol A` that is still honest.
 const HONEST: f64 = 100.0;
-/// The same for the formulas of order 2, whose steps are many: at 1e-5 they are 2,000 on an orbit.
-const HONEST_AT_ORDER_2: f64 = 10_000.0;
+/// The same for the formulas of order 2, whose many steps add up.
+const HONEST_AT_ORDER_2: f64 = 1_000.0;
 /// Where `A tol` is above, errors are as large as the motion and say nothing of the tolerance.
 const CHAOTIC: f64 = 0.01;
 

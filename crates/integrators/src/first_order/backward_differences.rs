@@ -9,6 +9,9 @@
 //! polynomial on the new grid. One evaluation of f an iteration, one real factorization for as long
 //! as the step stays: cheap where f and its Jacobian are costly and few digits are asked for.
 //!
+//! A step may use a tenth of the tolerance, because the errors of many steps add up; a relative
+//! tolerance looser than 1e-3 is held as 1e-3.
+//!
 //! Orders 1 and 2 are L-stable. From order 3 on the formulas are stable in a sector only: motion
 //! that oscillates fast makes them fail, see `bdf_of_high_order_blows_up_near_the_imaginary_axis`;
 //! ask for at most order 2 there. Constraints of index 1 (rows of M that are zero) are met at the

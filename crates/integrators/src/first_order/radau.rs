@@ -10,6 +10,10 @@
 //! and a complex system of size n. A Jacobian serves as long as the iterations contract well, its
 //! factors as long as the step stays.
 //!
+//! A step is accepted after two iterates at least: the first says nothing of the rate at which they
+//! converge. The estimate of a step's error is of order 3 and is held to `0.1 tol^(2/3)`. Between steps
+//! the polynomial is corrected, by one solve with the factors of the step, where a part is stiff.
+//!
 //! L-stable: fast decay dies out within a step. Keeps order 5 on smooth solutions, but loses some
 //! where a fast part is driven: see `radau_loses_order_on_a_stiff_part_that_is_driven`. Constraints
 //! of index 1 (rows of M that are zero) are met at the end of each step. Dense matrices only.

@@ -4,7 +4,8 @@
 //! |error of component i in a step|  <~  absolute_i + relative |y_i|
 //! ```
 //! in the root mean square over all components. The error at the end is that of all steps together,
-//! carried along by the flow: it is proportional to the tolerance, not bounded by it.
+//! carried along by the flow: it is proportional to the tolerance, not bounded by it. Radau, BDF and the
+//! Nystrom pairs hold parts of it, as their pages say.
 
 use stationary_calculus::Storage;
 

@@ -27,6 +27,10 @@ const RESOLVED: f64 = 0.1;
 
 /// The relative tolerance above which an estimate of order 6 or 10 is no longer one.
 const LOOSEST: f64 = 1e-5;
+/// The part of the tolerance that a step may use: a close encounter amplifies its error.
+const PART: f64 = 0.2;
+/// No part of a tolerance may be below this, which rounding does not allow.
+const FINEST: f64 = 1e-14;
 
 /// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]
@@ -170,9 +174,12 @@ where
     }
 }
 
-/// A looser tolerance than `LOOSEST` is held as that: steps so long say nothing of their own error.
+/// The part of a tolerance that a step may use. A looser one than `LOOSEST` is held as that: steps so
+/// long say nothing of their own error.
 fn held(tolerance: &Tolerance) -> Tolerance {
-    tolerance.scaled((LOOSEST / tolerance.relative).min(1.0))
+    let asked = tolerance.relative;
+    let part = PART * (LOOSEST / asked).min(1.0);
+    tolerance.scaled(part.max((FINEST / asked).min(1.0)))
 }
 
 fn tolerated<C: Storage>(tolerance: &Tolerance, n: usize) -> Result<Tolerated<C>, SizeError> {

@@ -19,7 +19,7 @@ pub const KINDS: &[Kind] = &[
         krate: "integrators",
         rule: "adaptive methods: the error at the end, in the scale of the tolerance, above \
                min(0.1, 100 tol max(1, A)), of BDF held to order k <= 2 above \
-               100 tol^(k/(k+1)) max(1, A), of stiff ones where 0.01 < A tol <= 0.1 above max(0.1, 5 A tol); a \
+               100 tol^(k/(k+1)) max(1, A), of reactions where 0.01 < A tol <= 0.1 above max(0.1, 5 A tol); a \
                collision that is passed",
         in_tests: 150,
         trial: tolerance::at_the_end,

@@ -4,7 +4,7 @@
 //! error <= min(0.1, 100 tol max(1, A))       in the scale of the tolerance, root mean square
 //! ```
 //! `A` how far two reference runs that start `tol` apart are apart at that time, in units of `tol`.
-//! Where `A tol > 0.01` a motion is too chaotic to be judged; a stiff one only above 0.1, and wrong
+//! Where `A tol > 0.01` a motion is too chaotic to be judged; reactions only above 0.1, and wrong
 //! between the two where the error exceeds `max(0.1, 5 A tol)`. In close encounters the methods for
 //! first-order systems are held to runs that part on the way, too: what they get wrong within the
 //! tolerance at a pericentre is amplified more than what is wrong before. The Nystrom pairs are not.
@@ -16,7 +16,7 @@ use crate::{Draw, Verdict};
 
 /// Where `A tol` is above, a motion is too chaotic to be judged.
 const CHAOTIC: f64 = 0.01;
-/// The same for stiff problems, which are not chaotic: between the two, five times `A tol` is wrong.
+/// The same for reactions, which are not chaotic: between the two, five times `A tol` is wrong.
 const DISSIPATIVE: f64 = 0.1;
 /// Places on the way at which reference runs part.
 const PARTINGS: usize = 8;
@@ -148,7 +148,8 @@ fn judge(
         let scale = setting.scale(&truth[k]);
         let amplified = amplified[k];
         let by_order = matches!(setting.method, Adaptive::BackwardDifferences(1 | 2));
-        let limit = if problem.stiff && !by_order { DISSIPATIVE } else { CHAOTIC };
+        let reacts = matches!(problem.name, "response" | "kinetics") && !by_order;
+        let limit = if reacts { DISSIPATIVE } else { CHAOTIC };
         if amplified * tolerance > limit {
             continue;
         }
