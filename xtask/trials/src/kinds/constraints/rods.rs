@@ -23,8 +23,12 @@ pub(super) const KIND: Kind = Kind {
     trial,
 };
 
-/// Up to this turn a step (radians), masses alike, the page promises a solution.
+/// The largest turn of a step, radians.
 const TURN: f64 = 0.4;
+
+/// Up to this part of the regularity the turn of a step (radians), times the root of the ratio of
+/// masses, has a solution.
+const BOUND: f64 = 0.5;
 
 type Problem = System<DiagonalMetric<Vec<f64>>, UniformGravity<2>>;
 
@@ -79,6 +83,7 @@ fn absent() -> ConstraintError {
 fn is_absurd(error: &ConstraintError) -> bool {
     let violation = match *error {
         ConstraintError::NotConverged { violation, .. }
+        | ConstraintError::Diverged { violation, .. }
         | ConstraintError::Infeasible { violation, .. } => violation,
         _ => 0.0,
     };
@@ -316,7 +321,7 @@ fn refusal(
     let v = DVector::from_fn(state.q.len(), |f, _| state.p.0[f] / net.mass(f));
     let turn = h * net.fastest_turn(&v);
     let here = net.regularity(&state.q).min(regularity);
-    if here > 1e-2 && turn < TURN {
+    if here > 1e-3 && turn * net.mass_ratio().sqrt() < BOUND * here {
         return Verdict::wrong(format!("refuses a turn of {turn:.1e} rad a step: {error}"));
     }
     let mut kicked = Covector(state.p.0.clone());

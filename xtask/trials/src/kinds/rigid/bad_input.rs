@@ -232,8 +232,11 @@ fn absent(draw: &mut Draw) -> Verdict {
         0 => {
             let ends =
                 [Attachment::World(vector(draw, 0.1)), Attachment::Body(body, vector(draw, 0.1))];
-            let spring =
-                BodySpring { bodies, stiffness: number(draw, 3.0, 0.2), ends, space: Poses };
+            let spring = match BodySpring::new(Poses, bodies, number(draw, 3.0, 0.2), ends) {
+                Ok(_) if body >= bodies => return Verdict::wrong("a spring pulls at no body"),
+                Ok(spring) => spring,
+                Err(_) => return Verdict::due(),
+            };
             let mut dv = vec![0.0; 6 * bodies];
             let energy = spring.energy(&q);
             spring.add_differential(&q, Covector(&mut dv));
@@ -244,7 +247,11 @@ fn absent(draw: &mut Draw) -> Verdict {
             }
         }
         1 => {
-            let spun = Spun { body, axis: Vector3::z(), space: Poses };
+            let spun = match Spun::new(Poses, bodies, body, Vector3::z()) {
+                Ok(_) if body >= bodies => return Verdict::wrong("no body spins"),
+                Ok(spun) => spun,
+                Err(_) => return Verdict::due(),
+            };
             let (mut xi, mut dxi) = (vec![0.0; 6 * bodies], vec![0.0; 6 * bodies]);
             spun.generator(&q, Vector(&mut xi));
             spun.generator_along(&q, Vector(&p), Vector(&mut dxi));

@@ -32,7 +32,7 @@ enum Way {
     Constant,
     Axes,
     Exact,
-    /// As a newcomer would write it.
+    /// What a newcomer writes: straight motions, before they were refused for bodies.
     Plain,
     Hamilton,
 }
@@ -65,9 +65,13 @@ fn method<'s>(
                     let motion = FreeBodies(ExactRotation);
                     Box::new(Rattle::along(motion, system, joints, state, $choice)?)
                 }
-                Way::Plain => Box::new(Rattle::new(system, joints, state, $choice)?),
+                Way::Plain => {
+                    let motion = FreeBodies(ConstantVelocity);
+                    Box::new(Rattle::along(motion, system, joints, state, $choice)?)
+                }
                 Way::Hamilton => {
-                    Box::new(ConstrainedHamilton::new(system, joints, state, $choice)?)
+                    let motion = FreeBodies(ConstantVelocity);
+                    Box::new(ConstrainedHamilton::along(motion, system, joints, state, $choice)?)
                 }
             }
         };
@@ -81,6 +85,7 @@ fn method<'s>(
 fn is_absurd(error: &ConstraintError) -> bool {
     let violation = match *error {
         ConstraintError::NotConverged { violation, .. }
+        | ConstraintError::Diverged { violation, .. }
         | ConstraintError::Infeasible { violation, .. } => violation,
         _ => 0.0,
     };
