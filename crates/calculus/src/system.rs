@@ -51,7 +51,10 @@ impl<P: Potential> PotentialOn<Flat> for P {}
 impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for &P {}
 impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for Option<P> {}
 impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>> PotentialOn<S> for (A, B) {}
-impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>, C: PotentialOn<S>> PotentialOn<S> for (A, B, C) {}
+impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>, C: PotentialOn<S>> PotentialOn<S>
+    for (A, B, C)
+{
+}
 
 /// The flat space R^n, where moving is addition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

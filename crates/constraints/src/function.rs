@@ -24,7 +24,9 @@
 //! # Ok::<(), stationary_constraints::ConstraintError>(())
 //! ```
 
-use stationary_calculus::{Flat, Number, Sink, Vector, directional_derivative, second_differential};
+use stationary_calculus::{
+    Flat, Number, Sink, Vector, directional_derivative, second_differential,
+};
 
 use crate::constraint::read;
 use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};

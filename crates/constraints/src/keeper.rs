@@ -82,7 +82,8 @@ pub(crate) fn check_state<S: Space, C: Storage>(
     space: &S,
     state: &State<C>,
 ) -> Result<(), ConstraintError> {
-    for (what, numbers) in [("configuration", state.q.as_ref()), ("momentum", state.p.components())] {
+    for (what, numbers) in [("configuration", state.q.as_ref()), ("momentum", state.p.components())]
+    {
         if let Some(index) = first_non_finite(numbers) {
             return Err(ConstraintError::NonFinite { what, index });
         }
@@ -345,5 +346,5 @@ pub(crate) fn check_finite<C: Storage>(state: &State<C>) -> Result<(), StepError
 
 /// An error unless the step is positive and finite.
 pub(crate) fn check_step(h: f64) -> Result<(), StepError> {
-    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(StepError::Step(h)) }
+    if h > 0.0 && h.is_finite() && h.recip().is_finite() { Ok(()) } else { Err(StepError::Step(h)) }
 }

@@ -139,7 +139,8 @@ where
             flight.check(&self.scales, g, None)?;
             let eps = rounding(q.as_ref());
             let settled = iterations == ITERATIONS
-                || change <= 0.25 * eps || (change > 0.5 * last && change <= 16.0 * eps);
+                || change <= 0.25 * eps
+                || (change > 0.5 * last && change <= 16.0 * eps);
             let done = if iterations == 0 { worst.distance == 0.0 } else { settled };
             if worst.excess <= eps && done {
                 let violation = self.scales.largest_relative(g);

@@ -35,8 +35,8 @@ use stationary_integrators::{
 
 use crate::keeper::{Keeper, check_step};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn, FreeMotion,
-    Multipliers, Solver, Straight,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
+    FreeMotion, Multipliers, Solver, Straight,
 };
 
 /// What is known of the method.

@@ -21,8 +21,8 @@ use stationary_integrators::{
 use crate::feasible::Scales;
 use crate::keeper::{check_finite, check_step, check_time, zeros};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn, Multipliers,
-    Projection, Solver,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
+    Multipliers, Projection, Solver,
 };
 
 /// Any integrator, followed by a projection.

@@ -124,7 +124,9 @@ pub enum RigidError {
         ends: [Option<usize>; 2],
     },
     /// A box has sizes.
-    #[error("half the box's size along axis {axis} is {half} m; it must be finite and not negative")]
+    #[error(
+        "half the box's size along axis {axis} is {half} m; it must be finite and not negative"
+    )]
     HalfSize {
         /// The axis, 0 to 2.
         axis: usize,

@@ -10,7 +10,7 @@
 //! rotation. The algebra is R^3 with the cross product; hat is the cross-product matrix.
 //!
 //! Both maps are accurate to a few roundings of each component, exp from angles of 1e-300 to 1e15,
-//! beside whole and half turns as well. The
+//! beside whole and half turns as well, where less than 1e-31 of the angle is not told from nothing. The
 //! logarithm is the shortest: its length is at most pi, so `log(exp(theta))` differs from `theta`
 //! by whole turns about its axis once `|theta| > pi`. At exactly half a turn (`w` zero, of either
 //! sign) both axes are equally far, and the one whose first component that is not zero is positive

@@ -65,9 +65,8 @@ const UNIT: f64 = 2e-9;
 /// The first body whose quaternion's length is not 1, and its square.
 #[inline]
 fn first_stretched<S: BodySpace>(q: &[f64]) -> Option<(usize, f64)> {
-    let squares = q
-        .chunks_exact(S::STORED)
-        .map(|q| q[S::TRANSLATION..].iter().map(|c| c * c).sum::<f64>());
+    let squares =
+        q.chunks_exact(S::STORED).map(|q| q[S::TRANSLATION..].iter().map(|c| c * c).sum::<f64>());
     squares.enumerate().find(|(_, square)| !((square - 1.0).abs() <= UNIT))
 }
 

@@ -64,7 +64,8 @@ impl HalfAngle {
     pub(crate) fn of(theta: &Vector3<f64>) -> Self {
         let scale = power_below(theta.amax());
         let [x, y, z] = [0, 1, 2].map(|c| theta[c] / scale);
-        let square = Twofold::product(x, x).plus(Twofold::product(y, y)).plus(Twofold::product(z, z));
+        let square =
+            Twofold::product(x, x).plus(Twofold::product(y, y)).plus(Twofold::product(z, z));
         let hi = square.hi.sqrt();
         let lo = ((-hi).mul_add(hi, square.hi) + square.lo) / (2.0 * hi);
         let (sine, cosine) = (0.5 * scale * hi).sin_cos();
@@ -92,8 +93,10 @@ mod tests {
         let half = HalfAngle::of(&Vector3::new(x, x, 0.0));
         // sqrt 2 x / 2 = x / sqrt 2, and pi, each to 32 digits.
         let root = 2.0_f64.sqrt();
-        let root_lo = (2.0 - Twofold::product(root, root).hi - Twofold::product(root, root).lo) / (2.0 * root);
-        let angle = Twofold::product(x, 0.5 * root).plus(Twofold { hi: 0.5 * x * root_lo, lo: 0.0 });
+        let root_lo = (2.0 - Twofold::product(root, root).hi - Twofold::product(root, root).lo)
+            / (2.0 * root);
+        let angle =
+            Twofold::product(x, 0.5 * root).plus(Twofold { hi: 0.5 * x * root_lo, lo: 0.0 });
         let rest = (angle.hi - std::f64::consts::PI) + angle.lo - 1.224_646_799_147_353_2e-16;
         assert!((half.sine / -rest - 1.0).abs() < 1e-14, "{} {rest}", half.sine);
     }

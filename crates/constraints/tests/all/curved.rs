@@ -2,13 +2,13 @@
 //! from a ball joint.
 
 use stationary_calculus::{
-    Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, Space, System, Vector, assert_derivatives_on,
-    loglog_slope,
+    Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, Space, System, Vector,
+    assert_derivatives_on, loglog_slope,
 };
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, ConstraintOn, Few, FreeMotion, Pairing, Projection, Rattle,
-    Redundancy, Rows, Scale,
+    ConstrainedIntegrator, Constraint, ConstraintError, ConstraintOn, Few, FreeMotion, Pairing,
+    Projection, Rattle, Redundancy, Rows, Scale,
 };
 use stationary_integrators::{State, StepError};
 

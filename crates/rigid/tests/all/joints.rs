@@ -9,9 +9,9 @@ use stationary_constraints::{
 };
 use stationary_integrators::{State, StepError};
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, Free, FreeBodies, FreeTop, Joint, LieGroup,
-    Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, Weight, null_space,
-    spatial_angular_momentum,
+    Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, Free, FreeBodies,
+    FreeTop, Joint, LieGroup, Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation,
+    Weight, null_space, spatial_angular_momentum,
 };
 
 const POINT: Vector3<f64> = Vector3::new(0.1, 0.4, -0.3);
@@ -124,7 +124,9 @@ fn a_box_on_a_hinge_swings_as_a_physical_pendulum_with_order_two() {
     for steps in [200_u32, 400, 800] {
         let h = exact.period / omega / f64::from(steps);
         let choice = Few::<5>(Redundancy::Refuse);
-        let mut rattle = Rattle::along(FreeBodies(ConstantVelocity), &system, hinge.clone(), &initial, choice).unwrap();
+        let mut rattle =
+            Rattle::along(FreeBodies(ConstantVelocity), &system, hinge.clone(), &initial, choice)
+                .unwrap();
         let mut state = initial.clone();
         let mut worst = 0.0_f64;
         for _ in 0..steps {
@@ -154,7 +156,8 @@ fn two_cubes_fixed_to_each_other_keep_their_pose_and_their_angular_momentum() {
     let ends = [Attachment::Body(0, half), Attachment::Body(1, -half)];
     let fixed = Joint::fixed(Poses, 2, ends, [Rotation::identity(); 2]).unwrap();
     let choice = Few::<6>(Redundancy::Refuse);
-    let mut rattle = Rattle::along(FreeBodies(ConstantVelocity), &system, fixed, &initial, choice).unwrap();
+    let mut rattle =
+        Rattle::along(FreeBodies(ConstantVelocity), &system, fixed, &initial, choice).unwrap();
     let mut state = initial.clone();
     let momentum = spatial_angular_momentum::<Poses>(&initial);
     for _ in 0..1_000 {

@@ -31,8 +31,7 @@ fn pair() -> (Pair, State<Vec<f64>>, Vec<f64>) {
     };
     let state = metric.state(&[motion(ONE, OTHER), motion(OTHER, -ONE)]).unwrap();
     let ends = [Attachment::Body(0, OTHER * 0.5), Attachment::Body(1, OTHER - ONE)];
-    let system =
-        metric.under(BodySpring::new(Poses, 2, 3.0, ends).unwrap()).unwrap();
+    let system = metric.under(BodySpring::new(Poses, 2, 3.0, ends).unwrap()).unwrap();
     let mut v = Vector(vec![0.0; 12]);
     system.metric().sharp(state.p.view(), v.view_mut());
     (system, state, v.0)

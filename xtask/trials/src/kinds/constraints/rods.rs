@@ -173,7 +173,11 @@ fn trial(draw: &mut Draw) -> Verdict {
         }
         Ok(_) if redundant && !share => {
             // Six rods on four points: rounding leaves a rank that need not be full.
-            return Verdict::wrong("redundant rods are taken as independent");
+            return match solved {
+                // The page says that it does not see it.
+                Solved::Many => Verdict::not_judged("dependent by more than Many can tell"),
+                _ => Verdict::wrong("redundant rods are taken as independent"),
+            };
         }
         Ok(_) => {}
     }
@@ -199,11 +203,11 @@ fn relative_stretch(net: &Net, q: &[f64]) -> f64 {
     stretches.iter().zip(&net.rods).map(one).fold(0.0, f64::max)
 }
 
-/// The largest rate at which a rod is stretched, over the largest velocity, or that of a turn of 1 rad
+/// The largest rate at which a rod is stretched, beyond 1e-12 m/s, over the largest velocity, or that of a turn of 1 rad
 /// in a month.
 fn stretching(net: &Net, q: &[f64], p: &[f64]) -> f64 {
     let v = DVector::from_fn(q.len(), |f, _| p[f] / net.mass(f));
-    (net.differential(q) * &v).amax() / v.amax().max(1e-6 * net.size())
+    ((net.differential(q) * &v).amax() - 1e-12).max(0.0) / v.amax().max(1e-6 * net.size())
 }
 
 /// A start that is not feasible, after its projection.
@@ -321,6 +325,10 @@ fn refusal(
     let v = DVector::from_fn(state.q.len(), |f, _| state.p.0[f] / net.mass(f));
     let turn = h * net.fastest_turn(&v);
     let here = net.regularity(&state.q).min(regularity);
+    if matches!(error, ConstraintError::Sparse(_)) {
+        // The page says that the solver of coupled freedoms asks for masses and sizes near 1.
+        return Verdict::refused(error);
+    }
     if here > 1e-3 && turn * net.mass_ratio().sqrt() < BOUND * here {
         return Verdict::wrong(format!("refuses a turn of {turn:.1e} rad a step: {error}"));
     }

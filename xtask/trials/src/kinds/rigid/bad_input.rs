@@ -469,7 +469,7 @@ fn tops(draw: &mut Draw) -> Verdict {
             let (q, m) = (top.orientation(t).quaternion(), top.momentum(t));
             let _ = top.period();
             // Turns that double precision can count.
-            let counted = t.is_finite() && (t * w.norm()).abs() < 1e6;
+            let counted = t.is_finite() && (t * w.amax()).abs() < 1e6;
             match counted && !(finite(&q) && unit(&q) && finite(m.as_slice())) {
                 true => Verdict::wrong("a top that is nowhere"),
                 false => Verdict::due(),
