@@ -107,7 +107,7 @@ pub use sparse::{
     SparseError, SparseIndefinite, SparseJacobian, SparseMetric, SparseSolver, SymmetricMatrix,
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
-pub use system::{Flat, Space, System};
+pub use system::{Curved, Flat, PotentialOn, Space, System};
 pub use table::{Cell, Column, Precision, Table};
 pub use vectors::{Covector, Storage, Vector, first_non_finite};
 pub use worked::{

@@ -16,6 +16,44 @@ pub trait Space {
 
     /// Moves `q` along the velocity `v` for the time `h`.
     fn advance(&self, q: &mut [f64], h: f64, v: Vector<&[f64]>);
+
+    /// The first number at which `q` is no configuration of this space, as a quaternion whose length is
+    /// not one; `None` where it is one.
+    fn first_misfit(&self, _q: &[f64]) -> Option<usize> {
+        None
+    }
+}
+
+/// A space on which moving is not addition, so that what reads flat configurations does not fit.
+pub trait Curved: Space {}
+
+/// A potential that reads the configurations of the space S: all do where S is flat, elsewhere those
+/// that say so.
+///
+/// ```compile_fail
+/// use stationary_calculus::{Curved, DiagonalMetric, Potential, Space, System, Vector};
+/// struct Circle;
+/// impl Curved for Circle {}
+/// impl Space for Circle {
+///     fn stored(&self, freedoms: usize) -> usize {
+///         2 * freedoms
+///     }
+///     fn advance(&self, _: &mut [f64], _: f64, _: Vector<&[f64]>) {}
+/// }
+/// // A potential of flat coordinates does not read a point of a circle.
+/// fn on_a_circle(metric: DiagonalMetric<[f64; 1]>, flat: impl Potential) {
+///     System::on(Circle, metric, flat);
+/// }
+/// ```
+pub trait PotentialOn<S>: Potential {}
+
+impl<P: Potential> PotentialOn<Flat> for P {}
+impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for &P {}
+impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for Option<P> {}
+impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>> PotentialOn<S> for (A, B) {}
+impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>, C: PotentialOn<S>> PotentialOn<S>
+    for (A, B, C)
+{
 }
 
 /// The flat space R^n, where moving is addition.
@@ -50,7 +88,13 @@ impl<M: Metric, P: Potential> System<M, P> {
 
 impl<M: Metric, P: Potential, S: Space> System<M, P, S> {
     /// A system on any space.
-    pub fn on(space: S, metric: M, potential: P) -> Result<Self, SizeError> {
+    ///
+    /// # Errors
+    /// A metric and a potential of different numbers of freedoms.
+    pub fn on(space: S, metric: M, potential: P) -> Result<Self, SizeError>
+    where
+        P: PotentialOn<S>,
+    {
         SizeError::check("the potential's freedoms", metric.dim(), potential.dim())?;
         Ok(System { metric, potential, space })
     }

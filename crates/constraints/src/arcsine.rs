@@ -15,7 +15,7 @@
 use stationary_integrators::State;
 
 use crate::ConstraintError;
-use crate::keeper::check_step;
+use crate::keeper::{check_step, check_time};
 
 /// A pendulum stepped in its angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +50,7 @@ impl ArcsinePendulum {
     /// [`ConstraintError::TooFast`] where the bob would move more than a rod's length.
     pub fn step(&self, state: &mut State<[f64; 1]>, h: f64) -> Result<(), ConstraintError> {
         check_step(h)?;
+        check_time(state.t + h)?;
         let speed = state.p.0[0] / (self.mass * self.length);
         let ratio = h * speed / self.length;
         if ratio.abs() > 1.0 {

@@ -8,7 +8,7 @@
 //! momentum stay as the step left them. Breaking takes memory, a step without it none. Source:
 //! notes 6.5 ("fracture the rod if lambda exceeds some threshold").
 
-use stationary_calculus::{Metric, Potential, Space, Storage};
+use stationary_calculus::{Flat, Metric, Potential, Storage};
 use stationary_integrators::State;
 
 use crate::{
@@ -29,11 +29,10 @@ pub struct Broken {
     pub time: f64,
 }
 
-impl<M, P, S, C, X, const D: usize> Rattle<'_, M, P, S, Rods<D>, C, X>
+impl<M, P, C, X, const D: usize> Rattle<'_, M, P, Flat, Rods<D>, C, X>
 where
     M: Metric,
     P: Potential,
-    S: Space,
     C: Storage,
     X: Multipliers,
 {

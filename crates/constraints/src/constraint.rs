@@ -12,7 +12,8 @@
 //! along v by [`Space::advance`](stationary_calculus::Space::advance). The units of g are the
 //! constraint's own; [`Scale`] turns them into lengths, so that violations and ranks can be judged.
 //!
-//! A tuple or a `Vec` of constraints is a constraint. Zero must be a regular value: J has full row
+//! A tuple or a `Vec` of constraints is a constraint. Which spaces' configurations it reads,
+//! [`ConstraintOn`] says. Asked of too few numbers, its values are not numbers. Zero must be a regular value: J has full row
 //! rank wherever g = 0, or there is no surface to stay on (notes 8.1). Source: notes 6; errata
 //! conventions (multipliers are forces).
 
@@ -48,7 +49,7 @@ pub trait Constraint {
     /// The number of equations m.
     fn count(&self) -> usize;
 
-    /// Writes g(t, q), m numbers.
+    /// Writes g(t, q), m numbers; what is not a number where `q` has too few.
     fn value(&self, t: f64, q: &[f64], g: &mut [f64]);
 
     /// Brings the entries of J, row after row, at most one for a row and a freedom; the same places
@@ -67,6 +68,18 @@ pub trait Constraint {
     fn scale(&self, _row: usize) -> Scale {
         Scale::default()
     }
+}
+
+/// A constraint that says of itself that it reads the configurations of the space S. Where the space
+/// may be any, only such are taken.
+pub trait ConstraintOn<S>: Constraint {}
+
+impl<S, K: ConstraintOn<S>> ConstraintOn<S> for &K {}
+
+/// The number at a place, or what is not a number where there is none.
+#[inline]
+pub(crate) fn read(q: &[f64], freedom: usize) -> f64 {
+    q.get(freedom).copied().unwrap_or(f64::NAN)
 }
 
 impl<K: Constraint> Constraint for &K {

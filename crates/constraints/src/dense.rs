@@ -161,6 +161,10 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
         Ok(())
     }
 
+    fn regularity(&self) -> Option<f64> {
+        Some(self.regularity)
+    }
+
     fn add_pulled_back(&self, scale: f64, lambda: &[f64], mut p: Covector<&mut [f64]>) {
         for (row, lambda) in self.rows.iter().zip(lambda).take(self.count) {
             p.add_scaled(scale * lambda, row.view());

@@ -179,6 +179,7 @@ impl<const S: usize> Links<S> {
 /// N must be 2 S: two coordinates a link.
 impl<const S: usize, const N: usize> Embedding<S, N> for Links<S> {
     fn places<R: Number>(&self, s: [R; S]) -> [R; N] {
+        const { assert!(N == 2 * S, "two coordinates a link") }
         let mut end = [R::from(0.0); 2];
         let mut places = [R::from(0.0); N];
         for ((angle, length), place) in
@@ -204,6 +205,7 @@ pub struct Weight<const POINTS: usize> {
 /// N must be twice the points.
 impl<const POINTS: usize, const N: usize> Energy<N> for Weight<POINTS> {
     fn energy<R: Number>(&self, q: [R; N]) -> R {
+        const { assert!(N == 2 * POINTS, "two coordinates a point") }
         let points = q.as_chunks::<2>().0.iter().zip(self.masses);
         points.fold(R::from(0.0), |sum, (x, m)| sum + x[1] * (m * self.gravity))
     }

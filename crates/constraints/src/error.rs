@@ -202,6 +202,33 @@ pub enum ConstraintError {
         /// Its violation relative to its length.
         violation: f64,
     },
+    /// The iterations towards a feasible configuration went away from it: the step is too long, or the
+    /// constraint is nearly singular where it starts.
+    #[error(
+        "no feasible configuration was found: the iterations went away from equation {row}, violated \
+         by {violation:e} of its length before them{}; shorten the step",
+        regularity.map_or(String::new(), |r| {
+            format!(", where singular values go down to {r:e} of the largest")
+        })
+    )]
+    Diverged {
+        /// The equation that was violated most before the iterations, counted from 0.
+        row: usize,
+        /// Its violation relative to its length then.
+        violation: f64,
+        /// The smallest over the largest singular value of J M^-1/2 in reference scales, where the
+        /// solver knows it.
+        regularity: Option<f64>,
+    },
+    /// A state is at a configuration of the system's space.
+    #[error(
+        "number {number} is where the state stops being a configuration of its space: quaternions \
+         have length 1"
+    )]
+    Configuration {
+        /// The first such number.
+        number: usize,
+    },
     /// The explicit step in the pendulum's angle exists while the bob moves less than a rod's
     /// length.
     #[error("the bob moves {ratio} rods in a step; the angle's step needs at most one")]

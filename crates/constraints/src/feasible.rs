@@ -44,6 +44,35 @@ pub(crate) fn rounding(q: &[f64]) -> f64 {
     ROUNDINGS * f64::EPSILON * largest(q)
 }
 
+/// Watches iterations towards a feasible configuration for those that lead away from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Flight {
+    /// The equation violated most before the first iteration, and how much relative to its length.
+    start: Option<(usize, f64)>,
+}
+
+/// Iterations that are this many lengths away, or this many times as far as they began, do not come
+/// back.
+const AWAY: f64 = 1e3;
+
+impl Flight {
+    /// An error where the values g are far away, or no numbers.
+    #[inline]
+    pub(crate) fn check(
+        &mut self,
+        scales: &Scales,
+        g: &[f64],
+        regularity: Option<f64>,
+    ) -> Result<(), ConstraintError> {
+        let now = scales.largest_relative(g);
+        let (row, violation) = *self.start.get_or_insert_with(|| (scales.worst_row(g), now));
+        if now <= AWAY * violation.max(1.0) {
+            return Ok(());
+        }
+        Err(ConstraintError::Diverged { row, violation, regularity })
+    }
+}
+
 impl Scales {
     pub(crate) fn new(constraint: &impl Constraint) -> Result<Self, ConstraintError> {
         let scales: Vec<_> = (0..constraint.count()).map(|row| constraint.scale(row)).collect();
@@ -93,10 +122,17 @@ impl Scales {
         (distance / length, RELATIVE + rounding(q) / length)
     }
 
-    /// The largest violation relative to its equation's length.
+    /// The largest violation relative to its equation's length; not a number if a value is not.
     pub(crate) fn largest_relative(&self, g: &[f64]) -> f64 {
         let scales = self.inverse_slope.iter().zip(&self.length);
-        g.iter().zip(scales).map(|(g, (s, l))| g.abs() * s / l).fold(0.0, f64::max)
+        let violations = g.iter().zip(scales).map(|(g, (s, l))| g.abs() * s / l);
+        violations.fold(0.0, |largest, v| if v <= largest { largest } else { v })
+    }
+
+    /// The equation that is violated most relative to its length.
+    fn worst_row(&self, g: &[f64]) -> usize {
+        let relative = |row: usize| self.relative(row, g, &[]).0;
+        (0..g.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b))).unwrap_or(0)
     }
 
     /// An error unless the values g belong to a feasible configuration.

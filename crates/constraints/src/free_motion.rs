@@ -2,16 +2,15 @@
 //!
 //! ```text
 //! (q, p) -> Phi_h(q, p)          the flow of 1/2 <p, M^-1 p>, or a symplectic map close to it
-//! straight   q' = q exp(h M^-1 p),   p' = p
+//! straight   q' = q + h M^-1 p,   p' = p
 //! ```
 //! `q` configuration, `p` momentum covector (n), `M` the metric, `h` seconds. The straight motion
-//! is the free one where a body's axes do not turn under it: on flat spaces, and for bodies with
-//! the same moment about all axes. Elsewhere the momentum's components turn, too, and a crate that
-//! knows the space brings its own motion. A map that is symmetric and symplectic makes RATTLE so,
+//! is the free one of flat spaces, and is that of no other: where a body's axes turn under it the
+//! momentum's components turn, too, and a crate that knows the space brings its own motion. A map that is symmetric and symplectic makes RATTLE so,
 //! of order 2; to first order in h it must be straight. Source: notes 6.5, 9.5; Leimkuhler and
 //! Reich (2004), 7.2.
 
-use stationary_calculus::{Covector, Metric, Space, Vector};
+use stationary_calculus::{Covector, Flat, Metric, Space, Vector};
 use stationary_integrators::StepError;
 
 /// A motion free of forces.
@@ -31,16 +30,26 @@ pub trait FreeMotion<M, S> {
     ) -> Result<(), StepError>;
 }
 
-/// The motion of constant momentum.
+/// The motion of constant momentum on flat space.
+///
+/// On no other: bodies whose moments differ would move without their gyroscopic torque.
+/// ```compile_fail
+/// use stationary_calculus::{Metric, Space};
+/// use stationary_constraints::{FreeMotion, Straight};
+/// fn moves<M, S, F: FreeMotion<M, S>>(_: F) {}
+/// fn on_any_space<M: Metric, S: Space>() {
+///     moves::<M, S, Straight>(Straight);
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Straight;
 
-impl<M: Metric, S: Space> FreeMotion<M, S> for Straight {
+impl<M: Metric> FreeMotion<M, Flat> for Straight {
     #[inline]
     fn advance(
         &self,
         metric: &M,
-        space: &S,
+        space: &Flat,
         h: f64,
         q: &mut [f64],
         p: Covector<&mut [f64]>,

@@ -24,9 +24,12 @@
 //! # Ok::<(), stationary_constraints::ConstraintError>(())
 //! ```
 
-use stationary_calculus::{Number, Sink, Vector, directional_derivative, second_differential};
+use stationary_calculus::{
+    Flat, Number, Sink, Vector, directional_derivative, second_differential,
+};
 
-use crate::{Constraint, ConstraintError, Rows, Scale};
+use crate::constraint::read;
+use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
 
 /// M functions of time and N freedoms, written once over any [`Number`].
 pub trait Function<const N: usize, const M: usize> {
@@ -65,7 +68,7 @@ impl<F: Function<N, M>, const N: usize, const M: usize> FunctionConstraint<F, N,
     }
 
     fn read(&self, q: &[f64]) -> [f64; N] {
-        self.freedoms.map(|freedom| q[freedom])
+        self.freedoms.map(|freedom| read(q, freedom))
     }
 
     /// The derivatives of all equations along one of the freedoms.
@@ -85,6 +88,11 @@ fn moved<R: Number, const N: usize>(x: [f64; N], place: usize, s: R) -> [R; N] {
     x
 }
 
+impl<F: Function<N, M>, const N: usize, const M: usize> ConstraintOn<Flat>
+    for FunctionConstraint<F, N, M>
+{
+}
+
 impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionConstraint<F, N, M> {
     fn dim(&self) -> usize {
         self.freedoms.iter().map(|freedom| freedom + 1).max().unwrap_or(0)
@@ -95,7 +103,8 @@ impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionC
     }
 
     fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
-        g.copy_from_slice(&self.function.value(t, self.read(q)));
+        let values = self.function.value(t, self.read(q));
+        g.iter_mut().zip(values).for_each(|(g, value)| *g = value);
     }
 
     fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
@@ -132,7 +141,7 @@ impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionC
             [t],
             Vector([1.0]),
         );
-        rate.copy_from_slice(&along);
+        rate.iter_mut().zip(along).for_each(|(rate, along)| *rate = along);
     }
 
     fn scale(&self, row: usize) -> Scale {

@@ -4,9 +4,10 @@
 //! ```text
 //! S = sum_i h (L(q_i, q_i+1) - <lambda_i, g(q_i)>)                 stationary             (6.3)
 //! p' = p - h dV(q) - h J(q)^T lambda,     lambda such that g(t + h, q') = 0
-//! q' = q exp(h M^-1 p')
+//! (q', p') <- Phi_h(q, p')         q' = q + h M^-1 p' on flat space
 //! ```
-//! `q` configuration, `p` the momentum of the last interval (n), `lambda` the multipliers of the
+//! `q` configuration, `p` the momentum of the last interval (n), `Phi` the free motion, [`Straight`]
+//! unless another is given; `lambda` the multipliers of the
 //! force at the start of the step (m): `F = -J^T lambda`. The notes' loop leaves the first position
 //! `q_0 + h v_0` unconstrained; here it has its own multiplier like every other.
 //!
@@ -16,7 +17,7 @@
 //! first multiplier carries half of the centripetal force only: the chord starts half a step late.
 //! Source: notes 6.5; errata 6.5 (the first step; lambda inside h L is a force).
 
-use stationary_calculus::{Metric, Potential, Space, Storage, System};
+use stationary_calculus::{Flat, Metric, Potential, Space, Storage, System};
 use stationary_integrators::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, State,
     Symplecticity,
@@ -24,8 +25,8 @@ use stationary_integrators::{
 
 use crate::keeper::{Keeper, check_step};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, Multipliers, Solver,
-    Straight,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
+    FreeMotion, Multipliers, Solver, Straight,
 };
 
 /// What is known of the method.
@@ -46,26 +47,26 @@ const FACTS: Facts = Facts {
 
 /// The integrator of the notes' section 6.5 with multipliers solved for by X.
 #[derive(Clone, Debug)]
-pub struct ConstrainedHamilton<'s, M, P, S, K, C, X: Multipliers> {
-    keeper: Keeper<'s, M, P, S, K, C, X, Straight>,
+pub struct ConstrainedHamilton<'s, M, P, S, K, C, X: Multipliers, F = Straight> {
+    keeper: Keeper<'s, M, P, S, K, C, X, F>,
     lambda: X::Numbers,
 }
 
-impl<'s, M, P, S, K, C, X> ConstrainedHamilton<'s, M, P, S, K, C, X>
+impl<'s, M, P, K, C, X> ConstrainedHamilton<'s, M, P, Flat, K, C, X>
 where
     M: Metric,
     P: Potential,
-    S: Space,
     K: Constraint,
     C: Storage,
     X: Multipliers,
 {
-    /// The method on a system under a constraint, from a feasible state.
+    /// The method on a system on flat space under a constraint, from a feasible state.
     ///
     /// # Errors
-    /// Sizes that differ, a state that is not feasible, a constraint without full rank there.
+    /// Sizes that differ, numbers that are not finite, a state that is not feasible, a constraint
+    /// without full rank there.
     pub fn new(
-        system: &'s System<M, P, S>,
+        system: &'s System<M, P>,
         constraint: K,
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
@@ -76,7 +77,34 @@ where
     }
 }
 
-impl<M, P, S, K, C, X> ConstrainedIntegrator<C> for ConstrainedHamilton<'_, M, P, S, K, C, X>
+impl<'s, M, P, S, K, C, X, F> ConstrainedHamilton<'s, M, P, S, K, C, X, F>
+where
+    M: Metric,
+    P: Potential,
+    S: Space,
+    K: ConstraintOn<S>,
+    C: Storage,
+    X: Multipliers,
+    F: FreeMotion<M, S>,
+{
+    /// The method on any space, drifting along a free motion of that space.
+    ///
+    /// # Errors
+    /// Those of [`ConstrainedHamilton::new`].
+    pub fn along(
+        motion: F,
+        system: &'s System<M, P, S>,
+        constraint: K,
+        state: &State<C>,
+        choice: impl Solver<C, Multipliers = X>,
+    ) -> Result<Self, ConstraintError> {
+        let keeper = Keeper::new(system, constraint, state, &choice, motion)?;
+        let lambda = X::Numbers::clone(&keeper.impulse);
+        Ok(ConstrainedHamilton { keeper, lambda })
+    }
+}
+
+impl<M, P, S, K, C, X, F> ConstrainedIntegrator<C> for ConstrainedHamilton<'_, M, P, S, K, C, X, F>
 where
     M: Metric,
     P: Potential,
@@ -84,6 +112,7 @@ where
     K: Constraint,
     C: Storage,
     X: Multipliers,
+    F: FreeMotion<M, S>,
 {
     fn facts(&self) -> Facts {
         FACTS
@@ -101,7 +130,8 @@ where
         for (lambda, a) in self.lambda.as_mut().iter_mut().zip(keeper.impulse.as_ref()) {
             *lambda = a / h;
         }
-        Ok(ConstrainedReport { differentials: keeper.differentials, iterations, violation, work })
+        let differentials = keeper.differentials;
+        Ok(ConstrainedReport { differentials, iterations, violation, work, halvings: 0 })
     }
 
     fn multipliers(&self) -> &[f64] {

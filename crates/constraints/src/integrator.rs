@@ -51,4 +51,20 @@ pub struct ConstrainedReport {
     pub violation: f64,
     /// The work that driven constraints did on the system in the step, joules.
     pub work: f64,
+    /// How often parts of the step were halved: 0 unless [`Halving`](crate::Halving) was asked for and
+    /// needed.
+    pub halvings: u32,
+}
+
+impl ConstrainedReport {
+    /// The report of a halved step from those of its halves.
+    pub(crate) fn followed_by(&self, second: &Self) -> Self {
+        ConstrainedReport {
+            differentials: self.differentials + second.differentials,
+            iterations: self.iterations + second.iterations,
+            violation: second.violation,
+            work: self.work + second.work,
+            halvings: self.halvings + second.halvings + 1,
+        }
+    }
 }

@@ -6,9 +6,10 @@
 //! `a` given row by row by its entries, `b` a number a row. A pulley: `x_1 + x_2 = const`; a
 //! slider: `y = 0`; a gear: `r_1 theta_1 + r_2 theta_2 = 0`.
 
-use stationary_calculus::Sink;
+use stationary_calculus::{Flat, Sink};
 
-use crate::{Constraint, ConstraintError, Rows, Scale};
+use crate::constraint::read;
+use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
 
 /// An equation: its entries as (freedom, coefficient), and its right-hand side.
 type Equation = (Vec<(usize, f64)>, f64);
@@ -40,6 +41,8 @@ impl Linear {
     }
 }
 
+impl ConstraintOn<Flat> for Linear {}
+
 impl Constraint for Linear {
     fn dim(&self) -> usize {
         let freedoms = self.equations.iter().flat_map(|(entries, _)| entries);
@@ -52,7 +55,7 @@ impl Constraint for Linear {
 
     fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
         for (g, (entries, right)) in g.iter_mut().zip(&self.equations) {
-            *g = entries.iter().map(|&(freedom, a)| a * q[freedom]).sum::<f64>() - right;
+            *g = entries.iter().map(|&(freedom, a)| a * read(q, freedom)).sum::<f64>() - right;
         }
     }
 
@@ -67,7 +70,8 @@ impl Constraint for Linear {
     fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
 
     fn scale(&self, row: usize) -> Scale {
-        let slope = self.equations[row].0.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
+        let Some((entries, _)) = self.equations.get(row) else { return Scale::default() };
+        let slope = entries.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
         Scale { slope, length: 1.0 }
     }
 }

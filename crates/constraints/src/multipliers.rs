@@ -47,6 +47,12 @@ pub trait Multipliers: Clone {
         q: &[f64],
     ) -> Result<(), ConstraintError>;
 
+    /// The smallest over the largest singular value of J M^-1/2 in reference scales, where it was
+    /// prepared last; `None` of a solver that does not know.
+    fn regularity(&self) -> Option<f64> {
+        None
+    }
+
     /// Replaces `b` by `S^-1 b`.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError>;
 

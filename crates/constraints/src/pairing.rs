@@ -26,7 +26,7 @@ use crate::rows::add_pulled_back;
 pub struct Pairing<K> {
     /// The constraint.
     pub constraint: K,
-    /// Its multipliers, as many as it has equations.
+    /// Its multipliers, as many as it has equations; where some are missing, nothing is a number.
     pub multipliers: Vec<f64>,
     /// The time, seconds.
     pub time: f64,
@@ -40,6 +40,9 @@ impl<K: Constraint> Potential for Pairing<K> {
     fn energy(&self, q: &[f64]) -> f64 {
         let mut g = vec![0.0; self.constraint.count()];
         self.constraint.value(self.time, q, &mut g);
+        if self.multipliers.len() < g.len() {
+            return f64::NAN;
+        }
         self.multipliers.iter().zip(&g).map(|(lambda, g)| lambda * g).sum()
     }
 

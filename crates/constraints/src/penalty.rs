@@ -43,11 +43,15 @@ impl<K: Constraint> Penalty<K> {
     /// Springs of stiffness `stiffness`, N/m, for a constraint at a time.
     ///
     /// # Errors
-    /// A stiffness or a scale that is not positive and finite.
+    /// A stiffness or a scale that is not positive and finite, a time that is not finite.
     pub fn new(constraint: K, stiffness: f64, time: f64) -> Result<Self, ConstraintError> {
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             let (what, range) = ("stiffness", "positive and finite");
             return Err(ConstraintError::Parameter { what, value: stiffness, range });
+        }
+        if !time.is_finite() {
+            let (what, range) = ("time", "finite");
+            return Err(ConstraintError::Parameter { what, value: time, range });
         }
         Scales::new(&constraint)?;
         let inverse_square_slope =
@@ -75,9 +79,13 @@ impl<K: Constraint> Penalty<K> {
     }
 
     /// The highest angular frequency that the springs alone have at a feasible configuration,
-    /// radians a second: predicted from the stiffness, by power iteration. Takes memory.
+    /// radians a second: predicted from the stiffness, by power iteration. Not a number where the metric
+    /// has fewer freedoms than the constraint. Takes memory.
     pub fn highest_frequency(&self, metric: &impl Metric, q: &[f64]) -> f64 {
         let n = metric.dim();
+        if n < self.constraint.dim() {
+            return f64::NAN;
+        }
         let mut v = Vector((0..n).map(|i| 1.0 + 0.618 * (i % 7) as f64).collect::<Vec<_>>());
         let mut p = Covector(vec![0.0; n]);
         let mut square = 0.0;

@@ -7,9 +7,10 @@
 //! `x_i` a free point in D dimensions, `a` the place, metres. A hold that moves is a
 //! [`FunctionConstraint`](crate::FunctionConstraint).
 
-use stationary_calculus::Sink;
+use stationary_calculus::{Flat, Sink};
 
-use crate::{Constraint, ConstraintError, Rows};
+use crate::constraint::read;
+use crate::{Constraint, ConstraintError, ConstraintOn, Rows};
 
 /// A free point held at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,8 @@ impl<const D: usize> FixedPoint<D> {
     }
 }
 
+impl<const D: usize> ConstraintOn<Flat> for FixedPoint<D> {}
+
 impl<const D: usize> Constraint for FixedPoint<D> {
     fn dim(&self) -> usize {
         D * (self.vertex + 1)
@@ -42,7 +45,7 @@ impl<const D: usize> Constraint for FixedPoint<D> {
 
     fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
         for (c, (g, place)) in g.iter_mut().zip(&self.place).enumerate() {
-            *g = q[D * self.vertex + c] - place;
+            *g = read(q, D * self.vertex + c) - place;
         }
     }
 

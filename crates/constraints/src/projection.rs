@@ -17,9 +17,9 @@
 use stationary_calculus::{Covector, Metric, Potential, Space, Storage, System, Vector};
 use stationary_integrators::State;
 
-use crate::feasible::{Scales, largest, rounding};
-use crate::keeper::{check_entries, check_sizes, diverged, zeros};
-use crate::{Constraint, ConstraintError, Multipliers, Solver};
+use crate::feasible::{Flight, Scales, largest, rounding};
+use crate::keeper::{check_entries, check_sizes, check_state, zeros};
+use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.
 const ITERATIONS: u32 = 60;
@@ -64,14 +64,18 @@ where
     /// The projection of states of a system; `state` need not be feasible.
     ///
     /// # Errors
-    /// Sizes that differ, and more equations than the solver has room for.
+    /// Sizes that differ, numbers that are not finite, more equations than the solver has room for.
     pub fn new(
         system: &'s System<M, P, S>,
         constraint: K,
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
-    ) -> Result<Self, ConstraintError> {
+    ) -> Result<Self, ConstraintError>
+    where
+        K: ConstraintOn<S>,
+    {
         check_sizes(system, state)?;
+        check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
         check_entries(&constraint, n, state.t, state.q.as_ref())?;
         let scales = Scales::new(&constraint)?;
@@ -103,9 +107,11 @@ where
     /// No feasible configuration found, or none with full rank; the state is then as it was.
     pub fn project(&mut self, state: &mut State<C>) -> Result<ProjectionReport, ConstraintError> {
         check_sizes(self.system, state)?;
+        check_state(self.system.space(), state)?;
         let mut next = state.clone();
         let report = self.project_configuration(&mut next)?;
         self.project_velocity(&mut next)?;
+        check_state(self.system.space(), &next)?;
         *state = next;
         Ok(report)
     }
@@ -121,16 +127,20 @@ where
         self.last.clear();
         let mut iterations = 0;
         let mut last = f64::INFINITY;
+        let mut flight = Flight::default();
         loop {
             let change = self.change();
             let g = self.lambda.as_mut();
             self.constraint.value(t, q.as_ref(), g);
-            let worst = match self.scales.worst(g) {
-                Err(_) if iterations > 0 => return Err(diverged(iterations, last)),
-                worst => worst?,
-            };
+            if iterations > 0 {
+                flight.check(&self.scales, g, self.solver.regularity())?;
+            }
+            let worst = self.scales.worst(g)?;
+            flight.check(&self.scales, g, None)?;
             let eps = rounding(q.as_ref());
-            let settled = change <= 0.25 * eps || (change > 0.5 * last && change <= 16.0 * eps);
+            let settled = iterations == ITERATIONS
+                || change <= 0.25 * eps
+                || (change > 0.5 * last && change <= 16.0 * eps);
             let done = if iterations == 0 { worst.distance == 0.0 } else { settled };
             if worst.excess <= eps && done {
                 let violation = self.scales.largest_relative(g);
@@ -207,6 +217,17 @@ where
             return Ok(());
         }
         Err(ConstraintError::NonFinite { what: "momentum", index: 0 })
+    }
+
+    /// An error unless the velocity stays on the feasible set; prepares the solver there.
+    pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
+        let Projection { system, constraint, solver, scales, last, impulse, .. } = self;
+        let rates = impulse.as_mut();
+        solver.prepare(system.metric(), &*constraint, state.t, state.q.as_ref())?;
+        system.metric().sharp(state.p.view(), last.view_mut());
+        constraint.rate(state.t, state.q.as_ref(), rates);
+        solver.add_along(last.view(), rates);
+        scales.check_rates(rates, last.components())
     }
 
     /// Adds the momentum of the displacement made in the time h: `M delta / h`.

@@ -12,12 +12,22 @@
 //!
 //! Order 2, symmetric, symplectic on the feasible set; keeps linear and angular momentum to
 //! rounding where potential and constraint do. One differential, one factorization and a few solves
-//! a step. Fails with an error where a step turns a rod by about half a radian or more. The free
-//! motion is [`Straight`] unless another [`FreeMotion`] is given: on a space of rotations it must
-//! be, or the gyroscopic torque is lost. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
+//! a step. The free motion is [`Straight`] on flat space, and on any other the [`FreeMotion`] of that
+//! space.
+//!
+//! ```text
+//! theta sqrt(mu) < sigma/2       a step has a solution, and it is found
+//! ```
+//! `theta` the turn of the fastest rod in a step (rad), `mu` the largest mass over the smallest, `sigma`
+//! the smallest over the largest singular value of J in reference scales, masses left aside: 1 for a
+//! pendulum, 0.38 for a double one, less where a linkage is nearly singular. A light joint between
+//! heavy ones swings with a frequency like `sqrt(mu)`, which the step must resolve: beyond the bound by
+//! a few times there is no solution for any solver to find, and the step is an error. The bound is
+//! measured, not proved; [`Halving`](crate::Halving) retries such a step in halves where that is asked
+//! for. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
 //! notes 6.5.
 
-use stationary_calculus::{Metric, Potential, Space, Storage, System};
+use stationary_calculus::{Flat, Metric, Potential, Space, Storage, System};
 use stationary_integrators::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, State,
     Symplecticity,
@@ -25,8 +35,8 @@ use stationary_integrators::{
 
 use crate::keeper::{Keeper, check_step};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, FreeMotion, Multipliers,
-    Solver, Straight,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
+    FreeMotion, Multipliers, Solver, Straight,
 };
 
 /// What is known of the method.
@@ -54,26 +64,34 @@ pub struct Rattle<'s, M, P, S, K, C, X: Multipliers, F = Straight> {
     lambda: X::Numbers,
 }
 
-impl<'s, M, P, S, K, C, X> Rattle<'s, M, P, S, K, C, X>
+impl<'s, M, P, K, C, X> Rattle<'s, M, P, Flat, K, C, X>
 where
     M: Metric,
     P: Potential,
-    S: Space,
     K: Constraint,
     C: Storage,
     X: Multipliers,
 {
-    /// The method on a system under a constraint, from a feasible state.
+    /// The method on a system on flat space under a constraint, from a feasible state.
     ///
     /// # Errors
-    /// Sizes that differ, a state that is not feasible, a constraint without full rank there.
+    /// Sizes that differ, numbers that are not finite, a state that is not feasible, a constraint
+    /// without full rank there.
     pub fn new(
-        system: &'s System<M, P, S>,
+        system: &'s System<M, P>,
         constraint: K,
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        Rattle::along(Straight, system, constraint, state, choice)
+        let keeper = Keeper::new(system, constraint, state, &choice, Straight)?;
+        Ok(Rattle::of(keeper))
+    }
+}
+
+impl<'s, M, P, S, K, C, X: Multipliers, F> Rattle<'s, M, P, S, K, C, X, F> {
+    fn of(keeper: Keeper<'s, M, P, S, K, C, X, F>) -> Self {
+        let lambda = X::Numbers::clone(&keeper.impulse);
+        Rattle { start: lambda.clone(), keeper, lambda }
     }
 }
 
@@ -82,12 +100,12 @@ where
     M: Metric,
     P: Potential,
     S: Space,
-    K: Constraint,
+    K: ConstraintOn<S>,
     C: Storage,
     X: Multipliers,
     F: FreeMotion<M, S> + Clone,
 {
-    /// The method that drifts along another free motion.
+    /// The method on any space, drifting along a free motion of that space.
     ///
     /// # Errors
     /// Those of [`Rattle::new`].
@@ -99,8 +117,7 @@ where
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
         let keeper = Keeper::new(system, constraint, state, &choice, motion)?;
-        let lambda = X::Numbers::clone(&keeper.impulse);
-        Ok(Rattle { start: lambda.clone(), keeper, lambda })
+        Ok(Rattle::of(keeper))
     }
 
     /// The constraint.
@@ -157,7 +174,8 @@ where
         for (lambda, (a, b)) in self.lambda.as_mut().iter_mut().zip(impulses) {
             *lambda = (a + b) / h;
         }
-        Ok(ConstrainedReport { differentials: keeper.differentials, iterations, violation, work })
+        let differentials = keeper.differentials;
+        Ok(ConstrainedReport { differentials, iterations, violation, work, halvings: 0 })
     }
 
     fn multipliers(&self) -> &[f64] {

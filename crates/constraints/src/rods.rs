@@ -10,9 +10,9 @@
 //! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
 //! (tension of the square form).
 
-use stationary_calculus::Sink;
+use stationary_calculus::{Flat, Sink};
 
-use crate::{Constraint, ConstraintError, Rows, Scale};
+use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
 
 /// A rod between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +112,11 @@ impl<const D: usize> Rods<D> {
 
     #[inline]
     fn place<'a>(&'a self, points: &'a [[f64; D]], vertex: usize) -> &'a [f64; D] {
-        if vertex < self.free { &points[vertex] } else { &self.fixed[vertex - self.free] }
+        let place = match vertex.checked_sub(self.free) {
+            None => points.get(vertex),
+            Some(hook) => self.fixed.get(hook),
+        };
+        place.unwrap_or(const { &[f64::NAN; D] })
     }
 
     /// From the first end to the second.
@@ -123,8 +127,8 @@ impl<const D: usize> Rods<D> {
     }
 
     #[inline]
-    fn points<'a>(&self, q: &'a [f64]) -> &'a [[f64; D]] {
-        &q.as_chunks::<D>().0[..self.free]
+    fn points(q: &[f64]) -> &[[f64; D]] {
+        q.as_chunks::<D>().0
     }
 }
 
@@ -147,6 +151,8 @@ fn check(index: usize, rod: &Rod, free: usize, vertices: usize) -> Result<(), Co
     Ok(())
 }
 
+impl<const D: usize> ConstraintOn<Flat> for Rods<D> {}
+
 impl<const D: usize> Constraint for Rods<D> {
     fn dim(&self) -> usize {
         D * self.free
@@ -158,7 +164,7 @@ impl<const D: usize> Constraint for Rods<D> {
 
     #[inline]
     fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
-        let points = self.points(q);
+        let points = Self::points(q);
         for (g, rod) in g.iter_mut().zip(&self.rods) {
             let d = self.along(points, rod);
             *g = d.iter().map(|d| d * d).sum::<f64>() - rod.length * rod.length;
@@ -167,7 +173,7 @@ impl<const D: usize> Constraint for Rods<D> {
 
     #[inline]
     fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) {
-        let points = self.points(q);
+        let points = Self::points(q);
         for (row, rod) in self.rods.iter().enumerate() {
             let d = self.along(points, rod);
             for (vertex, sign) in rod.ends.into_iter().zip([-2.0, 2.0]) {
@@ -197,7 +203,7 @@ impl<const D: usize> Constraint for Rods<D> {
     }
 
     fn scale(&self, row: usize) -> Scale {
-        let length = self.rods[row].length;
+        let Some(&Rod { length, .. }) = self.rods.get(row) else { return Scale::default() };
         Scale { slope: 2.0 * length, length }
     }
 }

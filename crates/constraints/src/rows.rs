@@ -20,7 +20,11 @@ struct Pulled<'a> {
 impl Rows for Pulled<'_> {
     #[inline]
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        self.p[freedom] += self.scale * self.lambda[row] * value;
+        // A multiplier that is missing is not a number, and neither is the force.
+        let lambda = self.lambda.get(row).copied().unwrap_or(f64::NAN);
+        if let Some(p) = self.p.get_mut(freedom) {
+            *p += self.scale * lambda * value;
+        }
     }
 }
 

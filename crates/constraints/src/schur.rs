@@ -17,8 +17,10 @@
 //! T = S + e D^2,   lambda <- lambda + T^-1 S T^-1 (b - S lambda),   e = 1e-8 of a normal row
 //! ```
 //! `D` the slopes of the equations. S in the middle takes out what no force feels, so that the least
-//! norm in reference scales is reached; what is independent by less than a root of e comes slowly,
-//! and not at all within the bound is an error.
+//! norm in reference scales is reached. Iterations end where they take nothing more from the residual:
+//! of a right-hand side that contradicts itself, as rounding does, the part that no force feels stays.
+//! What is independent by less than a root of e comes slowly, and not at all within the bound is an
+//! error.
 
 use stationary_calculus::{
     Covector, Metric, Sink, SparseCholesky, SparseError, SymmetricMatrix, Vector,
@@ -122,10 +124,13 @@ impl<C> Solver<C> for Many {
 const SHIFT: f64 = 1e-4;
 /// More iterations than this are equations that are independent by too little to tell.
 const ITERATIONS: u32 = 40;
-/// The change is rounding below the first part of the whole, and too large to end with above the
-/// second.
+/// What an iteration takes from the residual is rounding below the first part of the whole, and too
+/// much to end with above the second.
 const SETTLED: f64 = 1e-15;
 const UNSETTLED: f64 = 1e-9;
+/// Below this part of what is left no force feels the rest: a root of rounding, by which the shift
+/// blurs what it takes out.
+const UNFELT: f64 = 1e-6;
 
 /// Adds the shift to the diagonal.
 fn shift(sharing: Option<&Sharing>, sink: &mut impl Sink) {
@@ -146,7 +151,10 @@ impl Sharing {
         let Sharing { shift, residual, change, image } = self;
         residual.copy_from_slice(lambda);
         lambda.fill(0.0);
-        let (mut first, mut before) = (None, f64::INFINITY);
+        // In reference scales, of which the shift is the square.
+        let length = |x: &[f64]| x.iter().zip(&*shift).map(|(x, s)| x * x / s).sum::<f64>().sqrt();
+        let whole = length(residual);
+        let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             image.copy_from_slice(residual);
             cholesky.solve(image);
@@ -155,10 +163,10 @@ impl Sharing {
             lambda.iter_mut().zip(&*change).for_each(|(x, z)| *x += z);
             unshifted(matrix, shift, change, image)?;
             residual.iter_mut().zip(&*image).for_each(|(r, y)| *r -= y);
-            // What no force feels has no part in this size.
-            let now = change.iter().zip(&*image).map(|(z, y)| z * y).sum::<f64>().max(0.0).sqrt();
-            let all = *first.get_or_insert(now);
-            if now <= SETTLED * all || (now > 0.5 * before && now <= UNSETTLED * all) {
+            // What no force feels stays in the residual, and its rounding in every change after.
+            let now = length(image);
+            let unfelt = now <= UNSETTLED * whole || now <= UNFELT * length(residual);
+            if now <= SETTLED * whole || (now > 0.5 * before && unfelt) {
                 return Ok(());
             }
             before = now;

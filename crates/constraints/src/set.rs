@@ -6,7 +6,7 @@
 
 use stationary_calculus::Sink;
 
-use crate::{Constraint, Rows, Scale};
+use crate::{Constraint, ConstraintOn, Rows, Scale};
 
 /// Rows of a member, counted from where it starts in the set.
 struct From<'a, R> {
@@ -21,8 +21,21 @@ impl<R: Rows> Rows for From<'_, R> {
     }
 }
 
+/// What of a list of numbers, one for each equation, is a member's, and the rest; a list that is too
+/// short leaves the last members with fewer.
+fn split<T>(numbers: &[T], count: usize) -> (&[T], &[T]) {
+    numbers.split_at(count.min(numbers.len()))
+}
+
+/// The same of numbers to write.
+fn split_mut<T>(numbers: &mut [T], count: usize) -> (&mut [T], &mut [T]) {
+    numbers.split_at_mut(count.min(numbers.len()))
+}
+
 macro_rules! set_of_constraints {
     ($($name:ident . $index:tt),+) => {
+        impl<S, $($name: ConstraintOn<S>),+> ConstraintOn<S> for ($($name,)+) {}
+
         /// Its members' equations one after another; its dimension is the largest of theirs.
         impl<$($name: Constraint),+> Constraint for ($($name,)+) {
             fn dim(&self) -> usize {
@@ -37,7 +50,7 @@ macro_rules! set_of_constraints {
             fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
                 let mut rest = g;
                 $(
-                    let (own, others) = rest.split_at_mut(self.$index.count());
+                    let (own, others) = split_mut(rest, self.$index.count());
                     self.$index.value(t, q, own);
                     rest = others;
                 )+
@@ -57,7 +70,7 @@ macro_rules! set_of_constraints {
             fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
                 let mut rest = lambda;
                 $(
-                    let (own, others) = rest.split_at(self.$index.count());
+                    let (own, others) = split(rest, self.$index.count());
                     self.$index.add_hessian(t, q, own, hessian);
                     rest = others;
                 )+
@@ -67,7 +80,7 @@ macro_rules! set_of_constraints {
             fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
                 let mut rest = rate;
                 $(
-                    let (own, others) = rest.split_at_mut(self.$index.count());
+                    let (own, others) = split_mut(rest, self.$index.count());
                     self.$index.rate(t, q, own);
                     rest = others;
                 )+
@@ -93,6 +106,8 @@ set_of_constraints!(A.0, B.1);
 set_of_constraints!(A.0, B.1, C.2);
 set_of_constraints!(A.0, B.1, C.2, D.3);
 
+impl<S, K: ConstraintOn<S>> ConstraintOn<S> for Vec<K> {}
+
 /// Its members' equations one after another; an empty list asks nothing.
 impl<K: Constraint> Constraint for Vec<K> {
     fn dim(&self) -> usize {
@@ -104,11 +119,11 @@ impl<K: Constraint> Constraint for Vec<K> {
     }
 
     fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
-        let mut start = 0;
+        let mut rest = g;
         for member in self {
-            let end = start + member.count();
-            member.value(t, q, &mut g[start..end]);
-            start = end;
+            let (own, others) = split_mut(rest, member.count());
+            member.value(t, q, own);
+            rest = others;
         }
     }
 
@@ -121,20 +136,20 @@ impl<K: Constraint> Constraint for Vec<K> {
     }
 
     fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
-        let mut start = 0;
+        let mut rest = lambda;
         for member in self {
-            let end = start + member.count();
-            member.add_hessian(t, q, &lambda[start..end], hessian);
-            start = end;
+            let (own, others) = split(rest, member.count());
+            member.add_hessian(t, q, own, hessian);
+            rest = others;
         }
     }
 
     fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
-        let mut start = 0;
+        let mut rest = rate;
         for member in self {
-            let end = start + member.count();
-            member.rate(t, q, &mut rate[start..end]);
-            start = end;
+            let (own, others) = split_mut(rest, member.count());
+            member.rate(t, q, own);
+            rest = others;
         }
     }
 

@@ -19,10 +19,10 @@ use stationary_integrators::{
 };
 
 use crate::feasible::Scales;
-use crate::keeper::{check_finite, check_step, zeros};
+use crate::keeper::{check_finite, check_step, check_time, zeros};
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, Multipliers, Projection,
-    Solver,
+    ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
+    Multipliers, Projection, Solver,
 };
 
 /// Any integrator, followed by a projection.
@@ -47,18 +47,23 @@ where
     /// The method on a system under a constraint, from a feasible state.
     ///
     /// # Errors
-    /// Sizes that differ, and a configuration that is not feasible.
+    /// Sizes that differ, numbers that are not finite, a configuration or a velocity that is not
+    /// feasible.
     pub fn new(
         integrator: I,
         system: &'s System<M, P, S>,
         constraint: K,
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
-    ) -> Result<Self, ConstraintError> {
-        let projection = Projection::new(system, constraint, state, choice)?;
+    ) -> Result<Self, ConstraintError>
+    where
+        K: ConstraintOn<S>,
+    {
+        let mut projection = Projection::new(system, constraint, state, choice)?;
         let mut g = vec![0.0; projection.constraint().count()];
         projection.constraint().value(state.t, state.q.as_ref(), &mut g);
         Scales::new(projection.constraint())?.check(&g, state.q.as_ref())?;
+        projection.check_velocity(state)?;
         Ok(StepAndProject {
             integrator,
             next: State::new(zeros(state.q.as_ref().len())?, Covector(zeros(system.dim())?)),
@@ -92,6 +97,7 @@ where
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h)?;
+        check_time(state.t)?;
         let StepAndProject { integrator, projection, next, lambda } = self;
         next.clone_from(state);
         let free = integrator.step(next, h)?;
@@ -110,6 +116,7 @@ where
             iterations: report.iterations,
             violation: report.violation,
             work,
+            halvings: 0,
         })
     }
 

@@ -7,9 +7,9 @@
 //! A curve in space is a point on two surfaces. The differential must not vanish on the zero level:
 //! `|x|^2 - r^2` will do, `(|x| - r)^2` will not (notes 6).
 
-use stationary_calculus::{Number, Sink};
+use stationary_calculus::{Flat, Number, Sink};
 
-use crate::{Constraint, Function, FunctionConstraint, Rows, Scale};
+use crate::{Constraint, ConstraintOn, Function, FunctionConstraint, Rows, Scale};
 
 /// A function of time and a point, zero on the curve or surface.
 pub trait Level<const D: usize> {
@@ -47,6 +47,8 @@ impl<L: Level<D>, const D: usize> OnLevel<L, D> {
         OnLevel(FunctionConstraint::of_distinct(Equation(level), freedoms))
     }
 }
+
+impl<L: Level<D>, const D: usize> ConstraintOn<Flat> for OnLevel<L, D> {}
 
 impl<L: Level<D>, const D: usize> Constraint for OnLevel<L, D> {
     fn dim(&self) -> usize {

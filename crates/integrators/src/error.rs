@@ -41,6 +41,18 @@ pub enum StepError {
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),
+    /// A step starts at a time.
+    #[error("the state's time is {0} s; it must be finite")]
+    Time(f64),
+    /// A step starts at a configuration of the system's space.
+    #[error(
+        "number {number} is where the state stops being a configuration of its space: quaternions \
+         have length 1"
+    )]
+    Configuration {
+        /// The first such number.
+        number: usize,
+    },
 }
 
 /// A simulation that could not be finished; the state is that after the last good step.

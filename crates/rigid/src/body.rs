@@ -13,6 +13,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::error::check_finite;
+use crate::twofold::power_below;
 use crate::{RigidError, Rotation};
 
 /// The mass and principal moments of a body, with their inverses.
@@ -29,6 +30,9 @@ const TRIANGLE: f64 = 1e-12;
 
 impl Body {
     /// A body of this mass (kg) and these principal moments (kg m^2), all positive.
+    ///
+    /// # Errors
+    /// [`RigidError::Mass`], [`RigidError::Moment`] and [`RigidError::TriangleInequality`].
     pub fn new(mass: f64, moments: [f64; 3]) -> Result<Self, RigidError> {
         if !(mass > 0.0 && mass.is_finite() && mass.recip().is_finite()) {
             return Err(RigidError::Mass(mass));
@@ -49,8 +53,17 @@ impl Body {
         Ok(Body { mass, moments, inverse_mass: mass.recip(), inverse_moments })
     }
 
-    /// A solid box of these half sizes (m).
+    /// A solid box of these half sizes (m); one of them may be zero, as of a plate.
+    ///
+    /// # Errors
+    /// A mass that is not positive and finite, a half size that is negative or not finite, a rod
+    /// without thickness.
     pub fn solid_box(mass: f64, half: [f64; 3]) -> Result<Self, RigidError> {
+        for (axis, &half) in half.iter().enumerate() {
+            if !(half >= 0.0 && half.is_finite()) {
+                return Err(RigidError::HalfSize { axis, half });
+            }
+        }
         let square = half.map(|a| a * a);
         let [x, y, z] = square;
         Body::new(mass, [y + z, z + x, x + y].map(|sum| mass * sum / 3.0))
@@ -118,14 +131,16 @@ impl PrincipalFrame {
                 return Err(RigidError::NotSymmetric { row, column, entry, mirror });
             }
         }
-        let eigen = SymmetricEigen::new(*tensor);
+        // Entries of a normal size, by a power of two.
+        let size = if tensor.amax() > 0.0 { power_below(tensor.amax()) } else { 1.0 };
+        let eigen = SymmetricEigen::new(*tensor / size);
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let column = |k: usize| eigen.eigenvectors.column(order[k]).into_owned();
         // The third axis completes a right-handed frame; a principal axis has no sign.
         let (first, second) = (column(0), column(1));
         let frame = Matrix3::from_columns(&[first, second, first.cross(&second)]);
-        let moments = order.map(|k| eigen.eigenvalues[k]);
+        let moments = order.map(|k| eigen.eigenvalues[k] * size);
         Ok(PrincipalFrame { moments, rotation: Rotation::from_matrix(&frame)? })
     }
 }

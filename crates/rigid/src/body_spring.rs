@@ -10,9 +10,10 @@
 //! Source: notes 3.1, 10.1.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use stationary_calculus::{Covector, FIXED, Potential, Sink};
+use stationary_calculus::{Covector, FIXED, Potential, PotentialOn, Sink};
 
-use crate::{BodySpace, LieGroup};
+use crate::error::check_finite;
+use crate::{BodySpace, LieGroup, RigidError};
 
 /// An end of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,14 +27,10 @@ pub enum Attachment {
 /// A spring of no rest length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodySpring<S> {
-    /// Bodies in the whole system.
-    pub bodies: usize,
-    /// Its stiffness, N/m.
-    pub stiffness: f64,
-    /// Its ends, whose bodies are below `bodies`.
-    pub ends: [Attachment; 2],
-    /// Whether the bodies are free or turn about fixed points.
-    pub space: S,
+    bodies: usize,
+    stiffness: f64,
+    ends: [Attachment; 2],
+    space: S,
 }
 
 /// How an end moves with its body's six freedoms, and what its acceleration adds to a Hessian.
@@ -44,6 +41,25 @@ struct End {
 }
 
 impl<S: BodySpace> BodySpring<S> {
+    /// A spring of this stiffness (N/m) between two points, among `bodies` bodies that are free or turn
+    /// about fixed points.
+    ///
+    /// # Errors
+    /// A stiffness or a point that is not finite, and a body that is not there.
+    pub fn new(
+        space: S,
+        bodies: usize,
+        stiffness: f64,
+        ends: [Attachment; 2],
+    ) -> Result<Self, RigidError> {
+        check_finite("the spring's stiffness", &[stiffness])?;
+        for end in &ends {
+            check_finite("the spring's point", end.vector().as_slice())?;
+            end.check_body(bodies)?;
+        }
+        Ok(BodySpring { bodies, stiffness, ends, space })
+    }
+
     fn place(q: &[f64], end: &Attachment) -> Vector3<f64> {
         match *end {
             Attachment::World(x) => x,
@@ -77,6 +93,8 @@ impl<S: BodySpace> BodySpring<S> {
     }
 }
 
+impl<S: BodySpace> PotentialOn<S> for BodySpring<S> {}
+
 impl<S: BodySpace> Potential for BodySpring<S> {
     fn dim(&self) -> usize {
         S::FREEDOMS * self.bodies
@@ -91,7 +109,8 @@ impl<S: BodySpace> Potential for BodySpring<S> {
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Attachment::Body(body, c) = *end else { continue };
             let torque = c.cross(&S::pose(q, body).rotation.rotate_back(&pull));
-            let dv = &mut dv.0[S::FREEDOMS * body..][..S::FREEDOMS];
+            let own = S::FREEDOMS * body..S::FREEDOMS * (body + 1);
+            let Some(dv) = dv.0.get_mut(own) else { continue };
             for k in 0..S::TRANSLATION {
                 dv[k] += sign * pull[k];
             }

@@ -95,8 +95,22 @@ pub enum RigidError {
         /// What was met on the way.
         reason: &'static str,
     },
-    /// A joint names a body that is not there.
-    #[error("a joint names body {body} of {bodies}")]
+    /// A matrix whose exponential would have no right digit.
+    #[error("the matrix has norm {norm:e}: no digit of its exponential would be right beyond 1e15")]
+    TooLarge {
+        /// Its norm.
+        norm: f64,
+    },
+    /// The singular values of a matrix were not found.
+    #[error("the singular values of a {rows} x {columns} matrix did not converge")]
+    NotDecomposed {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+    },
+    /// Something names a body that is not there.
+    #[error("there is no body {body}: there are {bodies}, counted from 0")]
     NoSuchBody {
         /// The body that it names.
         body: usize,
@@ -108,6 +122,16 @@ pub enum RigidError {
     JoinedToItself {
         /// The bodies of its ends; `None` is the world.
         ends: [Option<usize>; 2],
+    },
+    /// A box has sizes.
+    #[error(
+        "half the box's size along axis {axis} is {half} m; it must be finite and not negative"
+    )]
+    HalfSize {
+        /// The axis, 0 to 2.
+        axis: usize,
+        /// Half its size.
+        half: f64,
     },
     /// A density is positive.
     #[error("the density is {0}; it must be positive and finite")]

@@ -11,7 +11,7 @@
 //! and `c3 = (a - sin a)/a^3`. The notes call the right Jacobian `T`; `T(theta) theta.` is the
 //! angular velocity in the body's axes, `J(theta) theta.` in the world's.
 //!
-//! Coefficients are accurate to a few roundings at every angle. `T` is singular at whole turns,
+//! Entries are accurate to a few roundings of the largest at every angle up to 1e15. `T` is singular at whole turns,
 //! `a = 2 pi n`: there no change of theta turns the body about an axis across theta's, and the
 //! inverse is not finite or, where rounding misses the turn, very large. A chart that stays below
 //! `a = pi`, by going on from `theta - 2 pi theta/a`, never comes near.
@@ -19,7 +19,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::stumpff::{c1, c2_c3, c4_c5};
+use crate::stumpff::{SERIES_BELOW, c1, c2_c3, c4_c5};
+use crate::twofold::HalfAngle;
 
 /// The right Jacobian `T(theta)`; its transpose is the left one.
 #[inline]
@@ -38,13 +39,13 @@ pub fn left_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
 /// The inverse of the right Jacobian; not finite at whole turns.
 #[inline]
 pub fn right_jacobian_inverse(theta: &Vector3<f64>) -> Matrix3<f64> {
-    polynomial(theta, 0.5, inverse_coefficient(theta.norm_squared()))
+    polynomial(theta, 0.5, inverse_coefficient_of(theta))
 }
 
 /// The inverse of the left Jacobian; not finite at whole turns.
 #[inline]
 pub fn left_jacobian_inverse(theta: &Vector3<f64>) -> Matrix3<f64> {
-    polynomial(theta, -0.5, inverse_coefficient(theta.norm_squared()))
+    polynomial(theta, -0.5, inverse_coefficient_of(theta))
 }
 
 /// The derivative of `T(theta) v` along `delta`: how an angular velocity changes with the chart.
@@ -58,13 +59,36 @@ pub fn right_jacobian_derivative(
     v: &Vector3<f64>,
     delta: &Vector3<f64>,
 ) -> Vector3<f64> {
-    let s = theta.norm_squared();
-    let ([c2, c3], [c4, c5]) = (c2_c3(s), c4_c5(s));
-    let (slope2, slope3) = (0.5 * (2.0 * c4 - c3), 0.5 * (3.0 * c5 - c4));
+    let ([c2, c3], [slope2, slope3]) = coefficients_and_slopes(theta);
     let (once, across) = (theta.cross(v), delta.cross(v));
     let turned = theta.cross(&once) * slope3 - once * slope2;
     (delta.cross(&once) + theta.cross(&across)) * c3 - across * c2
         + turned * (2.0 * theta.dot(delta))
+}
+
+/// `[c2, c3]` and their slopes with the squared angle.
+fn coefficients_and_slopes(theta: &Vector3<f64>) -> ([f64; 2], [f64; 2]) {
+    let s = theta.norm_squared();
+    if s < SERIES_BELOW {
+        let ([c2, c3], [c4, c5]) = (c2_c3(s), c4_c5(s));
+        return ([c2, c3], [0.5 * (2.0 * c4 - c3), 0.5 * (3.0 * c5 - c4)]);
+    }
+    // By the recurrence, so that nothing cancels at large angles.
+    let HalfAngle { angle, sine, cosine } = HalfAngle::of(theta);
+    let (c1, c2) = (2.0 * sine * cosine / angle, 2.0 * (sine / angle) * (sine / angle));
+    let c3 = (1.0 - c1) / s;
+    ([c2, c3], [0.5 * (c1 - 2.0 * c2) / s, 0.5 * (c2 - 3.0 * c3) / s])
+}
+
+/// The same as [`inverse_coefficient`], right beside whole turns as well.
+#[inline]
+fn inverse_coefficient_of(theta: &Vector3<f64>) -> f64 {
+    let s = theta.norm_squared();
+    if s < SERIES_BELOW {
+        return inverse_coefficient(s);
+    }
+    let HalfAngle { angle, sine, cosine } = HalfAngle::of(theta);
+    (1.0 - 0.5 * angle * cosine / sine) / s
 }
 
 /// `(1 - (a/2) cot(a/2))/a^2` at `s = a^2`, without the cancellation of either difference.

@@ -14,13 +14,12 @@
 //!
 //! Multipliers are forces: those of the first three rows the force of end 2 on end 1, with its sign
 //! turned, in newtons and world axes; the others torques. [`Rattle`] along [`FreeBodies`] moves
-//! jointed bodies. Along [`Straight`](stationary_constraints::Straight) motions it loses the
-//! gyroscopic torque, which is nothing for equal moments and turns about a principal axis only.
+//! jointed bodies; straight motions, which would lose their gyroscopic torque, are not theirs.
 //! Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{FIXED, Sink};
-use stationary_constraints::{Constraint, Rows, Scale};
+use stationary_constraints::{Constraint, ConstraintOn, Rows, Scale};
 
 #[cfg(doc)]
 use crate::FreeBodies;
@@ -61,7 +60,7 @@ impl Attachment {
         }
     }
 
-    fn vector(&self) -> Vector3<f64> {
+    pub(crate) fn vector(&self) -> Vector3<f64> {
         match *self {
             Attachment::World(v) | Attachment::Body(_, v) => v,
         }
@@ -73,6 +72,14 @@ impl Attachment {
             Attachment::Body(body, _) => Some(body),
         }
     }
+
+    /// An error where its body is not among `bodies`.
+    pub(crate) fn check_body(&self, bodies: usize) -> Result<(), RigidError> {
+        match self.body().filter(|&body| body >= bodies) {
+            Some(body) => Err(RigidError::NoSuchBody { body, bodies }),
+            None => Ok(()),
+        }
+    }
 }
 
 impl<S: BodySpace> Joint<S> {
@@ -80,9 +87,7 @@ impl<S: BodySpace> Joint<S> {
     pub fn ball(space: S, bodies: usize, ends: [Attachment; 2]) -> Result<Self, RigidError> {
         for end in &ends {
             check_finite("the joint's point", end.vector().as_slice())?;
-            if let Some(body) = end.body().filter(|&body| body >= bodies) {
-                return Err(RigidError::NoSuchBody { body, bodies });
-            }
+            end.check_body(bodies)?;
         }
         if ends[0].body() == ends[1].body() {
             return Err(RigidError::JoinedToItself { ends: ends.map(|end| end.body()) });
@@ -147,6 +152,8 @@ fn curvature(v: &Vector3<f64>, g: &Vector3<f64>) -> Matrix3<f64> {
     (product + product.transpose()) * 0.5 - Matrix3::identity() * g.dot(v)
 }
 
+impl<S: BodySpace> ConstraintOn<S> for Joint<S> {}
+
 impl<S: BodySpace> Constraint for Joint<S> {
     fn dim(&self) -> usize {
         S::FREEDOMS * self.bodies
@@ -158,10 +165,9 @@ impl<S: BodySpace> Constraint for Joint<S> {
 
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
         let gap = Self::place(q, &self.ends[0]) - Self::place(q, &self.ends[1]);
-        g[..3].copy_from_slice(gap.as_slice());
-        for (g, [a, b]) in g[3..].iter_mut().zip(&self.perpendicular) {
-            *g = Self::direction(q, a).dot(&Self::direction(q, b));
-        }
+        let across = self.perpendicular.iter();
+        let across = across.map(|[a, b]| Self::direction(q, a).dot(&Self::direction(q, b)));
+        g.iter_mut().zip(gap.iter().copied().chain(across)).for_each(|(g, value)| *g = value);
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
@@ -190,13 +196,14 @@ impl<S: BodySpace> Constraint for Joint<S> {
 
     fn add_hessian(&self, _t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
         let block = |body: usize| [0, 1, 2].map(|c| Self::turns(body) + c);
-        let pull = Vector3::from_column_slice(&lambda[..3]);
+        let at = |row: usize| lambda.get(row).copied().unwrap_or(f64::NAN);
+        let pull = Vector3::new(at(0), at(1), at(2));
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Attachment::Body(body, c) = *end else { continue };
             let g = S::pose(q, body).rotation.rotate_back(&(pull * sign));
             hessian.add_symmetric(&block(body), curvature(&c, &g).as_slice());
         }
-        for ([a, b], &lambda) in self.perpendicular.iter().zip(&lambda[3..]) {
+        for ([a, b], &lambda) in self.perpendicular.iter().zip(lambda.iter().skip(3)) {
             let mut whole = nalgebra::SMatrix::<f64, 6, 6>::zeros();
             let mut freedoms = [FIXED; 6];
             let mut moved = [Matrix3::zeros(); 2];

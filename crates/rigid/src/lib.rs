@@ -47,6 +47,7 @@
 mod error;
 mod group;
 mod stumpff;
+mod twofold;
 mod translation;
 mod planar;
 mod rotation;

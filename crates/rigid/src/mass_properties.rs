@@ -16,6 +16,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use stationary_calculus::DiagonalMetric;
 use stationary_mesh::Moments;
 
+use crate::error::check_finite;
 use crate::{Body, LieGroup, PlanarMotion, PrincipalFrame, RigidError, RigidMotion};
 
 /// Mass, centre and polar inertia of a planar shape.
@@ -51,12 +52,17 @@ impl PlanarMass {
     }
 
     /// All pieces as one.
+    ///
+    /// # Errors
+    /// A mass of all that is not positive and finite, and numbers that are not finite.
     pub fn composite(pieces: &[PlanarMass]) -> Result<Self, RigidError> {
         let mass = total(pieces.iter().map(|piece| piece.mass))?;
         let first = pieces[0].centre;
         let weighted = |piece: &PlanarMass| (piece.centre - first) * (piece.mass / mass);
         let centre = first + pieces.iter().map(weighted).sum::<Vector2<f64>>();
         let inertia = pieces.iter().map(|piece| piece.about(&centre)).sum();
+        check_finite("the centre", centre.as_slice())?;
+        check_finite("the inertia", &[inertia])?;
         Ok(PlanarMass { mass, centre, inertia })
     }
 
@@ -106,18 +112,27 @@ impl SpatialMass {
     }
 
     /// All pieces as one.
+    ///
+    /// # Errors
+    /// A mass of all that is not positive and finite, and numbers that are not finite.
     pub fn composite(pieces: &[SpatialMass]) -> Result<Self, RigidError> {
         let mass = total(pieces.iter().map(|piece| piece.mass))?;
         let first = pieces[0].centre;
         let weighted = |piece: &SpatialMass| (piece.centre - first) * (piece.mass / mass);
         let centre = first + pieces.iter().map(weighted).sum::<Vector3<f64>>();
-        let inertia = pieces.iter().map(|piece| piece.about(&centre)).sum();
+        let inertia: Matrix3<f64> = pieces.iter().map(|piece| piece.about(&centre)).sum();
+        check_finite("the centre", centre.as_slice())?;
+        check_finite("the inertia", inertia.as_slice())?;
         Ok(SpatialMass { mass, centre, inertia })
     }
 
     /// The body, and where its principal axes lie in the shape's: the centre and the principal
     /// frame.
+    ///
+    /// # Errors
+    /// Those of [`PrincipalFrame::of`] and of [`Body::new`], and a centre that is not finite.
     pub fn body(&self) -> Result<(Body, RigidMotion), RigidError> {
+        check_finite("the centre", self.centre.as_slice())?;
         let symmetric = (self.inertia + self.inertia.transpose()) * 0.5;
         let frame = PrincipalFrame::of(&symmetric)?;
         let pose = RigidMotion { translation: self.centre, rotation: frame.rotation };

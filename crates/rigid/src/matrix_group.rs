@@ -20,12 +20,31 @@ use crate::RigidError;
 use crate::error::check_finite;
 
 /// The exponential of a square matrix.
+///
+/// # Errors
+/// A matrix that is not square or not finite, one so large that no digit would be known, and an
+/// exponential that is not finite.
 pub fn matrix_exponential(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
     checked(a)?;
-    let result = a.exp();
+    if a.is_empty() {
+        return Ok(a.clone());
+    }
+    let norm = a.lp_norm(1).max(a.amax());
+    if norm > LARGEST {
+        return Err(RigidError::TooLarge { norm });
+    }
+    // Halved until its terms fall, and squared as often.
+    let halvings = norm.log2().ceil().max(0.0) as i32;
+    let mut result = (a * 0.5_f64.powi(halvings)).exp();
+    for _ in 0..halvings {
+        result = &result * &result;
+    }
     check_finite("the exponential", result.as_slice())?;
     Ok(result)
 }
+
+/// Beyond this no digit of an exponential is known.
+const LARGEST: f64 = 1e15;
 
 /// Most square roots: each halves the logarithm, and no finite matrix needs more.
 const ROOTS: i32 = 64;
@@ -39,8 +58,14 @@ const TERMS: i32 = 12;
 const ACCURACY: f64 = 1e-9;
 
 /// The principal logarithm of a square matrix.
+///
+/// # Errors
+/// A matrix that is not square or not finite, and [`RigidError::NoLogarithm`].
 pub fn matrix_logarithm(m: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
     checked(m)?;
+    if m.is_empty() {
+        return Ok(m.clone());
+    }
     let identity = DMatrix::identity(m.nrows(), m.nrows());
     let mut root = m.clone();
     let mut roots = 0;
@@ -97,13 +122,21 @@ fn square_root(m: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
 /// A basis of the vectors that the m x n matrix `a` maps to zero: the null space's dimension in
 /// columns. Singular values below `1e-12` of the largest count as zero.
 ///
+/// # Errors
+/// A matrix that is not finite, or whose singular values were not found.
+///
 /// Of `dg(I)`, the differential at the identity of a group's equations, it is the Lie algebra.
 pub fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
     check_finite("the matrix", a.as_slice())?;
     let n = a.ncols();
+    let size = a.amax();
+    if a.is_empty() || size == 0.0 {
+        return Ok(DMatrix::identity(n, n));
+    }
     // Rows of zeros, so that the decomposition is square and shows all n directions.
-    let square = a.clone().resize_vertically(n.max(a.nrows()), 0.0);
-    let svd = SVD::new(square, false, true);
+    let square = (a / size).resize_vertically(n.max(a.nrows()), 0.0);
+    let found = SVD::try_new(square, false, true, f64::EPSILON, 100 * n);
+    let svd = found.ok_or(RigidError::NotDecomposed { rows: a.nrows(), columns: n })?;
     let largest = svd.singular_values.max();
     let v = svd.v_t.unwrap_or_else(|| DMatrix::identity(n, n)).transpose();
     let null: Vec<usize> = (0..n).filter(|&i| svd.singular_values[i] <= 1e-12 * largest).collect();

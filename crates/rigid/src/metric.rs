@@ -10,7 +10,7 @@
 use std::marker::PhantomData;
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Metric, Potential, Sink, SizeError, System, Vector};
+use stationary_calculus::{Covector, Metric, PotentialOn, Sink, SizeError, System, Vector};
 use stationary_integrators::State;
 
 use crate::error::check_finite;
@@ -46,12 +46,27 @@ impl<S: BodySpace> BodyMetric<S> {
         &self.bodies
     }
 
-    /// The system of these bodies under a potential.
-    pub fn under<P: Potential>(self, potential: P) -> Result<System<Self, P, S>, SizeError> {
+    /// The system of these bodies under a potential that reads their poses or orientations.
+    ///
+    /// One that reads flat coordinates does not fit, even where it has as many freedoms:
+    /// ```compile_fail
+    /// use stationary_integrators::UniformGravity;
+    /// use stationary_rigid::{Body, BodyMetric, Poses};
+    /// let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap()]);
+    /// let flat = UniformGravity { acceleration: [0.0, 0.0, -9.8], masses: vec![1.0; 2] };
+    /// metric.under(flat);
+    /// ```
+    ///
+    /// # Errors
+    /// A potential of another number of freedoms.
+    pub fn under<P: PotentialOn<S>>(self, potential: P) -> Result<System<Self, P, S>, SizeError> {
         System::on(S::SPACE, self, potential)
     }
 
     /// The state of bodies that move like this.
+    ///
+    /// # Errors
+    /// Another number of motions, numbers that are not finite, a quaternion whose length is not 1.
     pub fn state(&self, motions: &[BodyMotion]) -> Result<State<Vec<f64>>, RigidError> {
         SizeError::check("the bodies' motions", self.bodies.len(), motions.len())?;
         let (mut q, mut p) = (Vec::new(), Vec::new());

@@ -3,7 +3,7 @@
 //! ```text
 //! SO(2)   (c, s) = (cos a, sin a)              exp(a) = (cos a, sin a),    log = atan2(s, c)
 //! SE(2)   x -> R x + t                         algebra (v, a): velocity of the body, rate of turn
-//! exp(v, a) = (t, R(a)),   t = (sin a/a) v + ((1 - cos a)/a) Z v,   Z a quarter turn
+//! exp(v, a) = (t, R(a)),   t = (sin(a/2)/(a/2)) (cos(a/2) v + sin(a/2) Z v),   Z a quarter turn
 //! ```
 //! Angles in radians, counterclockwise, logarithms in (-pi, pi]. Translation first. Source: notes
 //! 7, 8.2; errata chapter 8.
@@ -12,7 +12,6 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::LieGroup;
 use crate::jacobian::inverse_coefficient;
-use crate::stumpff::{c1, c2_c3};
 
 /// A rotation of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,9 +133,9 @@ impl LieGroup for PlanarMotion {
 
     fn exp(v: Vector3<f64>) -> Self {
         let (velocity, a) = (v.xy(), v.z);
-        let s = a * a;
-        let [c2, _] = c2_c3(s);
-        let translation = velocity * c1(s) + quarter(velocity) * (a * c2);
+        let (sine, cosine) = (0.5 * a).sin_cos();
+        let shrink = if a.abs() < f64::EPSILON { 1.0 } else { 2.0 * sine / a };
+        let translation = (velocity * cosine + quarter(velocity) * sine) * shrink;
         PlanarMotion { translation, rotation: PlanarRotation::exp(a) }
     }
 

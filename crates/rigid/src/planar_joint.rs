@@ -11,8 +11,8 @@
 //! end 1 with its sign turned (N), and a torque (N m). Source: notes 6, 7.4.
 
 use nalgebra::Vector2;
-use stationary_calculus::Sink;
-use stationary_constraints::{Constraint, Rows, Scale};
+use stationary_calculus::{Flat, Sink};
+use stationary_constraints::{Constraint, ConstraintOn, Rows, Scale};
 
 use crate::error::check_finite;
 use crate::{LieGroup, PlanarRotation, RigidError};
@@ -35,6 +35,11 @@ pub struct PlanarJoint {
     angle: Option<f64>,
 }
 
+/// The number at a place, or what is not a number where there is none.
+fn at(numbers: &[f64], place: usize) -> f64 {
+    numbers.get(place).copied().unwrap_or(f64::NAN)
+}
+
 impl PlanarAttachment {
     fn body(&self) -> Option<usize> {
         match *self {
@@ -53,7 +58,7 @@ impl PlanarAttachment {
     fn arm(&self, q: &[f64]) -> Vector2<f64> {
         match *self {
             PlanarAttachment::World(_) => Vector2::zeros(),
-            PlanarAttachment::Body(body, c) => PlanarRotation::exp(q[3 * body + 2]).rotate(&c),
+            PlanarAttachment::Body(body, c) => PlanarRotation::exp(at(q, 3 * body + 2)).rotate(&c),
         }
     }
 
@@ -61,13 +66,13 @@ impl PlanarAttachment {
         match *self {
             PlanarAttachment::World(x) => x,
             PlanarAttachment::Body(body, _) => {
-                Vector2::new(q[3 * body], q[3 * body + 1]) + self.arm(q)
+                Vector2::new(at(q, 3 * body), at(q, 3 * body + 1)) + self.arm(q)
             }
         }
     }
 
     fn turn(&self, q: &[f64]) -> f64 {
-        self.body().map_or(0.0, |body| q[3 * body + 2])
+        self.body().map_or(0.0, |body| at(q, 3 * body + 2))
     }
 }
 
@@ -98,6 +103,8 @@ impl PlanarJoint {
     }
 }
 
+impl ConstraintOn<Flat> for PlanarJoint {}
+
 impl Constraint for PlanarJoint {
     fn dim(&self) -> usize {
         3 * self.bodies
@@ -109,10 +116,10 @@ impl Constraint for PlanarJoint {
 
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
         let [a, b] = &self.ends;
-        g[..2].copy_from_slice((a.place(q) - b.place(q)).as_slice());
-        if let Some(angle) = self.angle {
-            g[2] = a.turn(q) - b.turn(q) - angle;
-        }
+        let gap = a.place(q) - b.place(q);
+        let turn = self.angle.map(|angle| a.turn(q) - b.turn(q) - angle);
+        let values = gap.iter().copied().chain(turn);
+        g.iter_mut().zip(values).for_each(|(g, value)| *g = value);
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
@@ -136,7 +143,7 @@ impl Constraint for PlanarJoint {
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Some(body) = end.body() else { continue };
             let arm = end.arm(q);
-            let bend = -sign * (lambda[0] * arm.x + lambda[1] * arm.y);
+            let bend = -sign * (at(lambda, 0) * arm.x + at(lambda, 1) * arm.y);
             hessian.add_symmetric(&[3 * body + 2], &[bend]);
         }
     }

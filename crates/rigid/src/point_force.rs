@@ -32,6 +32,10 @@ pub fn force_at_point(pose: &RigidMotion, point: &Vector3<f64>, force: Vector3<f
 }
 
 /// Adds an impulse at a point of a body to its momentum.
+///
+/// # Errors
+/// Numbers that are not finite, before or after, a body that the state does not hold, a momentum that
+/// has not the configuration's bodies. The state is then as it was.
 pub fn apply_impulse<S: BodySpace>(
     state: &mut State<Vec<f64>>,
     body: usize,
@@ -41,18 +45,20 @@ pub fn apply_impulse<S: BodySpace>(
     check_finite("the impulse", impulse.as_slice())?;
     check_finite("the point", point.as_slice())?;
     let bodies = state.q.len() / S::STORED;
+    SizeError::check("the configuration's numbers", S::STORED * bodies, state.q.len())?;
+    SizeError::check("the momentum's components", S::FREEDOMS * bodies, state.p.0.len())?;
     if body >= bodies {
-        return Err(
-            SizeError { what: "the body of an impulse", expected: bodies, got: body }.into()
-        );
+        return Err(RigidError::NoSuchBody { body, bodies });
     }
     let wrench = force_at_point(&S::pose(&state.q, body), point, impulse);
     let p = &mut state.p.components_mut()[S::FREEDOMS * body..][..S::FREEDOMS];
-    for (p, force) in p.iter_mut().zip(&wrench.force).take(S::TRANSLATION) {
-        *p += force;
+    let mut pushed = [0.0; 6];
+    let pushed = &mut pushed[..S::FREEDOMS];
+    let impulses = wrench.force.iter().take(S::TRANSLATION).chain(&wrench.torque);
+    for (pushed, (p, impulse)) in pushed.iter_mut().zip(p.iter().zip(impulses)) {
+        *pushed = p + impulse;
     }
-    for c in 0..3 {
-        p[S::TRANSLATION + c] += wrench.torque[c];
-    }
+    check_finite("the momentum after the impulse", pushed)?;
+    p.copy_from_slice(pushed);
     Ok(())
 }

@@ -17,7 +17,7 @@
 mod references;
 
 use nalgebra::Vector3;
-use stationary_calculus::{Potential, System};
+use stationary_calculus::{Potential, PotentialOn, System};
 use stationary_integrators::State;
 
 pub use references::{LOGARITHMS, Logarithm, REFERENCES, Reference};
@@ -52,7 +52,9 @@ impl<P: Potential, S: BodySpace> BodyProblem<P, S> {
     pub fn body(&self) -> &Body {
         &self.system.metric().bodies()[0]
     }
+}
 
+impl<P: PotentialOn<S>, S: BodySpace> BodyProblem<P, S> {
     fn new(
         name: &'static str,
         body: Body,

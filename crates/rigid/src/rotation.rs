@@ -9,7 +9,8 @@
 //! `theta` the axis times the angle, radians, by the right-hand rule. `q` and `-q` are the same
 //! rotation. The algebra is R^3 with the cross product; hat is the cross-product matrix.
 //!
-//! Both maps are accurate to a few roundings of each component from 1e-300 to any angle. The
+//! Both maps are accurate to a few roundings of each component, exp from angles of 1e-300 to 1e15,
+//! beside whole and half turns as well, where less than 1e-31 of the angle is not told from nothing. The
 //! logarithm is the shortest: its length is at most pi, so `log(exp(theta))` differs from `theta`
 //! by whole turns about its axis once `|theta| > pi`. At exactly half a turn (`w` zero, of either
 //! sign) both axes are equally far, and the one whose first component that is not zero is positive
@@ -21,6 +22,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::check_finite;
 use crate::stumpff::{SMALL_BELOW, small};
+use crate::twofold::HalfAngle;
 use crate::{LieGroup, RigidError};
 
 /// A rotation of space.
@@ -124,8 +126,12 @@ impl LieGroup for Rotation {
             let [cosine, ratio] = small(0.25 * s);
             return Rotation { w: cosine, x: theta * (0.5 * ratio) };
         }
-        let angle = if s < f64::INFINITY { s.sqrt() } else { length(&theta) };
-        let (sine, cosine) = (0.5 * angle).sin_cos();
+        if s < NEAR {
+            let angle = s.sqrt();
+            let (sine, cosine) = (0.5 * angle).sin_cos();
+            return Rotation { w: cosine, x: theta * (sine / angle) };
+        }
+        let HalfAngle { angle, sine, cosine } = HalfAngle::of(&theta);
         Rotation { w: cosine, x: theta * (sine / angle) }
     }
 
@@ -170,6 +176,9 @@ impl Rotation {
         self.w.signum()
     }
 }
+
+/// A squared angle below which neither sine nor cosine of half of it is nearly zero.
+const NEAR: f64 = 4.0;
 
 /// A squared angle whose square root is exact enough to divide by; below it `sin x = x` to
 /// rounding.

@@ -16,12 +16,12 @@
 //! turns with it: the axes carry the dependence, not the matrix.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Space, Vector};
+use stationary_calculus::{Curved, SizeError, Space, Vector};
 
 use crate::{LieGroup, RigidError, RigidMotion, Rotation};
 
 /// A space whose configurations are those of bodies, one after the other.
-pub trait BodySpace: Space + Copy {
+pub trait BodySpace: Curved + Copy {
     /// Freedoms of translation of a body, in front of its rotation.
     const TRANSLATION: usize;
     /// Numbers that store a body's configuration.
@@ -31,10 +31,11 @@ pub trait BodySpace: Space + Copy {
     /// The space itself.
     const SPACE: Self;
 
-    /// The pose of a body.
+    /// The pose of a body; of one that `q` does not hold, numbers that are none.
     #[inline]
     fn pose(q: &[f64], body: usize) -> RigidMotion {
-        let q = &q[Self::STORED * body..][..Self::STORED];
+        let first = Self::STORED.saturating_mul(body);
+        let q = q.get(first..first.saturating_add(Self::STORED)).unwrap_or(&ABSENT);
         let translation = match Self::TRANSLATION {
             0 => Vector3::zeros(),
             _ => Vector3::new(q[0], q[1], q[2]),
@@ -46,15 +47,27 @@ pub trait BodySpace: Space + Copy {
     /// An error unless every pose is finite and its quaternion of length 1.
     fn check(q: &[f64]) -> Result<(), RigidError> {
         crate::error::check_finite("the pose", q)?;
-        for body in 0..q.len() / Self::STORED {
-            let quaternion = Self::pose(q, body).rotation.quaternion();
-            let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > 1e-9 {
-                return Err(RigidError::Pose { body, length });
-            }
+        let whole = q.len() / Self::STORED * Self::STORED;
+        SizeError::check("the numbers of whole poses", whole, q.len())?;
+        match first_stretched::<Self>(q) {
+            Some((body, square)) => Err(RigidError::Pose { body, length: square.sqrt() }),
+            None => Ok(()),
         }
-        Ok(())
     }
+}
+
+/// What a body that is not there is at.
+static ABSENT: [f64; 7] = [f64::NAN; 7];
+
+/// How far the square of a quaternion's length may be from 1: twice what a file with ten digits has.
+const UNIT: f64 = 2e-9;
+
+/// The first body whose quaternion's length is not 1, and its square.
+#[inline]
+fn first_stretched<S: BodySpace>(q: &[f64]) -> Option<(usize, f64)> {
+    let squares =
+        q.chunks_exact(S::STORED).map(|q| q[S::TRANSLATION..].iter().map(|c| c * c).sum::<f64>());
+    squares.enumerate().find(|(_, square)| !((square - 1.0).abs() <= UNIT))
 }
 
 /// Poses of free bodies.
@@ -75,6 +88,9 @@ impl BodySpace for Orientations {
     const SPACE: Self = Orientations;
 }
 
+impl Curved for Poses {}
+impl Curved for Orientations {}
+
 impl Space for Poses {
     fn stored(&self, freedoms: usize) -> usize {
         freedoms / Self::FREEDOMS * Self::STORED
@@ -83,6 +99,11 @@ impl Space for Poses {
     #[inline]
     fn advance(&self, q: &mut [f64], h: f64, v: Vector<&[f64]>) {
         advance::<Self>(q, h, v.0);
+    }
+
+    #[inline]
+    fn first_misfit(&self, q: &[f64]) -> Option<usize> {
+        first_stretched::<Self>(q).map(|(body, _)| Self::STORED * body + Self::TRANSLATION)
     }
 }
 
@@ -94,6 +115,11 @@ impl Space for Orientations {
     #[inline]
     fn advance(&self, q: &mut [f64], h: f64, v: Vector<&[f64]>) {
         advance::<Self>(q, h, v.0);
+    }
+
+    #[inline]
+    fn first_misfit(&self, q: &[f64]) -> Option<usize> {
+        first_stretched::<Self>(q).map(|(body, _)| Self::STORED * body + Self::TRANSLATION)
     }
 }
 

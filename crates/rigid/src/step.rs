@@ -5,7 +5,7 @@ use stationary_integrators::{State, StepError};
 
 use crate::BodySpace;
 
-/// An error unless the step is positive and finite and the state has the system's size.
+/// An error unless the step is positive and finite and the state one of the system's.
 #[inline]
 pub(crate) fn check_step<S: BodySpace>(
     state: &State<Vec<f64>>,
@@ -18,7 +18,13 @@ pub(crate) fn check_step<S: BodySpace>(
     let stored = freedoms / S::FREEDOMS * S::STORED;
     SizeError::check("the configuration's numbers", stored, state.q.len())?;
     SizeError::check("the momentum's components", freedoms, state.p.components().len())?;
-    Ok(())
+    if !(state.t + h).is_finite() {
+        return Err(StepError::Time(state.t));
+    }
+    match S::SPACE.first_misfit(&state.q) {
+        Some(number) => Err(StepError::Configuration { number }),
+        None => Ok(()),
+    }
 }
 
 /// Takes over `next`, `h` seconds later, or returns an error and stays as it was.

@@ -21,7 +21,8 @@ use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Vector;
 use stationary_integrators::Symmetry;
 
-use crate::BodySpace;
+use crate::error::check_finite;
+use crate::{BodySpace, RigidError};
 
 /// All bodies in space move together, as one rigid thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,12 +38,35 @@ pub struct Carried<S> {
 /// One body spins about an axis of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spun<S> {
-    /// The body.
-    pub body: usize,
-    /// The axis a in body axes, radians per unit of the symmetry's parameter.
-    pub axis: Vector3<f64>,
-    /// Whether the bodies are free or turn about fixed points.
-    pub space: S,
+    body: usize,
+    axis: Vector3<f64>,
+    space: S,
+}
+
+impl<S: BodySpace> Spun<S> {
+    /// The spin of one of `bodies` bodies, which are free or turn about fixed points, about an axis in
+    /// its own axes, radians per unit of the symmetry's parameter.
+    ///
+    /// # Errors
+    /// An axis that is not finite, and a body that is not there.
+    pub fn new(
+        space: S,
+        bodies: usize,
+        body: usize,
+        axis: Vector3<f64>,
+    ) -> Result<Self, RigidError> {
+        check_finite("the axis", axis.as_slice())?;
+        if body >= bodies {
+            return Err(RigidError::NoSuchBody { body, bodies });
+        }
+        Ok(Spun { body, axis, space })
+    }
+
+    /// The freedoms of the body's turns.
+    fn turns(&self) -> std::ops::Range<usize> {
+        let first = S::FREEDOMS * self.body + S::TRANSLATION;
+        first..first + 3
+    }
 }
 
 /// All bodies in the plane move together.
@@ -81,15 +105,17 @@ impl<S: BodySpace> Symmetry for Carried<S> {
 impl<S: BodySpace> Symmetry for Spun<S> {
     fn generator(&self, _q: &[f64], xi: Vector<&mut [f64]>) {
         xi.0.fill(0.0);
-        let turn = &mut xi.0[S::FREEDOMS * self.body + S::TRANSLATION..][..3];
-        turn.copy_from_slice(self.axis.as_slice());
+        if let Some(turn) = xi.0.get_mut(self.turns()) {
+            turn.copy_from_slice(self.axis.as_slice());
+        }
     }
 
     fn generator_along(&self, _q: &[f64], v: Vector<&[f64]>, dxi: Vector<&mut [f64]>) {
         dxi.0.fill(0.0);
-        let turn = S::FREEDOMS * self.body + S::TRANSLATION;
-        let w = Vector3::new(v.0[turn], v.0[turn + 1], v.0[turn + 2]);
-        dxi.0[turn..turn + 3].copy_from_slice(w.cross(&self.axis).as_slice());
+        if let (Some(w), Some(turn)) = (v.0.get(self.turns()), dxi.0.get_mut(self.turns())) {
+            let w = Vector3::from_column_slice(w);
+            turn.copy_from_slice(w.cross(&self.axis).as_slice());
+        }
     }
 }
 

@@ -10,7 +10,7 @@
 //! top. Source: notes 0.3, 10.1.2; errata 0.3.
 
 use nalgebra::{Matrix3, Vector3};
-use stationary_calculus::{Covector, Potential, Sink};
+use stationary_calculus::{Covector, Potential, PotentialOn, Sink};
 
 use crate::BodySpace;
 
@@ -20,6 +20,8 @@ pub struct Free {
     /// The number of freedoms.
     pub freedoms: usize,
 }
+
+impl<S: BodySpace> PotentialOn<S> for Free {}
 
 impl Potential for Free {
     fn dim(&self) -> usize {
@@ -57,6 +59,8 @@ pub struct Weight<S> {
     pub space: S,
 }
 
+impl<S: BodySpace> PotentialOn<S> for Weight<S> {}
+
 impl<S: BodySpace> Potential for Weight<S> {
     fn dim(&self) -> usize {
         S::FREEDOMS * self.masses.len()
@@ -71,8 +75,8 @@ impl<S: BodySpace> Potential for Weight<S> {
 
     #[inline]
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
-        for (body, load) in self.masses.iter().enumerate() {
-            let dv = &mut dv.0[S::FREEDOMS * body..][..S::FREEDOMS];
+        let bodies = self.masses.iter().zip(dv.0.chunks_exact_mut(S::FREEDOMS));
+        for (body, (load, dv)) in bodies.enumerate() {
             for (dv, g) in dv.iter_mut().zip(&self.gravity).take(S::TRANSLATION) {
                 *dv -= load.mass * g;
             }

@@ -192,3 +192,36 @@ fn a_state_that_was_moved_off_between_steps_is_refused() {
     assert_eq!(state, moved);
     rattle.step(&mut good.clone(), 0.01).unwrap();
 }
+
+#[test]
+fn a_state_at_no_time_is_refused() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    for t in [f64::NAN, f64::INFINITY] {
+        let mut state = State { t, ..initial.clone() };
+        let error = Rattle::new(&system, rods.clone(), &state, FEW).unwrap_err();
+        assert!(matches!(error, ConstraintError::Step(StepError::Time(_))), "{error}");
+        let mut rattle = Rattle::new(&system, rods.clone(), &initial, FEW).unwrap();
+        assert!(rattle.step(&mut state, 0.1).is_err());
+    }
+}
+
+#[test]
+fn step_and_project_refuses_a_velocity_that_stretches_a_rod() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    let mut state = initial;
+    state.p.0[1] += 1e-3;
+    let verlet = StormerVerlet::new(&system).unwrap();
+    let error = StepAndProject::new(verlet, &system, rods, &state, FEW).unwrap_err();
+    assert!(matches!(error, ConstraintError::InfeasibleVelocity { row: 0, .. }), "{error}");
+}
+
+#[test]
+fn values_of_too_few_numbers_are_no_numbers() {
+    let RodProblem { rods, .. } = pendulum(1.0).unwrap().problem;
+    for q in [&[] as &[f64], &[1.0]] {
+        let mut g = [0.0];
+        rods.value(0.0, q, &mut g);
+        assert!(g[0].is_nan());
+        rods.value(0.0, q, &mut []);
+    }
+}

@@ -2,15 +2,15 @@
 //! from a ball joint.
 
 use stationary_calculus::{
-    Covector, DiagonalMetric, Potential, Sink, Space, System, Vector, assert_derivatives_on,
-    loglog_slope,
+    Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, Space, System, Vector,
+    assert_derivatives_on, loglog_slope,
 };
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, Few, Pairing, Projection, Rattle,
-    Redundancy, Rows, Scale,
+    ConstrainedIntegrator, Constraint, ConstraintError, ConstraintOn, Few, FreeMotion, Pairing,
+    Projection, Rattle, Redundancy, Rows, Scale,
 };
-use stationary_integrators::State;
+use stationary_integrators::{State, StepError};
 
 /// Poses: a place in the world (3), a quaternion, scalar first (4); velocities (3), and turning
 /// rates in body axes (3).
@@ -41,6 +41,28 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+impl Curved for Poses {}
+
+/// The free motion of bodies whose moments are equal about all axes: their momenta do not turn.
+#[derive(Clone, Copy, Debug)]
+struct EqualMoments;
+
+impl FreeMotion<DiagonalMetric<Vec<f64>>, Poses> for EqualMoments {
+    fn advance(
+        &self,
+        metric: &DiagonalMetric<Vec<f64>>,
+        space: &Poses,
+        h: f64,
+        q: &mut [f64],
+        p: Covector<&mut [f64]>,
+        mut room: Vector<&mut [f64]>,
+    ) -> Result<(), StepError> {
+        metric.drift(h, p.view(), room.view_mut());
+        space.advance(q, 1.0, room.view());
+        Ok(())
+    }
+}
+
 impl Space for Poses {
     fn stored(&self, freedoms: usize) -> usize {
         freedoms / 6 * 7
@@ -68,6 +90,8 @@ const JOINT: [f64; 3] = [0.0, 0.0, ARM];
 /// The point of the body at the joint stays at the origin.
 #[derive(Clone, Copy, Debug)]
 struct BallJoint;
+
+impl ConstraintOn<Poses> for BallJoint {}
 
 impl Constraint for BallJoint {
     fn dim(&self) -> usize {
@@ -123,6 +147,8 @@ impl Constraint for BallJoint {
 #[derive(Clone, Copy, Debug)]
 struct Weight;
 
+impl PotentialOn<Poses> for Weight {}
+
 impl Potential for Weight {
     fn dim(&self) -> usize {
         6
@@ -173,7 +199,7 @@ fn a_body_on_a_ball_joint_swings_as_a_physical_pendulum_with_order_two() {
     for steps in [200_u32, 400, 800] {
         let h = exact.period / omega / f64::from(steps);
         let choice = Few::<3>(Redundancy::Refuse);
-        let mut rattle = Rattle::new(&system, BallJoint, &initial, choice).unwrap();
+        let mut rattle = Rattle::along(EqualMoments, &system, BallJoint, &initial, choice).unwrap();
         let mut state = initial.clone();
         let mut worst = 0.0_f64;
         for _ in 0..steps {
@@ -195,7 +221,7 @@ fn angular_momentum_about_the_vertical_is_kept_to_rounding() {
     let initial = hanging(2.0, 3.0);
     let mut state = initial.clone();
     let choice = Few::<3>(Redundancy::Refuse);
-    let mut rattle = Rattle::new(&system, BallJoint, &initial, choice).unwrap();
+    let mut rattle = Rattle::along(EqualMoments, &system, BallJoint, &initial, choice).unwrap();
     let about_vertical = |state: &State<Vec<f64>>| {
         let (q, p) = (&state.q, &state.p.0);
         q[0] * p[1] - q[1] * p[0] + turned(q, [p[3], p[4], p[5]])[2]
@@ -215,12 +241,12 @@ fn a_pose_is_projected_along_the_motions_of_the_space() {
     let mut state = hanging(1.0, 0.0);
     Poses.advance(&mut state.q, 1.0, Vector(&[0.05, -0.02, 0.04, 0.1, -0.2, 0.1]));
     let choice = Few::<3>(Redundancy::Refuse);
-    let error = Rattle::new(&system, BallJoint, &state, choice).unwrap_err();
+    let error = Rattle::along(EqualMoments, &system, BallJoint, &state, choice).unwrap_err();
     assert!(matches!(error, ConstraintError::Infeasible { .. }), "{error}");
     let mut projection = Projection::new(&system, BallJoint, &state, choice).unwrap();
     let report = projection.project(&mut state).unwrap();
     assert!(report.violation < 1e-14, "{report:?}");
     let length: f64 = state.q[3..].iter().map(|x| x * x).sum();
     assert!((length - 1.0).abs() < 1e-14);
-    Rattle::new(&system, BallJoint, &state, choice).unwrap();
+    Rattle::along(EqualMoments, &system, BallJoint, &state, choice).unwrap();
 }

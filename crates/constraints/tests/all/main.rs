@@ -3,6 +3,7 @@
 mod bad_input;
 mod curved;
 mod facts;
+mod halving;
 #[cfg(feature = "sparse")]
 mod many;
 mod multipliers;

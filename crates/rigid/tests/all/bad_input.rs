@@ -5,8 +5,8 @@ use stationary_calculus::Covector;
 use stationary_integrators::{State, StepError};
 use stationary_rigid::problems::{nodding_top, tumbling_box};
 use stationary_rigid::{
-    Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, LieGroup, Poses, RigidError,
-    RigidMotion,
+    Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodySpring, Free, LieGroup,
+    Poses, RigidError, RigidMotion, Spun, apply_impulse,
 };
 
 #[test]
@@ -83,4 +83,34 @@ fn a_step_allocates_nothing() {
         });
         assert_eq!(counted.count_total, 0, "{method}");
     }
+}
+
+#[test]
+fn a_state_at_no_time_or_with_a_quaternion_of_another_length_is_refused_by_every_method() {
+    let problem = tumbling_box().unwrap();
+    for &method in BodyMethod::ALL {
+        let mut integrator = method.integrator(&problem.system).unwrap();
+        let mut state = State { t: f64::NAN, ..problem.initial.clone() };
+        let error = integrator.step(&mut state, 0.1).unwrap_err();
+        assert!(matches!(error, StepError::Time(_)), "{method}: {error}");
+        let mut state = problem.initial.clone();
+        state.q[3..].iter_mut().for_each(|c| *c *= 2.0);
+        let error = integrator.step(&mut state, 0.1).unwrap_err();
+        assert!(matches!(error, StepError::Configuration { number: 3 }), "{method}: {error}");
+    }
+}
+
+#[test]
+fn what_is_asked_of_an_absent_body_is_refused_or_no_number() {
+    let absent = [Attachment::World(Vector3::zeros()), Attachment::Body(2, Vector3::zeros())];
+    let spring = BodySpring::new(Poses, 2, 1.0, absent);
+    assert_eq!(spring, Err(RigidError::NoSuchBody { body: 2, bodies: 2 }));
+    let spun = Spun::new(Poses, 2, 2, Vector3::z());
+    assert_eq!(spun, Err(RigidError::NoSuchBody { body: 2, bodies: 2 }));
+    let pose = Poses::pose(&[0.0; 6], 0);
+    assert!(pose.translation.x.is_nan() && pose.rotation.quaternion()[0].is_nan());
+    let mut state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], vec![0.0; 3]);
+    let (point, impulse) = (Vector3::x(), Vector3::y());
+    let short = apply_impulse::<Poses>(&mut state, 0, &point, impulse);
+    assert!(matches!(short, Err(RigidError::Size(_))));
 }

@@ -164,15 +164,11 @@ fn tethered() -> BodyProblem<BodySpring<Poses>, Poses> {
         at(1.0, Vector3::new(0.0, 0.5, 0.2), Vector3::new(1.0, 2.0, 3.0)),
         at(-0.5, Vector3::new(0.1, -0.5, 0.3), Vector3::new(-2.0, 0.5, 1.0)),
     ];
-    let potential = BodySpring {
-        bodies: 2,
-        stiffness: 20.0,
-        ends: [
-            Attachment::Body(0, Vector3::new(0.1, 0.2, 0.3)),
-            Attachment::Body(1, Vector3::new(-0.2, 0.1, 0.1)),
-        ],
-        space: Poses,
-    };
+    let ends = [
+        Attachment::Body(0, Vector3::new(0.1, 0.2, 0.3)),
+        Attachment::Body(1, Vector3::new(-0.2, 0.1, 0.1)),
+    ];
+    let potential = BodySpring::new(Poses, 2, 20.0, ends).unwrap();
     let metric = BodyMetric::new(bodies);
     let initial = metric.state(&motions).unwrap();
     let system = metric.under(potential).unwrap();
@@ -257,7 +253,7 @@ fn sprung() -> BodyProblem<BodySpring<Poses>, Poses> {
     };
     let initial = metric.state(&[motion]).unwrap();
     let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, Vector3::zeros())];
-    let spring = BodySpring { bodies: 1, stiffness: 1.0, ends, space: Poses };
+    let spring = BodySpring::new(Poses, 1, 1.0, ends).unwrap();
     let system = metric.under(spring).unwrap();
     BodyProblem { name: "sprung", system, initial, motion, horizon: 1.0 }
 }

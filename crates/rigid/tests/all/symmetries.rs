@@ -31,8 +31,7 @@ fn pair() -> (Pair, State<Vec<f64>>, Vec<f64>) {
     };
     let state = metric.state(&[motion(ONE, OTHER), motion(OTHER, -ONE)]).unwrap();
     let ends = [Attachment::Body(0, OTHER * 0.5), Attachment::Body(1, OTHER - ONE)];
-    let system =
-        metric.under(BodySpring { bodies: 2, stiffness: 3.0, ends, space: Poses }).unwrap();
+    let system = metric.under(BodySpring::new(Poses, 2, 3.0, ends).unwrap()).unwrap();
     let mut v = Vector(vec![0.0; 12]);
     system.metric().sharp(state.p.view(), v.view_mut());
     (system, state, v.0)
@@ -85,7 +84,7 @@ fn what_a_symmetry_does_to_a_velocity_is_its_rate_where_the_path_is_moved() {
         [body(0), body(1)].concat()
     };
     let symmetries: [&dyn Symmetry; 2] =
-        [&carried(ONE, OTHER, Poses), &Spun { body: 1, axis: ONE, space: Poses }];
+        [&carried(ONE, OTHER, Poses), &Spun::new(Poses, 2, 1, ONE).unwrap()];
     for symmetry in symmetries {
         let mut dxi = Vector(vec![0.0; 12]);
         symmetry.generator_along(&state.q, Vector(&v), dxi.view_mut());
@@ -108,7 +107,7 @@ fn bodies_on_a_spring_have_every_motion_of_space_and_no_spin() {
     for axis in [Vector3::x(), Vector3::y(), Vector3::z(), ONE] {
         assert!(off(&carried(axis, Vector3::zeros(), Poses)) < 1e-14);
         assert!(off(&carried(Vector3::zeros(), axis, Poses)) < 1e-14);
-        assert!(off(&Spun { body: 0, axis, space: Poses }) > 1e-2);
+        assert!(off(&Spun::new(Poses, 2, 0, axis).unwrap()) > 1e-2);
     }
 }
 
@@ -128,9 +127,9 @@ fn their_momentum_maps_are_linear_and_spatial_angular_momentum() {
 fn a_heavy_symmetric_top_has_two_symmetries_and_keeps_both_momenta() {
     let top = nodding_top().unwrap();
     let upright = carried(Vector3::zeros(), Vector3::z(), Orientations);
-    let own = Spun { body: 0, axis: Vector3::z(), space: Orientations };
+    let own = Spun::new(Orientations, 1, 0, Vector3::z()).unwrap();
     let tilted = carried(Vector3::zeros(), Vector3::x(), Orientations);
-    let across = Spun { body: 0, axis: Vector3::x(), space: Orientations };
+    let across = Spun::new(Orientations, 1, 0, Vector3::x()).unwrap();
     let symmetries: [(&dyn Symmetry, bool); 4] =
         [(&upright, true), (&own, true), (&tilted, false), (&across, false)];
     let mut v = Vector(vec![0.0; 3]);

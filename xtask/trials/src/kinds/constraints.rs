@@ -1,6 +1,11 @@
 //! What constraints promises, on random problems.
 
+mod bad_input;
+mod net;
+mod reduced_chain;
+mod rods;
+
 use crate::Kind;
 
 /// The kinds of trials of constraints.
-pub const KINDS: &[Kind] = &[];
+pub const KINDS: &[Kind] = &[rods::KIND, bad_input::KIND];

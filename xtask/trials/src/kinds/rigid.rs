@@ -1,6 +1,15 @@
 //! What rigid promises, on random problems.
 
+mod bad_input;
+mod double_double;
+mod free_top;
+mod joints;
+mod lie_maps;
+mod linkage;
+mod mass_properties;
+
 use crate::Kind;
 
 /// The kinds of trials of rigid.
-pub const KINDS: &[Kind] = &[];
+pub const KINDS: &[Kind] =
+    &[joints::KIND, lie_maps::KIND, mass_properties::KIND, free_top::KIND, bad_input::KIND];

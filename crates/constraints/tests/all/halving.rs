@@ -1,0 +1,78 @@
+//! Steps that no multiplier step can make whole, and the same in halves.
+
+use stationary_calculus::{DiagonalMetric, System};
+use stationary_constraints::{
+    ConstrainedIntegrator, ConstraintError, Few, Halving, Rattle, Redundancy, Rod, Rods,
+};
+use stationary_integrators::{State, Symplecticity, UniformGravity};
+
+type Problem = System<DiagonalMetric<[f64; 4]>, UniformGravity<2>>;
+
+/// A double pendulum whose outer mass is `ratio` times the inner, bent and turning at 1 rad/s.
+fn double(ratio: f64) -> (Problem, Rods<2>, State<[f64; 4]>) {
+    let metric = DiagonalMetric::new([1.0, 1.0, ratio, ratio]).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -1.0], masses: vec![1.0, ratio] };
+    let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)];
+    let rods = Rods::new(2, vec![[0.0, 0.0]], rods).unwrap();
+    let (sine, cosine) = (0.6, 0.8);
+    let initial = State::new(
+        [sine, -cosine, sine, -cosine - 1.0],
+        [cosine, sine, ratio * cosine, ratio * sine],
+    );
+    (System::new(metric, gravity).unwrap(), rods, initial)
+}
+
+const FEW: Few<2> = Few(Redundancy::Refuse);
+
+/// The first error in two seconds of steps.
+fn failure(
+    method: &mut impl ConstrainedIntegrator<[f64; 4]>,
+    start: &State<[f64; 4]>,
+    h: f64,
+) -> Option<ConstraintError> {
+    let mut state = start.clone();
+    (0..(2.0 / h) as u32).find_map(|_| method.step(&mut state, h).err())
+}
+
+#[test]
+fn a_step_too_long_for_a_light_joint_is_made_in_halves_where_that_is_asked_for() {
+    let (system, rods, initial) = double(1e3);
+    let rattle = || Rattle::new(&system, rods.clone(), &initial, FEW).unwrap();
+    let h = 0.05;
+    assert!(failure(&mut rattle(), &initial, h).is_some());
+    let mut halving = Halving::new(rattle(), 20, &initial).unwrap();
+    let mut state = initial.clone();
+    let mut halved = 0;
+    for k in 1..=40 {
+        let report = halving.step(&mut state, h).unwrap();
+        halved += report.halvings;
+        assert!(report.violation < 1e-12);
+        assert!((state.t - h * f64::from(k)).abs() < 1e-12);
+        assert!(halving.multipliers().iter().all(|lambda| lambda.is_finite()));
+    }
+    assert!(halved > 0);
+    assert!(!halving.facts().symmetric && halving.facts().symplecticity == Symplecticity::No);
+}
+
+#[test]
+fn steps_that_succeed_are_not_halved_and_are_those_of_the_method() {
+    let (system, rods, initial) = double(1.0);
+    let mut rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+    let mut halving = Halving::new(rattle.clone(), 20, &initial).unwrap();
+    let (mut one, mut other) = (initial.clone(), initial);
+    for _ in 0..100 {
+        let report = rattle.step(&mut one, 1e-2).unwrap();
+        assert_eq!(halving.step(&mut other, 1e-2).unwrap(), report);
+        assert_eq!((&one, rattle.multipliers()), (&other, halving.multipliers()));
+    }
+}
+
+#[test]
+fn a_step_that_fails_in_its_smallest_parts_leaves_the_state() {
+    let (system, rods, initial) = double(1e3);
+    let rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+    let mut halving = Halving::new(rattle, 1, &initial).unwrap();
+    let mut state = initial.clone();
+    assert!(halving.step(&mut state, 5.0).is_err());
+    assert_eq!(state, initial);
+}
