@@ -171,7 +171,9 @@ pub enum ElasticityError {
     #[error("the tolerance of Newton's method is {0} kg^1/2 m/s^2; it must be zero or positive")]
     Tolerance(f64),
     /// A rest in which elements are turned inside out.
-    #[error("at rest elements are turned inside out or flat: {0}; load the body in smaller steps, or less")]
+    #[error(
+        "at rest elements are turned inside out or flat: {0}; load the body in smaller steps, or less"
+    )]
     InsideOut(Places<usize>),
     /// A body, or a piece of it, that may still move as a whole.
     #[error("{count} rigid motions are free: {names}{}", of_piece(*piece, *pieces, *vertex))]

@@ -106,7 +106,9 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
 }
 
 /// `F - I`.
-fn displacement_gradient<N: Number, const D: usize, const R: usize>(f: &[[N; D]; R]) -> [[N; D]; R] {
+fn displacement_gradient<N: Number, const D: usize, const R: usize>(
+    f: &[[N; D]; R],
+) -> [[N; D]; R] {
     let mut g = *f;
     for (k, column) in g.iter_mut().enumerate() {
         column[k] -= 1.0;
@@ -200,7 +202,8 @@ fn excess_over_log<N: Number>(y: N) -> N {
     let r = y / (y + 2.0);
     let t = r * r;
     // r < 0.18: the terms from the twelfth on are below rounding.
-    let sum = (1..12).rev().fold(N::from(0.0), |sum, k| (sum + 1.0 / (2.0 * f64::from(k) + 1.0)) * t);
+    let sum =
+        (1..12).rev().fold(N::from(0.0), |sum, k| (sum + 1.0 / (2.0 * f64::from(k) + 1.0)) * t);
     r * (y - sum * 2.0)
 }
 

@@ -4,16 +4,16 @@
 use stationary_calculus::{
     Covector, Curvature, DiagonalMetric, Force, Metric, Newton, Potential, Stencil, Vector,
 };
+use stationary_elasticity::problems::{
+    Beam, BeamTheory, Ends, SheetFamily, bar_frequencies, elliptic_membrane_stress,
+    sliding_block_frequencies,
+};
 use stationary_elasticity::{
     AutomaticMaterial, Damper, Dampers, DeadLoad, Density, Elements, FixedCorotated, Freedoms,
     FullTangent, Held, Hinge, Lame, Linear, LinearSegment, LinearTetrahedron, LinearTriangle,
     Material, Measure, NeoHookean, Net, Orthotropic, QuadraticSegment, QuadraticTriangle, Rayleigh,
     SaintVenantKirchhoff, Solid, Spring, Statics, Strain, StrainRate, Weave, averaged_stress,
     cauchy, curved_boundary, galerkin_mass, hinges, lumped_mass, net, straight_boundary,
-};
-use stationary_elasticity::problems::{
-    Beam, BeamTheory, Ends, SheetFamily, bar_frequencies, elliptic_membrane_stress,
-    sliding_block_frequencies,
 };
 use stationary_mesh::{Diagonals, Mesh, QuadraticTriangles, cuboid, rectangle};
 
@@ -77,8 +77,16 @@ fn lame(draw: &mut Draw) -> Verdict {
     let (a, b) = (draw.any_f64(), draw.any_f64());
     let thin = match Lame::<3>::new(a, b) {
         Ok(pair) => {
-            let (sheet, bar, slice) = (pair.plane_stress(), pair.uniaxial_stress(), pair.plane_strain());
-            let numbers = [sheet.lambda(), sheet.young(), bar.lambda(), bar.young(), slice.lambda(), slice.young()];
+            let (sheet, bar, slice) =
+                (pair.plane_stress(), pair.uniaxial_stress(), pair.plane_strain());
+            let numbers = [
+                sheet.lambda(),
+                sheet.young(),
+                bar.lambda(),
+                bar.young(),
+                slice.lambda(),
+                slice.young(),
+            ];
             draw.note(format!("thinner than {a:e} {b:e}"));
             finite("thinner moduli", &numbers)
         }
@@ -96,8 +104,16 @@ fn springs(draw: &mut Draw) -> Verdict {
         Ok(spring) => {
             let good = spring.stiffness() > 0.0 && spring.rest_length() >= 0.0;
             let x: [[f64; 3]; 2] = [[0.0; 3], [draw.any_f64(), draw.any_f64(), draw.any_f64()]];
-            let _ = (spring.energy(&x), spring.differential(&x), spring.hessian(&x, Curvature::Semidefinite));
-            if good { finite("a spring", &[spring.stiffness(), spring.rest_length()]) } else { Verdict::wrong("a spring that cannot be") }
+            let _ = (
+                spring.energy(&x),
+                spring.differential(&x),
+                spring.hessian(&x, Curvature::Semidefinite),
+            );
+            if good {
+                finite("a spring", &[spring.stiffness(), spring.rest_length()])
+            } else {
+                Verdict::wrong("a spring that cannot be")
+            }
         }
         Err(_) => Verdict::due(),
     }
@@ -220,9 +236,14 @@ fn hinge(draw: &mut Draw) -> Verdict {
 }
 
 fn sheet_of_hinges(draw: &mut Draw) -> Verdict {
-    let Ok(flat) = rectangle([1.0, 1.0], [2, 2], Diagonals::Same) else { return Verdict::not_judged("mesh") };
-    let mut vertices: Vec<nalgebra::Vector3<f64>> =
-        flat.vertices().iter().map(|x| nalgebra::Vector3::new(x[0], x[1], 0.1 * draw.symmetric())).collect();
+    let Ok(flat) = rectangle([1.0, 1.0], [2, 2], Diagonals::Same) else {
+        return Verdict::not_judged("mesh");
+    };
+    let mut vertices: Vec<nalgebra::Vector3<f64>> = flat
+        .vertices()
+        .iter()
+        .map(|x| nalgebra::Vector3::new(x[0], x[1], 0.1 * draw.symmetric()))
+        .collect();
     let flattened = draw.chance(0.5);
     if flattened {
         // A triangle becomes a line.
@@ -230,7 +251,9 @@ fn sheet_of_hinges(draw: &mut Draw) -> Verdict {
         vertices[a] = 0.5 * (vertices[b] + vertices[c]);
     }
     draw.note(format!("a triangle is flat: {flattened}"));
-    let Ok(sheet) = Mesh::<3, 3>::new(vertices, flat.simplices().to_vec()) else { return Verdict::due() };
+    let Ok(sheet) = Mesh::<3, 3>::new(vertices, flat.simplices().to_vec()) else {
+        return Verdict::due();
+    };
     match hinges(&sheet, if draw.chance(0.2) { draw.any_f64() } else { 1.0 }) {
         Ok(hinges) => hinges.iter().fold(Verdict::due(), |verdict, hinge| {
             let x = hinge.vertices().map(|v| sheet.vertices()[v].into());
@@ -309,7 +332,8 @@ fn scaled(load: &DeadLoad<3>, factor: f64) -> Option<DeadLoad<3>> {
 
 fn densities(draw: &mut Draw) -> Verdict {
     let mesh = small_block();
-    let freedoms = if draw.chance(0.3) { Freedoms::free(draw.below(9)) } else { Ok(clamped(&mesh)) };
+    let freedoms =
+        if draw.chance(0.3) { Freedoms::free(draw.below(9)) } else { Ok(clamped(&mesh)) };
     let Ok(freedoms) = freedoms else { return Verdict::due() };
     let (section, force) = (draw.any_f64(), draw.any_f64());
     draw.note(format!("section {section:e}, force {force:e}, {} vertices", freedoms.vertices()));
@@ -317,7 +341,8 @@ fn densities(draw: &mut Draw) -> Verdict {
     let Ok(rim) = Mesh::<3, 3>::new(mesh.vertices().to_vec(), mesh.boundary_facets()) else {
         return Verdict::not_judged("no rim");
     };
-    let traction = DeadLoad::traction(LinearTriangle, &rim, section, &freedoms, |_, n| n.map(|n| force * n));
+    let traction =
+        DeadLoad::traction(LinearTriangle, &rim, section, &freedoms, |_, n| n.map(|n| force * n));
     [body, traction].into_iter().flatten().fold(Verdict::due(), |verdict, load| {
         verdict.and(finite("a load", load.forces().as_flattened()))
     })
@@ -358,7 +383,11 @@ fn solids(draw: &mut Draw) -> Verdict {
     let short = vec![0.0; draw.below(30)];
     let _ = (solid.held_differential(&short), solid.inverted(&short));
     let large = mesh.vertices().iter().any(|x| x.amax() > 1e9) || section > 1e9;
-    if large { Verdict::due() } else { finite("energy", &[solid.energy(&q)]).and(finite("force", &dv)) }
+    if large {
+        Verdict::due()
+    } else {
+        finite("energy", &[solid.energy(&q)]).and(finite("force", &dv))
+    }
 }
 
 /// What a mass makes of velocities of one.
@@ -376,15 +405,11 @@ fn masses(draw: &mut Draw) -> Verdict {
     draw.note(format!("density and section {numbers:?}, {vertices} vertices"));
     let Ok(freedoms) = Freedoms::<3>::free(vertices) else { return Verdict::due() };
     let verdict = match lumped_mass(LinearTetrahedron, &mesh, numbers, &freedoms) {
-        Ok(mass) => {
-            finite("lumped mass", &momentum(&mass))
-        }
+        Ok(mass) => finite("lumped mass", &momentum(&mass)),
         Err(_) => Verdict::due(),
     };
     verdict.and(match galerkin_mass(LinearTetrahedron, &mesh, numbers, &freedoms) {
-        Ok(mass) => {
-            finite("Galerkin's mass", &momentum(&mass))
-        }
+        Ok(mass) => finite("Galerkin's mass", &momentum(&mass)),
         Err(_) => Verdict::due(),
     })
 }
@@ -392,14 +417,21 @@ fn masses(draw: &mut Draw) -> Verdict {
 fn statics(draw: &mut Draw) -> Verdict {
     let mesh = small_block();
     let freedoms = clamped(&mesh);
-    let Ok(mut solid) = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber(), freedoms.clone()) else {
+    let Ok(mut solid) = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber(), freedoms.clone())
+    else {
         return Verdict::not_judged("no solid");
     };
-    let Ok(load) = DeadLoad::new(&freedoms, vec![[0.0, 0.0, 1.0]; 8]) else { return Verdict::not_judged("no load") };
+    let Ok(load) = DeadLoad::new(&freedoms, vec![[0.0, 0.0, 1.0]; 8]) else {
+        return Verdict::not_judged("no load");
+    };
     let n = freedoms.dim();
     let masses = vec![1.0; if draw.chance(0.2) { draw.between(1, 2 * n) } else { n }];
-    let Ok(metric) = DiagonalMetric::new(masses.clone()) else { return Verdict::not_judged("no mass") };
-    let Ok(mut q) = freedoms.gathered(&mesh.nodes()) else { return Verdict::not_judged("no places") };
+    let Ok(metric) = DiagonalMetric::new(masses.clone()) else {
+        return Verdict::not_judged("no mass");
+    };
+    let Ok(mut q) = freedoms.gathered(&mesh.nodes()) else {
+        return Verdict::not_judged("no places");
+    };
     if draw.chance(0.3) {
         q.resize(draw.below(2 * n), 0.0);
     }
@@ -427,7 +459,9 @@ fn statics(draw: &mut Draw) -> Verdict {
             }
             finite("rest", &q).and(finite("reactions", &rest.reactions))
         }
-        Err(_) if before.iter().map(|x| x.to_bits()).eq(q.iter().map(|x| x.to_bits())) => Verdict::due(),
+        Err(_) if before.iter().map(|x| x.to_bits()).eq(q.iter().map(|x| x.to_bits())) => {
+            Verdict::due()
+        }
         Err(_) => Verdict::wrong("a failure that moves the body"),
     }
 }
@@ -449,7 +483,9 @@ fn other_supports(draw: &mut Draw) -> Verdict {
         }
         Freedoms::<3>::new(8, &held)
     };
-    draw.note(format!("held on side {first}, loaded for side {other}, in another order: {reordered}"));
+    draw.note(format!(
+        "held on side {first}, loaded for side {other}, in another order: {reordered}"
+    ));
     let (Ok(mine), Ok(theirs)) = (hold(first, false), hold(other, reordered)) else {
         return Verdict::not_judged("no supports");
     };
@@ -458,7 +494,9 @@ fn other_supports(draw: &mut Draw) -> Verdict {
     let Ok(mut solid) = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber(), mine.clone()) else {
         return Verdict::not_judged("no solid");
     };
-    let Ok(metric) = DiagonalMetric::new(vec![1.0; mine.dim()]) else { return Verdict::not_judged("no mass") };
+    let Ok(metric) = DiagonalMetric::new(vec![1.0; mine.dim()]) else {
+        return Verdict::not_judged("no mass");
+    };
     let Ok(mut q) = mine.gathered(&places) else { return Verdict::not_judged("no places") };
     let solved = Statics::default().solve(&mut solid, &load, &metric, mine.places(), &mut q);
     match (solved, first == other && !reordered) {
@@ -517,7 +555,11 @@ fn measures(draw: &mut Draw) -> Verdict {
     let f: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| draw.any_f64()));
     draw.note(format!("{a:?} {b:?} at {x:e}, {f:?}"));
     let _ = (a.strain(x), a.stretch(x), a.converted([x, draw.any_f64(), 1.0], b));
-    let _ = (a.tensor(&f), a.tensor(&[f[0], f[1]]), a.tensor(&[[f[0][0], f[0][1]], [f[1][0], f[1][1]]]));
+    let _ = (
+        a.tensor(&f),
+        a.tensor(&[f[0], f[1]]),
+        a.tensor(&[[f[0][0], f[0][1]], [f[1][0], f[1][1]]]),
+    );
     // Down to no strain at all.
     let rest = a.tensor(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     finite("strain of the body at rest", rest.as_flattened())
@@ -534,7 +576,12 @@ impl Density<3, 3> for Own {
 
 fn materials(draw: &mut Draw) -> Verdict {
     fn of<M: Material<3, 3>>(material: &M, f: &[[f64; 3]; 3]) {
-        let _ = (material.energy(f), material.stress(f), material.is_semidefinite(f), cauchy(material, f));
+        let _ = (
+            material.energy(f),
+            material.stress(f),
+            material.is_semidefinite(f),
+            cauchy(material, f),
+        );
         let tangent = FullTangent::of(&material.tangent(f, 1.0));
         let _ = (tangent.projected(), FullTangent::of(&material.semidefinite(f, 1.0)));
     }
@@ -543,7 +590,9 @@ fn materials(draw: &mut Draw) -> Verdict {
         std::array::from_fn(|_| if moderate { draw.symmetric() } else { draw.any_f64() })
     });
     draw.note(format!("F {f:?}"));
-    let Ok(lame) = Lame::<3>::from_young_poisson(1e4, 0.3) else { return Verdict::not_judged("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(1e4, 0.3) else {
+        return Verdict::not_judged("moduli");
+    };
     match draw.below(5) {
         0 => of(&Linear::new(lame), &f),
         1 => of(&rubber(), &f),
@@ -588,7 +637,9 @@ fn problems(draw: &mut Draw) -> Verdict {
             Err(_) => Verdict::due(),
         },
         1 => {
-            let Ok(lame) = Lame::<2>::from_young_poisson(1.0, 0.3) else { return Verdict::not_judged("moduli") };
+            let Ok(lame) = Lame::<2>::from_young_poisson(1.0, 0.3) else {
+                return Verdict::not_judged("moduli");
+            };
             let push = if draw.chance(0.5) { draw.any_f64() } else { 1e-6 };
             let size = if draw.chance(0.5) { size } else { [2.0, 1.0] };
             let beam = Beam { size, lame, push, diagonals: Diagonals::Same };
@@ -607,7 +658,9 @@ fn problems(draw: &mut Draw) -> Verdict {
             let _ = bar_frequencies(size[0], cells[0], cells[1]);
             let sizes = [size[0], size[1], 1.0];
             let _ = sliding_block_frequencies(sizes, draw.below(4));
-            let Ok(mesh) = rectangle([1.0, 1.0], [2, 2], Diagonals::Same) else { return Verdict::due() };
+            let Ok(mesh) = rectangle([1.0, 1.0], [2, 2], Diagonals::Same) else {
+                return Verdict::due();
+            };
             let quadratic = QuadraticTriangles::straight(&mesh);
             let _ = (straight_boundary(&mesh), curved_boundary(&quadratic));
             let _ = (QuadraticTriangle, QuadraticSegment, LinearSegment);

@@ -47,9 +47,8 @@ impl Body {
     fn deformation(element: &Simplex, x: &[Vec<f64>]) -> Columns<f64> {
         let (d, r) = (x[0].len(), element.nodes.len() - 1);
         let edge = |k: usize, i: usize| x[element.nodes[k + 1]][i] - x[element.nodes[0]][i];
-        let entry = |l: usize, i: usize| {
-            (0..r).map(|k| edge(k, i) * element.inverse[(k, l)]).sum::<f64>()
-        };
+        let entry =
+            |l: usize, i: usize| (0..r).map(|k| edge(k, i) * element.inverse[(k, l)]).sum::<f64>();
         (0..r).map(|l| (0..d).map(|i| entry(l, i)).collect()).collect()
     }
 
@@ -97,7 +96,8 @@ impl Body {
                 .zip(&gradients)
                 .flat_map(|(&node, gradient)| {
                     (0..d).map(move |i| {
-                        let column = |g: &f64| (0..d).map(|j| if i == j { *g } else { 0.0 }).collect();
+                        let column =
+                            |g: &f64| (0..d).map(|j| if i == j { *g } else { 0.0 }).collect();
                         (d * node + i, gradient.iter().map(column).collect::<Columns<f64>>())
                     })
                 })
@@ -105,7 +105,8 @@ impl Body {
             for (row, a) in &motions {
                 for (column, b) in &motions {
                     if row >= column {
-                        let value = derivatives::<f64>(&f, [a, b], |f| density(self.law, self.pair, f));
+                        let value =
+                            derivatives::<f64>(&f, [a, b], |f| density(self.law, self.pair, f));
                         let entry = element.size * value.both;
                         hessian[(*row, *column)] += entry;
                         if row != column {
@@ -120,9 +121,7 @@ impl Body {
 
     /// The least ratio of an element's volume to that at rest, where elements fill their space.
     pub fn least_volume(&self, x: &[Vec<f64>]) -> f64 {
-        let volume = |element: &Simplex| {
-            super::law::determinant(&Self::deformation(element, x))
-        };
+        let volume = |element: &Simplex| super::law::determinant(&Self::deformation(element, x));
         self.elements.iter().map(volume).fold(f64::INFINITY, f64::min)
     }
 
@@ -141,9 +140,10 @@ impl Body {
             free.len(),
             free.iter().map(|&k| at(&differential, k) - at(forces, k)),
         );
-        let noise = DVector::from_iterator(free.len(), free.iter().map(|&k| {
-            f64::EPSILON * (at(&terms, k) + at(forces, k).abs())
-        }));
+        let noise = DVector::from_iterator(
+            free.len(),
+            free.iter().map(|&k| f64::EPSILON * (at(&terms, k) + at(forces, k).abs())),
+        );
         let all = self.hessian(x);
         let hessian = DMatrix::from_fn(free.len(), free.len(), |i, j| all[(free[i], free[j])]);
         // Scaled to a unit diagonal where that is positive.
@@ -151,7 +151,8 @@ impl Body {
             free.len(),
             (0..free.len()).map(|i| hessian[(i, i)].abs().max(f64::MIN_POSITIVE).sqrt().recip()),
         );
-        let scaled = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[(i, j)] * scale[i] * scale[j]);
+        let scaled =
+            DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[(i, j)] * scale[i] * scale[j]);
         let eigen = nalgebra::SymmetricEigen::try_new(scaled, 1e-15, 10_000)?;
         let largest = eigen.eigenvalues.amax();
         let solve = |r: &DVector<f64>, absolute: bool| {
@@ -163,9 +164,14 @@ impl Body {
         };
         let least = eigen.eigenvalues.min();
         // The worst signs: rounding through the absolute inverse, by its norm.
-        let norm = noise.component_mul(&scale).norm() / eigen.eigenvalues.iter().fold(f64::INFINITY, |m, l| m.min(l.abs()));
+        let norm = noise.component_mul(&scale).norm()
+            / eigen.eigenvalues.iter().fold(f64::INFINITY, |m, l| m.min(l.abs()));
         let rounding = norm * scale.amax();
-        Some(Correction { length: solve(&residual, false).amax(), rounding, least: least / largest })
+        Some(Correction {
+            length: solve(&residual, false).amax(),
+            rounding,
+            least: least / largest,
+        })
     }
 }
 

@@ -67,7 +67,9 @@ fn pendulum(draw: &mut Draw) -> Verdict {
     let forces = weights::<2>(places.len(), weight, &direction);
     let held = clamp(&[pin], &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<2>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<2>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
     let load = |freedoms: &Freedoms<2>| DeadLoad::new(freedoms, forces.clone());
     let solved = if rubber {
@@ -76,10 +78,17 @@ fn pendulum(draw: &mut Draw) -> Verdict {
             Err(error) => Err(error),
         }
     } else {
-        problem.solve::<_, _, 3, 2, 1>(LinearTriangle, &mesh, SaintVenantKirchhoff::new(lame), &places, &load)
+        problem.solve::<_, _, 3, 2, 1>(
+            LinearTriangle,
+            &mesh,
+            SaintVenantKirchhoff::new(lame),
+            &places,
+            &load,
+        )
     };
     // On its middle it has no moment: any angle is as good.
-    let middle: [f64; 2] = std::array::from_fn(|i| places.iter().map(|x| x[i]).sum::<f64>() / places.len() as f64);
+    let middle: [f64; 2] =
+        std::array::from_fn(|i| places.iter().map(|x| x[i]).sum::<f64>() / places.len() as f64);
     let arm = (0..2).map(|i| (middle[i] - places[pin][i]).powi(2)).sum::<f64>().sqrt();
     if arm < 1e-9 * length {
         return due_or_wrong(solved.map(|_| ()));
@@ -120,7 +129,9 @@ fn hinged(draw: &mut Draw) -> Verdict {
     let hinge: Vec<usize> = (0..places.len()).filter(low).collect();
     let held = clamp(&hinge, &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
     let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
     let material = SaintVenantKirchhoff::new(lame);
@@ -165,7 +176,9 @@ fn cloth(draw: &mut Draw, on_pins: bool) -> Verdict {
             [x[0], c * x[1] - s * z, s * x[1] + c * z]
         })
         .collect();
-    let Ok(mesh) = Mesh::<3, 3>::new(rest.iter().map(|&x| x.into()).collect(), flat.simplices().to_vec()) else {
+    let Ok(mesh) =
+        Mesh::<3, 3>::new(rest.iter().map(|&x| x.into()).collect(), flat.simplices().to_vec())
+    else {
         return Verdict::not_judged("no mesh");
     };
     let places = rest;
@@ -174,14 +187,17 @@ fn cloth(draw: &mut Draw, on_pins: bool) -> Verdict {
         let x = flat.vertices()[*v][0];
         x <= 1e-9 * length || x >= (1.0 - 1e-9) * length
     };
-    let pins: Vec<usize> = (0..places.len()).filter(|v| top(v) && (!on_pins || corner(v))).collect();
+    let pins: Vec<usize> =
+        (0..places.len()).filter(|v| top(v) && (!on_pins || corner(v))).collect();
     let section = thin * length;
     let weight = strain * young * section * length / places.len() as f64;
     draw.note(format!("cloth {length:e} m in {cells:?}, E = {young:e}, thickness {section:e}, on pins: {on_pins}, tilted by {tilt}, weight {weight:e} N each"));
     let forces = weights::<3>(places.len(), weight, &[0.0, 1.0, 0.0]);
     let held = clamp(&pins, &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let lame = lame.plane_stress();
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section, steps: 1 };
     let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
@@ -211,15 +227,24 @@ fn adrift(draw: &mut Draw) -> Verdict {
         held.extend(components.map(|component| Held { vertex, component, place: x[component] }));
     }
     let loaded = draw.chance(0.5);
-    draw.note(format!("block of {length:e} m, E = {young:e}, may shift along {way}, loaded: {loaded}, {} held", held.len()));
+    draw.note(format!(
+        "block of {length:e} m, E = {young:e}, may shift along {way}, loaded: {loaded}, {} held",
+        held.len()
+    ));
     let weight = if loaded { 1e-3 * young * length * length } else { 0.0 };
     let forces = weights::<3>(8, weight, &draw.vector(3));
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
     let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
     let material = SaintVenantKirchhoff::new(lame);
-    due_or_wrong(problem.solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load).map(|_| ()))
+    due_or_wrong(
+        problem
+            .solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load)
+            .map(|_| ()),
+    )
 }
 
 /// A block on one point in space, or on a hinge without a load: it may turn for nothing.
@@ -234,12 +259,20 @@ fn spinning(draw: &mut Draw) -> Verdict {
     let pins = if point { vec![first] } else { vec![first, other] };
     let weight = if point { 1e-3 * young * length * length } else { 0.0 };
     let forces = weights::<3>(8, weight, &draw.vector(3));
-    draw.note(format!("block of {length:e} m, E = {young:e}, on {pins:?}, weight {weight:e} N each"));
+    draw.note(format!(
+        "block of {length:e} m, E = {young:e}, on {pins:?}, weight {weight:e} N each"
+    ));
     let held = clamp(&pins, &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
     let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
     let material = SaintVenantKirchhoff::new(lame);
-    due_or_wrong(problem.solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load).map(|_| ()))
+    due_or_wrong(
+        problem
+            .solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load)
+            .map(|_| ()),
+    )
 }

@@ -170,9 +170,10 @@ pub fn density<S: Field>(law: Law, pair: Moduli, f: &Columns<S>) -> S {
         }
         Law::Corotated => {
             let r = rotation(f);
-            let difference = f.iter().zip(&r).map(|(f, r)| {
-                sum(f.iter().zip(r).map(|(&f, &r)| (f - r) * (f - r)))
-            });
+            let difference = f
+                .iter()
+                .zip(&r)
+                .map(|(f, r)| sum(f.iter().zip(r).map(|(&f, &r)| (f - r) * (f - r))));
             let grown = growth(f);
             mu * sum(difference) + half * lambda * grown * grown
         }

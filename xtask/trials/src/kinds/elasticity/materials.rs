@@ -14,7 +14,9 @@ use stationary_elasticity::{
 };
 
 use super::field::{Field, Hyper, Pair};
-use super::law::{Columns, Law, Moduli, density, derivatives, determinant, growth, stress, twice_green};
+use super::law::{
+    Columns, Law, Moduli, density, derivatives, determinant, growth, stress, twice_green,
+};
 use super::shapes::rotation;
 use crate::{Draw, Verdict};
 
@@ -90,7 +92,8 @@ fn deformation(draw: &mut Draw, d: usize, r: usize) -> Columns<f64> {
             }
         }
     }
-    let mut f: Columns<f64> = g.into_iter().map(|c| c.into_iter().map(|x| size * x).collect()).collect();
+    let mut f: Columns<f64> =
+        g.into_iter().map(|c| c.into_iter().map(|x| size * x).collect()).collect();
     for (k, column) in f.iter_mut().enumerate() {
         column[k] += 1.0;
     }
@@ -185,7 +188,8 @@ where
         let promised = bounds.energy(energy, size);
         verdict = verdict.and(Verdict::of((got - energy).abs(), promised, "energy"));
     }
-    for got in [material.stress(&wide).map(|c| c.map(|x| x.lane(place))), material.stress(&columns)] {
+    for got in [material.stress(&wide).map(|c| c.map(|x| x.lane(place))), material.stress(&columns)]
+    {
         let got: Columns<f64> = got.iter().map(|column| column.to_vec()).collect();
         let error = got.iter().flatten().zip(exact_stress.iter().flatten());
         let error = error.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
@@ -225,7 +229,11 @@ fn isotropic(draw: &mut Draw) -> Verdict {
     let (young, poisson) = moduli(draw, -0.9);
     let f = deformation(draw, d, d);
     draw.note(format!("{law:?} in {d} dimensions, E = {young:e}, nu = {poisson}"));
-    if d == 2 { isotropic_of::<2>(draw, law, [young, poisson], &f) } else { isotropic_of::<3>(draw, law, [young, poisson], &f) }
+    if d == 2 {
+        isotropic_of::<2>(draw, law, [young, poisson], &f)
+    } else {
+        isotropic_of::<3>(draw, law, [young, poisson], &f)
+    }
 }
 
 fn isotropic_of<const D: usize>(
@@ -239,7 +247,8 @@ fn isotropic_of<const D: usize>(
         Err(error) => return Verdict::refused(error),
     };
     let pair = Moduli { lambda: lame.lambda(), mu: lame.mu() };
-    let grown = growth::<Pair>(&f.iter().map(|c| c.iter().map(|&x| Pair::of(x)).collect()).collect());
+    let grown =
+        growth::<Pair>(&f.iter().map(|c| c.iter().map(|&x| Pair::of(x)).collect()).collect());
     let pressure = match law {
         Law::NeoHookean | Law::Corotated => pair.size() * grown.near().abs(),
         _ => 0.0,
@@ -253,7 +262,9 @@ fn isotropic_of<const D: usize>(
         Law::NeoHookean => match NeoHookean::<D>::new(lame) {
             Ok(material) => judge(draw, &material, f, &bounds, of),
             // No lower bound: lambda + mu <= 2 mu/(d (d + 1)).
-            Err(_) if pair.lambda + pair.mu * (1.0 - 2.0 / (D as f64 * (D as f64 + 1.0))) <= 0.0 => {
+            Err(_)
+                if pair.lambda + pair.mu * (1.0 - 2.0 / (D as f64 * (D as f64 + 1.0))) <= 0.0 =>
+            {
                 Verdict::due()
             }
             Err(error) => Verdict::refused(error),
@@ -301,7 +312,8 @@ fn woven(draw: &mut Draw) -> Verdict {
         Ok(material) => material,
         Err(error) => return Verdict::refused(error),
     };
-    let one = Pair::of(1.0) - Pair::of(poisson) * Pair::of(poisson) * Pair::of(weft) / Pair::of(warp);
+    let one =
+        Pair::of(1.0) - Pair::of(poisson) * Pair::of(poisson) * Pair::of(weft) / Pair::of(warp);
     let (c11, c22) = (Pair::of(warp) / one, Pair::of(weft) / one);
     let c12 = Pair::of(poisson) * c22;
     // The angle's cosine and sine are doubles there; their squares add up to one but for rounding.

@@ -8,8 +8,8 @@
 //! has none.
 
 use stationary_elasticity::{
-    Elements, FixedCorotated, Lame, Linear, LinearTetrahedron, LinearTriangle, Material,
-    NeoHookean, QuadraticTriangle, Reference, SaintVenantKirchhoff, averaged_stress,
+    Elements, FixedCorotated, FreeToThin, Lame, Linear, LinearTetrahedron, LinearTriangle,
+    Material, NeoHookean, QuadraticTriangle, Reference, SaintVenantKirchhoff, averaged_stress,
 };
 use stationary_mesh::{Diagonals, QuadraticTriangles, cuboid, rectangle};
 
@@ -48,13 +48,21 @@ macro_rules! own_triangle {
 
 const THIRD: f64 = 1.0 / 3.0;
 own_triangle!(TwoPoints, 2, [([0.25, 0.25], 0.25), ([0.5, 0.25], 0.25)]);
-own_triangle!(MidEdges, 3, [([0.5, 0.0], THIRD / 2.0), ([0.5, 0.5], THIRD / 2.0), ([0.0, 0.5], THIRD / 2.0)]);
-own_triangle!(FourPoints, 4, [
-    ([THIRD, THIRD], -0.281_25),
-    ([0.2, 0.2], 0.260_416_666_666_666_7),
-    ([0.6, 0.2], 0.260_416_666_666_666_7),
-    ([0.2, 0.6], 0.260_416_666_666_666_7)
-]);
+own_triangle!(
+    MidEdges,
+    3,
+    [([0.5, 0.0], THIRD / 2.0), ([0.5, 0.5], THIRD / 2.0), ([0.0, 0.5], THIRD / 2.0)]
+);
+own_triangle!(
+    FourPoints,
+    4,
+    [
+        ([THIRD, THIRD], -0.281_25),
+        ([0.2, 0.2], 0.260_416_666_666_666_7),
+        ([0.6, 0.2], 0.260_416_666_666_666_7),
+        ([0.2, 0.6], 0.260_416_666_666_666_7)
+    ]
+);
 
 pub fn trial(draw: &mut Draw) -> Verdict {
     if draw.chance(0.3) {
@@ -66,14 +74,20 @@ pub fn trial(draw: &mut Draw) -> Verdict {
     let strain = draw.log_uniform(1e-9, 0.4);
     draw.note(format!("{law:?}, E = {young:e}, nu = {poisson}, {size:e} m, strain {strain:e}"));
     if draw.chance(0.4) {
-        let Ok(lame) = Lame::<3>::from_young_poisson(young, poisson) else { return Verdict::refused("moduli") };
+        let Ok(lame) = Lame::<3>::from_young_poisson(young, poisson) else {
+            return Verdict::refused("moduli");
+        };
         let Ok(mesh) = cuboid([size, 0.7 * size, 0.4 * size], [draw.between(1, 2), 1, 1]) else {
             return Verdict::not_judged("no mesh");
         };
         return with_material!(law, lame, 3, m => uniform(draw, (law, lame), LinearTetrahedron, &mesh, &m, strain));
     }
-    let Ok(lame) = Lame::<2>::from_young_poisson(young, poisson) else { return Verdict::refused("moduli") };
-    let Ok(mesh) = rectangle([size, 0.6 * size], [draw.between(1, 3), draw.between(1, 2)], Diagonals::Same) else {
+    let Ok(lame) = Lame::<2>::from_young_poisson(young, poisson) else {
+        return Verdict::refused("moduli");
+    };
+    let Ok(mesh) =
+        rectangle([size, 0.6 * size], [draw.between(1, 3), draw.between(1, 2)], Diagonals::Same)
+    else {
         return Verdict::not_judged("no mesh");
     };
     let quadratic = QuadraticTriangles::straight(&mesh);
@@ -100,13 +114,17 @@ where
     F: Reference<N, D, Q>,
     M: Material<D, D>,
 {
-    let mut f: Columns<f64> = (0..D).map(|_| draw.vector(D).iter().map(|x| strain * x / 2.0).collect()).collect();
+    let mut f: Columns<f64> =
+        (0..D).map(|_| draw.vector(D).iter().map(|x| strain * x / 2.0).collect()).collect();
     for (k, column) in f.iter_mut().enumerate() {
         column[k] += 1.0;
     }
     if draw.chance(0.3) {
         let turn = rotation(draw, D);
-        f = f.iter().map(|c| (0..D).map(|i| (0..D).map(|j| turn[j][i] * c[j]).sum()).collect()).collect();
+        f = f
+            .iter()
+            .map(|c| (0..D).map(|i| (0..D).map(|j| turn[j][i] * c[j]).sum()).collect())
+            .collect();
     }
     draw.note(format!("F by columns {f:?}"));
     let nodes = mesh.nodes();
@@ -147,8 +165,11 @@ fn thinning(draw: &mut Draw) -> Verdict {
     let law = draw.one_of(&[Law::Quadratic, Law::NeoHookean]);
     let (young, poisson) = moduli(draw, 0.0);
     let strain = draw.log_uniform(1e-6, 0.5);
-    let Ok(solid) = Lame::<3>::from_young_poisson(young, poisson) else { return Verdict::refused("moduli") };
-    let mut f: Columns<f64> = (0..2).map(|_| draw.vector(2).iter().map(|x| strain * x).collect()).collect();
+    let Ok(solid) = Lame::<3>::from_young_poisson(young, poisson) else {
+        return Verdict::refused("moduli");
+    };
+    let mut f: Columns<f64> =
+        (0..2).map(|_| draw.vector(2).iter().map(|x| strain * x).collect()).collect();
     f[0][0] += 1.0;
     f[1][1] += 1.0;
     draw.note(format!("{law:?} sheet, E = {young:e}, nu = {poisson}, F by columns {f:?}"));
@@ -170,20 +191,29 @@ fn thinning(draw: &mut Draw) -> Verdict {
     let mut across = Pair::of(1.0);
     for _ in 0..200 {
         let w = at(across);
-        let step = if w.both.near() > 0.0 { w.first / w.both } else { Pair::of(0.1 * w.first.near().signum()) };
+        let step = if w.both.near() > 0.0 {
+            w.first / w.both
+        } else {
+            Pair::of(0.1 * w.first.near().signum())
+        };
         across = across - step;
     }
     let (expected, rest) = (at(across), across.near());
-    if rest <= 0.0 || expected.first.near().abs() > 1e-20 * pair.size() || expected.both.near() <= 0.0 {
+    if rest <= 0.0
+        || expected.first.near().abs() > 1e-20 * pair.size()
+        || expected.both.near() <= 0.0
+    {
         return Verdict::not_judged("no least thickness");
     }
     let columns: [[f64; 2]; 2] = [[f[0][0], f[0][1]], [f[1][0], f[1][1]]];
     let got = match law {
-        Law::Quadratic => {
-            Material::<2, 2>::energy::<f64>(&SaintVenantKirchhoff::new(solid.plane_stress()), &columns)
-        }
-        _ => match NeoHookean::<2>::new(solid.plane_stress()) {
-            Ok(material) => material.energy(&columns),
+        Law::Quadratic => Material::<2, 2>::energy::<f64>(
+            &SaintVenantKirchhoff::new(solid.plane_stress()),
+            &columns,
+        ),
+        // In two dimensions with the pair of plane stress it is that sheet for small strains only.
+        _ => match NeoHookean::<3>::new(solid) {
+            Ok(material) => FreeToThin(material).energy(&columns),
             Err(error) => return Verdict::refused(error),
         },
     };

@@ -1,6 +1,5 @@
 //! Random rotations, meshes and the places of their vertices.
 
-
 use crate::Draw;
 
 /// A rotation of two or three dimensions, by columns: Gram and Schmidt on random vectors.
@@ -33,4 +32,3 @@ pub fn rotation(draw: &mut Draw, d: usize) -> Vec<Vec<f64>> {
     }
     frame
 }
-

@@ -136,7 +136,9 @@ impl<const D: usize, const K: usize> Block<D, K> {
         let [young, poisson] = moduli(draw);
         let lame = Lame::<D>::from_young_poisson(young, poisson).ok()?;
         let (density, steps) = (draw.log_uniform(1e-3, 1e4), draw.between(1, 3));
-        draw.note(format!("{law:?}, {size:?} m in {cells:?} cells, E = {young:e}, nu = {poisson}, {steps} steps"));
+        draw.note(format!(
+            "{law:?}, {size:?} m in {cells:?} cells, E = {young:e}, nu = {poisson}, {steps} steps"
+        ));
         Some(Block { mesh: make(size, cells)?, size, cells, law, lame, density, steps })
     }
 
@@ -216,12 +218,22 @@ fn patch(draw: &mut Draw) -> Verdict {
         let mut held = Vec::new();
         for (vertex, x) in block.mesh.vertices().iter().enumerate() {
             if block.is_outer(x) {
-                held.extend((0..D).map(|component| Held { vertex, component, place: x[component] }));
+                held.extend((0..D).map(|component| Held {
+                    vertex,
+                    component,
+                    place: x[component],
+                }));
             }
         }
         let places = block.places();
         let ends: Vec<f64> = held.iter().map(|h| moved(&places[h.vertex])[h.component]).collect();
-        let problem = Problem { held: &held, ends: &ends, density: block.density, section: 1.0, steps: block.steps };
+        let problem = Problem {
+            held: &held,
+            ends: &ends,
+            density: block.density,
+            section: 1.0,
+            steps: block.steps,
+        };
         let none = |freedoms: &Freedoms<D>| DeadLoad::new(freedoms, vec![[0.0; D]; places.len()]);
         let rest = match problem.solve(family, &block.mesh, material, &places, &none) {
             Ok(rest) => rest,
@@ -254,14 +266,28 @@ fn uniaxial(law: Law, pair: Moduli, d: usize, t: f64, guess: [f64; 2]) -> Option
     let mut last = f64::INFINITY;
     for _ in 0..60 {
         let f: Vec<Vec<f64>> = (0..d)
-            .map(|k| (0..d).map(|i| if i != k { 0.0 } else if k == 0 { along } else { across }).collect())
+            .map(|k| {
+                (0..d)
+                    .map(|i| {
+                        if i != k {
+                            0.0
+                        } else if k == 0 {
+                            along
+                        } else {
+                            across
+                        }
+                    })
+                    .collect()
+            })
             .collect();
         let first = unit(&f, (0, 0));
         let mut others = unit(&f, (1, 1));
         if d == 3 {
             others[2][2] = 1.0;
         }
-        let of = |a: &[Vec<f64>], b: &[Vec<f64>]| derivatives::<f64>(&f, [a, b], |f| density(law, pair, f));
+        let of = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+            derivatives::<f64>(&f, [a, b], |f| density(law, pair, f))
+        };
         let (aa, ab, bb) = (of(&first, &first), of(&first, &others), of(&others, &others));
         let (r, s) = (aa.first - t, bb.first);
         let det = aa.both * bb.both - ab.both * ab.both;
@@ -303,7 +329,13 @@ fn pulled(draw: &mut Draw) -> Verdict {
             held.extend(on_planes.map(|component| Held { vertex, component, place: x[component] }));
         }
         let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-        let problem = Problem { held: &held, ends: &ends, density: block.density, section: 1.0, steps: block.steps };
+        let problem = Problem {
+            held: &held,
+            ends: &ends,
+            density: block.density,
+            section: 1.0,
+            steps: block.steps,
+        };
         let places = block.places();
         // Each facet of the far face hands an equal share of its load to its corners.
         let facets = facets_at_end(block);
@@ -356,13 +388,17 @@ fn chain(draw: &mut Draw) -> Verdict {
     let density = draw.log_uniform(1e-3, 1e4);
     draw.note(format!("chain of {cells}, {length:e} m, E = {young:e}, section {section:e}, strains up to {strain:e}"));
     let Ok(mesh) = bar(length, cells) else { return Verdict::not_judged("no bar") };
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
+        return Verdict::refused("moduli");
+    };
     let largest = strain * young * section / cells as f64;
     let forces: Vec<f64> = draw.vector(cells + 1).into_iter().map(|f| largest * f).collect();
     let held = [Held { vertex: 0, component: 0, place: 0.0 }];
-    let problem = Problem { held: &held, ends: &[0.0], density, section, steps: draw.between(1, 3) };
+    let problem =
+        Problem { held: &held, ends: &[0.0], density, section, steps: draw.between(1, 3) };
     let places = mesh.nodes();
-    let load = |freedoms: &Freedoms<1>| DeadLoad::new(freedoms, forces.iter().map(|&f| [f]).collect());
+    let load =
+        |freedoms: &Freedoms<1>| DeadLoad::new(freedoms, forces.iter().map(|&f| [f]).collect());
     let material = SaintVenantKirchhoff::new(lame.uniaxial_stress());
     let rest = match problem.solve(LinearSegment, &mesh, material, &places, &load) {
         Ok(rest) => rest,
@@ -406,7 +442,9 @@ fn beam(draw: &mut Draw) -> Verdict {
         return Verdict::not_judged("no mesh");
     };
     let mesh = QuadraticTriangles::straight(&mesh);
-    let Ok(lame) = Lame::<2>::from_young_poisson(young, 0.0) else { return Verdict::refused("moduli") };
+    let Ok(lame) = Lame::<2>::from_young_poisson(young, 0.0) else {
+        return Verdict::refused("moduli");
+    };
     let places = mesh.nodes().iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>();
     let mut held = Vec::new();
     for (vertex, x) in places.iter().enumerate().filter(|(_, x)| x[0] <= 1e-9 * length) {
@@ -484,7 +522,13 @@ fn any(draw: &mut Draw) -> Verdict {
             .collect();
         draw.note(format!("{} coordinates held, forces of {force:e} N", held.len()));
         let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-        let problem = Problem { held: &held, ends: &ends, density: block.density, section: 1.0, steps: block.steps };
+        let problem = Problem {
+            held: &held,
+            ends: &ends,
+            density: block.density,
+            section: 1.0,
+            steps: block.steps,
+        };
         let load = |freedoms: &Freedoms<D>| DeadLoad::new(freedoms, forces.clone());
         let rest = match problem.solve(family, &block.mesh, material, &places, &load) {
             Ok(rest) => rest,
@@ -518,7 +562,10 @@ pub fn judge_rest(
     let promised = 1e-6 * moved + 20.0 * correction.rounding + 20.0 * EPS * size;
     let verdict = Verdict::of(correction.length, promised, "distance from rest");
     if correction.least < -1e-9 {
-        return Verdict::wrong(format!("a saddle: the least eigenvalue is {:e} of the largest", correction.least));
+        return Verdict::wrong(format!(
+            "a saddle: the least eigenvalue is {:e} of the largest",
+            correction.least
+        ));
     }
     verdict
 }
@@ -539,7 +586,11 @@ fn crushed(draw: &mut Draw) -> Verdict {
         let mut held = Vec::new();
         for (vertex, x) in places.iter().enumerate() {
             if x[0] <= 1e-9 * block.size[0] || x[0] >= (1.0 - 1e-9) * block.size[0] {
-                held.extend((0..D).map(|component| Held { vertex, component, place: x[component] }));
+                held.extend((0..D).map(|component| Held {
+                    vertex,
+                    component,
+                    place: x[component],
+                }));
             }
         }
         let way = draw.uniform(1.05, 2.0);
@@ -556,13 +607,20 @@ fn crushed(draw: &mut Draw) -> Verdict {
                 let mut x = x;
                 x[0] -= way * block.size[0];
                 if turn {
-                    let y: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| turned[j][i] * x[j]).sum());
+                    let y: [f64; D] =
+                        std::array::from_fn(|i| (0..D).map(|j| turned[j][i] * x[j]).sum());
                     x = y;
                 }
                 x[h.component]
             })
             .collect();
-        let problem = Problem { held: &held, ends: &ends, density: block.density, section: 1.0, steps: block.steps };
+        let problem = Problem {
+            held: &held,
+            ends: &ends,
+            density: block.density,
+            section: 1.0,
+            steps: block.steps,
+        };
         let none = |freedoms: &Freedoms<D>| DeadLoad::new(freedoms, vec![[0.0; D]; places.len()]);
         match problem.solve(family, &block.mesh, material, &places, &none) {
             Ok(rest) => {
@@ -580,4 +638,3 @@ fn crushed(draw: &mut Draw) -> Verdict {
     }
     in_plane_or_space!(draw, 2, of)
 }
-
