@@ -32,7 +32,8 @@
 //! ```
 //!
 //! Reading order: [`Spring`], nets of them and [`Dampers`] between vertices; measures of stretch; the
-//! pair of numbers of an isotropic material; what a [`Material`] is, and six of them; shape functions;
+//! pair of numbers of an isotropic material; what a [`Material`] is, and six of them; sheets that are
+//! free to thin; shape functions;
 //! which coordinates move ([`Freedoms`]); the [`Solid`], which sums its elements, in parts on several
 //! threads if told to; what it answers to the parameters of its material; bending; mass, loads,
 //! damping; statics with supports and reactions; stress at the nodes.
@@ -61,6 +62,7 @@ mod singular;
 mod isotropic;
 mod convexified;
 mod full_tangent;
+mod thin;
 mod reference;
 mod shape;
 mod freedoms;
@@ -111,3 +113,4 @@ pub use spring::{Spring, Strain};
 pub use statics::{AtRest, Solves, Statics};
 pub use strain_rate::{Rayleigh, StrainRate};
 pub use stress::{averaged_stress, cauchy};
+pub use thin::FreeToThin;

@@ -5,10 +5,10 @@ use stationary_calculus::{
     Curvature, DenseSink, Metric, Potential, Stencils, Vector, assert_derivatives,
 };
 use stationary_elasticity::{
-    DeadLoad, ElasticityError, Elements, Freedoms, Hinge, Lame, LinearSegment, LinearTetrahedron,
-    LinearTriangle, Material, NeoHookean, QuadraticSegment, QuadraticTetrahedron,
-    QuadraticTriangle, Reference, SaintVenantKirchhoff, Solid, cauchy, galerkin_mass, hinges,
-    lumped_mass,
+    DeadLoad, ElasticityError, Elements, Freedoms, Hinge, Lame, Linear, LinearSegment,
+    LinearTetrahedron, LinearTriangle, Material, NeoHookean, QuadraticSegment,
+    QuadraticTetrahedron, QuadraticTriangle, Reference, SaintVenantKirchhoff, Solid,
+    averaged_stress, cauchy, galerkin_mass, hinges, lumped_mass,
 };
 use stationary_mesh::{
     Diagonals, Mesh, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, curved_disc, rectangle,
@@ -165,6 +165,24 @@ fn a_hinge_measures_its_fold_with_its_sign() {
 }
 
 #[test]
+fn a_hinge_with_one_flat_triangle_or_a_vertex_twice_is_refused() {
+    let good = folded(0.5);
+    for flat in 2..4 {
+        let mut x = good;
+        // In a row with the ends of the edge, or on one of them.
+        x[flat] = std::array::from_fn(|i| 0.3 * x[0][i] + 0.7 * x[1][i]);
+        let error = Hinge::new([0, 1, 2, 3], &x, 1.0).unwrap_err();
+        assert_eq!(error, ElasticityError::FlatHinge { vertices: [0, 1, 2, 3] });
+        x[flat] = x[0];
+        assert!(Hinge::new([0, 1, 2, 3], &x, 1.0).is_err());
+    }
+    assert!(Hinge::new([0, 1, 2, 2], &good, 1.0).is_err());
+    assert!(Hinge::new([0, 1, 2, 3], &good, 1e308).is_err(), "its curvature is not finite");
+    let hinge = Hinge::new([0, 1, 2, 3], &good, 1.0).unwrap();
+    assert!(hinge.resting_at(f64::NAN).is_err() && hinge.resting_at(0.1).is_ok());
+}
+
+#[test]
 fn the_differential_and_hessian_of_hinges_are_derivatives() {
     for angle in [-2.0, 0.0, 0.7] {
         let hinge = Hinge::new([0, 1, 2, 3], &folded(0.3), 2.0).unwrap();
@@ -217,4 +235,70 @@ fn cauchys_stress_is_symmetric() {
     }
     let material = NeoHookean::new(lame()).unwrap();
     assert!(Material::<3, 3>::energy::<f64>(&material, &f) > 0.0);
+}
+
+/// A linear triangle that is integrated at two points, neither of them close to a corner.
+struct TwoPoints;
+
+impl Reference<3, 2, 2> for TwoPoints {
+    const POINTS: [([f64; 2], f64); 2] = [([0.25, 0.25], 0.25), ([0.5, 0.25], 0.25)];
+    const NODES: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    const DEGREE: usize = 1;
+
+    fn functions(l: &[f64; 2]) -> [f64; 3] {
+        <LinearTriangle as Reference<3, 2, 1>>::functions(l)
+    }
+
+    fn gradients(l: &[f64; 2]) -> [[f64; 2]; 3] {
+        <LinearTriangle as Reference<3, 2, 1>>::gradients(l)
+    }
+
+    fn rule(degree: usize) -> Vec<([f64; 2], f64)> {
+        <LinearTriangle as Reference<3, 2, 1>>::rule(degree)
+    }
+}
+
+#[test]
+fn stress_at_the_nodes_is_that_of_linear_elasticity_for_the_linear_law() {
+    let mesh = rectangle([2.0, 1.0], [2, 1], Diagonals::Same).unwrap();
+    let pair = lame().plane_strain();
+    // G = [0.02 0.05; 0.01 -0.03], by rows.
+    let moved = |x: [f64; 2]| [1.02 * x[0] + 0.05 * x[1], 0.01 * x[0] + 0.97 * x[1]];
+    let positions: Vec<[f64; 2]> = mesh.nodes().into_iter().map(moved).collect();
+    let law = Linear::new(pair);
+    let sigma = |e: [f64; 2], shear: f64| {
+        let pressure = pair.lambda() * (e[0] + e[1]);
+        let off = 2.0 * pair.mu() * shear;
+        [[2.0 * pair.mu() * e[0] + pressure, off], [off, 2.0 * pair.mu() * e[1] + pressure]]
+    };
+    let expected = sigma([0.02, -0.03], 0.03);
+    let quadratic = QuadraticTriangles::straight(&mesh);
+    let curved: Vec<[f64; 2]> = quadratic.nodes().iter().map(|x| moved([x[0], x[1]])).collect();
+    for stresses in [
+        averaged_stress(LinearTriangle, &mesh, &law, &positions).unwrap(),
+        averaged_stress(QuadraticTriangle, &quadratic, &law, &curved).unwrap(),
+        averaged_stress(TwoPoints, &mesh, &law, &positions).unwrap(),
+    ] {
+        for stress in stresses {
+            for (got, expected) in stress.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((got - expected).abs() < 1e-9, "{got} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn stress_at_the_nodes_is_refused_where_it_has_no_value() {
+    let mesh = rectangle([1.0, 1.0], [1, 1], Diagonals::Same).unwrap();
+    let law = SaintVenantKirchhoff::new(lame().plane_strain());
+    let mut positions = mesh.nodes();
+    positions[1][0] = f64::NAN;
+    let error = averaged_stress(LinearTriangle, &mesh, &law, &positions).unwrap_err();
+    assert_eq!(error, ElasticityError::Position { vertex: 1 });
+    let flat: Vec<[f64; 2]> = mesh.nodes().iter().map(|x| [x[0], 0.0]).collect();
+    let error = averaged_stress(LinearTriangle, &mesh, &law, &flat).unwrap_err();
+    assert_eq!(error, ElasticityError::Stress { vertex: 0 });
+    // A law of small displacements has a stress there as well.
+    let linear = Linear::new(lame().plane_strain());
+    assert!(averaged_stress(LinearTriangle, &mesh, &linear, &flat).is_ok());
 }

@@ -191,7 +191,7 @@ fn at_a_point_a_neo_hookean_body_does_not_rest() {
         assert!(small(0.0) > 0.0 && small(1e-2) > small(0.0) - 1e-4);
         // Its second derivative there is not positive: a body that shrank to a point swells again.
         let stress = rubber.stress(&[[0.0; 3]; 3]);
-        assert!(stress.as_flattened().iter().all(|p: &f64| p.abs() < 1e-14));
+        assert!(stress.as_flattened().iter().all(|p: &f64| p.abs() < 1e-12));
     }
 }
 

@@ -1,13 +1,15 @@
 //! Where loaded bodies come to rest, and what is refused.
 
 use nalgebra::Vector3;
-use stationary_calculus::{ConjugateGradient, Curvature, Newton, Ordering, assert_derivatives};
-use stationary_elasticity::{
-    DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearTetrahedron,
-    LinearTriangle, NeoHookean, SaintVenantKirchhoff, Solid, Solves, Statics, averaged_stress,
-    lumped_mass,
+use stationary_calculus::{
+    ConjugateGradient, Curvature, DiagonalMetric, Newton, Ordering, assert_derivatives,
 };
-use stationary_mesh::{Mesh, cuboid};
+use stationary_elasticity::{
+    AtRest, DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearTetrahedron,
+    LinearTriangle, Material, NeoHookean, SaintVenantKirchhoff, Solid, Solves, Statics,
+    averaged_stress, lumped_mass,
+};
+use stationary_mesh::{Diagonals, Mesh, cuboid, rectangle};
 
 fn lame() -> Lame<3> {
     Lame::from_young_poisson(2e4, 0.3).unwrap()
@@ -242,5 +244,175 @@ fn iteration_brings_a_body_to_rest_where_the_factor_does() {
     assert!(rests[0].iter().zip(&still).any(|(a, b)| (a - b).abs() > 0.1), "it moves");
     for (a, b) in rests[0].iter().zip(&rests[2]).chain(rests[0].iter().zip(&rests[1])) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+/// A block of one cell with these vertices held, under equal forces at all its vertices.
+fn block_under(
+    held: impl Fn(Vector3<f64>) -> bool,
+    force: [f64; 3],
+) -> Result<(Vec<[f64; 3]>, AtRest, Freedoms<3>), ElasticityError> {
+    let mesh = cuboid([1.0, 1.0, 1.0], [1, 1, 1]).unwrap();
+    let places: Vec<[f64; 3]> = mesh.nodes();
+    let freedoms = Freedoms::held_where(&places, |&x, _| held(x.into())).unwrap();
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let rubber = SaintVenantKirchhoff::new(lame());
+    let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+    let load = DeadLoad::new(&freedoms, vec![force; 8]).unwrap();
+    let mut q = freedoms.gathered(&places).unwrap();
+    let rest = Statics::default().solve(&mut solid, &load, &metric, freedoms.places(), &mut q)?;
+    Ok((freedoms.positions(&q).unwrap(), rest, freedoms))
+}
+
+#[test]
+fn a_block_on_a_hinge_hangs_below_it() {
+    let on_hinge = |x: Vector3<f64>| x.x == 0.0 && x.z == 0.0;
+    let (positions, rest, freedoms) = block_under(on_hinge, [0.0, 0.0, -1.0]).unwrap();
+    let middle = |c: usize| positions.iter().map(|x| x[c]).sum::<f64>() / 8.0;
+    // The moment about the hinge is that of the weight alone: its middle hangs below.
+    assert!(middle(0).abs() < 1e-12 && middle(2) < -0.7, "{} {}", middle(0), middle(2));
+    let up: f64 = freedoms
+        .held()
+        .iter()
+        .zip(&rest.reactions)
+        .filter_map(|((_, c), f)| (*c == 2).then_some(f))
+        .sum();
+    assert!((up - 8.0).abs() < 1e-9, "{up}");
+}
+
+#[test]
+fn a_turn_that_the_load_does_not_resist_is_refused() {
+    let on_hinge = |x: Vector3<f64>| x.x == 0.0 && x.z == 0.0;
+    for (held, force) in [
+        // No load, one along the hinge, and a body on one point that turns below it.
+        (&on_hinge as &dyn Fn(Vector3<f64>) -> bool, [0.0; 3]),
+        (&on_hinge, [0.0, 1.0, 0.0]),
+        (&|x: Vector3<f64>| x == Vector3::zeros(), [0.0, 0.0, -1.0]),
+    ] {
+        let error = block_under(held, force).unwrap_err();
+        assert!(matches!(error, ElasticityError::RigidMotions { .. }), "{error}");
+    }
+}
+
+/// A cloth of a metre in the x-y plane, held where told, under its weight along z.
+fn cloth(held: impl Fn(&[f64; 3]) -> bool) -> (Vec<[f64; 3]>, f64) {
+    let flat = rectangle([1.0, 1.0], [4, 4], Diagonals::Alternating).unwrap();
+    let bump = |x: f64, y: f64| 0.01 * (5.0 * x).sin() * y;
+    let places = flat.vertices().iter().map(|x| Vector3::new(x.x, x.y, bump(x.x, x.y)));
+    let mesh = Mesh::new(places.collect(), flat.simplices().to_vec()).unwrap();
+    let nodes: Vec<[f64; 3]> = mesh.nodes();
+    let freedoms = Freedoms::held_where(&nodes, |x, _| held(x)).unwrap();
+    let metric = lumped_mass(LinearTriangle, &mesh, [1.0, 1e-3], &freedoms).unwrap();
+    let linen =
+        SaintVenantKirchhoff::new(Lame::<3>::from_young_poisson(1e6, 0.3).unwrap().plane_stress());
+    let mut solid: Solid<_, 3, 3, 2, 1> =
+        Solid::new(LinearTriangle, &mesh, 1e-3, linen, freedoms.clone()).unwrap();
+    let load = DeadLoad::new(&freedoms, vec![[0.0, 0.0, -0.2]; nodes.len()]).unwrap();
+    let mut q = freedoms.gathered(&nodes).unwrap();
+    let statics = Statics::default();
+    let rest = statics.solve(&mut solid, &load, &metric, freedoms.places(), &mut q).unwrap();
+    let up = freedoms.held().iter().zip(&rest.reactions).filter(|((_, c), _)| *c == 2);
+    (freedoms.positions(&q).unwrap(), up.map(|(_, f)| f).sum())
+}
+
+#[test]
+fn a_flag_on_an_edge_and_a_cloth_on_two_pins_come_to_rest() {
+    let corners = |x: &[f64; 3]| x[1] == 0.0 && (x[0] == 0.0 || x[0] == 1.0);
+    for (positions, up) in [cloth(|x| x[1] == 0.0), cloth(corners)] {
+        assert!((up - 25.0 * 0.2).abs() < 1e-6, "{up}");
+        let lowest = positions.iter().map(|x| x[2]).fold(0.0, f64::min);
+        assert!((-1.2..-0.9).contains(&lowest), "{lowest}");
+    }
+}
+
+#[test]
+fn a_rest_with_elements_inside_out_is_refused_and_told_of_the_linear_law() {
+    fn pushed<M: Material<3, 3>>(law: M) -> Result<AtRest, ElasticityError> {
+        let Clamped { mesh, .. } = clamped(1);
+        let ends = |x: &[f64; 3]| x[0] == 0.0 || x[0] == 2.0;
+        let freedoms = Freedoms::held_where(&mesh.nodes(), |x, _| ends(x)).unwrap();
+        let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+        let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, law, freedoms.clone()).unwrap();
+        let none = DeadLoad::new(&freedoms, vec![[0.0; 3]; mesh.count()]).unwrap();
+        let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+        // The far face goes through the near one.
+        let through = |((_, c), x): (&(usize, usize), &f64)| {
+            if *c == 0 && *x == 2.0 { -0.5 } else { *x }
+        };
+        let places: Vec<f64> = freedoms.held().iter().zip(freedoms.places()).map(through).collect();
+        Statics::default().solve(&mut solid, &none, &metric, &places, &mut q)
+    }
+    let error = pushed(SaintVenantKirchhoff::new(lame())).unwrap_err();
+    assert!(matches!(error, ElasticityError::InsideOut(_)), "{error}");
+    let linear = pushed(Linear::new(lame())).unwrap();
+    assert!(!linear.inverted.is_empty());
+}
+
+#[test]
+fn what_does_not_fit_the_body_is_refused() {
+    let Clamped { mesh, freedoms } = clamped(1);
+    let metric = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let rubber = SaintVenantKirchhoff::new(lame());
+    let mut solid = Solid::new(LinearTetrahedron, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+    let none = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, vec![[0.0; 3]; 12]).unwrap();
+    let mut held: Vec<Held> = freedoms
+        .held()
+        .iter()
+        .zip(freedoms.places())
+        .map(|(&(vertex, component), &place)| Held { vertex, component, place })
+        .collect();
+    let (start, places) = (freedoms.gathered(&mesh.nodes()).unwrap(), freedoms.places());
+    let mut solve = |load: &DeadLoad<3>, metric: &_, mut q: Vec<f64>, newton| {
+        let statics = Statics { newton, ..Statics::default() };
+        statics.solve(&mut solid, load, metric, places, &mut q).map(|_| ())
+    };
+    let plain = Newton::default();
+    // As many supports in another order, and at another vertex.
+    held.swap(0, 1);
+    let reordered = none(&Freedoms::new(12, &held).unwrap());
+    let error = solve(&reordered, &metric, start.clone(), plain).unwrap_err();
+    assert_eq!(error, ElasticityError::OtherSupports);
+    // Equal ones that were numbered anew are as good.
+    held.swap(0, 1);
+    solve(&none(&Freedoms::new(12, &held).unwrap()), &metric, start.clone(), plain).unwrap();
+    let last = held.len() - 1;
+    held[last] = Held { vertex: 11, component: 2, place: 1.0 };
+    let moved = none(&Freedoms::new(12, &held).unwrap());
+    assert_eq!(solve(&moved, &metric, start.clone(), plain), Err(ElasticityError::OtherSupports));
+    let load = none(&freedoms);
+    let short = DiagonalMetric::new(vec![1.0; 3]).unwrap();
+    assert!(solve(&load, &short, start.clone(), plain).is_err());
+    let mut nowhere = start.clone();
+    nowhere[4] = f64::NAN;
+    let error = solve(&load, &metric, nowhere, plain).unwrap_err();
+    assert!(matches!(error, ElasticityError::Position { .. }), "{error}");
+    for tolerance in [f64::NAN, -1.0] {
+        let error = solve(&load, &metric, start.clone(), Newton { tolerance, ..plain });
+        assert!(matches!(error, Err(ElasticityError::Tolerance(_))));
+    }
+}
+
+#[test]
+fn a_slender_beam_at_rounding_is_an_answer() {
+    // A hundred times as long as it is high, pushed so little that rounding of its places is most of
+    // the residual.
+    for size in [1e-6, 1.0, 1e6] {
+        let mesh = rectangle([size, 0.01 * size], [60, 1], Diagonals::Alternating).unwrap();
+        let freedoms = Freedoms::held_where(&mesh.nodes(), |x, _| x[0] == 0.0).unwrap();
+        let metric = lumped_mass(LinearTriangle, &mesh, [1e3, 1.0], &freedoms).unwrap();
+        let rubber = NeoHookean::new(Lame::<2>::from_young_poisson(1e9, 0.0).unwrap()).unwrap();
+        let mut solid = Solid::new(LinearTriangle, &mesh, 1.0, rubber, freedoms.clone()).unwrap();
+        let mut forces = vec![[0.0; 2]; mesh.count()];
+        forces[60] = [0.0, 1e-3 * size];
+        let load = DeadLoad::new(&freedoms, forces).unwrap();
+        let mut q = freedoms.gathered(&mesh.nodes()).unwrap();
+        let rest = Statics::default().solve(&mut solid, &load, &metric, freedoms.places(), &mut q);
+        let up: f64 = freedoms
+            .held()
+            .iter()
+            .zip(&rest.unwrap().reactions)
+            .filter_map(|((_, c), f)| (*c == 1).then_some(f))
+            .sum();
+        assert!((up / (1e-3 * size) + 1.0).abs() < 0.1, "{size}: {up}");
     }
 }

@@ -8,8 +8,8 @@
 //! has none.
 
 use stationary_elasticity::{
-    Elements, FixedCorotated, Lame, Linear, LinearTetrahedron, LinearTriangle, Material,
-    NeoHookean, QuadraticTriangle, Reference, SaintVenantKirchhoff, averaged_stress,
+    Elements, FixedCorotated, FreeToThin, Lame, Linear, LinearTetrahedron, LinearTriangle,
+    Material, NeoHookean, QuadraticTriangle, Reference, SaintVenantKirchhoff, averaged_stress,
 };
 use stationary_mesh::{Diagonals, QuadraticTriangles, cuboid, rectangle};
 
@@ -211,8 +211,9 @@ fn thinning(draw: &mut Draw) -> Verdict {
             &SaintVenantKirchhoff::new(solid.plane_stress()),
             &columns,
         ),
-        _ => match NeoHookean::<2>::new(solid.plane_stress()) {
-            Ok(material) => material.energy(&columns),
+        // In two dimensions with the pair of plane stress it is that sheet for small strains only.
+        _ => match NeoHookean::<3>::new(solid) {
+            Ok(material) => FreeToThin(material).energy(&columns),
             Err(error) => return Verdict::refused(error),
         },
     };
