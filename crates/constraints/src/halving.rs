@@ -11,7 +11,7 @@
 //! halves are taken. Only failures that shorter steps can mend are retried. No part of it is kept
 //! where one fails for good.
 
-use stationary_calculus::{SizeError, Storage};
+use stationary_calculus::{Covector, SizeError, Storage};
 use stationary_integrators::{EnergyBehavior, Facts, Saved, State, StepError, Symplecticity};
 
 use crate::keeper::zeros;
@@ -34,7 +34,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
     pub fn new(integrator: I, most: u32, state: &State<C>) -> Result<Self, ConstraintError> {
         let (stored, n) = (state.q.as_ref().len(), state.p.components().len());
         let lambda = vec![0.0; integrator.multipliers().len()];
-        let moving = State::new(zeros(stored)?, zeros(n)?);
+        let moving = State::new(zeros(stored)?, Covector(zeros(n)?));
         Ok(Halving { integrator, most: most.min(MOST), moving, lambda })
     }
 

@@ -8,9 +8,6 @@ pub enum StepError {
     /// Steps go forward in time by a finite amount.
     #[error("the step is {0} s; it must be positive and finite")]
     Step(f64),
-    /// A simulation begins at a time.
-    #[error("the start is {0} s; it must be finite")]
-    Time(f64),
     /// The state does not belong to the system.
     #[error(transparent)]
     Size(#[from] SizeError),

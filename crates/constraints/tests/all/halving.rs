@@ -1,6 +1,6 @@
 //! Steps that no multiplier step can make whole, and the same in halves.
 
-use stationary_calculus::{DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
     ConstrainedIntegrator, ConstraintError, Few, Halving, Rattle, Redundancy, Rod, Rods,
 };
@@ -17,7 +17,7 @@ fn double(ratio: f64) -> (Problem, Rods<2>, State<[f64; 4]>) {
     let (sine, cosine) = (0.6, 0.8);
     let initial = State::new(
         [sine, -cosine, sine, -cosine - 1.0],
-        [cosine, sine, ratio * cosine, ratio * sine],
+        Covector([cosine, sine, ratio * cosine, ratio * sine]),
     );
     (System::new(metric, gravity).unwrap(), rods, initial)
 }

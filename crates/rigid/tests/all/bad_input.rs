@@ -109,7 +109,7 @@ fn what_is_asked_of_an_absent_body_is_refused_or_no_number() {
     assert_eq!(spun, Err(RigidError::NoSuchBody { body: 2, bodies: 2 }));
     let pose = Poses::pose(&[0.0; 6], 0);
     assert!(pose.translation.x.is_nan() && pose.rotation.quaternion()[0].is_nan());
-    let mut state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], vec![0.0; 3]);
+    let mut state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Covector(vec![0.0; 3]));
     let (point, impulse) = (Vector3::x(), Vector3::y());
     let short = apply_impulse::<Poses>(&mut state, 0, &point, impulse);
     assert!(matches!(short, Err(RigidError::Size(_))));

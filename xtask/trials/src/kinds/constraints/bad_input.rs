@@ -349,7 +349,7 @@ fn pendulums(draw: &mut Draw) -> Verdict {
     if !(mass > 0.0 && length > 0.0) {
         return Verdict::wrong("a pendulum without mass or length");
     }
-    let mut state = State::new([number(draw, 0.3, 0.3)], [number(draw, 0.1, 0.3)]);
+    let mut state = State::new([number(draw, 0.3, 0.3)], Covector([number(draw, 0.1, 0.3)]));
     state.t = number(draw, 0.0, 0.3);
     let h = number(draw, 0.01, 0.3);
     draw.note(format!("{pendulum:?}, {state:?}, h {h:e}"));
@@ -366,7 +366,7 @@ fn sizes(draw: &mut Draw) -> Verdict {
     let n = draw.between(0, 3);
     let Some(system) = hanging(n) else { return Verdict::due() };
     let (stored, momenta) = (draw.below(8), draw.below(8));
-    let state = State::new(vec![0.5; stored], vec![0.0; momenta]);
+    let state = State::new(vec![0.5; stored], Covector(vec![0.0; momenta]));
     let point = FixedPoint::new(draw.below(4), [0.5; 2]);
     let Ok(point) = point else { return Verdict::wrong("no point") };
     draw.note(format!("{n} points, {stored} places, {momenta} momenta, {point:?}"));

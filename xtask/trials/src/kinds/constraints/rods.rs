@@ -147,7 +147,7 @@ fn trial(draw: &mut Draw) -> Verdict {
         Ok(rods) => rods,
         Err(error) => return Verdict::wrong(format!("no rods: {error}")),
     };
-    let mut state = State::new(q, p);
+    let mut state = State::new(q, Covector(p));
     let regularity = net.regularity(&state.q);
     draw.note(format!("regularity {regularity:.1e}, moved {moved:.1e}, leaves {leaves:.1e}"));
     let choice = (way, solved, redundancy);

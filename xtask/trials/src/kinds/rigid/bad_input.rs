@@ -68,7 +68,7 @@ fn states(draw: &mut Draw) -> Verdict {
     let metric = BodyMetric::<Poses>::new(vec![box_of_one(); 2]);
     let mut state = State::new(
         vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.6, 0.8, 0.0],
-        vec![0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.1, 0.0, 0.2],
+        Covector(vec![0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.1, 0.0, 0.2]),
     );
     let mut h = 0.01;
     match draw.below(6) {
@@ -262,7 +262,7 @@ fn absent(draw: &mut Draw) -> Verdict {
             Verdict::due()
         }
         2 => {
-            let mut state = State::new(q, p);
+            let mut state = State::new(q, Covector(p));
             let before = state.clone();
             let impulse = vector(draw, 0.3) * draw.one_of(&[1.0, 1e308]);
             match apply_impulse::<Poses>(&mut state, body, &vector(draw, 0.3), impulse) {
@@ -278,7 +278,7 @@ fn absent(draw: &mut Draw) -> Verdict {
             let whole = 7 * (body + 1) <= q.len();
             let numbers =
                 finite(pose.translation.as_slice()) && finite(&pose.rotation.quaternion());
-            let _ = (turned, spatial_angular_momentum::<Poses>(&State::new(q, p)));
+            let _ = (turned, spatial_angular_momentum::<Poses>(&State::new(q, Covector(p))));
             match numbers && !whole {
                 true => Verdict::wrong("a body that is absent has a pose"),
                 false => Verdict::due(),
@@ -504,7 +504,7 @@ fn joints(draw: &mut Draw) -> Verdict {
             let Ok(system) = System::on(Poses, metric, Free { freedoms: 6 }) else {
                 return Verdict::wrong("no system");
             };
-            let state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], vec![0.0; 6]);
+            let state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Covector(vec![0.0; 6]));
             let motion = FreeBodies(ConstantVelocity);
             let few = Few::<6>(Redundancy::Refuse);
             match Rattle::along(motion, &system, &joint, &state, few) {
