@@ -1,7 +1,9 @@
 //! Steps of bodies that joints hold: RATTLE along their free motion.
 
 use stationary_calculus::{Metric, Potential, Space, System};
-use stationary_constraints::{Constraint, Few, FreeMotion, Many, Rattle, Redundancy, Straight};
+use stationary_constraints::{
+    ConstraintOn, Few, FreeMotion, Many, Rattle, Redundancy, Straight,
+};
 use stationary_integrators::State;
 use stationary_rigid::{
     AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies, Joint, PlanarJoint,
@@ -42,7 +44,7 @@ pub(crate) fn in_the_plane<'a>(
 const FEW: usize = 24;
 
 /// RATTLE with a solver that fits the number of equations.
-fn held<'a, M: Metric, P: Potential, S: Space, K: Constraint>(
+fn held<'a, M: Metric, P: Potential, S: Space, K: ConstraintOn<S>>(
     motion: impl FreeMotion<M, S> + Clone + 'a,
     system: &'a System<M, P, S>,
     joints: &'a K,

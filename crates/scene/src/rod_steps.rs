@@ -159,7 +159,8 @@ pub(crate) fn equation(error: &ConstraintError) -> Option<usize> {
         ConstraintError::Infeasible { row, .. }
         | ConstraintError::InfeasibleVelocity { row, .. }
         | ConstraintError::Singular { row, .. }
-        | ConstraintError::NotConverged { row, .. } => Some(*row),
+        | ConstraintError::NotConverged { row, .. }
+        | ConstraintError::Diverged { row, .. } => Some(*row),
         ConstraintError::Dependent { row } => *row,
         _ => None,
     }
