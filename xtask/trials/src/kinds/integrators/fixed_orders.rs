@@ -18,9 +18,9 @@ use crate::{Draw, Verdict};
 /// Times at which the error is looked at.
 const TIMES: usize = 16;
 /// Errors above are as large as the motion, errors below are rounding.
-const ASYMPTOTIC: std::ops::Range<f64> = 1e-11..1e-3;
+const ASYMPTOTIC: std::ops::Range<f64> = 1e-10..1e-3;
 /// The same for methods of order 1, whose errors are never small.
-const ASYMPTOTIC_OF_ORDER_1: std::ops::Range<f64> = 1e-11..1e-2;
+const ASYMPTOTIC_OF_ORDER_1: std::ops::Range<f64> = 1e-10..1e-2;
 /// The slope may be this much below the order.
 const BAND: f64 = 0.4;
 
