@@ -155,6 +155,14 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 _ => false,
             };
             if rounding {
+                // The last step is at hand: it is taken unless it leads farther off.
+                if let Some(found) = self.attempt(q, 1.0, &mut report)
+                    && found.size <= size
+                {
+                    q.copy_from_slice(&self.trial);
+                    size = found.size;
+                    history.push(size);
+                }
                 report.end = NewtonEnd::Rounding;
                 break;
             }
