@@ -1,9 +1,7 @@
 //! Steps of bodies that joints hold: RATTLE along their free motion.
 
 use stationary_calculus::{Metric, Potential, Space, System};
-use stationary_constraints::{
-    ConstraintOn, Few, FreeMotion, Many, Rattle, Redundancy, Straight,
-};
+use stationary_constraints::{ConstraintOn, Few, FreeMotion, Many, Rattle, Redundancy, Straight};
 use stationary_integrators::State;
 use stationary_rigid::{
     AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies, Joint, PlanarJoint,

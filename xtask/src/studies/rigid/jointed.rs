@@ -1,9 +1,7 @@
 //! Jointed bodies: RATTLE along the free motion of bodies, and along straight lines.
 
 use nalgebra::Vector3;
-use stationary_calculus::{
-    Cell, Column, Covector, Metric, Space, Table, Vector, loglog_slope,
-};
+use stationary_calculus::{Cell, Column, Covector, Metric, Space, Table, Vector, loglog_slope};
 use stationary_constraints::{
     ConstrainedIntegrator, ConstraintError, Few, FreeMotion, Rattle, Redundancy,
 };
