@@ -71,10 +71,14 @@ impl<const D: usize> Dampers<D> {
 
 impl<const D: usize> Force for Dampers<D> {
     fn dim(&self) -> usize {
-        D * self.free
+        D.saturating_mul(self.free)
     }
 
+    /// NaN in every component where any of the three is too short.
     fn add_force(&self, _t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        if q.len().min(v.0.len()).min(f.0.len()) < self.dim() {
+            return f.0.fill(f64::NAN);
+        }
         let (q, v) = (q.as_chunks::<D>().0, v.0.as_chunks::<D>().0);
         let f = f.0.as_chunks_mut::<D>().0;
         for damper in &self.dampers {
@@ -92,6 +96,9 @@ impl<const D: usize> Force for Dampers<D> {
     }
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
+        if q.len() < self.dim() {
+            return damping.add_symmetric(&[0], &[f64::NAN]);
+        }
         let q = q.as_chunks::<D>().0;
         for damper in &self.dampers {
             let u = self.direction(damper, q);

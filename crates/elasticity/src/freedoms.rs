@@ -141,6 +141,9 @@ impl<const D: usize> Freedoms<D> {
     }
 
     /// The freedoms of a vertex; [`FIXED`] where it is held.
+    ///
+    /// # Panics
+    /// Where there is no such vertex, as an index does.
     pub fn of(&self, vertex: usize) -> [usize; D] {
         self.freedoms(self.numbering.starts[vertex])
     }

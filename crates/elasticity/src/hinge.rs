@@ -60,7 +60,7 @@ impl Hinge {
             };
             // Twice the area over the product of two sides: the sine of an angle.
             let longest = fold.edge * fold.edge * side(0).max(side(1));
-            !(square > FLAT * FLAT * longest)
+            square.is_nan() || square <= FLAT * FLAT * longest
         };
         if is_flat(2, fold.left.1) || is_flat(3, fold.right.1) {
             return Err(ElasticityError::FlatHinge { vertices });

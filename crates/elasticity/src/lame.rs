@@ -43,7 +43,8 @@ impl<const DIM: usize> Lame<DIM> {
     pub fn new(lambda: f64, mu: f64) -> Result<Self, ElasticityError> {
         let pair = Lame { lambda, mu };
         let is_in_range = lambda.abs() <= LARGEST && (SMALLEST..=LARGEST).contains(&mu);
-        let positive = is_in_range && pair.bulk() > 0.0 && pair.young() > 0.0;
+        let is_finite = pair.poisson().is_finite() && pair.young().is_finite();
+        let positive = is_in_range && is_finite && pair.bulk() > 0.0 && pair.young() > 0.0;
         if positive { Ok(pair) } else { Err(ElasticityError::Lame { lambda, mu, dimensions: DIM }) }
     }
 

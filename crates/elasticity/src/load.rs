@@ -148,11 +148,19 @@ impl<const D: usize> Potential for DeadLoad<D> {
         self.free.len()
     }
 
+    /// NaN of a configuration that is too short.
     fn energy(&self, q: &[f64]) -> f64 {
+        if q.len() < self.free.len() {
+            return f64::NAN;
+        }
         -self.free.iter().zip(q).map(|(f, q)| f * q).sum::<f64>()
     }
 
+    /// NaN in every component of a covector that is too short.
     fn add_differential(&self, _q: &[f64], dv: Covector<&mut [f64]>) {
+        if dv.0.len() < self.free.len() {
+            return dv.0.fill(f64::NAN);
+        }
         for (dv, f) in dv.0.iter_mut().zip(&self.free) {
             *dv -= f;
         }

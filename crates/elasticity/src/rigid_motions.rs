@@ -178,7 +178,8 @@ fn check_hanging<const D: usize>(
         }
         let symmetric = (&stiffness + stiffness.transpose()) * 0.5;
         // A load of nothing turns nothing back.
-        if !(symmetric.symmetric_eigenvalues().min() > BALANCED * most) {
+        let least = symmetric.symmetric_eigenvalues().min();
+        if least.is_nan() || least <= BALANCED * most {
             return Err(piece.refused());
         }
     }

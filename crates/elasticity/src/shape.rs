@@ -97,7 +97,9 @@ where
     let size = if size.abs() <= FLAT * longest { 0.0 } else { size };
     let cofactor = cofactor(&map);
     let gradients = slopes.map(|slope| apply(&cofactor, &slope).map(|entry| entry / size));
-    Point { gradients, size }
+    // So small that its gradients leave the range of numbers: flat.
+    let is_finite = gradients.as_flattened().iter().all(|entry| entry.is_finite());
+    Point { gradients, size: if is_finite { size } else { 0.0 } }
 }
 
 /// `J`, by columns; from differences, so that places far away cost no digits.

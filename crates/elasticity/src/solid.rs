@@ -258,12 +258,17 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         self.freedoms.dim()
     }
 
+    /// NaN of a configuration that is too short.
     fn energy(&self, q: &[f64]) -> f64 {
-        self.energy_of(&q[..self.freedoms.dim()], &self.groups)
+        q.get(..self.freedoms.dim()).map_or(f64::NAN, |q| self.energy_of(q, &self.groups))
     }
 
+    /// NaN in every component where the configuration or the covector is too short.
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
         let n = self.freedoms.dim();
+        if q.len() < n || dv.0.len() < n {
+            return dv.0.fill(f64::NAN);
+        }
         let (q, dv) = (&q[..n], &mut dv.0[..n]);
         if self.division.is_whole() {
             return self.visit_differential(q, |node, part| self.freedoms.add(node, part, dv));
@@ -277,8 +282,12 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         });
     }
 
+    /// A single NaN where the configuration is too short.
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        hessian.add_parts(&Hessians { solid: self, q: &q[..self.freedoms.dim()] });
+        match q.get(..self.freedoms.dim()) {
+            Some(q) => hessian.add_parts(&Hessians { solid: self, q }),
+            None => hessian.add_symmetric(&[0], &[f64::NAN]),
+        }
     }
 }
 

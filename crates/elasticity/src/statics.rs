@@ -200,7 +200,7 @@ impl Statics {
             let found = search.find(x).or_else(|source| {
                 // What is left may be rounding: then there is nothing left to fall.
                 let tolerance = rounding(solid, metric, x);
-                if source.history.last().is_none_or(|&last| !(last <= tolerance)) {
+                if source.history.last().is_none_or(|&last| last.is_nan() || last > tolerance) {
                     return Err(ElasticityError::Statics { step, steps, source });
                 }
                 let newton = Newton { tolerance, ..self.newton };

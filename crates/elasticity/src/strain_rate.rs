@@ -62,8 +62,12 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
         self.body.freedoms().dim()
     }
 
+    /// NaN in every component where any of the three is too short.
     fn add_force(&self, _t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
         let n = self.dim();
+        if q.len().min(v.0.len()).min(f.0.len()) < n {
+            return f.0.fill(f64::NAN);
+        }
         let (q, v, f) = (&q[..n], &v.0[..n], &mut f.0[..n]);
         for group in &self.body.groups {
             let x = group.corners(self.body.freedoms(), q);
@@ -88,7 +92,9 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> Force
     }
 
     fn add_damping(&self, _t: f64, q: &[f64], _v: Vector<&[f64]>, damping: &mut impl Sink) {
-        let q = &q[..self.dim()];
+        let Some(q) = q.get(..self.dim()) else {
+            return damping.add_symmetric(&[0], &[f64::NAN]);
+        };
         let mut lanes = [[[[Lanes::default(); D]; D]; N]; N];
         for group in &self.body.groups {
             let x = group.corners(self.body.freedoms(), q);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector3, vector};
 use stationary_calculus::{
-    Curvature, DenseSink, Metric, Potential, Stencils, Vector, assert_derivatives,
+    Covector, Curvature, DenseSink, Metric, Potential, Stencils, Vector, assert_derivatives,
 };
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Elements, Freedoms, Hinge, Lame, Linear, LinearSegment,
@@ -301,4 +301,19 @@ fn stress_at_the_nodes_is_refused_where_it_has_no_value() {
     // A law of small displacements has a stress there as well.
     let linear = Linear::new(lame().plane_strain());
     assert!(averaged_stress(LinearTriangle, &mesh, &linear, &flat).is_ok());
+}
+
+#[test]
+fn a_configuration_that_is_too_short_is_not_a_number() {
+    let mesh = rectangle([1.0, 1.0], [1, 1], Diagonals::Same).unwrap();
+    let freedoms = Freedoms::<2>::free(4).unwrap();
+    let law = SaintVenantKirchhoff::new(lame().plane_strain());
+    let solid: Solid<_, 3, 2, 2, 1> =
+        Solid::new(LinearTriangle, &mesh, 1.0, law, freedoms.clone()).unwrap();
+    let load = DeadLoad::new(&freedoms, vec![[0.0, 1.0]; 4]).unwrap();
+    let short = [0.0; 7];
+    assert!(solid.energy(&short).is_nan() && load.energy(&short).is_nan());
+    let mut dv = [0.0; 8];
+    solid.add_differential(&short, Covector(&mut dv));
+    assert!(dv.iter().all(|x| x.is_nan()));
 }

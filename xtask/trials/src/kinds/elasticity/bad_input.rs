@@ -382,6 +382,9 @@ fn solids(draw: &mut Draw) -> Verdict {
     solid.add_differential(&q, Covector(&mut dv));
     let short = vec![0.0; draw.below(30)];
     let _ = (solid.held_differential(&short), solid.inverted(&short));
+    if short.len() < q.len() && !solid.energy(&short).is_nan() {
+        return Verdict::wrong("the energy of half a configuration");
+    }
     let large = mesh.vertices().iter().any(|x| x.amax() > 1e9) || section > 1e9;
     if large {
         Verdict::due()
