@@ -67,7 +67,7 @@ const UNIT: f64 = 2e-9;
 fn first_stretched<S: BodySpace>(q: &[f64]) -> Option<(usize, f64)> {
     let squares =
         q.chunks_exact(S::STORED).map(|q| q[S::TRANSLATION..].iter().map(|c| c * c).sum::<f64>());
-    squares.enumerate().find(|(_, square)| !((square - 1.0).abs() <= UNIT))
+    squares.enumerate().find(|(_, square)| square.is_nan() || (square - 1.0).abs() > UNIT)
 }
 
 /// Poses of free bodies.

@@ -126,10 +126,8 @@ pub(crate) fn march<M: Moving>(
             }
         }
         let due = step % every == 0 || step == steps;
-        if due {
-            if let Err(failure) = sample(scene, &mut moving, time(step), &mut samples) {
-                return Err(stopped(&moving, samples, cost, step, failure));
-            }
+        if due && let Err(failure) = sample(scene, &mut moving, time(step), &mut samples) {
+            return Err(stopped(&moving, samples, cost, step, failure));
         }
         if let Some(before) = before {
             let (scene, after) = (*fingerprint, moving.state().clone());

@@ -144,8 +144,8 @@ impl<S: Space, P: Potential> At<'_, S, P> {
         let before: Vec<f64> =
             (0..dv.len()).map(|i| size * (1.0 + 0.25 * (i % 4) as f64)).collect();
         let after = self.added_to(self.q, before.clone());
-        let lost = |i: &usize| !((after[*i] - dv[*i] - before[*i]).abs() < 0.5 * before[*i]);
-        match (0..dv.len()).find(lost).filter(|_| size.is_finite()) {
+        let kept = |i: usize| (after[i] - dv[i] - before[i]).abs() < 0.5 * before[i];
+        match (0..dv.len()).find(|&i| !kept(i)).filter(|_| size.is_finite()) {
             Some(freedom) => Err(DerivativeError::Assigned { freedom }),
             None => Ok(()),
         }

@@ -150,7 +150,7 @@ where
         self.last_begin = None;
         self.read();
         self.steps.begin(&self.state, &mut self.work);
-        if !(self.steps.h > 0.0) {
+        if self.steps.h.is_nan() || self.steps.h <= 0.0 {
             let dv = self.steps.first.components();
             crate::first_order::check_finite("dV", moment.t, dv)?;
         }
@@ -167,7 +167,7 @@ where
 
     fn settle(&mut self) -> Result<(), AdaptiveError> {
         self.moment.check(self.dim())?;
-        if !(self.steps.h > 0.0) {
+        if self.steps.h.is_nan() || self.steps.h <= 0.0 {
             return Err(AdaptiveError::Saved("its step is not positive"));
         }
         self.last_begin = None;

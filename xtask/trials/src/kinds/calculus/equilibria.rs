@@ -246,9 +246,9 @@ fn bowl_at(draw: &mut Draw, centre: &[f64]) -> Vec<Term> {
     let n = centre.len();
     let spread = draw.one_of(&[1.0, 1e3, 1e8]);
     let mut terms = Vec::new();
-    for i in 0..n {
+    for (i, &middle) in centre.iter().enumerate() {
         let k = draw.log_uniform(1.0, spread);
-        terms.push(Term::along(vec![(i, 1.0)], centre[i], Shape::Quadratic).scaled(k, 1.0));
+        terms.push(Term::along(vec![(i, 1.0)], middle, Shape::Quadratic).scaled(k, 1.0));
     }
     for _ in 0..draw.below(n + 1) {
         let a = direction(draw, n);

@@ -19,8 +19,11 @@ use stationary_mesh::{Diagonals, Mesh, QuadraticTriangles, cuboid, rectangle};
 
 use crate::{Draw, Verdict};
 
+/// One check of bad input.
+type Check = fn(&mut Draw) -> Verdict;
+
 pub fn trial(draw: &mut Draw) -> Verdict {
-    let checks: [(&str, fn(&mut Draw) -> Verdict); 20] = [
+    let checks: [(&str, Check); 20] = [
         ("pairs of moduli", lame),
         ("springs", springs),
         ("nets", nets),

@@ -144,7 +144,7 @@ impl Field for Pair {
     }
 
     fn excess_over_log(self) -> Self {
-        const LN_2: Pair = Pair { high: 0.693_147_180_559_945_3, low: 2.319_046_813_846_299_6e-17 };
+        const LN_2: Pair = Pair { high: std::f64::consts::LN_2, low: 2.319_046_813_846_299_6e-17 };
         if self.high.abs() < 0.3 {
             return excess_series(self);
         }

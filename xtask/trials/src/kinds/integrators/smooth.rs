@@ -225,9 +225,9 @@ pub fn stiffening_chain(draw: &mut Draw) -> InitialValue {
     let (slope, derivative) = mechanics(
         masses.clone(),
         move |q, dv| {
-            for i in 0..n {
+            for (i, dv) in dv.iter_mut().enumerate() {
                 let [left, right] = [stretch(q, i), stretch(q, i + 1)];
-                dv[i] = k * (left - right) + b * (left.powi(3) - right.powi(3));
+                *dv = k * (left - right) + b * (left.powi(3) - right.powi(3));
             }
         },
         move |q, h| {

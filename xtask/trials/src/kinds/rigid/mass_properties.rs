@@ -149,9 +149,9 @@ fn solid(draw: &mut Draw) -> Verdict {
     let verdict = verdict.and(Verdict::of(shift, allowed, "the centre"));
     let trace = second[0][0] + second[1][1] + second[2][2];
     let mut worst = 0.0_f64;
-    for i in 0..3 {
-        for j in 0..3 {
-            let expected = if i == j { trace - second[i][j] } else { -second[i][j] };
+    for (i, row) in second.iter().enumerate() {
+        for (j, &moment) in row.iter().enumerate() {
+            let expected = if i == j { trace - moment } else { -moment };
             worst = worst.max(off(got.inertia[(i, j)] / density, expected));
         }
     }
