@@ -20,7 +20,8 @@ use stationary_mesh::{Diagonals, Mesh, QuadraticTriangles, cuboid, rectangle};
 use crate::{Draw, Verdict};
 
 pub fn trial(draw: &mut Draw) -> Verdict {
-    let checks: [(&str, fn(&mut Draw) -> Verdict); 20] = [
+    type Check = fn(&mut Draw) -> Verdict;
+    let checks: [(&str, Check); 20] = [
         ("pairs of moduli", lame),
         ("springs", springs),
         ("nets", nets),
