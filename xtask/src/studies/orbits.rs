@@ -34,7 +34,7 @@ const TARGETS: [f64; 3] = [1e-3, 1e-6, 1e-9];
 const EXPECTED: [(&str, [&str; 3]); 3] = [
     ("kepler", [Pair8::NAME, Pair12::NAME, Pair12::NAME]),
     ("pleiades", [Pair8::NAME, Pair8::NAME, Pair12::NAME]),
-    ("henon-heiles", [Pair8::NAME, Pair12::NAME, Pair12::NAME]),
+    ("henon-heiles", [Pair12::NAME, Pair12::NAME, Pair12::NAME]),
 ];
 /// Methods with steps of equal length, and the logarithms of their fewest and most steps.
 const FIXED: [(Method, u32, u32); 3] = [
@@ -79,7 +79,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
                      over ten years, the Pleiades, and a star of Henon and Heiles over thirty \
                      turns. Steps of equal length must be short enough for the closest encounter; \
                      the methods that choose their steps are short there only. Between those the \
-                     one of order 12 needs fewer evaluations the smaller the error."
+                     one of order 12 needs fewer evaluations the smaller the error. A tolerance above 1e-5 \
+                     is held as 1e-5, so that none of them is cheaper than that."
             .into(),
         table: page.table,
         charts: page.charts.into_iter().map(Into::into).collect(),

@@ -10,8 +10,8 @@
 //! `f` the differential, `w` the direction of the lowest curvature, `l` the length of the first part,
 //! once the residual has become small: a ridge is followed to its saddle before it is left. `t` 1, 1/2,
 //! 1/4, ...; where p has no length of its own, because the Hessian is not definite, what of it is soft
-//! is followed by 4, 16, 64, ... times its length for as long as the energy falls. Where energies differ by rounding only, the residual
-//! decides. Source: Nocedal and Wright, Numerical Optimization, chapters 3 and 7.
+//! is followed by 4, 16, 64, ... times its length for as long as the energy falls. Where energies differ
+//! by rounding only, the residual decides. Source: Nocedal and Wright, Numerical Optimization, chapters 3 and 7.
 
 use super::curvature::{Lowest, lowest};
 use super::terms::{length, magnitudes, scale};
@@ -155,9 +155,11 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 _ => false,
             };
             if rounding {
-                // The last step is at hand: it is taken unless it leads farther off.
+                // The last step is at hand: it is taken unless it leads farther off. From the guess it
+                // is taken in any case: a load below the rounding of q is known there and nowhere else.
+                let is_guess = history.len() == 1;
                 if let Some(found) = self.attempt(q, 1.0, &mut report)
-                    && found.size <= size
+                    && (found.size <= size || is_guess)
                 {
                     q.copy_from_slice(&self.trial);
                     size = found.size;

@@ -35,7 +35,9 @@ fn words<T>(result: Result<T, ConstraintError>) -> &'static str {
     match result {
         Ok(_) => "done",
         Err(ConstraintError::Singular { .. }) => "not of full rank",
-        Err(ConstraintError::NotConverged { .. }) => "no feasible configuration found",
+        Err(ConstraintError::NotConverged { .. } | ConstraintError::Diverged { .. }) => {
+            "no feasible configuration found"
+        }
         Err(ConstraintError::TooFast { .. }) => "too fast for its angle",
         Err(ConstraintError::Infeasible { .. }) => "not feasible",
         Err(_) => "another error",
