@@ -27,7 +27,7 @@ use super::error_scale::{ErrorScale, norm};
 use super::first_step::guess_step;
 use super::linearization::{Linearization, check_mass, mass_times, pencil};
 use super::lu::Lu;
-use super::method::{check_finite, check_inside};
+use super::method::check_finite;
 use super::{
     AdaptiveError, AdaptiveMethod, FirstOrderFacts, Moment, StepControl, VectorField, Work,
 };
@@ -44,8 +44,6 @@ const NAMES: [&str; HIGHEST] = ["bdf-1", "bdf-2", "bdf-3", "bdf-4", "bdf-5"];
 const PART: f64 = 0.1;
 /// A looser relative tolerance is held as this one: the past of steps that long is no past.
 const LOOSEST: f64 = 1e-3;
-/// No part of a tolerance may be below this, which rounding does not allow.
-const FINEST: f64 = 1e-14;
 /// The safety factor of the step control.
 const SAFETY: f64 = 0.9;
 /// A step grows at most to this multiple of the last.
@@ -116,11 +114,10 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         check_mass(&field)?;
         let n = field.dim();
         let zero: C = zeros(n)?;
-        let asked = control.tolerance.relative;
-        let part = (PART * (LOOSEST / asked).min(1.0)).max((FINEST / asked).min(1.0));
-        let relative = part * asked;
+        let held = control.tolerance.held(PART, LOOSEST);
+        let relative = held.relative;
         let mut method = BackwardDifferences {
-            scale: ErrorScale::new(&control.tolerance.scaled(part), n)?,
+            scale: ErrorScale::new(&held, n)?,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
             field,
             control,
@@ -307,8 +304,7 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for BackwardDifferences<F, C>
         self.last_begin
     }
 
-    fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
-        check_inside(self.last_begin, self.moment.t, t, (y, self.field.dim()))?;
+    fn write_inside(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
         self.history.interpolate(t - self.moment.t, y);
         Ok(())
     }

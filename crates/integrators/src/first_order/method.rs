@@ -108,8 +108,26 @@ pub trait AdaptiveMethod<C: Storage> {
     /// The beginning of the last step, or `None` before the first one and after a restart.
     fn last_begin(&self) -> Option<f64>;
 
-    /// Writes the state at a time within the last step, from the step's own polynomial.
-    fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError>;
+    /// Writes the state at a time within the last step: at its end the moment itself, before that
+    /// what the step's own polynomial says. What is written is finite; after an error it is of no use.
+    ///
+    /// # Errors
+    /// A time outside of the last step, an output of another size, and a state that is not finite:
+    /// where f overflows between steps, or a step was taken whatever its error.
+    fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
+        let last = self.moment();
+        check_inside(self.last_begin(), last.t, t, (y, last.y.as_ref().len()))?;
+        if t == last.t {
+            y.copy_from_slice(last.y.as_ref());
+        } else {
+            self.write_inside(t, y)?;
+        }
+        check_finite("the state within the step", t, y)
+    }
+
+    /// Writes the state at a time before the last moment and not before the last step; there is one.
+    #[doc(hidden)]
+    fn write_inside(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError>;
 
     /// Goes on from another moment: after an impulse, a switch, an event.
     fn restart(&mut self, moment: &Moment<C>) -> Result<(), AdaptiveError>;
@@ -175,7 +193,7 @@ pub trait AdaptiveMethod<C: Storage> {
 }
 
 /// An error unless `t` lies in the last step and `y` has the size of the state.
-pub(crate) fn check_inside(
+fn check_inside(
     from: Option<f64>,
     to: f64,
     t: f64,

@@ -5,7 +5,7 @@
 //! ```
 //! in the root mean square over all components. The error at the end is that of all steps together,
 //! carried along by the flow: it is proportional to the tolerance, not bounded by it. Radau, BDF and the
-//! Nystrom pairs hold parts of it, as their pages say.
+//! Nystrom pairs hold parts of it, and all hold a loose one as a tighter one, as their pages say.
 
 use stationary_calculus::Storage;
 
@@ -37,6 +37,14 @@ impl Tolerance {
             return Err(ControlError::Absolute { component, value: absolute[component] });
         }
         Ok(Tolerance { relative, absolute })
+    }
+
+    /// What a step may use: a part of this tolerance. A relative tolerance looser than `loosest` is
+    /// held as that, the absolute ones with it; none is held finer than rounding allows.
+    pub(crate) fn held(&self, part: f64, loosest: f64) -> Tolerance {
+        let asked = self.relative;
+        let part = part * (loosest / asked).min(1.0);
+        self.scaled(part.max((ROUNDING / asked).min(1.0)))
     }
 
     /// A tolerance this many times as large.

@@ -11,7 +11,6 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, Syste
 
 use super::step::within;
 use super::{Nystrom, NystromPair, Pair8, Pair12};
-use crate::first_order::check_inside;
 use crate::{
     AdaptiveError, AdaptiveMethod, Damping, Evaluation, FirstOrderFacts, Moment, State,
     StepControl, Work,
@@ -130,12 +129,7 @@ where
         self.last_begin
     }
 
-    fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
-        check_inside(self.last_begin, self.moment.t, t, (y, self.dim()))?;
-        if self.last_begin.is_none() {
-            y.copy_from_slice(self.moment.y.as_ref());
-            return Ok(());
-        }
+    fn write_inside(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
         let Nystrom { stages, other, first, .. } = &mut self.steps;
         let ends = [&*other, &self.state];
         self.work.evaluations += within(stages, ends, first, t, &mut self.inside)?;

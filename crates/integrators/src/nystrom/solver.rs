@@ -29,8 +29,6 @@ const RESOLVED: f64 = 0.1;
 const LOOSEST: f64 = 1e-5;
 /// The part of the tolerance that a step may use: a close encounter amplifies its error.
 const PART: f64 = 0.2;
-/// No part of a tolerance may be below this, which rounding does not allow.
-const FINEST: f64 = 1e-14;
 
 /// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]
@@ -64,7 +62,7 @@ where
         let n = system.dim();
         let zero: C = zeros(n)?;
         Ok(Nystrom {
-            tolerated: tolerated(&held(&control.tolerance), n)?,
+            tolerated: tolerated(&control.tolerance.held(PART, LOOSEST), n)?,
             control,
             stages: NystromStages::new(system)?,
             other: State::new(zero.clone(), Covector(zero.clone())),
@@ -172,14 +170,6 @@ where
     pub(super) fn go_on(&mut self) {
         std::mem::swap(&mut self.first, &mut self.last);
     }
-}
-
-/// The part of a tolerance that a step may use. A looser one than `LOOSEST` is held as that: steps so
-/// long say nothing of their own error.
-fn held(tolerance: &Tolerance) -> Tolerance {
-    let asked = tolerance.relative;
-    let part = PART * (LOOSEST / asked).min(1.0);
-    tolerance.scaled(part.max((FINEST / asked).min(1.0)))
 }
 
 fn tolerated<C: Storage>(tolerance: &Tolerance, n: usize) -> Result<Tolerated<C>, SizeError> {

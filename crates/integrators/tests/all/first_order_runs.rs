@@ -312,6 +312,55 @@ fn sizes_ends_and_starts_that_do_not_fit_are_named() {
     }
 }
 
+/// On a slope near overflow, with steps that are chosen and with steps taken whatever their error.
+#[test]
+fn what_is_written_between_steps_is_finite_or_refused() {
+    let huge = FunctionField::new(1, |_t, _y: &[f64], f: &mut [f64]| f[0] = 1e308);
+    let start = Moment::new(0.0, [1.0]);
+    let whatever = control(1e-6).constant_step(0.1).unwrap();
+    for control in [control(1e-6), whatever] {
+        for mut method in all(&huge, &control, &start) {
+            let (name, mut y) = (method.facts().name, [0.0]);
+            method.interpolate(0.0, &mut y).unwrap();
+            assert_eq!(y, [1.0], "{name}: the start is known");
+            if method.step(0.1).is_err() {
+                continue;
+            }
+            let (begin, end) = (method.last_begin().unwrap(), method.moment().t);
+            for t in [begin, begin + 0.3 * (end - begin), end] {
+                match method.interpolate(t, &mut y) {
+                    Ok(()) => assert!(y[0].is_finite(), "{name}: {y:?} at {t}"),
+                    Err(error) => {
+                        assert!(matches!(error, AdaptiveError::NonFinite { .. }), "{error}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// DOP853 and Radau hold at most 1e-4, BDF a tenth of at most 1e-3.
+#[test]
+fn a_loose_tolerance_is_held_as_a_tighter_one() {
+    let field = FunctionField::new(2, |_t, y: &[f64], f: &mut [f64]| {
+        f.copy_from_slice(&[-y[0] + 3.0 * y[1], -3.0 * y[0] - y[1]]);
+    });
+    let start = Moment::new(0.0, [1.0, 0.0]);
+    let end = |mut method: Box<dyn AdaptiveMethod<[f64; 2]> + '_>| {
+        integrate(&mut *method, 4.0, |_| ControlFlow::Continue(())).unwrap();
+        method.moment().y
+    };
+    let [dormand_prince, radau, _] = all(&field, &control(1e-4), &start).map(end);
+    let [_, _, differences] = all(&field, &control(1e-3), &start).map(end);
+    for loose in [2e-3, 1e-2, 0.5] {
+        let ends = all(&field, &control(loose), &start).map(end);
+        for (end, held) in ends.iter().zip([dormand_prince, radau, differences]) {
+            let apart = (end[0] - held[0]).abs().max((end[1] - held[1]).abs());
+            assert!(apart < 1e-9, "{loose:e}: {end:?} {held:?}");
+        }
+    }
+}
+
 #[test]
 fn a_step_that_shrinks_below_the_clock_is_an_error_with_the_last_good_moment() {
     // y' = y^2 from 1 runs off to infinity at t = 1.

@@ -73,9 +73,25 @@ pub fn network(draw: &mut Draw) -> InitialValue {
         (0..n).map(|_| if draw.chance(0.5) { draw.unit() } else { 0.0 }).collect();
     start[0] += 1.0;
     let end = draw.log_uniform(0.1, 1e3);
+    let reactions = that_happen(reactions, &start);
     draw.note(format!("network {reactions:?} from {start:?} until {end}"));
     let total: f64 = start.iter().sum();
     mass_action(reactions, start, end, vec![total; n])
+}
+
+/// The reactions whose molecules are there or come to be there. The others never begin, unless the
+/// rounding of the one who integrates them begins them.
+fn that_happen(reactions: Vec<Reaction>, start: &[f64]) -> Vec<Reaction> {
+    let mut there: Vec<bool> = start.iter().map(|&y| y > 0.0).collect();
+    for _ in 0..start.len() {
+        for reaction in &reactions {
+            if reaction.takes.iter().all(|&i| there[i]) {
+                reaction.gives.iter().for_each(|&i| there[i] = true);
+            }
+        }
+    }
+    let happens = |reaction: &Reaction| reaction.takes.iter().all(|&i| there[i]);
+    reactions.into_iter().filter(happens).collect()
 }
 
 /// Three reactions like Robertson's: slow decay, fast catalysis, and a very fast reaction between
