@@ -235,8 +235,9 @@ fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
             assert!((y / truth - 1.0).abs() < 0.1, "{relative:e}: {y:e} for {truth:e}");
         }
     }
-    // Without a second iterate they were 44,797, of which 26 runs were short and wrong.
-    assert!(evaluations < 53_000, "{evaluations}");
+    // Without a second iterate, and loose tolerances as they are asked for, they were 44,797, of
+    // which 26 runs were short and wrong.
+    assert!(evaluations < 59_000, "{evaluations}");
 }
 
 /// y' = -rate (y - cos 5t) - 5 sin 5t: the slow motion between steps, where a polynomial of order 3
