@@ -5,20 +5,23 @@
 //! A^2 = Ix (2T Iz - L^2)/(Iz - Ix)         l^2 = (Iz - Iy)(L^2 - 2T Ix)/(Ix Iy Iz)
 //! B^2 = Iy (2T Iz - L^2)/(Iz - Iy)         k^2 = (Iy - Ix)(2T Iz - L^2)/((Iz - Iy)(L^2 - 2T Ix))
 //! C^2 = Iz (L^2 - 2T Ix)/(Iz - Ix)
-//! psi = L t/Ix - L (L^2 - 2T Ix)/(Ix C^2 l) [Pi(u) - Pi(u0)],   Pi over 1 + (A/C)^2 sn^2
+//! psi = L t/Iz + g [E_c(u) - E_c(u0)]                                              c = (A/C)^2 <= 1
+//!     = L t/Ix - g [E_d(u) - E_d(u0)] - s [a(u) - a(u0)]                            c > 1,  d = k^2/c
+//! g = L (Iz - Ix)/(Ix Iz l),   s its sign,   a = atan2(G sn, cn dn),   G^2 = (1 + c)(1 + d)
 //! R(t) = R0 Q0^-1 exp(psi e3) Q(t),        Q m = L e3, and Q ex in the plane of e1 and e3
 //! ```
 //! `m` angular momentum in body axes, `L` its length, `T` the energy, `I` principal moments. `y` is
 //! the axis of the middle moment, `z` that of the largest if `L^2 > 2T Iy` and of the smallest if
 //! less: the one that `m` circles. `psi` is the turn of the axis `x` about the angular momentum,
-//! which it never meets; of short times it is summed by Gauss's points instead. Differences like
-//! `2T Iz - L^2` are summed from terms of one sign; only the distance from the separatrix,
+//! which it never meets, and `E_c(u) = int_0^u c sn^2/(1 + c sn^2)`: no term of it turns faster than the
+//! body does, so that none cancels. Of short times psi is summed by Gauss's points instead. Differences
+//! like `2T Iz - L^2` are summed from terms of one sign; only the distance from the separatrix,
 //! `L^2 - 2T Iy`, cancels, and is summed from exact products.
 //!
 //! Errors are roundings that grow with the angle turned, times what the motion itself makes of a
 //! rounding of its start: beside the separatrix that is `exp(l t)`. On the separatrix, where the period is
 //! infinite, hyperbolic functions take over by themselves. Source: Landau and Lifshitz, Mechanics,
-//! 37; Whittaker, Analytical Dynamics, 69.
+//! 37; Whittaker, Analytical Dynamics, 69; DLMF 19.7.8, which turns c into d.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -55,8 +58,12 @@ struct Tumble {
     modulus: Modulus,
     /// u at time zero.
     phase: f64,
-    /// Pi at time zero.
-    integral: f64,
+    /// `(A/C)^2`
+    eccentricity: f64,
+    /// g.
+    gain: f64,
+    /// `g E_c` or `-g E_d - s a` at time zero, radians.
+    beyond: f64,
     /// `R0 Q0^-1`.
     frame: Rotation,
 }
@@ -155,8 +162,10 @@ impl Tumble {
             (i[z] * spin / (i[z] - i[x])).sqrt() * m[z].signum(),
         ];
         let phase = modulus.argument_of(m[y] / amplitudes[1], m[x] / amplitudes[0]);
-        if !phase.is_finite() {
-            // On the axis of the middle moment, which the separatrix takes for ever to leave.
+        let eccentricity = (amplitudes[0] / amplitudes[2]).powi(2);
+        if !(phase.is_finite() && eccentricity.is_finite()) {
+            // On the axis of the middle moment, which the separatrix takes for ever to leave, or beside
+            // the axis x by less than a square can tell.
             return None;
         }
         let mut tumble = Tumble {
@@ -165,38 +174,55 @@ impl Tumble {
             rate: rate * (size / unit),
             modulus,
             phase,
-            integral: 0.0,
+            eccentricity,
+            gain: length(&m) * (i[z] - i[x]) / (i[x] * i[z] * rate),
+            beyond: 0.0,
             frame: start.compose(&to_momentum(&m, x).inverse()),
         };
-        tumble.integral = modulus.third_integral(&modulus.argument(phase), tumble.eccentricity());
+        tumble.beyond = tumble.beyond_steady(&modulus.argument(phase));
         Some(tumble)
     }
 
     /// The turn of the axis x about the angular momentum after a time, radians.
     fn precession(&self, t: f64, u: &Argument, length: f64, i: &Vector3<f64>) -> f64 {
-        let [x, y, z] = self.axes;
-        let c = self.eccentricity();
-        if (self.rate * t).abs() * (1.0 + c).sqrt() < SHORT {
+        let [x, _, z] = self.axes;
+        let panels = (self.rate * t).abs() * (1.0 + self.eccentricity).sqrt() / PANEL;
+        if panels < SHORT {
             // Small differences of the integral would be rounding, over a rate that may be smaller.
-            let rate = |t: f64| {
-                let m = self.momentum(t);
-                let (my, mz) = (m[y] / length, m[z] / length);
-                (my * my / i[y] + mz * mz / i[z]) / (my * my + mz * mz)
-            };
-            let pair = |(node, weight): &(f64, f64)| {
-                weight * (rate(0.5 * t * (1.0 + node)) + rate(0.5 * t * (1.0 - node)))
-            };
-            return 0.5 * t * length * GAUSS.iter().map(pair).sum::<f64>();
+            return self.summed_precession(t, panels.ceil().max(1.0), length, i);
         }
-        let passed = self.modulus.third_integral(u, c) - self.integral;
-        // (L^2 - 2T Ix)/C^2, from C^2 itself.
-        let ratio = (i[z] - i[x]) / i[z];
-        length / i[x] * (t - ratio * passed / self.rate)
+        let steady = if self.eccentricity > 1.0 { i[x] } else { i[z] };
+        length / steady * t + (self.beyond_steady(u) - self.beyond)
     }
 
-    /// `(A/C)^2`
-    fn eccentricity(&self) -> f64 {
-        (self.amplitudes[0] / self.amplitudes[2]).powi(2)
+    /// What the precession has beyond a steady one, from `u = 0`.
+    fn beyond_steady(&self, u: &Argument) -> f64 {
+        let c = self.eccentricity;
+        if c <= 1.0 {
+            return self.gain * self.modulus.excess_integral(u, c);
+        }
+        let d = self.modulus.k2 / c;
+        let angle = u.angle_of(((1.0 + c) * (1.0 + d)).sqrt());
+        -self.gain * self.modulus.excess_integral(u, d) - self.gain.signum() * angle
+    }
+
+    /// The precession by Gauss's points in so many panels.
+    fn summed_precession(&self, t: f64, panels: f64, length: f64, i: &Vector3<f64>) -> f64 {
+        let [_, y, z] = self.axes;
+        let rate = |t: f64| {
+            let m = self.momentum(t);
+            let (my, mz) = (m[y] / length, m[z] / length);
+            (my * my / i[y] + mz * mz / i[z]) / (my * my + mz * mz)
+        };
+        let half = 0.5 * t / panels;
+        let panel = |k: usize| {
+            let middle = half * (2 * k + 1) as f64;
+            let pair = |(node, weight): &(f64, f64)| {
+                weight * (rate(middle + half * node) + rate(middle - half * node))
+            };
+            GAUSS.iter().map(pair).sum::<f64>()
+        };
+        half * length * (0..panels as usize).map(panel).sum::<f64>()
     }
 
     fn momentum(&self, t: f64) -> Vector3<f64> {
@@ -220,8 +246,11 @@ impl Tumble {
     }
 }
 
-/// Below this part of the integrand's scale eight points integrate it to rounding.
-const SHORT: f64 = 0.4;
+/// Within this part of the integrand's scale eight points integrate it to rounding.
+const PANEL: f64 = 0.4;
+
+/// Times of fewer panels are summed.
+const SHORT: f64 = 8.0;
 
 /// Gauss's eight points in (-1, 1), by pairs, with their weights.
 const GAUSS: [(f64, f64); 4] = [
