@@ -15,8 +15,6 @@
 //! Source: Bulirsch 1965, Numerical calculation of elliptic integrals and elliptic functions; Carlson
 //! 1995; DLMF 19.25, 19.36.
 
-use std::f64::consts::PI;
-
 /// A modulus and its complement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Modulus {
@@ -36,13 +34,6 @@ pub(crate) struct Argument {
 }
 
 impl Argument {
-    /// The angle with the sine `g sn` and the cosine `cn dn`, but for their common size, `g > 0`,
-    /// followed through all half periods.
-    pub(crate) fn angle_of(&self, g: f64) -> f64 {
-        let [sn, cn, dn] = self.functions;
-        (g * sn).atan2(cn * dn) + PI * self.turns
-    }
-
     /// `sn, cn, dn`.
     pub(crate) fn functions(&self) -> [f64; 3] {
         let [sn, cn, dn] = self.functions;
