@@ -29,13 +29,18 @@ impl ArcsinePendulum {
     /// A mass (kg) on a rod (m) under gravity (m/s^2, any sign).
     ///
     /// # Errors
-    /// A mass or a length that is not positive and finite, a gravity that is not finite.
+    /// A mass or a length that is not positive and finite, or whose product, which makes a speed of a
+    /// momentum, leaves the range of normal numbers; a gravity that is not finite.
     pub fn new(mass: f64, length: f64, gravity: f64) -> Result<Self, ConstraintError> {
         for (what, value) in [("mass", mass), ("length", length)] {
             if !(value > 0.0 && value.is_finite()) {
                 let range = "positive and finite";
                 return Err(ConstraintError::Parameter { what, value, range });
             }
+        }
+        if !(mass * length).is_normal() {
+            let (what, range) = ("mass times length", "between 2.3e-308 and 1.7e308");
+            return Err(ConstraintError::Parameter { what, value: mass * length, range });
         }
         if !gravity.is_finite() {
             let (what, range) = ("gravity", "finite");
@@ -47,7 +52,9 @@ impl ArcsinePendulum {
     /// Moves angle and momentum forward by `h` seconds. On an error the state is as it was.
     ///
     /// # Errors
-    /// [`ConstraintError::TooFast`] where the bob would move more than a rod's length.
+    /// [`ConstraintError::TooFast`] where the bob would move more than a rod's length;
+    /// [`ConstraintError::NonFinite`] where angle, speed or momentum would not be finite, as those that
+    /// are given.
     pub fn step(&self, state: &mut State<[f64; 1]>, h: f64) -> Result<(), ConstraintError> {
         check_step(h)?;
         check_time(state.t + h)?;
@@ -58,12 +65,31 @@ impl ArcsinePendulum {
         }
         let angle = state.q[0] + ratio.asin();
         let speed = speed - h * self.gravity * angle.sin();
-        if !(angle.is_finite() && speed.is_finite()) {
-            return Err(ConstraintError::NonFinite { what: "angle or speed", index: 0 });
+        let momentum = self.mass * self.length * speed;
+        if !(angle.is_finite() && momentum.is_finite()) {
+            return Err(ConstraintError::NonFinite { what: "angle or momentum", index: 0 });
         }
         state.t += h;
         state.q[0] = angle;
-        state.p.0[0] = self.mass * self.length * speed;
+        state.p.0[0] = momentum;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stationary_calculus::Covector;
+
+    #[test]
+    fn a_momentum_that_no_number_holds_is_refused_and_leaves_the_state() {
+        for (mass, length) in [(1e260, 1e204), (1e-200, 1e-200)] {
+            assert!(ArcsinePendulum::new(mass, length, 1.0).is_err());
+        }
+        let pendulum = ArcsinePendulum::new(1e-7, 1e200, -1e200).unwrap();
+        let mut state = State::new([0.3], Covector([f64::MAX]));
+        let before = state.clone();
+        assert!(pendulum.step(&mut state, 1e3).is_err());
+        assert_eq!(state, before);
     }
 }

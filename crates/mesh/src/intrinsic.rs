@@ -5,8 +5,10 @@
 //! cot alpha = (b^2 + c^2 - a^2) / 4A,     alpha = atan2(4A, b^2 + c^2 - a^2)      opposite to a
 //! ```
 //! `a b c` lengths (m). The brackets are Kahan's, and keep needles accurate, where Heron's formula
-//! loses half of the digits. A Laplacian of a surface needs nothing else. Three lengths that no
-//! triangle has are refused; three that lie on a line have area zero and no finite cotangents.
+//! loses half of the digits. Lengths are taken in units of the longest, a power of two, so that angles
+//! are right at every size. A Laplacian of a surface needs nothing else. Three lengths that no
+//! triangle has are refused, and three whose area no number holds; three that lie on a line have area
+//! zero and no finite cotangents.
 //! Source: Kahan, Miscalculating area and angles of a needle-like triangle, 2014.
 
 /// The lengths of a triangle's edges 01, 12 and 20.
@@ -16,10 +18,12 @@ pub struct IntrinsicTriangle {
 }
 
 impl IntrinsicTriangle {
-    /// A triangle with edges 01, 12 and 20 of these lengths; `None` if there is none.
+    /// A triangle with edges 01, 12 and 20 of these lengths; `None` if there is none, or only one whose
+    /// area is more than the largest number.
     pub fn new(lengths: [f64; 3]) -> Option<Self> {
         let [a, b, c] = falling(lengths);
-        (c > 0.0 && a.is_finite() && a - b <= c).then_some(IntrinsicTriangle { lengths })
+        let triangle = IntrinsicTriangle { lengths };
+        (c > 0.0 && a.is_finite() && a - b <= c && triangle.area().is_finite()).then_some(triangle)
     }
 
     /// A triangle of lengths that are known to be one's.
@@ -34,21 +38,37 @@ impl IntrinsicTriangle {
 
     /// The area.
     pub fn area(&self) -> f64 {
-        let [a, b, c] = falling(self.lengths);
-        let brackets = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
-        brackets.max(0.0).sqrt() / 4.0
+        let (unit, triangle) = self.in_its_unit();
+        unit * (unit * triangle.plain_area())
     }
 
     /// The cotangents of the angles at the corners 0, 1 and 2.
     pub fn cotangents(&self) -> [f64; 3] {
-        let quadruple = 4.0 * self.area();
-        self.dots().map(|dot| dot / quadruple)
+        let (_, triangle) = self.in_its_unit();
+        let quadruple = 4.0 * triangle.plain_area();
+        triangle.dots().map(|dot| dot / quadruple)
     }
 
     /// The angles at the corners 0, 1 and 2, radians.
     pub fn angles(&self) -> [f64; 3] {
-        let quadruple = 4.0 * self.area();
-        self.dots().map(|dot| quadruple.atan2(dot))
+        let (_, triangle) = self.in_its_unit();
+        let quadruple = 4.0 * triangle.plain_area();
+        triangle.dots().map(|dot| quadruple.atan2(dot))
+    }
+
+    /// The largest power of two that is not above the longest side, and the triangle in that unit.
+    fn in_its_unit(&self) -> (f64, Self) {
+        let unit = power_below(self.lengths.iter().fold(0.0, |a, &b| b.max(a)));
+        (unit, IntrinsicTriangle { lengths: self.lengths.map(|length| length / unit) })
+    }
+
+    /// The area where the longest side is near 1.
+    fn plain_area(&self) -> f64 {
+        let [a, b, c] = falling(self.lengths);
+        let short = power_below(c);
+        let needle = ((c - (a - b)) / short) * ((c + (a - b)) / short);
+        let brackets = (a + (b + c)) * needle * (a + (b - c));
+        short * brackets.max(0.0).sqrt() / 4.0
     }
 
     /// Twice the dot products of the edges that meet at each corner: `b^2 + c^2 - a^2`.
@@ -61,6 +81,11 @@ impl IntrinsicTriangle {
         };
         [dot(l12, l20, l01), dot(l20, l01, l12), dot(l01, l12, l20)]
     }
+}
+
+/// The largest power of two that is not above a positive normal number.
+fn power_below(x: f64) -> f64 {
+    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & f64::INFINITY.to_bits())
 }
 
 fn falling(mut lengths: [f64; 3]) -> [f64; 3] {
@@ -91,6 +116,20 @@ mod tests {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert_eq!(IntrinsicTriangle::new([1.0, 1.0, bad]), None);
         }
+    }
+
+    #[test]
+    fn angles_are_right_at_every_size_and_an_area_beyond_all_numbers_is_refused() {
+        for size in [1e-300, 1e-100, 1.0, 1e100, 1e153] {
+            let triangle = IntrinsicTriangle::new([3.0 * size, 4.0 * size, 5.0 * size]).unwrap();
+            assert!((triangle.angles()[1] - PI / 2.0).abs() < 1e-15);
+            assert!((triangle.cotangents()[0] - 0.75).abs() < 1e-15);
+            assert!((triangle.area() - 6.0 * size * size).abs() <= 1e-14 * size * size);
+        }
+        assert_eq!(IntrinsicTriangle::new([1e308; 3]), None);
+        assert_eq!(IntrinsicTriangle::new([1e155; 3]), None);
+        let needle = IntrinsicTriangle::new([1e300, 1e-5, 1e300]).unwrap();
+        assert!((needle.area() / 5e294 - 1.0).abs() < 1e-14);
     }
 
     #[test]

@@ -3,14 +3,17 @@
 //! ```text
 //! u = F(am u) = int_0^am dx / sqrt(1 - k^2 sin^2 x)
 //! sn = sin am,   cn = cos am,   dn = sqrt(kc^2 + k^2 cn^2)
-//! Pi(u) = int_0^u dv / (1 + c sn^2 v),                 c >= 0
 //! F = s RF(cos^2, 1 - k^2 s^2, 1)                      s = sin am, |am| <= pi/2
-//! Pi = F - c/3 s^3 RJ(cos^2, 1 - k^2 s^2, 1, 1 + c s^2)
+//! E_c(u) = int_0^u c sn^2 v / (1 + c sn^2 v) dv        c >= 0
+//!        = c/3 s^3 RJ(cos^2, 1 - k^2 s^2, 1, 1 + c s^2)
+//!        = c/(1 + c) (u - atan(sqrt(c) tanh u)/sqrt(c))                              k = 1
 //! ```
 //! `k` the modulus, `kc` its complement, given as well because `1 - k^2` loses it near 1, where the
-//! quarter period `K = F(pi/2)` grows without bound. The amplitude is the descending Landen
-//! transformation's; the integrals are found by duplication.
-//! Source: Abramowitz and Stegun 16.4; Carlson 1995; DLMF 19.25, 19.36.
+//! quarter period `K = F(pi/2)` grows without bound. The functions come from the descending Landen
+//! transformation in cotangents, where nothing cancels: sn, cn and dn are right in their own digits, as
+//! the integrals need them, which tell how small cn is. The integrals are found by duplication.
+//! Source: Bulirsch 1965, Numerical calculation of elliptic integrals and elliptic functions; Carlson
+//! 1995; DLMF 19.25, 19.36.
 
 /// A modulus and its complement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,23 +81,56 @@ impl Modulus {
         Argument { turns, rest, functions: [(cn / dn).copysign(rest), kc * sn / dn, kc / dn] }
     }
 
+    /// sn, cn and dn of at most half a quarter period, where the last cosine of the transformation is
+    /// not small.
     fn near_zero(&self, u: f64) -> [f64; 3] {
-        let (s, c) = self.amplitude(u).sin_cos();
-        [s, c, self.delta2(s, c).sqrt()]
-    }
-
-    /// `Pi(u)` for `c >= 0`.
-    pub(crate) fn third_integral(&self, u: &Argument, c: f64) -> f64 {
-        let less = self.less_than_argument(u.functions, c);
-        if u.turns == 0.0 {
-            return u.rest - less;
+        if self.kc2 == 0.0 {
+            return [u.tanh(), 1.0 / u.cosh(), 1.0 / u.cosh()];
         }
-        let complete = self.less_than_argument([1.0, 0.0, self.kc2.sqrt()], c);
-        (u.rest - less) + 2.0 * u.turns * (self.quarter_period() - complete)
+        if u.abs() < TINY {
+            return [u, 1.0, 1.0];
+        }
+        let mut means = [[1.0, self.kc2.sqrt()]; LEVELS];
+        let mut level = 0;
+        // Each step squares the relative difference.
+        while level + 1 < LEVELS
+            && (means[level][0] - means[level][1]).abs() > TINY * means[level][0]
+        {
+            let [a, b] = means[level];
+            level += 1;
+            means[level] = [0.5 * (a + b), (a * b).sqrt()];
+        }
+        let mean = 0.5 * (means[level][0] + means[level][1]);
+        let (s, c) = (mean * u).sin_cos();
+        // cn/sn times the mean, level by level.
+        let (mut ratio, mut cotangent, mut dn) = (c / s, mean * (c / s), 1.0);
+        for &[a, b] in means[..=level].iter().rev() {
+            ratio *= cotangent;
+            cotangent *= dn;
+            dn = (b + ratio) / (a + ratio);
+            ratio = cotangent / a;
+        }
+        let sn = (1.0 / cotangent.hypot(1.0)).copysign(u);
+        [sn, cotangent * sn, dn]
     }
 
-    /// `c/3 s^3 RJ`, by which Pi is less than u.
-    fn less_than_argument(&self, [sn, cn, dn]: [f64; 3], c: f64) -> f64 {
+    /// `E_c(u)` for `c >= 0`.
+    pub(crate) fn excess_integral(&self, u: &Argument, c: f64) -> f64 {
+        if self.kc2 == 0.0 {
+            let root = c.sqrt();
+            let turned =
+                if root == 0.0 { u.rest.tanh() } else { (root * u.rest.tanh()).atan() / root };
+            return c / (1.0 + c) * (u.rest - turned);
+        }
+        let rest = self.excess_within(u.functions, c);
+        if u.turns == 0.0 {
+            return rest;
+        }
+        rest + 2.0 * u.turns * self.excess_within([1.0, 0.0, self.kc2.sqrt()], c)
+    }
+
+    /// `E_c` within half a period.
+    fn excess_within(&self, [sn, cn, dn]: [f64; 3], c: f64) -> f64 {
         c / 3.0 * sn.powi(3) * carlson_rj(cn * cn, dn * dn, 1.0, 1.0 + c * sn * sn)
     }
 
@@ -102,29 +138,12 @@ impl Modulus {
     fn delta2(&self, s: f64, c: f64) -> f64 {
         self.kc2 * s * s + c * c
     }
-
-    /// `am u`, by the descending Landen transformation.
-    fn amplitude(&self, u: f64) -> f64 {
-        if self.kc2 == 0.0 {
-            return u.sinh().atan();
-        }
-        let (mut a, mut b) = (1.0, self.kc2.sqrt());
-        let mut ratios = [0.0; 32];
-        let mut depth = 0;
-        // Each step squares the relative difference.
-        while depth < ratios.len() && (a - b).abs() > 1e-15 * a {
-            let mean = 0.5 * (a + b);
-            ratios[depth] = 0.5 * (a - b) / mean;
-            (a, b) = (mean, (a * b).sqrt());
-            depth += 1;
-        }
-        let mut phi = a * u * 2.0_f64.powi(depth as i32);
-        for ratio in ratios[..depth].iter().rev() {
-            phi = 0.5 * (phi + (ratio * phi.sin()).clamp(-1.0, 1.0).asin());
-        }
-        phi
-    }
 }
+
+/// Differences and arguments whose square is below rounding.
+const TINY: f64 = 1e-8;
+/// Steps of the transformation that no modulus exceeds.
+const LEVELS: usize = 32;
 
 /// Relative differences at which the series of a duplication is exact to rounding.
 const NEAR: f64 = 1e-3;
@@ -240,19 +259,30 @@ mod tests {
     }
 
     #[test]
-    fn the_third_integral_has_its_integrand_as_slope() {
-        for (k, c) in [(0.0, 0.5), (0.4, 0.0), (0.8, 3.0), (0.99, 100.0)] {
+    fn the_excess_integral_has_its_integrand_as_slope() {
+        for (k, c) in [(0.0, 0.5), (0.4, 0.0), (0.8, 3.0), (0.99, 100.0), (1.0, 2.0)] {
             let modulus = modulus(k);
-            let pi = |u: f64| modulus.third_integral(&modulus.argument(u), c);
+            let excess = |u: f64| modulus.excess_integral(&modulus.argument(u), c);
             for i in -20..=20 {
                 let (u, h) = (0.37 * f64::from(i), 1e-5);
                 let [sn, ..] = modulus.argument(u).functions();
-                let slope = (pi(u + h) - pi(u - h)) / (2.0 * h);
-                assert!(
-                    (slope - 1.0 / (1.0 + c * sn * sn)).abs() < 1e-7,
-                    "k = {k}, c = {c}, u = {u}"
-                );
+                let slope = (excess(u + h) - excess(u - h)) / (2.0 * h);
+                let expected = c * sn * sn / (1.0 + c * sn * sn);
+                assert!((slope - expected).abs() < 1e-7, "k = {k}, c = {c}, u = {u}");
             }
+        }
+    }
+
+    #[test]
+    fn beside_the_separatrix_cn_and_dn_are_right_in_their_own_digits() {
+        // kc = 0 to rounding: cn = dn = 1/cosh u but for kc^2 cosh^2 u / 4.
+        let modulus = Modulus { k2: 1.0, kc2: 1e-36 };
+        for u in [0.1, 1.0, 5.9, 12.0, 20.0] {
+            let [sn, cn, dn] = modulus.argument(u).functions();
+            let expected = 1.0 / u.cosh();
+            assert!((sn / u.tanh() - 1.0).abs() < 1e-15);
+            assert!((cn / expected - 1.0).abs() < 1e-14, "u = {u}: {cn:e} {expected:e}");
+            assert!((dn / expected - 1.0).abs() < 1e-14, "u = {u}: {dn:e} {expected:e}");
         }
     }
 }

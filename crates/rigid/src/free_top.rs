@@ -5,20 +5,22 @@
 //! A^2 = Ix (2T Iz - L^2)/(Iz - Ix)         l^2 = (Iz - Iy)(L^2 - 2T Ix)/(Ix Iy Iz)
 //! B^2 = Iy (2T Iz - L^2)/(Iz - Iy)         k^2 = (Iy - Ix)(2T Iz - L^2)/((Iz - Iy)(L^2 - 2T Ix))
 //! C^2 = Iz (L^2 - 2T Ix)/(Iz - Ix)
-//! psi = L t/Ix - L (L^2 - 2T Ix)/(Ix C^2 l) [Pi(u) - Pi(u0)],   Pi over 1 + (A/C)^2 sn^2
-//! R(t) = R0 Q0^-1 exp(psi e3) Q(t),        Q m = L e3, and Q ex in the plane of e1 and e3
+//! psi = L t/Is + L (Is - Ia)/(Ix Iz l) [E_c(u) - E_c(u0)]
+//!       a = x,  s = z,  c = (A/C)^2 if A <= C,       a = z,  s = x,  c = (k C/A)^2 if not
+//! R(t) = R0 Q0^-1 exp(psi e3) Q(t),        Q m = L e3, and Q ea in the plane of e1 and e3
 //! ```
 //! `m` angular momentum in body axes, `L` its length, `T` the energy, `I` principal moments. `y` is
 //! the axis of the middle moment, `z` that of the largest if `L^2 > 2T Iy` and of the smallest if
-//! less: the one that `m` circles. `psi` is the turn of the axis `x` about the angular momentum,
-//! which it never meets; of short times it is summed by Gauss's points instead. Differences like
-//! `2T Iz - L^2` are summed from terms of one sign; only the distance from the separatrix,
-//! `L^2 - 2T Iy`, cancels, and is summed from exact products.
+//! less: the one that `m` circles. `psi` is the turn about the angular momentum of the axis `a`, the one
+//! of `x` and `z` that stays away from it, and `E_c(u) = int_0^u c sn^2/(1 + c sn^2)`: no term turns
+//! faster than the body does, so that none cancels. Of short times psi is summed by Gauss's points
+//! instead. Differences like `2T Iz - L^2` are summed from terms of one sign; only the distance from the
+//! separatrix, `L^2 - 2T Iy`, cancels, and is summed from exact products.
 //!
 //! Errors are roundings that grow with the angle turned, times what the motion itself makes of a
 //! rounding of its start: beside the separatrix that is `exp(l t)`. On the separatrix, where the period is
 //! infinite, hyperbolic functions take over by themselves. Source: Landau and Lifshitz, Mechanics,
-//! 37; Whittaker, Analytical Dynamics, 69.
+//! 37; Whittaker, Analytical Dynamics, 69; DLMF 19.7.8, which leads from one axis to the other.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -55,7 +57,15 @@ struct Tumble {
     modulus: Modulus,
     /// u at time zero.
     phase: f64,
-    /// Pi at time zero.
+    /// The axis a, whose turn about the angular momentum is followed.
+    followed: usize,
+    /// The axis s.
+    steady: usize,
+    /// c.
+    eccentricity: f64,
+    /// `L (Is - Ia)/(Ix Iz l)`
+    gain: f64,
+    /// E_c at time zero.
     integral: f64,
     /// `R0 Q0^-1`.
     frame: Rotation,
@@ -155,48 +165,60 @@ impl Tumble {
             (i[z] * spin / (i[z] - i[x])).sqrt() * m[z].signum(),
         ];
         let phase = modulus.argument_of(m[y] / amplitudes[1], m[x] / amplitudes[0]);
-        if !phase.is_finite() {
+        let ratio = amplitudes[0] / amplitudes[2];
+        if !phase.is_finite() || ratio.is_nan() {
             // On the axis of the middle moment, which the separatrix takes for ever to leave.
             return None;
         }
+        let (followed, steady, eccentricity) = match ratio.abs() <= 1.0 {
+            true => (x, z, ratio.powi(2)),
+            false => (z, x, k2 / ratio.powi(2)),
+        };
         let mut tumble = Tumble {
             axes: [x, y, z],
             amplitudes: amplitudes.map(|amplitude| amplitude * size),
             rate: rate * (size / unit),
             modulus,
             phase,
+            followed,
+            steady,
+            eccentricity,
+            gain: length(&m) * (i[steady] - i[followed]) / (i[x] * i[z] * rate),
             integral: 0.0,
-            frame: start.compose(&to_momentum(&m, x).inverse()),
+            frame: start.compose(&to_momentum(&m, followed).inverse()),
         };
-        tumble.integral = modulus.third_integral(&modulus.argument(phase), tumble.eccentricity());
+        tumble.integral = modulus.excess_integral(&modulus.argument(phase), eccentricity);
         Some(tumble)
     }
 
-    /// The turn of the axis x about the angular momentum after a time, radians.
+    /// The turn of the followed axis about the angular momentum after a time, radians.
     fn precession(&self, t: f64, u: &Argument, length: f64, i: &Vector3<f64>) -> f64 {
-        let [x, y, z] = self.axes;
-        let c = self.eccentricity();
-        if (self.rate * t).abs() * (1.0 + c).sqrt() < SHORT {
+        let panels = (self.rate * t).abs() * (1.0 + self.eccentricity).sqrt() / PANEL;
+        if panels < SHORT {
             // Small differences of the integral would be rounding, over a rate that may be smaller.
-            let rate = |t: f64| {
-                let m = self.momentum(t);
-                let (my, mz) = (m[y] / length, m[z] / length);
-                (my * my / i[y] + mz * mz / i[z]) / (my * my + mz * mz)
-            };
-            let pair = |(node, weight): &(f64, f64)| {
-                weight * (rate(0.5 * t * (1.0 + node)) + rate(0.5 * t * (1.0 - node)))
-            };
-            return 0.5 * t * length * GAUSS.iter().map(pair).sum::<f64>();
+            return self.summed_precession(t, panels.ceil().max(1.0), length, i);
         }
-        let passed = self.modulus.third_integral(u, c) - self.integral;
-        // (L^2 - 2T Ix)/C^2, from C^2 itself.
-        let ratio = (i[z] - i[x]) / i[z];
-        length / i[x] * (t - ratio * passed / self.rate)
+        let passed = self.modulus.excess_integral(u, self.eccentricity) - self.integral;
+        length / i[self.steady] * t + self.gain * passed
     }
 
-    /// `(A/C)^2`
-    fn eccentricity(&self) -> f64 {
-        (self.amplitudes[0] / self.amplitudes[2]).powi(2)
+    /// The precession by Gauss's points in so many panels.
+    fn summed_precession(&self, t: f64, panels: f64, length: f64, i: &Vector3<f64>) -> f64 {
+        let (y, s) = (self.axes[1], self.steady);
+        let rate = |t: f64| {
+            let m = self.momentum(t);
+            let (my, ms) = (m[y] / length, m[s] / length);
+            (my * my / i[y] + ms * ms / i[s]) / (my * my + ms * ms)
+        };
+        let half = 0.5 * t / panels;
+        let panel = |k: usize| {
+            let middle = half * (2 * k + 1) as f64;
+            let pair = |(node, weight): &(f64, f64)| {
+                weight * (rate(middle + half * node) + rate(middle - half * node))
+            };
+            GAUSS.iter().map(pair).sum::<f64>()
+        };
+        half * length * (0..panels as usize).map(panel).sum::<f64>()
     }
 
     fn momentum(&self, t: f64) -> Vector3<f64> {
@@ -215,13 +237,16 @@ impl Tumble {
         let u = self.modulus.argument(self.phase + self.rate * t);
         let psi = self.precession(t, &u, length, &i);
         let precession = Rotation::exp(Vector3::z() * psi);
-        let now = to_momentum(&self.momentum(t), self.axes[0]);
+        let now = to_momentum(&self.momentum(t), self.followed);
         self.frame.compose(&precession).compose(&now).normalized()
     }
 }
 
-/// Below this part of the integrand's scale eight points integrate it to rounding.
-const SHORT: f64 = 0.4;
+/// Within this part of the integrand's scale eight points integrate it to rounding.
+const PANEL: f64 = 0.4;
+
+/// Times of fewer panels are summed.
+const SHORT: f64 = 8.0;
 
 /// Gauss's eight points in (-1, 1), by pairs, with their weights.
 const GAUSS: [(f64, f64); 4] = [
@@ -243,11 +268,11 @@ fn side(i: &Vector3<f64>, m: &Vector3<f64>, [a, b, c]: [usize; 3]) -> f64 {
     above.plus(below).hi / i[a] / i[c]
 }
 
-/// The turn Q that brings `m` to the third axis and the axis x into the plane of the first and
+/// The turn Q that brings `m` to the third axis and the followed axis into the plane of the first and
 /// third.
-fn to_momentum(m: &Vector3<f64>, x: usize) -> Rotation {
+fn to_momentum(m: &Vector3<f64>, followed: usize) -> Rotation {
     let mut axis = Vector3::zeros();
-    axis[x] = 1.0;
+    axis[followed] = 1.0;
     let third = (m / power_below(m.amax())).normalize();
     let second = third.cross(&axis).normalize();
     let rows = Matrix3::from_columns(&[second.cross(&third), second, third]);

@@ -58,6 +58,26 @@ fn the_closed_form_solves_the_equations_of_motion() {
     }
 }
 
+#[test]
+fn beside_the_separatrix_two_halves_of_a_motion_make_the_whole_to_rounding() {
+    // A flat body whose middle and smallest moments are far apart: from between the outer axes, as fast
+    // about each as the separatrix asks, to beside the middle one.
+    let moments = [691.0, 709.0, 19.8];
+    let body = Body::new(1.0, moments).unwrap();
+    let start = Rotation::exp(Vector3::new(0.3, -0.8, 0.2));
+    let [b, c, a] = moments;
+    let ratio = (c * (c - b) / (a * (b - a))).sqrt();
+    for off in [0.0, 1e-15, -1e-15, 1e-9, -1e-9] {
+        let top = FreeTop::new(body, start, Vector3::new(0.0, 1.0, ratio * (1.0 + off))).unwrap();
+        for t in [1.0, 2.0, 4.0, 6.0] {
+            let (half, w) = (top.orientation(0.5 * t), top.angular_velocity(0.5 * t));
+            let rest = FreeTop::new(body, half, w).unwrap();
+            let apart = rest.orientation(0.5 * t).direction_to(&top.orientation(t)).norm();
+            assert!(apart < 4e-16 * (1.0 + t) * t.exp() + 1e-13, "{off:e} {t}: {apart:e}");
+        }
+    }
+}
+
 /// The attitude's and the angular velocity's largest error over ten seconds.
 fn error(method: BodyMethod, body: Body, w: Vector3<f64>, steps: u32) -> (f64, f64) {
     let metric = BodyMetric::<Orientations>::new(vec![body]);
