@@ -227,7 +227,7 @@ fn absent(draw: &mut Draw) -> Verdict {
         p.truncate(draw.between(0, 6 * bodies));
     }
     // Numbers that were cut off may leave whole bodies.
-    let there = q.len() % 7 == 0 && p.len() == 6 * (q.len() / 7) && body < q.len() / 7;
+    let there = q.len().is_multiple_of(7) && p.len() == 6 * (q.len() / 7) && body < q.len() / 7;
     draw.note(format!("body {body} of {bodies}, {} places, {} momenta", q.len(), p.len()));
     match draw.below(4) {
         0 => {
