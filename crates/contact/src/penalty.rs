@@ -70,16 +70,18 @@ impl<K: Constraint> Potential for OneSidedPenalty<K> {
     }
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        let (closed, rows) = self.closed(q);
-        let mut lambda = vec![0.0; self.gaps.0.count()];
-        for (row, (contact, gap)) in closed.into_iter().enumerate() {
-            lambda[contact] = self.stiffness * gap;
-            let (freedoms, values): (Vec<usize>, Vec<f64>) = rows.row(row).unzip();
-            let k = self.stiffness;
+        // Open gaps too, with zeros: blocks come in the same order at every configuration.
+        let gaps = self.gaps.gaps(0.0, q);
+        let all: Vec<usize> = (0..gaps.len()).collect();
+        let rows = self.gaps.rows(0.0, q, &all);
+        for (contact, gap) in gaps.iter().enumerate() {
+            let (freedoms, values): (Vec<usize>, Vec<f64>) = rows.row(contact).unzip();
+            let entry = |a: &f64, b: &f64| if *gap < 0.0 { self.stiffness * a * b } else { 0.0 };
             let block: Vec<f64> =
-                values.iter().flat_map(|a| values.iter().map(move |b| k * a * b)).collect();
+                values.iter().flat_map(|a| values.iter().map(move |b| entry(a, b))).collect();
             hessian.add_symmetric(&freedoms, &block);
         }
+        let lambda: Vec<f64> = gaps.iter().map(|gap| self.stiffness * gap.min(0.0)).collect();
         self.gaps.0.add_hessian(0.0, q, &lambda, hessian);
     }
 }
