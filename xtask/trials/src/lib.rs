@@ -26,7 +26,7 @@ mod command;
 
 pub mod kinds;
 
-pub use command::Arguments;
+pub use command::{Arguments, CommandError};
 pub use draw::Draw;
 pub use kind::{KINDS, Kind};
 pub use run::{Fault, Plan, Tally};
