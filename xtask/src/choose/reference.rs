@@ -11,7 +11,8 @@
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
 //! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
 //! where there is no third that did not, there are two alone. How fast those of own steps shrink is not trusted: at the border of
-//! stability a tighter tolerance may change less than it should.
+//! stability a tighter tolerance may change less than it should. Loose tolerances that a method holds
+//! as one tighter one give one run: it says nothing of itself.
 
 use std::cmp::Reverse;
 
@@ -244,7 +245,7 @@ impl Reference {
     }
 
     /// The next coarser rung of a family that came to its end: the one before, or where that failed,
-    /// or tolerances are meant, one that was run already.
+    /// or tolerances are meant, one that was run already. It is another run than this one's.
     fn coarser(lab: &mut Lab, family: usize, rung: usize) -> Option<(usize, Course)> {
         let before = At { family, rung: rung.checked_sub(1)? };
         let looser = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
@@ -252,9 +253,12 @@ impl Reference {
         if !known {
             lab.measure(before);
         }
+        let this = lab.seen(At { family, rung })?;
         (0..rung).rev().find_map(|rung| {
             let run = lab.seen(At { family, rung })?;
-            Some((rung, run.whole()?.clone()))
+            let course = run.whole()?;
+            let same = run.works == this.works && *course == this.course;
+            (!same).then(|| (rung, course.clone()))
         })
     }
 

@@ -279,6 +279,17 @@ fn an_extrapolated_reference_is_no_worse_than_it_says() {
     assert!(error <= fine.uncertainty + truth.uncertainty, "{error:e} {:e}", fine.uncertainty);
 }
 
+/// Dormand and Prince's pair holds every tolerance above 1e-4 as that.
+#[test]
+fn tolerances_that_are_held_as_one_make_no_reference_of_each_other() {
+    let mut lab = laboratory("a.toml", PLANET, &question("position=planet", 1e-1)).unwrap();
+    let families = &lab.ladder().families;
+    let dormand = families.iter().position(|family| family.name == "dormand-prince-853").unwrap();
+    assert!(Reference::at(&mut lab, dormand, 2).is_none());
+    let finer = Reference::at(&mut lab, dormand, 4).unwrap();
+    assert!(finer.uncertainty > 0.0);
+}
+
 #[test]
 fn a_scene_that_names_a_tolerance_learns_which_one_to_name() {
     let text = PENDULUM
