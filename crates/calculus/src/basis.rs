@@ -92,7 +92,9 @@ impl ChangeOfBasis {
         let factor = FullPivLU::new(t.clone());
         let pivots = factor.u().diagonal();
         let negligible = dim as f64 * f64::EPSILON * pivots.amax();
-        let rank = pivots.iter().filter(|pivot| pivot.abs() > negligible).count();
+        // The inverse must be in the range of doubles as well.
+        let counts = |pivot: &f64| pivot.abs() > negligible && pivot.recip().is_finite();
+        let rank = pivots.iter().filter(|&pivot| counts(pivot)).count();
         if rank < dim {
             return Err(BasisError::Singular { rank, dim });
         }
@@ -258,6 +260,8 @@ mod tests {
         assert_eq!(error, BasisError::Singular { rank: 1, dim: 2 });
         let error = ChangeOfBasis::new(DMatrix::zeros(2, 2)).unwrap_err();
         assert_eq!(error, BasisError::Singular { rank: 0, dim: 2 });
+        let error = ChangeOfBasis::new(dmatrix![5e-324]).unwrap_err();
+        assert_eq!(error, BasisError::Singular { rank: 0, dim: 1 });
         let error = ChangeOfBasis::new(dmatrix![1.0, f64::INFINITY; 2.0, 4.0]).unwrap_err();
         assert!(matches!(error, BasisError::NotFinite { row: 0, column: 1, .. }), "{error}");
         let error = ChangeOfBasis::new(DMatrix::zeros(3, 2)).unwrap_err();

@@ -74,8 +74,8 @@ pub trait HessianSolver {
         self.factor_weighted(1.0, metric, a, potential, q)
     }
 
-    /// Replaces r by x, with the matrix factored last. Where that matrix is indefinite and no x
-    /// passes the check of its residual, every component of x is NaN.
+    /// Replaces r by x, with the matrix factored last. Where x exceeds the range of doubles, or the
+    /// matrix is indefinite and no x passes the check of its residual, every component of x is NaN.
     fn solve(&mut self, r: &mut [f64]);
 }
 
@@ -265,6 +265,9 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
             }
             r[j] = sum * column[j];
         }
+        if !r.iter().all(|x| x.is_finite()) {
+            r.fill(f64::NAN);
+        }
     }
 }
 
@@ -414,5 +417,16 @@ mod tests {
     fn the_solver_holds_the_storages_number_of_freedoms_only() {
         assert!(DenseSolver::<[f64; 2]>::new(3).is_none());
         assert!(DenseSolver::<[f64; 2]>::new(2).is_some());
+    }
+
+    #[test]
+    fn a_solution_beyond_the_range_of_doubles_is_no_number_throughout() {
+        let k = Quadratic(dmatrix![1e-300, 0.0; 0.0, 1.0]);
+        let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+        let mut solver = DenseSolver::<Vec<f64>>::new(2).unwrap();
+        assert_eq!(solver.factor_weighted(0.0, &metric, 1.0, &k, &[0.0; 2]), Ok(Rung::Cholesky));
+        let mut r = [1e10, 1.0];
+        solver.solve(&mut r);
+        assert!(r.iter().all(|x| x.is_nan()), "{r:?}");
     }
 }

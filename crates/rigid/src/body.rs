@@ -141,6 +141,7 @@ impl PrincipalFrame {
         let (first, second) = (column(0), column(1));
         let frame = Matrix3::from_columns(&[first, second, first.cross(&second)]);
         let moments = order.map(|k| eigen.eigenvalues[k] * size);
+        check_finite("the principal moments", &moments)?;
         Ok(PrincipalFrame { moments, rotation: Rotation::from_matrix(&frame)? })
     }
 }
