@@ -195,7 +195,10 @@ pub enum StepFailure {
     #[error(transparent)]
     Laplacian(#[from] LaplacianError),
     /// What is sampled exceeds the range of a double, though the state does not.
-    #[error("{quantity} is not finite (got {value}); use units in which it is smaller than 1e308")]
+    #[error(
+        "{quantity} is not finite (got {value}); where the motion grows without bound take a smaller \
+         step, else units in which it is smaller than 1e308"
+    )]
     Overflow {
         /// The name of the quantity.
         quantity: String,

@@ -398,7 +398,8 @@ fn a_run_whose_energy_exceeds_the_range_of_doubles_is_an_error_that_says_so() {
          particles = [{ name = \"a\", position = [0], mass = 1e304, velocity = [1e3] }]\n",
     );
     let error = heavy.unwrap().run().unwrap_err();
-    let expected = "step 0, from t = 0 s: kinetic energy is not finite (got inf); use units in \
-                    which it is smaller than 1e308";
+    let expected = "step 0, from t = 0 s: kinetic energy is not finite (got inf); where the \
+                    motion grows without bound take a smaller step, else units in which it is \
+                    smaller than 1e308";
     assert_eq!(error.to_string(), expected);
 }
