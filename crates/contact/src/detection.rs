@@ -59,6 +59,10 @@ pub struct Overlap {
 
 impl<G: Dimension> DetectorIn<G> {
     /// A detector of contacts between these colliders of `bodies` bodies.
+    ///
+    /// # Errors
+    /// [`ContactError::Restitution`] and [`ContactError::Friction`] out of range, with the number
+    /// of the collider; [`ContactError::Size`] for a collider on a body that is not there.
     pub fn new(colliders: Vec<ColliderIn<G>>, bodies: usize) -> Result<Self, ContactError> {
         for (i, collider) in colliders.iter().enumerate() {
             collider.check(i)?;
@@ -84,6 +88,10 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// The same with a restitution and a friction of their own for a pair of colliders.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::Restitution`] and
+    /// [`ContactError::Friction`] out of range, with the number of the first collider.
     pub fn with_pair(
         mut self,
         colliders: [usize; 2],
@@ -131,6 +139,11 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// The broad phase alone: how many pairs it leaves.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] unless `q` holds the poses of all bodies; where one is not finite
+    /// [`ContactError::NonFinite`] in the plane and [`ContactError::Rigid`] in space, there also
+    /// for a quaternion whose length is not 1.
     pub fn broad_phase(&mut self, q: &[f64], margin: f64) -> Result<usize, ContactError> {
         self.place(q)?;
         let (placed, poses) = (&self.placed, &self.poses);
@@ -139,6 +152,10 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// The contact points of bodies at the poses `q` whose gap is at most `margin`.
+    ///
+    /// # Errors
+    /// Those of [`DetectorIn::broad_phase`]; [`ContactError::NoQuery`] for two shapes that come
+    /// near and between which there is no query.
     pub fn detect(&mut self, q: &[f64], margin: f64) -> Result<&[ContactIn<G>], ContactError> {
         self.broad_phase(q, margin)?;
         self.contacts.clear();
@@ -151,6 +168,9 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// The pairs that overlap by more than `depth`, the deepest point of each.
+    ///
+    /// # Errors
+    /// Those of [`DetectorIn::detect`].
     pub fn overlaps(&mut self, q: &[f64], depth: f64) -> Result<Vec<Overlap>, ContactError> {
         let mut overlaps: Vec<Overlap> = Vec::new();
         for contact in self.detect(q, 0.0)?.iter().filter(|contact| -contact.gap > depth) {
@@ -163,7 +183,11 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(overlaps)
     }
 
-    /// An error where bodies overlap by more than `depth`.
+    /// Checks that no bodies overlap by more than `depth`.
+    ///
+    /// # Errors
+    /// [`ContactError::Overlap`] where they do, with the colliders of the deepest pair; those of
+    /// [`DetectorIn::detect`].
     pub fn check_free(&mut self, q: &[f64], depth: f64) -> Result<(), ContactError> {
         let overlaps = self.overlaps(q, depth)?;
         let deepest = overlaps.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));

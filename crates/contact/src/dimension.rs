@@ -56,7 +56,11 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     /// Where a body is.
     fn pose(q: &[f64], body: usize) -> Self::Motion;
 
-    /// An error unless every pose is one.
+    /// Checks that every pose is one.
+    ///
+    /// # Errors
+    /// In the plane [`ContactError::NonFinite`]. In space [`ContactError::Rigid`]: numbers that are
+    /// not finite or not seven a body, a quaternion whose length is not 1.
     fn check(q: &[f64]) -> Result<(), ContactError>;
 
     /// Where a point of a body is in the world.
@@ -78,6 +82,10 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     fn velocity(q: &[f64], v: &[f64], body: usize, arm: &Self::Vector) -> Self::Vector;
 
     /// Moves bodies freely: centres straight by `h v`, and what turns keeps its spin.
+    ///
+    /// # Errors
+    /// In space [`ContactError::Step`] where the equation of a turn is not solved; the bodies
+    /// before that one have moved. In the plane none.
     fn advance(
         metric: &Self::Metric,
         q: &mut [f64],

@@ -118,6 +118,10 @@ fn check_radius(value: f64) -> Result<(), ContactError> {
 
 impl<const D: usize> Balls<D> {
     /// Balls of these radii among these walls; all pairs of them are gaps.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] for a radius that is negative or not finite, and for a normal whose
+    /// length is not 1; [`ContactError::NonFinite`] for a wall that is not finite.
     pub fn new(radii: Vec<f64>, walls: Vec<Wall<D>>) -> Result<Self, ContactError> {
         radii.iter().try_for_each(|&radius| check_radius(radius))?;
         for wall in &walls {
@@ -140,6 +144,10 @@ impl<const D: usize> Balls<D> {
     }
 
     /// The same balls among fixed balls as well.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] for a radius that is negative or not finite;
+    /// [`ContactError::NonFinite`] for a centre that is not finite.
     pub fn with_fixed(self, fixed: Vec<FixedBall<D>>) -> Result<Self, ContactError> {
         for ball in &fixed {
             check_radius(ball.radius)?;

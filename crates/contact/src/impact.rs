@@ -27,6 +27,11 @@ pub struct Impact {
 
 impl Impact {
     /// Contacts with these differentials between things of this mass, each with its restitution.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] unless each row has a restitution; [`ContactError::Restitution`]
+    /// outside of 0 to 1; [`ContactError::NoSuchFreedom`]; [`ContactError::NonFinite`] for an entry
+    /// or a compliance; [`ContactError::Immovable`] for a row along which nothing can move.
     pub fn new(
         rows: ContactRows,
         mass: &InverseMass,

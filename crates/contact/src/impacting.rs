@@ -88,6 +88,11 @@ pub struct Impacting<'s, M, P, K> {
 
 impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
     /// Impacts of one restitution at all gaps, by a law, at a time of choice.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] where gaps and system have different freedoms;
+    /// [`ContactError::Restitution`] outside of 0 to 1; [`ContactError::Mass`] where the metric is
+    /// not positive definite.
     pub fn new(
         system: &'s System<M, P>,
         gaps: &'s Inequality<K>,
@@ -104,7 +109,12 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         Ok(Impacting { system, gaps, verlet, mass, restitution, law, when })
     }
 
-    /// Moves a state by `h` seconds. On an error it is as it was.
+    /// Moves a state by `h` seconds.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] of Stormer-Verlet; [`ContactError::TooManyImpacts`] at the instant;
+    /// those of [`Impact::new`] and [`ImpactLaw::apply`] for gaps that close;
+    /// [`ContactError::NonFinite`] after a filtered step. The state is then as it was.
     pub fn step(
         &mut self,
         state: &mut State<Vec<f64>>,

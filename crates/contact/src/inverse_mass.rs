@@ -38,6 +38,9 @@ impl Sink for Collected {
 
 impl InverseMass {
     /// The inverse of a metric.
+    ///
+    /// # Errors
+    /// [`ContactError::Mass`] where a block of the metric is not positive definite.
     pub fn of(metric: &impl Metric) -> Result<Self, ContactError> {
         let n = metric.dim();
         let mut collected = Collected::default();

@@ -124,6 +124,9 @@ impl ImpactLaw {
     }
 
     /// The same with another bound on the passes.
+    ///
+    /// # Errors
+    /// Those of [`ImpactLaw::apply`], after `bound` passes.
     pub fn apply_within(
         self,
         impact: &Impact,

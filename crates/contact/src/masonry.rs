@@ -38,6 +38,11 @@ pub struct Arch {
 
 impl Arch {
     /// The arch as it is built, at rest.
+    ///
+    /// # Errors
+    /// [`ContactError::Outline`], [`ContactError::Flat`], [`ContactError::Rigid`] and
+    /// [`ContactError::Mass`] where radius and thickness leave a wedge without area or mass;
+    /// [`ContactError::Friction`] where it is negative or not finite.
     pub fn built(&self) -> Result<Built, ContactError> {
         let (mut masses, mut inertias, mut q) = (Vec::new(), Vec::new(), Vec::new());
         let mut colliders = Vec::new();

@@ -64,6 +64,11 @@ struct Meeting {
 impl MeshFilter {
     /// A filter for vertices of these masses (kg), some of them pinned (they move as they are
     /// told), and these triangles. Meetings are found to `tolerance` metres.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] unless each vertex is said to be pinned or not;
+    /// [`ContactError::NoSuchVertex`]; [`ContactError::Flat`] for a triangle that names a vertex
+    /// twice; [`ContactError::Mass`] for one that is not positive and finite.
     pub fn new(
         masses: Vec<f64>,
         pinned: Vec<bool>,
@@ -97,7 +102,13 @@ impl MeshFilter {
     }
 
     /// Changes the velocities of the vertices so that nothing meets on the way from `q` to `q + h
-    /// v`. On an error they are as they were.
+    /// v`.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`]; [`ContactError::NonFinite`] and [`ContactError::Tolerance`], as of
+    /// [`particle_meets_triangle`] for what comes near; [`ContactError::Immovable`] for a meeting
+    /// along which nothing can move; [`ContactError::NotConverged`]. The velocities are then as
+    /// they were.
     pub fn filter(
         &self,
         q: &[f64],

@@ -23,6 +23,9 @@ pub struct OneSidedPenalty<K> {
 
 impl<K: Constraint> OneSidedPenalty<K> {
     /// Springs of this stiffness, N/m.
+    ///
+    /// # Errors
+    /// [`ContactError::Stiffness`] unless it is positive and finite.
     pub fn new(gaps: Inequality<K>, stiffness: f64) -> Result<Self, ContactError> {
         if stiffness > 0.0 && stiffness.is_finite() {
             return Ok(OneSidedPenalty { gaps, stiffness });
@@ -31,6 +34,11 @@ impl<K: Constraint> OneSidedPenalty<K> {
     }
 
     /// The angular frequency of each of these contacts on its own, rad/s.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a contact named twice or not there; [`ContactError::Immovable`]
+    /// for a gap that nothing movable closes; [`ContactError::NoSuchFreedom`] and
+    /// [`ContactError::NonFinite`] of its differential.
     pub fn frequencies(
         &self,
         mass: &InverseMass,

@@ -38,12 +38,19 @@ impl std::fmt::Debug for PlanarShape {
 
 impl PlanarShape {
     /// A disc of this radius.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn disc(radius: f64) -> Result<Self, ContactError> {
         check_length("disc", "radius", radius)?;
         Ok(PlanarShape { geometry: SharedShape::ball(radius), pieces: Vec::new(), name: "disc" })
     }
 
     /// A box of these half sizes.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the half sizes are positive and finite;
+    /// [`ContactError::Flat`] where their product leaves the range of numbers.
     pub fn cuboid(half: [f64; 2]) -> Result<Self, ContactError> {
         half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
         let [a, b] = half;
@@ -87,6 +94,10 @@ impl PlanarShape {
 
     /// The half-plane on the side of the origin away from this normal, whose length does not
     /// matter.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`]; [`ContactError::Length`] where the square of its length is zero
+    /// or leaves the range of numbers.
     pub fn half_plane(normal: Vector2<f64>) -> Result<Self, ContactError> {
         check_finite("the normal of a half-plane", normal.as_slice())?;
         check_length("half-plane", "normal", normal.norm())?;

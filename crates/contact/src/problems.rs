@@ -44,12 +44,18 @@ pub struct ImpactProblem {
 
 impl ImpactProblem {
     /// The impact, its contacts in the order listed.
+    ///
+    /// # Errors
+    /// Those of [`ImpactProblem::impact_in_order`].
     pub fn impact(&self) -> Result<Impact, ContactError> {
         let order: Vec<usize> = (0..self.rows.len()).collect();
         self.impact_in_order(&order)
     }
 
     /// The impact with its contacts listed in another order.
+    ///
+    /// # Errors
+    /// [`ContactError::Mass`] where a mass is not positive and finite; those of [`Impact::new`].
     pub fn impact_in_order(&self, order: &[usize]) -> Result<Impact, ContactError> {
         let metric = DiagonalMetric::new(self.masses.clone())
             .map_err(|_| ContactError::Mass { freedom: 0 })?;

@@ -34,11 +34,19 @@ pub struct Projected {
 }
 
 /// Projects a velocity on those that no contact forbids.
+///
+/// # Errors
+/// [`ContactError::Size`] and [`ContactError::NonFinite`] for the velocity;
+/// [`ContactError::NotConverged`] where contacts still approach at the bound on the rounds. The
+/// velocity is then as it was.
 pub fn project(impact: &Impact, v: Vector<&mut [f64]>) -> Result<Projected, ContactError> {
     project_onto(impact, &all(impact.len()), &vec![0.0; impact.len()], v)
 }
 
 /// The same with a guess of the impulses: who pushes, not how much.
+///
+/// # Errors
+/// [`ContactError::Size`] unless there is a guess for each contact; those of [`project`].
 pub fn project_from(
     impact: &Impact,
     guess: &[f64],

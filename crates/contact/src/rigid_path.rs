@@ -33,6 +33,9 @@ enum Line {
 impl RigidPath {
     /// The origin moves straight by `way` (m, world axes) while the body turns by `turn` (radians,
     /// body axes).
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a start, a way or a turn that is not finite.
     pub fn straight(
         start: RigidMotion,
         way: Vector3<f64>,
@@ -42,12 +45,18 @@ impl RigidPath {
     }
 
     /// The path `g0 exp(s (v, w))` of a twist: its way (m) and its turn (radians), body axes.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a start, a way or a turn that is not finite.
     pub fn screw(start: RigidMotion, twist: Vector6<f64>) -> Result<Self, ContactError> {
         let [velocity, turn] = [0, 3].map(|k| twist.fixed_rows::<3>(k).into_owned());
         RigidPath { start, velocity, turn, line: Line::Screw }.checked()
     }
 
     /// A body that stays.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a pose that is not finite.
     pub fn still(pose: RigidMotion) -> Result<Self, ContactError> {
         RigidPath::straight(pose, Vector3::zeros(), Vector3::zeros())
     }

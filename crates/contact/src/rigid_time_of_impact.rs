@@ -177,7 +177,7 @@ fn closest(bodies: &[Body<'_>; 2], poses: &[RigidMotion; 2]) -> Option<[Vector3<
 /// body's origin all the way.
 ///
 /// # Errors
-/// As of [`rigid_bodies_meet`].
+/// Those of [`rigid_bodies_meet`], for pairs that come near each other.
 pub fn rigid_bodies_that_meet(
     movers: &[Mover<'_>],
     close: Closeness,

@@ -33,12 +33,18 @@ impl std::fmt::Debug for Shape {
 
 impl Shape {
     /// A ball of this radius.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn ball(radius: f64) -> Result<Self, ContactError> {
         check_length("ball", "radius", radius)?;
         Ok(Shape { geometry: SharedShape::ball(radius), wide: None, name: "ball" })
     }
 
     /// A box of these half sizes.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the half sizes are positive and finite.
     pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
         half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
         let geometry = SharedShape::cuboid(half[0], half[1], half[2]);
@@ -46,6 +52,10 @@ impl Shape {
     }
 
     /// The convex hull of these points.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a point that is not finite; [`ContactError::Flat`] for
+    /// points in one plane, or so near to it that no hull is found.
     pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ContactError> {
         let shape = "convex solid";
         points.iter().try_for_each(|p| check_finite("a point of a convex solid", p.as_slice()))?;
@@ -59,6 +69,10 @@ impl Shape {
 
     /// The half-space on the side of the origin away from this normal, whose length does not
     /// matter.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`]; [`ContactError::Length`] where the square of its length is zero
+    /// or leaves the range of numbers.
     pub fn half_space(normal: Vector3<f64>) -> Result<Self, ContactError> {
         check_finite("the normal of a half-space", normal.as_slice())?;
         check_length("half-space", "normal", normal.norm())?;
@@ -68,6 +82,10 @@ impl Shape {
     }
 
     /// A surface of triangles.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a vertex that is not finite; [`ContactError::NoSuchVertex`];
+    /// [`ContactError::Flat`] for a triangle without area, and without any triangle.
     pub fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Self, ContactError> {
         let shape = "mesh";
         vertices.iter().try_for_each(|v| check_finite("a vertex of a mesh", v.as_slice()))?;

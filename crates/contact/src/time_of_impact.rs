@@ -28,6 +28,11 @@ use crate::error::check_finite;
 use crate::{Closeness, ContactError, Hit, Moving};
 
 /// When a particle comes within the thickness of a triangle.
+///
+/// # Errors
+/// [`ContactError::NonFinite`]; [`ContactError::Tolerance`] for a tolerance that is not finite or
+/// not above 512 roundings of the largest coordinate, and for a thickness that is negative or not
+/// finite.
 pub fn particle_meets_triangle(
     particle: &Moving,
     triangle: &[Moving; 3],
@@ -38,6 +43,9 @@ pub fn particle_meets_triangle(
 }
 
 /// When an edge comes within the thickness of another.
+///
+/// # Errors
+/// Those of [`particle_meets_triangle`].
 pub fn edge_meets_edge(
     first: &[Moving; 2],
     second: &[Moving; 2],

@@ -94,6 +94,9 @@ struct Memory {
 
 impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// Bodies with these colliders.
+    ///
+    /// # Errors
+    /// [`ContactError::Mass`], but not for bodies: theirs is positive.
     pub fn new(system: &'s Bodies<P>, detector: Detector) -> Result<Self, ContactError> {
         let n = system.dim();
         let zeros = || Vector(vec![0.0; n]);
@@ -118,6 +121,9 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     }
 
     /// The same with these bodies as moving obstacles, which nothing slows down.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] where an obstacle is no body.
     pub fn with_obstacles(mut self, obstacles: Vec<usize>) -> Result<Self, ContactError> {
         let bodies = self.system.metric().bodies().len();
         if let Some(&got) = obstacles.iter().find(|&&body| body >= bodies) {
@@ -172,6 +178,12 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     }
 
     /// Moves a state by `h` seconds.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for `h`, and for a turn whose equation is not solved; those of
+    /// [`Detector::detect`]; [`ContactError::Size`] and [`ContactError::NonFinite`] for the
+    /// momentum and for what comes out; [`ContactError::Immovable`] for a contact of two that
+    /// nothing moves; [`ContactError::NotConverged`] of impacts. The state is then as it was.
     pub fn step(
         &mut self,
         state: &mut State<Vec<f64>>,

@@ -93,6 +93,10 @@ pub type SpatialWorld<P> = World<crate::Spatial, P>;
 
 impl<G: Dimension, P: Potential> World<G, P> {
     /// A system of bodies with these colliders; impacts by generalized reflections.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] where system and detector have different bodies;
+    /// [`ContactError::Mass`] where the metric is not positive definite.
     pub fn new(system: BodiesIn<G, P>, detector: DetectorIn<G>) -> Result<Self, ContactError> {
         SizeError::check("the detector's bodies", system.dim() / G::FREEDOMS, detector.bodies())?;
         let mass = InverseMass::of(system.metric())?;
@@ -108,6 +112,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// The same with these bodies as moving obstacles, which nothing slows down.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] where an obstacle is no body.
     pub fn with_obstacles(mut self, obstacles: Vec<usize>) -> Result<Self, ContactError> {
         let (bodies, f) = (self.detector.bodies(), G::FREEDOMS);
         if let Some(&got) = obstacles.iter().find(|&&body| body >= bodies) {
@@ -155,6 +162,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// Moves a state by `h` seconds.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for `h`, and in space for a turn whose equation is not solved; those
+    /// of [`DetectorIn::detect`]; [`ContactError::Size`] and [`ContactError::NonFinite`] for the
+    /// momentum and for what comes out; [`ContactError::Immovable`] for a contact of two that
+    /// nothing moves; [`ContactError::NotConverged`]. The state is then as it was.
     pub fn step(
         &mut self,
         state: &mut State<Vec<f64>>,

@@ -149,36 +149,54 @@ pub struct Tagged<T> {
 
 /// Each kind of element with the nodes that it names, in their order, and no others. A mesh in the
 /// plane is `mapped` there.
-///
-/// # Errors
-/// [`MeshError::Empty`] where there are no elements of the kind, and those of [`Mesh::new`].
 impl Msh {
     /// The segments.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of [`Mesh::new`].
     pub fn segments(&self) -> Result<Tagged<Mesh<3, 2>>, MeshError> {
         self.named(&self.segments, Mesh::new)
     }
 
     /// The triangles.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of [`Mesh::new`].
     pub fn triangles(&self) -> Result<Tagged<Mesh<3, 3>>, MeshError> {
         self.named(&self.triangles, Mesh::new)
     }
 
     /// The tetrahedra.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of [`Mesh::new`].
     pub fn tetrahedra(&self) -> Result<Tagged<Mesh<3, 4>>, MeshError> {
         self.named(&self.tetrahedra, Mesh::new)
     }
 
     /// The segments of three nodes.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of
+    /// [`QuadraticSegments::new`](crate::Quadratic::new).
     pub fn quadratic_segments(&self) -> Result<Tagged<QuadraticSegments<3>>, MeshError> {
         self.named(&self.quadratic_segments, QuadraticSegments::new)
     }
 
     /// The triangles of six nodes.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of
+    /// [`QuadraticTriangles::new`](crate::Quadratic::new).
     pub fn quadratic_triangles(&self) -> Result<Tagged<QuadraticTriangles<3>>, MeshError> {
         self.named(&self.quadratic_triangles, QuadraticTriangles::new)
     }
 
     /// The tetrahedra of ten nodes.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] where there are none, and those of
+    /// [`QuadraticTetrahedra::new`](crate::Quadratic::new).
     pub fn quadratic_tetrahedra(&self) -> Result<Tagged<QuadraticTetrahedra<3>>, MeshError> {
         self.named(&self.quadratic_tetrahedra, QuadraticTetrahedra::new)
     }

@@ -34,7 +34,8 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
     ///
     /// # Errors
     /// [`ModalError::NoEquilibrium`] with the size that it has; [`ModalError::Mass`] where the
-    /// metric is not positive definite.
+    /// metric is not positive definite; [`ModalError::Parameter`] where nothing is stiff, or a
+    /// stiffness is not finite; [`ModalError::Size`] and those of the sparse matrices.
     pub fn at(
         metric: &'a M,
         potential: &'a P,

@@ -118,6 +118,9 @@ impl Checkpoint {
 
     /// Writes the checkpoint to a file, all of it or nothing: whatever happens, the file is the new
     /// checkpoint or what it was before.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written whole or cannot take the checkpoint's name.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let fresh = path.with_extension("new");
@@ -134,7 +137,8 @@ impl Checkpoint {
     /// Reads a checkpoint back.
     ///
     /// # Errors
-    /// A file that is none, or not whole.
+    /// [`CheckpointError::Read`] and [`CheckpointError::TooLarge`] for the file; those of
+    /// [`Checkpoint::parse`] for its bytes.
     pub fn read(path: impl AsRef<Path>) -> Result<Checkpoint, CheckpointError> {
         let path = path.as_ref();
         let failed = |source| CheckpointError::Read { path: path.to_owned(), source };
@@ -148,7 +152,8 @@ impl Checkpoint {
     /// The checkpoint that these bytes are.
     ///
     /// # Errors
-    /// Bytes that are none.
+    /// [`CheckpointError::NoCheckpoint`] for other bytes, [`CheckpointError::Version`] for those of
+    /// another version, [`CheckpointError::Damaged`] where they were cut or changed.
     pub fn parse(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
         let rest = bytes.strip_prefix(MAGIC.as_bytes()).ok_or(CheckpointError::NoCheckpoint)?;
         let end = rest.iter().take(64).position(|&byte| byte == b'\n');

@@ -13,6 +13,9 @@ use crate::{AssemblyError, Built, Scene, sparse_steps};
 
 impl Scene {
     /// A method on the scene's problem, with a sparse solver where that pays.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Sparse`] where the matrix of an implicit method does not fit into memory.
     pub fn integrator<'s, const D: usize>(
         &self,
         problem: &'s SceneProblem<D>,

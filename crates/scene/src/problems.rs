@@ -38,6 +38,9 @@ const JUPITERS_YEAR: f64 = 4332.0;
 
 /// The sun, Jupiter, Saturn, Uranus, Neptune and Pluto over 200,000 days: au, days, solar masses.
 /// Its period is Jupiter's year.
+///
+/// # Errors
+/// None: its scene ships with the crate.
 pub fn outer_solar_system() -> Result<SceneProblem<3>, ProblemError> {
     let scene = Scene::parse("outer-solar-system.toml", OUTER_SOLAR_SYSTEM)?;
     let problem = scene.problem::<3>()?;
@@ -46,6 +49,9 @@ pub fn outer_solar_system() -> Result<SceneProblem<3>, ProblemError> {
 
 /// The net of `spring-net.toml` with other numbers of rows and columns, at least two of each. Its
 /// period is one over the bound 8 k/m on the square of its frequencies, rooted.
+///
+/// # Errors
+/// [`ProblemError::Scene`] as of [`spring_net_scene`].
 pub fn spring_net(rows: u32, columns: u32) -> Result<SceneProblem<3>, ProblemError> {
     let scene = spring_net_scene(rows, columns)?;
     let problem = scene.problem::<3>()?;
@@ -57,6 +63,10 @@ pub fn spring_net(rows: u32, columns: u32) -> Result<SceneProblem<3>, ProblemErr
 
 /// The scene of `spring-net.toml` with other numbers of rows and columns, and the usual observables.
 /// A larger net is sampled less often, so that its samples take no more memory.
+///
+/// # Errors
+/// [`SceneError::Invalid`] for fewer than two rows or columns, for a net that is too large, and
+/// without the feature `elasticity`.
 pub fn spring_net_scene(rows: u32, columns: u32) -> Result<Scene, SceneError> {
     Scene::parse_changed("spring-net.toml", SPRING_NET, |declared| {
         declared.observables = None;

@@ -132,6 +132,9 @@ impl Integrator<Vec<f64>> for Owned<'_> {
 
 impl Scene {
     /// The scene's rods as a constraint on its problem.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Constraint`] as of [`Rods::new`]; none that a checked scene has.
     pub fn constraint<const D: usize>(&self) -> Result<Rods<D>, AssemblyError> {
         let vertices = Vertices::new(self);
         let pinned = &vertices.particles[vertices.free..];

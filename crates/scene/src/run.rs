@@ -138,11 +138,19 @@ pub struct Progress<'a> {
 
 impl Scene {
     /// Runs the scene to its horizon.
+    ///
+    /// # Errors
+    /// Those of [`Scene::run_watched`].
     pub fn run(&self) -> Result<Run, RunError> {
         self.run_watched(|_| ControlFlow::Continue(()))
     }
 
     /// Runs the scene to its horizon, or until the watcher breaks off; that is no error.
+    ///
+    /// # Errors
+    /// [`RunError::Assembly`] where scene and method make no system. Where a step fails
+    /// [`RunError::Interrupted`] of particles, [`RunError::Stopped`] of bodies and heat; the latter
+    /// also where a sample is not finite. Both hold the run up to there.
     pub fn run_watched(
         &self,
         watch: impl FnMut(Progress<'_>) -> ControlFlow<()>,
@@ -156,7 +164,8 @@ impl Scene {
     /// A run that is resumed has the samples, the counts and the bits of a whole one.
     ///
     /// # Errors
-    /// What stops a run, and a checkpoint that is not one of this scene.
+    /// Those of [`Scene::run_watched`]; [`RunError::Checkpoint`] where the checkpoint is not one of
+    /// this scene, or where its last step leads to other bits here.
     pub fn run_from(
         &self,
         checkpoint: Option<Checkpoint>,
@@ -409,6 +418,9 @@ impl Run {
     /// | `summary.txt` | the summary, and what was built |
     /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
     /// | `player.html` | a page that plays the motion |
+    ///
+    /// # Errors
+    /// [`WriteError`] at the first folder or file that cannot be written.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder)
@@ -432,6 +444,9 @@ impl Run {
 
     /// Writes `trajectory.pvd` and the files that it names, for ParaView, into a folder, which is
     /// made where it is missing.
+    ///
+    /// # Errors
+    /// [`WriteError`] at the first folder or file that cannot be written.
     pub fn write_vtk(&self, folder: impl AsRef<Path>) -> Result<(), WriteError> {
         vtk::write(self, folder.as_ref())
     }

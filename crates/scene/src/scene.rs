@@ -103,12 +103,19 @@ impl Timing {
 impl Scene {
     /// The scene that a text describes. `name` stands in errors where a file's name would, and for
     /// a title where the text gives none. Such a scene has no folder to find meshes in.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the [`Fault`] and its place; [`SceneError::TooLarge`] beyond
+    /// [`limits::FILE_BYTES`].
     pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
         Scene::parse_in(None, name, text)
     }
 
     /// The scene that a text describes, as if it stood in the file of this path: meshes are those
     /// beside it.
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`].
     pub fn parse_at(path: impl AsRef<Path>, text: &str) -> Result<Scene, SceneError> {
         let path = path.as_ref();
         Scene::parse_in(path.parent(), &path.display().to_string(), text)
@@ -124,6 +131,10 @@ impl Scene {
     }
 
     /// The scene that a file describes.
+    ///
+    /// # Errors
+    /// [`SceneError::Read`], [`SceneError::NotAFile`] and [`SceneError::NotUtf8`] for the file;
+    /// those of [`Scene::parse`] for its text.
     pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         let path = path.as_ref();
         Scene::parse_at(path, &source::read(path)?)
@@ -143,6 +154,11 @@ impl Scene {
     }
 
     /// The same scene with another method, which must be one that moves such a scene.
+    ///
+    /// # Errors
+    /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
+    /// does not; [`Fault::Untouchable`]; [`Fault::TooMany`] numbers of modes;
+    /// [`Fault::NotCompiled`].
     pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
         let scene = Scene { stepping: method.into(), ..self };
         scene.check_stepping()?;
@@ -150,6 +166,10 @@ impl Scene {
     }
 
     /// The same scene with another step, sampled at about the same times.
+    ///
+    /// # Errors
+    /// [`Fault::NotPositive`] also where it is not finite; [`Fault::NotWhole`] where the horizon is
+    /// not a whole number of steps; [`Fault::TooMany`] steps; [`Fault::TooManySamples`].
     pub fn with_step(self, step: f64) -> Result<Scene, Fault> {
         let old = self.timing;
         let every = (old.sample_every as f64 * (old.step / step)).round().max(1.0) as u64;
@@ -159,6 +179,9 @@ impl Scene {
     }
 
     /// The same scene to another horizon, a whole number of its steps.
+    ///
+    /// # Errors
+    /// Those of [`Scene::with_step`].
     pub fn with_horizon(self, horizon: f64) -> Result<Scene, Fault> {
         let timing = Timing::new(self.timing.step, horizon, self.timing.sample_every)?;
         let scene = Scene { timing, ..self };

@@ -91,6 +91,13 @@ impl Scene {
     /// The scene as a problem of its dimension D, called `scene`: without drag and rods, which are
     /// no part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Bodies`], [`AssemblyError::Heat`] and [`AssemblyError::Dimension`] where
+    /// the scene is of another kind or dimension; [`AssemblyError::Metric`] and
+    /// [`AssemblyError::Elasticity`] for masses, elements and materials that cannot be;
+    /// [`AssemblyError::Equilibrium`], [`AssemblyError::Modal`] and [`AssemblyError::Sparse`] where
+    /// no rest is found of what is hung.
     pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
         if !self.bodies.is_empty() {
             return Err(AssemblyError::Bodies);

@@ -33,6 +33,9 @@ const HALVINGS: u32 = 3;
 const OTHER: Method = Method::Composition(Scheme::KahanLi8);
 
 /// The problem with its true configuration known at samples.
+///
+/// # Errors
+/// [`StudyError::Library`] where no such steps divide the horizon, or one of them fails.
 pub fn with_reference<M: Metric, P: Potential, C: Storage + Send + Sync + 'static>(
     mut problem: Problem<M, P, C>,
     at: Samples,

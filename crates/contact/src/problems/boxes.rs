@@ -36,6 +36,9 @@ pub struct Boxes {
 
 impl Boxes {
     /// A detector of their contacts.
+    ///
+    /// # Errors
+    /// None: cubes, floor and friction are in their ranges.
     pub fn detector(&self) -> Result<Detector, ContactError> {
         let cube = Shape::cuboid([HALF; 3])?;
         let on_body = |body| Collider::on_body(body, cube.clone()).with_friction(FRICTION);
@@ -63,6 +66,9 @@ impl Boxes {
 }
 
 /// Columns of boxes, a box's side apart from each other.
+///
+/// # Errors
+/// None: the boxes are bodies, and their starts are poses.
 pub fn columns_of_boxes(columns: usize, high: usize) -> Result<Boxes, ContactError> {
     let wide = (columns as f64).sqrt().ceil() as usize;
     let one = |k: usize| {
@@ -75,6 +81,9 @@ pub fn columns_of_boxes(columns: usize, high: usize) -> Result<Boxes, ContactErr
 }
 
 /// Boxes in a loose grid above the floor, as high as it is wide, each pushed and turned a little.
+///
+/// # Errors
+/// None: the boxes are bodies, and their starts are poses.
 pub fn falling_boxes(count: usize) -> Result<Boxes, ContactError> {
     let mut random = SplitMix64::new(7);
     let wide = (count as f64).cbrt().ceil() as usize;
