@@ -29,15 +29,6 @@ pub(crate) fn positive(what: &'static str, number: &Spanned<Number>) -> Checked<
     Err(at(number.span(), Fault::NotPositive { what, value }))
 }
 
-/// A tolerance: below one, and above what rounding allows.
-pub(crate) fn tolerance(number: &Spanned<Number>) -> Checked<f64> {
-    let value = number.get_ref().0;
-    if (limits::TOLERANCE..1.0).contains(&value) {
-        return Ok(value);
-    }
-    Err(at(number.span(), Fault::Tolerance { value }))
-}
-
 /// A finite vector of the scene's dimension, as a vector in space.
 pub(crate) fn vector(
     what: &'static str,

@@ -12,6 +12,7 @@
 
 mod bytes;
 
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -123,15 +124,21 @@ impl Checkpoint {
     /// [`WriteError`] where the file cannot be written whole or cannot take the checkpoint's name.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
-        let fresh = path.with_extension("new");
-        let written = File::create(&fresh).and_then(|file| {
-            let mut out = Writer::new(BufWriter::new(file));
-            self.put(&mut out)?;
-            let file = out.finish()?.into_inner()?;
-            file.sync_all()?;
-            fs::rename(&fresh, path)
-        });
-        written.map_err(|source| WriteError { path: path.to_owned(), source })
+        // Beside the file, under a longer name that is its own.
+        let mut fresh = path.as_os_str().to_owned();
+        fresh.push(".new");
+        let written = self.write_whole(&fresh).and_then(|()| fs::rename(&fresh, path));
+        written.map_err(|source| {
+            // What is left of it is of no use; that it cannot be removed is the lesser fault.
+            let _ = fs::remove_file(&fresh);
+            WriteError { path: path.to_owned(), source }
+        })
+    }
+
+    fn write_whole(&self, path: &OsStr) -> io::Result<()> {
+        let mut out = Writer::new(BufWriter::new(File::create(path)?));
+        self.put(&mut out)?;
+        out.finish()?.into_inner()?.sync_all()
     }
 
     /// Reads a checkpoint back.

@@ -137,7 +137,7 @@ pub enum RunError {
     /// A step failed.
     #[error(transparent)]
     Interrupted(Box<Interruption>),
-    /// A step of bodies or of heat failed.
+    /// A step of bodies or of heat failed, or what is sampled exceeds the range of doubles.
     #[error(transparent)]
     Stopped(Box<Stop>),
     /// The run does not go on from the checkpoint.
@@ -156,7 +156,8 @@ impl RunError {
     }
 }
 
-/// A step of bodies or of heat that failed, and what was computed before.
+/// A step of bodies or of heat that failed, or one after which a sample is not finite, and what was
+/// computed before.
 #[derive(Debug, thiserror::Error)]
 #[error("step {step}, from t = {time} {unit}: {source}")]
 pub struct Stop {

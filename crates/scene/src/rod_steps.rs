@@ -134,8 +134,12 @@ impl Scene {
     /// The scene's rods as a constraint on its problem.
     ///
     /// # Errors
-    /// [`AssemblyError::Constraint`] as of [`Rods::new`]; none that a checked scene has.
+    /// [`AssemblyError::Dimension`] where D is not the scene's; [`AssemblyError::Constraint`] as of
+    /// [`Rods::new`], none that a checked scene has.
     pub fn constraint<const D: usize>(&self) -> Result<Rods<D>, AssemblyError> {
+        if D != self.dimension {
+            return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
+        }
         let vertices = Vertices::new(self);
         let pinned = &vertices.particles[vertices.free..];
         let fixed = pinned.iter().map(|&pin| leading::<D>(self.particles[pin].position)).collect();

@@ -161,24 +161,40 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
     }
     Ok(match (word, &declared.tolerance) {
         (Word::Adaptive(method), Some(tolerance)) => {
-            Stepping::Adaptive { method, tolerance: check::tolerance(tolerance)? }
+            let value = tolerance_in_range(tolerance.get_ref().0);
+            let tolerance = value.map_err(|fault| at(tolerance.span(), fault))?;
+            Stepping::Adaptive { method, tolerance }
         }
         (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
         (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
         (Word::Equal(method), None) => Stepping::Equal(method),
         (Word::Heat(method), None) => Stepping::Heat(method),
         (Word::LinearModes, None) => match &declared.modes {
-            Some(modes) if (1..=limits::MODES).contains(&modes.get_ref().0) => {
-                Stepping::LinearModes { count: modes.get_ref().0 as usize }
-            }
             Some(modes) => {
-                return Err(at(modes.span(), Fault::NumberOfModes { modes: modes.get_ref().0 }));
+                let count = modes_in_range(modes.get_ref().0);
+                let count = count.map_err(|fault| at(modes.span(), fault))?;
+                Stepping::LinearModes { count: count as usize }
             }
             None => return Err(at(integrator.span(), Fault::NoModes)),
         },
         (Word::Constrained(method), None) => Stepping::Constrained(method),
         (Word::Bodies(method), None) => Stepping::Bodies(method),
     })
+}
+
+/// A tolerance: below one, and above what rounding allows.
+fn tolerance_in_range(value: f64) -> Result<f64, Fault> {
+    match (limits::TOLERANCE..1.0).contains(&value) {
+        true => Ok(value),
+        false => Err(Fault::Tolerance { value }),
+    }
+}
+
+fn modes_in_range(modes: u64) -> Result<u64, Fault> {
+    match (1..=limits::MODES).contains(&modes) {
+        true => Ok(modes),
+        false => Err(Fault::NumberOfModes { modes }),
+    }
 }
 
 impl Scene {
@@ -189,6 +205,11 @@ impl Scene {
     /// An error where the scene's method cannot step what the scene has.
     pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
         features::check_stepping(self.stepping)?;
+        match self.stepping {
+            Stepping::Adaptive { tolerance, .. } => tolerance_in_range(tolerance).map(drop)?,
+            Stepping::LinearModes { count } => modes_in_range(count as u64).map(drop)?,
+            _ => {}
+        }
         (self.kind().check)(self)
     }
 

@@ -250,6 +250,23 @@ fn a_checkpoint_of_a_run_that_was_resumed_is_as_good() {
 }
 
 #[test]
+fn a_checkpoint_that_cannot_be_written_leaves_the_file_of_its_name_and_none_beside_it() {
+    let mut watcher = StopsAfter { step: 2, kept: None };
+    shipped("outer-solar-system").run_from(None, &mut watcher).unwrap();
+    let (kept, folder) = (watcher.kept.unwrap(), folder("unwritable"));
+    // Two that differ in what follows the last dot, and one called as the unfinished are.
+    for name in ["run.1", "run.2", "run.new"] {
+        kept.write(folder.join(name)).unwrap();
+        assert_eq!(Checkpoint::read(folder.join(name)).unwrap(), kept);
+    }
+    // A folder cannot be replaced by a file.
+    let taken = folder.join("taken");
+    fs::create_dir_all(taken.join("in it")).unwrap();
+    kept.write(&taken).unwrap_err();
+    assert!(taken.is_dir() && !folder.join("taken.new").exists());
+}
+
+#[test]
 fn a_checkpoint_that_was_cut_or_changed_is_refused() {
     let scene = Scene::parse("fall", FALL).unwrap();
     interrupted(&scene, 10, "damaged");

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use stationary_integrators::Method;
 use stationary_scene::problems::{self, OUTER_SOLAR_SYSTEM, SPRING_NET, spring_net_scene};
-use stationary_scene::{AssemblyError, Fault, Motion, Run, RunError, Scene};
+use stationary_scene::{Adaptive, AssemblyError, Fault, Motion, Run, RunError, Scene, Stepping};
 
 fn planets() -> Scene {
     Scene::parse("outer-solar-system.toml", OUTER_SOLAR_SYSTEM).unwrap()
@@ -402,4 +402,22 @@ fn a_run_whose_energy_exceeds_the_range_of_doubles_is_an_error_that_says_so() {
                     motion grows without bound take a smaller step, else units in which it is \
                     smaller than 1e308";
     assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn a_method_whose_number_is_out_of_range_and_rods_of_another_dimension_are_refused() {
+    let scene = Scene::parse(
+        "falling.toml",
+        "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 4\n\
+         particles = [{ name = \"a\", position = [0, 0], mass = 1 }]\n",
+    );
+    let scene = scene.unwrap();
+    for tolerance in [f64::NAN, 0.0, 1.0] {
+        let adaptive = Stepping::Adaptive { method: Adaptive::DormandPrince853, tolerance };
+        let refused = scene.clone().with_method(adaptive);
+        assert!(matches!(refused, Err(Fault::Tolerance { .. })), "{tolerance}");
+    }
+    let none = scene.clone().with_method(Stepping::LinearModes { count: 0 });
+    assert!(matches!(none, Err(Fault::NumberOfModes { modes: 0 })));
+    assert!(matches!(scene.constraint::<3>(), Err(AssemblyError::Dimension { .. })));
 }
