@@ -74,6 +74,7 @@ impl<G: Dimension> ColliderIn<G> {
     }
 
     pub(crate) fn check(&self, contact: usize) -> Result<(), ContactError> {
+        G::check_place(&self.place)?;
         check_surface(contact, self.restitution, self.friction)
     }
 }

@@ -61,8 +61,9 @@ impl<G: Dimension> DetectorIn<G> {
     /// A detector of contacts between these colliders of `bodies` bodies.
     ///
     /// # Errors
-    /// [`ContactError::Restitution`] and [`ContactError::Friction`] out of range, with the number
-    /// of the collider; [`ContactError::Size`] for a collider on a body that is not there.
+    /// [`ContactError::NonFinite`] for a collider whose place is not finite;
+    /// [`ContactError::Restitution`] and [`ContactError::Friction`] out of range, with the number of
+    /// the collider; [`ContactError::Size`] for a collider on a body that is not there.
     pub fn new(colliders: Vec<ColliderIn<G>>, bodies: usize) -> Result<Self, ContactError> {
         for (i, collider) in colliders.iter().enumerate() {
             collider.check(i)?;
@@ -141,10 +142,13 @@ impl<G: Dimension> DetectorIn<G> {
     /// The broad phase alone: how many pairs it leaves.
     ///
     /// # Errors
-    /// [`ContactError::Size`] unless `q` holds the poses of all bodies; where one is not finite
-    /// [`ContactError::NonFinite`] in the plane and [`ContactError::Rigid`] in space, there also
-    /// for a quaternion whose length is not 1.
+    /// [`ContactError::Margin`] where that is negative or not finite; [`ContactError::Size`] unless
+    /// `q` holds the poses of all bodies; where one is not finite [`ContactError::NonFinite`] in the
+    /// plane and [`ContactError::Rigid`] in space, there also for a quaternion whose length is not 1.
     pub fn broad_phase(&mut self, q: &[f64], margin: f64) -> Result<usize, ContactError> {
+        if !(margin >= 0.0 && margin.is_finite()) {
+            return Err(ContactError::Margin(margin));
+        }
         self.place(q)?;
         let (placed, poses) = (&self.placed, &self.poses);
         self.broad.pairs(&self.colliders, placed, poses, margin, &mut self.pairs);
@@ -170,8 +174,12 @@ impl<G: Dimension> DetectorIn<G> {
     /// The pairs that overlap by more than `depth`, the deepest point of each.
     ///
     /// # Errors
-    /// Those of [`DetectorIn::detect`].
+    /// [`ContactError::Depth`] where that is negative or not finite; those of
+    /// [`DetectorIn::detect`].
     pub fn overlaps(&mut self, q: &[f64], depth: f64) -> Result<Vec<Overlap>, ContactError> {
+        if !(depth >= 0.0 && depth.is_finite()) {
+            return Err(ContactError::Depth(depth));
+        }
         let mut overlaps: Vec<Overlap> = Vec::new();
         for contact in self.detect(q, 0.0)?.iter().filter(|contact| -contact.gap > depth) {
             let colliders = contact.id.colliders.map(|c| c as usize);
@@ -187,7 +195,7 @@ impl<G: Dimension> DetectorIn<G> {
     ///
     /// # Errors
     /// [`ContactError::Overlap`] where they do, with the colliders of the deepest pair; those of
-    /// [`DetectorIn::detect`].
+    /// [`DetectorIn::overlaps`].
     pub fn check_free(&mut self, q: &[f64], depth: f64) -> Result<(), ContactError> {
         let overlaps = self.overlaps(q, depth)?;
         let deepest = overlaps.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));

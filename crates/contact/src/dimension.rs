@@ -63,6 +63,12 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     /// not finite or not seven a body, a quaternion whose length is not 1.
     fn check(q: &[f64]) -> Result<(), ContactError>;
 
+    /// Checks that a place is one.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`].
+    fn check_place(place: &Self::Motion) -> Result<(), ContactError>;
+
     /// Where a point of a body is in the world.
     fn apply(pose: &Self::Motion, point: &Self::Vector) -> Self::Vector;
 

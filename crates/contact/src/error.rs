@@ -94,11 +94,11 @@ pub enum ContactError {
         vertices: usize,
     },
     /// Bodies overlap where they must not.
-    #[error("{count} pairs overlap, bodies {first} and {second} by {depth} m")]
+    #[error("{count} pairs overlap, colliders {first} and {second} by {depth} m")]
     Overlap {
         /// How many pairs.
         count: usize,
-        /// One body of the deepest pair.
+        /// One collider of the deepest pair.
         first: usize,
         /// The other.
         second: usize,
@@ -119,8 +119,14 @@ pub enum ContactError {
     /// A depth of overlaps that may be left.
     #[error("the depth to which bodies may overlap is {0} m; it must be finite and not negative")]
     Depth(f64),
-    /// A tolerance that must be positive and finite.
-    #[error("the tolerance is {0}; it must be positive and finite")]
+    /// A distance at which to look for contacts.
+    #[error("the margin is {0} m; it must be finite and not negative")]
+    Margin(f64),
+    /// A distance up to which things count as touching.
+    #[error("the thickness is {0} m; it must be finite and not negative")]
+    Thickness(f64),
+    /// A tolerance below rounding.
+    #[error("the tolerance is {0} m; it must be finite and above the rounding of the coordinates")]
     Tolerance(f64),
     /// More impacts in a step than the bound allows.
     #[error("more than {bound} impacts in the step that starts at {time} s")]

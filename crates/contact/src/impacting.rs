@@ -20,7 +20,7 @@
 //! passed through. Source: notes 10.3, 11.4.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
-use stationary_integrators::{Integrator, State, StormerVerlet};
+use stationary_integrators::{Integrator, State, StepError, StormerVerlet};
 
 use crate::error::check_finite;
 use crate::projection::project_biased;
@@ -112,7 +112,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
     /// Moves a state by `h` seconds.
     ///
     /// # Errors
-    /// [`ContactError::Step`] of Stormer-Verlet; [`ContactError::TooManyImpacts`] at the instant;
+    /// [`ContactError::Step`] for `h`, and of Stormer-Verlet; [`ContactError::Size`]; [`ContactError::TooManyImpacts`] at the instant;
     /// those of [`Impact::new`] and [`ImpactLaw::apply`] for gaps that close;
     /// [`ContactError::NonFinite`] after a filtered step. The state is then as it was.
     pub fn step(
@@ -120,6 +120,11 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         state: &mut State<Vec<f64>>,
         h: f64,
     ) -> Result<ImpactingReport, ContactError> {
+        if !(h > 0.0 && h.is_finite()) {
+            return Err(StepError::Step(h).into());
+        }
+        SizeError::check("the configuration's numbers", self.system.dim(), state.q.len())?;
+        SizeError::check("the momentum's components", self.system.dim(), state.p.0.len())?;
         let mut next = state.clone();
         let report = match self.when {
             When::AfterOverlap => self.after_overlap(&mut next, h),

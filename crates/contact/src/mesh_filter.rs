@@ -17,6 +17,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 use stationary_calculus::{DiagonalMetric, SizeError, Vector};
+use stationary_integrators::StepError;
 
 use crate::error::check_finite;
 use crate::inverse_mass::Groups;
@@ -68,7 +69,8 @@ impl MeshFilter {
     /// # Errors
     /// [`ContactError::Size`] unless each vertex is said to be pinned or not;
     /// [`ContactError::NoSuchVertex`]; [`ContactError::Flat`] for a triangle that names a vertex
-    /// twice; [`ContactError::Mass`] for one that is not positive and finite.
+    /// twice; [`ContactError::Mass`] for one that is not positive and finite;
+    /// [`ContactError::Tolerance`] for one that is not.
     pub fn new(
         masses: Vec<f64>,
         pinned: Vec<bool>,
@@ -76,6 +78,7 @@ impl MeshFilter {
         tolerance: f64,
     ) -> Result<Self, ContactError> {
         SizeError::check("the vertices that may be pinned", masses.len(), pinned.len())?;
+        Closeness { thickness: 0.0, tolerance }.check(0.0)?;
         let vertices = masses.len();
         let mut edges = BTreeSet::new();
         for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
@@ -105,7 +108,8 @@ impl MeshFilter {
     /// v`.
     ///
     /// # Errors
-    /// [`ContactError::Size`]; [`ContactError::NonFinite`] and [`ContactError::Tolerance`], as of
+    /// [`ContactError::Step`] unless `h` is positive and finite; [`ContactError::Size`];
+    /// [`ContactError::NonFinite`] and [`ContactError::Tolerance`], as of
     /// [`particle_meets_triangle`] for what comes near; [`ContactError::Immovable`] for a meeting
     /// along which nothing can move; [`ContactError::NotConverged`]. The velocities are then as
     /// they were.
@@ -115,6 +119,9 @@ impl MeshFilter {
         h: f64,
         v: Vector<&mut [f64]>,
     ) -> Result<FilterReport, ContactError> {
+        if !(h > 0.0 && h.is_finite()) {
+            return Err(StepError::Step(h).into());
+        }
         let freedoms = 3 * self.masses.len();
         SizeError::check("the mesh's coordinates", freedoms, q.len())?;
         SizeError::check("the mesh's velocities", freedoms, v.0.len())?;

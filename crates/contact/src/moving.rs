@@ -6,6 +6,8 @@
 
 use nalgebra::Vector3;
 
+use crate::ContactError;
+
 /// A corner that moves on a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving {
@@ -44,4 +46,18 @@ pub struct Closeness {
     pub thickness: f64,
     /// The excess over it that may be taken for a hit, m.
     pub tolerance: f64,
+}
+
+impl Closeness {
+    /// An error unless both are finite, the thickness is not negative and the tolerance exceeds what
+    /// is rounding.
+    pub(crate) fn check(self, rounding: f64) -> Result<(), ContactError> {
+        if !(self.tolerance > rounding && self.tolerance.is_finite()) {
+            return Err(ContactError::Tolerance(self.tolerance));
+        }
+        if !(self.thickness >= 0.0 && self.thickness.is_finite()) {
+            return Err(ContactError::Thickness(self.thickness));
+        }
+        Ok(())
+    }
 }

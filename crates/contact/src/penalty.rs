@@ -45,9 +45,13 @@ impl<K: Constraint> OneSidedPenalty<K> {
         q: &[f64],
         contacts: &[usize],
     ) -> Result<Vec<f64>, ContactError> {
-        let rows = self.gaps.rows(0.0, q, contacts);
+        let mut sorted = contacts.to_vec();
+        sorted.sort_unstable();
+        let rows = self.gaps.rows(0.0, q, &sorted);
         let impact = Impact::new(rows, mass, vec![1.0; contacts.len()])?;
-        Ok((0..contacts.len()).map(|i| (self.stiffness * impact.compliance(i)).sqrt()).collect())
+        let place = |contact: &usize| sorted.partition_point(|other| other < contact);
+        let frequency = |contact| (self.stiffness * impact.compliance(place(contact))).sqrt();
+        Ok(contacts.iter().map(frequency).collect())
     }
 
     /// The gaps that are closed, and the differentials of those.
@@ -142,6 +146,8 @@ mod tests {
         let omega = balls(16.0).frequencies(&inverse, &q, &[0, 2]).unwrap();
         assert!((omega[0] - 2.0).abs() < 1e-15, "k/m of a wall");
         assert!((omega[1] - 20.0_f64.sqrt()).abs() < 1e-14, "k (1/m1 + 1/m2) of two balls");
+        let turned = balls(16.0).frequencies(&inverse, &q, &[2, 0]).unwrap();
+        assert_eq!(turned, [omega[1], omega[0]]);
     }
 
     #[test]

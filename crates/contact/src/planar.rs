@@ -59,6 +59,11 @@ impl Dimension for Planar {
         check_finite("the pose", q)
     }
 
+    fn check_place(place: &PlanarMotion) -> Result<(), ContactError> {
+        check_finite("the place of a collider", place.translation.as_slice())?;
+        check_finite("the angle of a collider", &[place.rotation.log()])
+    }
+
     #[inline]
     fn apply(pose: &PlanarMotion, point: &Vector2<f64>) -> Vector2<f64> {
         pose.apply(point)

@@ -15,7 +15,7 @@
 #[cfg(feature = "3d")]
 mod boxes;
 
-use stationary_calculus::DiagonalMetric;
+use stationary_calculus::{DiagonalMetric, SizeError};
 
 #[cfg(feature = "3d")]
 pub use boxes::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
@@ -55,8 +55,14 @@ impl ImpactProblem {
     /// The impact with its contacts listed in another order.
     ///
     /// # Errors
+    /// [`ContactError::Size`] for a contact that is not there, or a restitution too many or too few;
     /// [`ContactError::Mass`] where a mass is not positive and finite; those of [`Impact::new`].
     pub fn impact_in_order(&self, order: &[usize]) -> Result<Impact, ContactError> {
+        let count = self.rows.len();
+        SizeError::check("the restitutions", count, self.restitution.len())?;
+        if let Some(&got) = order.iter().find(|&&contact| contact >= count) {
+            return Err(SizeError { what: "a contact", expected: count, got }.into());
+        }
         let metric = DiagonalMetric::new(self.masses.clone())
             .map_err(|_| ContactError::Mass { freedom: 0 })?;
         let restitution = order.iter().map(|&contact| self.restitution[contact]).collect();

@@ -90,13 +90,7 @@ pub fn rigid_bodies_meet(
     let bodies = [Body::new(first)?, Body::new(second)?];
     let size = |body: &Body<'_>| body.path.largest() + body.radius;
     let rounding = ROUNDINGS * bodies.iter().map(size).fold(0.0, f64::max);
-    let Closeness { thickness, tolerance } = close;
-    if !(tolerance > 4.0 * rounding && tolerance.is_finite()) {
-        return Err(ContactError::Tolerance(tolerance));
-    }
-    if !(thickness >= 0.0 && thickness.is_finite()) {
-        return Err(ContactError::Tolerance(thickness));
-    }
+    close.check(4.0 * rounding)?;
     Ok(advance(&bodies, close, rounding))
 }
 
@@ -177,11 +171,13 @@ fn closest(bodies: &[Body<'_>; 2], poses: &[RigidMotion; 2]) -> Option<[Vector3<
 /// body's origin all the way.
 ///
 /// # Errors
-/// Those of [`rigid_bodies_meet`], for pairs that come near each other.
+/// [`ContactError::Tolerance`] and [`ContactError::Thickness`]; the others of
+/// [`rigid_bodies_meet`] for pairs that come near each other.
 pub fn rigid_bodies_that_meet(
     movers: &[Mover<'_>],
     close: Closeness,
 ) -> Result<Vec<([usize; 2], RigidHit)>, ContactError> {
+    close.check(0.0)?;
     let boxed = |(shape, path): &Mover<'_>| {
         let (chord, stray) = path.chord();
         let room = 0.5 * close.thickness + close.tolerance;

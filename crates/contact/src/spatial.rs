@@ -13,6 +13,7 @@ use stationary_rigid::{
 };
 
 use crate::dimension::{Answer, Facing, sealed::Sealed};
+use crate::error::check_finite;
 use crate::narrow_phase::{Manifolds, facing};
 use crate::{ContactError, Dimension, Shape, convert};
 
@@ -45,6 +46,11 @@ impl Dimension for Spatial {
 
     fn check(q: &[f64]) -> Result<(), ContactError> {
         Ok(Poses::check(q)?)
+    }
+
+    fn check_place(place: &RigidMotion) -> Result<(), ContactError> {
+        check_finite("the place of a collider", place.translation.as_slice())?;
+        check_finite("the quaternion of a collider", &place.rotation.quaternion())
     }
 
     #[inline]

@@ -93,13 +93,7 @@ impl Query {
             largest = largest.max(corner.start.amax()).max(corner.end.amax());
         }
         let rounding = ROUNDINGS * largest;
-        let Closeness { thickness, tolerance } = close;
-        if !(tolerance > 4.0 * rounding && tolerance.is_finite()) {
-            return Err(ContactError::Tolerance(tolerance));
-        }
-        if !(thickness >= 0.0 && thickness.is_finite()) {
-            return Err(ContactError::Tolerance(thickness));
-        }
+        close.check(4.0 * rounding)?;
         Ok(Query { corners, pair, close, rounding, projected: PROJECTED * largest })
     }
 
@@ -395,6 +389,6 @@ mod tests {
         assert!(matches!(edge_meets_edge(&nan, &far, CLOSE), Err(ContactError::NonFinite { .. })));
         let thick = Closeness { thickness: -1.0, tolerance: 1.0 };
         let error = edge_meets_edge(&far, &far, thick).unwrap_err();
-        assert_eq!(error, ContactError::Tolerance(-1.0));
+        assert_eq!(error, ContactError::Thickness(-1.0));
     }
 }

@@ -96,9 +96,10 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// Bodies with these colliders.
     ///
     /// # Errors
-    /// [`ContactError::Mass`], but not for bodies: theirs is positive.
+    /// [`ContactError::Size`] where system and detector have different bodies.
     pub fn new(system: &'s Bodies<P>, detector: Detector) -> Result<Self, ContactError> {
-        let n = system.dim();
+        let (n, bodies) = (system.dim(), system.metric().bodies().len());
+        SizeError::check("the detector's bodies", bodies, detector.bodies())?;
         let zeros = || Vector(vec![0.0; n]);
         let memory = Memory {
             v: zeros(),
@@ -195,11 +196,11 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         let n = self.system.dim();
         SizeError::check("the momentum's components", n, state.p.components().len())?;
         check_finite("the momentum", state.p.components())?;
+        SizeError::check("the poses' numbers", 7 * self.memory.scales.len(), state.q.len())?;
         self.system.metric().sharp(state.p.view(), self.memory.v.view_mut());
         self.kick(state, h);
         let reach = self.reach(h);
         let Memory { v, scales, placed, .. } = &mut self.memory;
-        SizeError::check("the poses' numbers", 7 * scales.len(), state.q.len())?;
         let place = |(body, &scale): (usize, &Six)| Placed::new(body, scale, &state.q, &v.0);
         placed.clear();
         placed.extend(scales.iter().enumerate().map(place));

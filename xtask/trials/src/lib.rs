@@ -21,6 +21,7 @@ mod draw;
 mod verdict;
 mod kind;
 mod shrink;
+mod processor_time;
 mod run;
 mod command;
 

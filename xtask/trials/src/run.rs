@@ -14,11 +14,15 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::draw::split_mix;
+use crate::processor_time::ProcessorTime;
 use crate::shrink::shrink;
 use crate::{Draw, Kind, Verdict};
 
-/// A case that takes longer hangs.
+/// A case that takes longer on a processor of its own hangs.
 const HANG: Duration = Duration::from_secs(300);
+
+/// Between two looks at the clock.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// At most this many wrong cases of a kind are shrunk and told.
 const TOLD: usize = 8;
@@ -101,49 +105,55 @@ impl Plan {
         });
         let mut tally = Tally::new(kind, self.seed);
         let mut wrong = BTreeMap::new();
-        for (index, (verdict, seconds)) in self.verdicts(&cases) {
-            tally.count(&verdict, seconds);
+        let clock = ProcessorTime::begin();
+        for (index, verdict) in self.verdicts(&cases, clock) {
+            tally.count(&verdict);
             if let Verdict::Wrong { what, .. } = verdict {
                 wrong.insert(index, what);
             }
         }
+        tally.seconds = clock.passed().as_secs_f64();
         tally.faults =
             wrong.into_iter().take(TOLD).map(|(index, what)| cases.explain(index, what)).collect();
         tally
     }
 
     /// The verdicts, by number of the case.
-    fn verdicts(&self, cases: &Arc<Cases>) -> BTreeMap<u64, (Verdict, f64)> {
+    fn verdicts(&self, cases: &Arc<Cases>, clock: ProcessorTime) -> BTreeMap<u64, Verdict> {
         let (sender, receiver) = mpsc::channel();
         let mut working = thread::available_parallelism().map_or(1, |n| n.get());
+        let hang = HANG * working as u32;
         for _ in 0..working {
             cases.clone().work(sender.clone());
         }
         let mut begun = BTreeMap::new();
         let mut verdicts = BTreeMap::new();
-        let mut spent = Duration::ZERO;
+        let (mut spent, mut looked) = (Duration::ZERO, Instant::now());
         while working > 0 {
-            match receiver.recv_timeout(Duration::from_secs(1)) {
+            match receiver.recv_timeout(LOOK) {
                 Ok(Word::Begun(index)) => {
-                    begun.insert(index, Instant::now());
+                    begun.insert(index, spent);
                 }
-                Ok(Word::Judged(index, verdict, took)) => {
+                Ok(Word::Judged(index, verdict)) => {
                     // One that was given up as hanging and came to an end after all is out.
                     if begun.remove(&index).is_some() {
-                        spent += took;
-                        verdicts.insert(index, (verdict, took.as_secs_f64()));
+                        verdicts.insert(index, verdict);
                     }
                 }
                 Ok(Word::Done) => working -= 1,
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
             }
+            if looked.elapsed() < LOOK {
+                continue;
+            }
+            (spent, looked) = (clock.passed(), Instant::now());
             if spent > self.limit {
                 cases.stop.store(true, Ordering::Relaxed);
             }
             // The thread of a case that hangs cannot be stopped; another takes its place.
-            while let Some((&index, _)) = begun.iter().find(|(_, since)| since.elapsed() > HANG) {
+            while let Some((&index, _)) = begun.iter().find(|&(_, &since)| spent > since + hang) {
                 begun.remove(&index);
-                verdicts.insert(index, (Verdict::wrong("hangs"), HANG.as_secs_f64()));
+                verdicts.insert(index, Verdict::wrong("hangs"));
                 cases.clone().work(sender.clone());
                 working = working.max(1);
             }
@@ -170,9 +180,8 @@ impl Tally {
         }
     }
 
-    fn count(&mut self, verdict: &Verdict, seconds: f64) {
+    fn count(&mut self, verdict: &Verdict) {
         self.tried += 1;
-        self.seconds += seconds;
         if let Verdict::Right { ratio } | Verdict::Wrong { ratio, .. } = verdict {
             self.worst = self.worst.max(*ratio);
             self.ratios.push(*ratio);
@@ -195,7 +204,7 @@ impl Tally {
 /// What a thread tells.
 enum Word {
     Begun(u64),
-    Judged(u64, Verdict, Duration),
+    Judged(u64, Verdict),
     Done,
 }
 
@@ -225,10 +234,9 @@ impl Cases {
                 if index >= self.end || self.stop.load(Ordering::Relaxed) {
                     break;
                 }
-                let begin = Instant::now();
                 let told = sender.send(Word::Begun(index)).is_ok();
                 let verdict = judge(self.kind, &mut Draw::new(self.case(index)));
-                if !told || sender.send(Word::Judged(index, verdict, begin.elapsed())).is_err() {
+                if !told || sender.send(Word::Judged(index, verdict)).is_err() {
                     break;
                 }
             }

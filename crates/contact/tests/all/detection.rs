@@ -208,7 +208,14 @@ fn colliders_that_make_no_sense_are_refused_by_name() {
     assert!(matches!(error, ContactError::Friction { value: -0.1, .. }));
     let error = refused(Collider::on_body(1, Shape::ball(1.0).unwrap()));
     assert!(matches!(error, ContactError::Size(_)), "{error}");
+    let nowhere = Collider { place: at(0.0, f64::NAN, 0.0), ..ball() };
+    assert!(matches!(refused(nowhere), ContactError::NonFinite { index: 1, .. }));
     let mut detector = Detector::new(vec![ball()], 1).unwrap();
+    let q = configuration(&[at(0.0, 0.0, 0.0)]);
+    for bad in [-1e-9, f64::NAN, f64::INFINITY] {
+        assert!(matches!(detector.detect(&q, bad), Err(ContactError::Margin(_))));
+        assert!(matches!(detector.check_free(&q, bad), Err(ContactError::Depth(_))));
+    }
     let mut q = configuration(&[at(0.0, 0.0, f64::NAN)]);
     assert!(matches!(detector.detect(&q, 0.0), Err(ContactError::Rigid(_))));
     q.pop();

@@ -211,4 +211,9 @@ fn paths_that_are_none_and_shapes_without_a_hull_are_refused_by_name() {
     let fine = Closeness { tolerance: 1e-16, ..close };
     let refused = rigid_bodies_meet((&ball, &still), (&ball, &still), fine);
     assert!(matches!(refused, Err(ContactError::Tolerance(_))));
+    for tolerance in [f64::NAN, -1.0] {
+        let movers = [(&ball, &still), (&ball, &still)];
+        let refused = rigid_bodies_that_meet(&movers, Closeness { tolerance, ..close });
+        assert!(matches!(refused, Err(ContactError::Tolerance(_))));
+    }
 }

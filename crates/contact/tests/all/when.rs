@@ -142,6 +142,23 @@ fn steps_down_to_a_microsecond_gain_no_energy() {
 }
 
 #[test]
+fn a_step_that_is_none_and_a_state_of_another_size_are_refused_whenever_the_impulse_is_given() {
+    let (system, gaps) = (fall(1), floor(1));
+    for when in [When::AfterOverlap, When::AtTheInstant, When::VelocityFilter] {
+        let law = ImpactLaw::GeneralizedReflections;
+        let mut impacting = Impacting::new(&system, &gaps, 0.5, law, when).unwrap();
+        let start = State::new(vec![1.25], Covector(vec![0.0]));
+        for h in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let mut state = start.clone();
+            assert!(matches!(impacting.step(&mut state, h), Err(ContactError::Step(_))), "{h}");
+            assert_eq!(state, start);
+        }
+        let mut other = State::new(vec![1.25; 2], Covector(vec![0.0; 2]));
+        assert!(matches!(impacting.step(&mut other, 0.1), Err(ContactError::Size(_))));
+    }
+}
+
+#[test]
 fn a_restitution_outside_zero_to_one_is_refused() {
     let (system, gaps) = (fall(1), floor(1));
     let law = ImpactLaw::GaussSeidel;
