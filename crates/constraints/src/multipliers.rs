@@ -12,7 +12,7 @@
 //! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
 //! for many with a metric that couples freedoms. Knows nothing of time steps.
 
-use stationary_calculus::{Covector, Metric, Sink, Vector};
+use stationary_calculus::{Covector, Metric, Sink, SizeError, Vector};
 
 use crate::{Constraint, ConstraintError};
 
@@ -126,12 +126,12 @@ impl Normal<'_> {
         constraint: &impl Constraint,
         t: f64,
         q: &[f64],
-    ) -> f64 {
+    ) -> Result<f64, SizeError> {
         let diagonal = Diagonal::of(metric);
         let largest_mass = vec![0.0; constraint.count()];
         let mut normal = Normal { mass: &diagonal.mass, largest_mass };
-        constraint.differential(t, q, &mut normal);
+        constraint.differential(t, q, &mut normal)?;
         let touched = normal.largest_mass.iter().filter(|&&mass| mass > 0.0);
-        touched.map(|mass| mass.recip()).fold(0.0, f64::max).sqrt()
+        Ok(touched.map(|mass| mass.recip()).fold(0.0, f64::max).sqrt())
     }
 }

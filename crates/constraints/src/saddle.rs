@@ -52,7 +52,7 @@ impl<C> Solver<C> for Coupled {
         q: &[f64],
     ) -> Result<SaddleMultipliers, ConstraintError> {
         let (n, count) = (metric.dim(), constraint.count());
-        let entries = Entries::find(constraint, t, q);
+        let entries = Entries::find(constraint, t, q)?;
         let matrix = SymmetricMatrix::analyse(n + count, |sink| visit(metric, &entries, n, sink))?;
         Ok(SaddleMultipliers {
             freedoms: n,

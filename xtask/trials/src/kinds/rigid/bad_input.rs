@@ -274,15 +274,18 @@ fn absent(draw: &mut Draw) -> Verdict {
             }
         }
         _ => {
-            let pose = Poses::pose(&q, body);
-            let turned = Orientations::pose(&q, body);
-            let whole = 7 * (body + 1) <= q.len();
-            let numbers =
-                finite(pose.translation.as_slice()) && finite(&pose.rotation.quaternion());
-            let _ = (turned, spatial_angular_momentum::<Poses>(&State::new(q, Covector(p))));
-            match numbers && !whole {
-                true => Verdict::wrong("a body that is absent has a pose"),
-                false => Verdict::due(),
+            let place = Poses::pose(&q, body).is_ok();
+            let turned = Orientations::pose(&q, body).is_ok();
+            if place != (body < q.len() / 7) || turned != (body < q.len() / 4) {
+                return Verdict::wrong(
+                    "a body that is absent has a pose, or one that is there none",
+                );
+            }
+            let fit = q.len().is_multiple_of(7) && p.len() == 6 * (q.len() / 7);
+            match spatial_angular_momentum::<Poses>(&State::new(q, Covector(p))) {
+                Ok(_) if !fit => Verdict::wrong("a momentum of sizes that do not fit"),
+                Err(error) if fit => Verdict::wrong(error),
+                _ => Verdict::due(),
             }
         }
     }
@@ -328,13 +331,13 @@ fn short(draw: &mut Draw) -> Verdict {
 }
 
 fn asked(joint: &impl Constraint, q: &[f64], g: &mut [f64], needed: usize) -> Verdict {
-    joint.value(0.0, q, g);
-    let count = joint.count();
-    if q.len() < needed && g.len() >= count && finite(&g[..count]) {
-        return Verdict::wrong("too few numbers close or open a joint like any others");
+    let (enough, fit) = (q.len() >= needed, g.len() == joint.count());
+    let value = joint.value(0.0, q, g).is_ok() == (enough && fit);
+    let differential = joint.differential(0.0, q, &mut Nothing).is_ok() == enough;
+    let hessian = joint.add_hessian(0.0, q, g, &mut Nothing).is_ok() == (enough && fit);
+    if !(value && differential && hessian) {
+        return Verdict::wrong("a joint takes sizes that do not fit, or refuses those that do");
     }
-    joint.differential(0.0, q, &mut Nothing);
-    joint.add_hessian(0.0, q, g, &mut Nothing);
     let scale = joint.scale(g.len() + 3);
     match scale.slope > 0.0 && scale.length > 0.0 {
         true => Verdict::due(),
