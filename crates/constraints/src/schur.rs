@@ -16,7 +16,8 @@
 //! ```text
 //! T = S + e D^2,   lambda <- lambda + T^-1 S T^-1 (b - S lambda),   e = 1e-8 of a normal row
 //! ```
-//! `D` the slopes of the equations. S in the middle takes out what no force feels, so that the least
+//! `D` the slopes of the equations, and a normal row one of the mechanism that an equation belongs to:
+//! those that share no freedom are judged apart. S in the middle takes out what no force feels, so that the least
 //! norm in reference scales is reached, to `eps s` of the multipliers: `s` the largest entry of S over e,
 //! 1e8 where masses are alike, and more by their ratio. Iterations end where what they take from the
 //! residual is its rounding, `eps s` of it: of a right-hand side that contradicts itself, as rounding
@@ -95,9 +96,10 @@ impl<C> Solver<C> for Many {
         }
         let entries = Entries::find(constraint, t, q)?;
         let mut columns = Columns::of(&entries, &masses.mass);
-        let normal = Normal::size(metric, constraint, t, q)?;
+        let normal = columns.largest_among_linked(Normal::squares(metric, constraint, t, q)?);
         let squares = |part: f64| -> Vec<f64> {
-            (0..count).map(|row| (part * normal * constraint.scale(row).slope).powi(2)).collect()
+            let square = |row: usize| normal[row] * (part * constraint.scale(row).slope).powi(2);
+            (0..count).map(square).collect()
         };
         let sharing = (self.0 == Redundancy::LeastNorm).then(|| Sharing {
             shift: squares(SHIFT),
@@ -219,6 +221,34 @@ impl Columns {
         }
         let most = groups.iter().map(|group| group.equations).max().unwrap_or(0);
         Columns { groups, equations, inverse_mass, entries: flat, block: vec![0.0; most * most] }
+    }
+
+    /// The largest of the numbers among all equations that an equation is linked to by freedoms, itself
+    /// included. Mechanisms that have nothing to do with each other are judged by their own masses.
+    fn largest_among_linked(&self, numbers: Vec<f64>) -> Vec<f64> {
+        let mut first: Vec<usize> = (0..numbers.len()).collect();
+        fn root(first: &mut [usize], mut row: usize) -> usize {
+            while first[row] != row {
+                first[row] = first[first[row]];
+                row = first[row];
+            }
+            row
+        }
+        let mut rest = &self.equations[..];
+        for group in &self.groups {
+            let (own, others) = rest.split_at(group.equations);
+            for &row in own {
+                let (a, b) = (root(&mut first, own[0]), root(&mut first, row));
+                first[a.max(b)] = a.min(b);
+            }
+            rest = others;
+        }
+        let mut largest = vec![0.0_f64; numbers.len()];
+        for (row, number) in numbers.iter().enumerate() {
+            let root = root(&mut first, row);
+            largest[root] = largest[root].max(*number);
+        }
+        (0..numbers.len()).map(|row| largest[root(&mut first, row)]).collect()
     }
 
     /// Brings the blocks of S.
@@ -351,6 +381,20 @@ mod tests {
         rods.differential(0.0, q, &mut full).unwrap();
         let scale = |i: usize, f: usize| rods.scale(i).slope * mass[f].sqrt();
         DMatrix::from_fn(rods.count(), q.len(), |i, f| full.0[(i, f)] / scale(i, f))
+    }
+
+    #[test]
+    fn a_heavy_pendulum_beside_light_rods_is_not_taken_for_dependent() {
+        let (rods, q) = square_and_pendulums(10);
+        let mass: Vec<f64> = (0..q.len()).map(|f| if f < 8 { 1e-6 } else { 1e6 }).collect();
+        let metric = DiagonalMetric::new(mass.clone()).unwrap();
+        let choice = Many(Redundancy::LeastNorm);
+        let mut many = Solver::<Vec<f64>>::analyse(&choice, &metric, &rods, 0.0, &q).unwrap();
+        many.prepare(&metric, &rods, 0.0, &q).unwrap();
+        let push = DVector::from_fn(q.len(), |f, _| (1.0 + f as f64).sin());
+        let b = scaled(&rods, &q, &mass) * push;
+        let mut lambda: Vec<f64> = (0..b.len()).map(|i| b[i] * rods.scale(i).slope).collect();
+        many.solve(&mut lambda).unwrap();
     }
 
     #[test]
