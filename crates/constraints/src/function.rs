@@ -98,7 +98,7 @@ impl<F: Function<N, M>, const N: usize, const M: usize> ConstraintOn<Flat>
 
 impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionConstraint<F, N, M> {
     fn dim(&self) -> usize {
-        self.freedoms.iter().map(|freedom| freedom + 1).max().unwrap_or(0)
+        self.freedoms.iter().map(|freedom| freedom.saturating_add(1)).max().unwrap_or(0)
     }
 
     fn count(&self) -> usize {

@@ -42,7 +42,7 @@ impl Linear {
             }
         }
         let freedoms = equations.iter().flat_map(|(entries, _)| entries);
-        let dim = freedoms.map(|&(freedom, _)| freedom + 1).max().unwrap_or(0);
+        let dim = freedoms.map(|&(freedom, _)| freedom.saturating_add(1)).max().unwrap_or(0);
         Ok(Linear { equations, dim })
     }
 }

@@ -37,7 +37,7 @@ impl<const D: usize> ConstraintOn<Flat> for FixedPoint<D> {}
 
 impl<const D: usize> Constraint for FixedPoint<D> {
     fn dim(&self) -> usize {
-        D * (self.vertex + 1)
+        D.saturating_mul(self.vertex.saturating_add(1))
     }
 
     fn count(&self) -> usize {

@@ -45,7 +45,7 @@ pub struct SaddleMultipliers {
 struct Scaling {
     freedoms: Vec<f64>,
     equations: Vec<f64>,
-    /// Where blocks are scaled.
+    /// Where blocks are scaled, as long as the largest.
     block: Vec<f64>,
 }
 
@@ -86,13 +86,16 @@ struct Scaled<'a, S> {
 impl<S: Sink> Sink for Scaled<'_, S> {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
         // A freedom that is fixed is in no matrix.
-        let factor = |freedom: &usize| self.by.get(*freedom).copied().unwrap_or(1.0);
-        self.block.clear();
-        for (b, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
-            let scaled = freedoms.iter().zip(column).map(|(a, x)| factor(a) * factor(b) * x);
-            self.block.extend(scaled);
+        let factor = |freedom: usize| self.by.get(freedom).copied().unwrap_or(1.0);
+        let k = freedoms.len();
+        if self.block.len() < block.len() {
+            self.block.resize(block.len(), 0.0);
         }
-        self.sink.add_symmetric(freedoms, self.block);
+        let scaled = &mut self.block[..block.len()];
+        for (place, (scaled, entry)) in scaled.iter_mut().zip(block).enumerate() {
+            *scaled = factor(freedoms[place % k]) * factor(freedoms[place / k]) * entry;
+        }
+        self.sink.add_symmetric(freedoms, scaled);
     }
 }
 

@@ -384,6 +384,28 @@ mod tests {
     }
 
     #[test]
+    fn sharing_tells_independence_of_a_ten_thousandth_and_gives_up_before_it_takes_it_for_none() {
+        let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+        // Two lines that meet at an angle: the ratio of singular values is half of it.
+        for (angle, told) in [(1e-3, Some(1e3)), (2e-5, None), (1e-6, Some(0.0))] {
+            let lines = crate::Linear::new(vec![
+                (vec![(0, 1.0), (1, 0.0)], 0.0),
+                (vec![(0, 1.0), (1, angle)], 0.0),
+            ]);
+            let (lines, q) = (lines.unwrap(), vec![0.0; 2]);
+            let choice = Many(Redundancy::LeastNorm);
+            let mut many = Solver::<Vec<f64>>::analyse(&choice, &metric, &lines, 0.0, &q).unwrap();
+            many.prepare(&metric, &lines, 0.0, &q).unwrap();
+            let mut lambda = [0.0, angle];
+            let solved = many.solve(&mut lambda);
+            assert_eq!(solved.is_ok(), told.is_some(), "{angle}: {solved:?}");
+            if let Some(told) = told {
+                assert!((lambda[1] - told).abs() < 1e-3 * (1.0 + told), "{angle}: {lambda:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_heavy_pendulum_beside_light_rods_is_not_taken_for_dependent() {
         let (rods, q) = square_and_pendulums(10);
         let mass: Vec<f64> = (0..q.len()).map(|f| if f < 8 { 1e-6 } else { 1e6 }).collect();

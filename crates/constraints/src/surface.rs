@@ -43,7 +43,7 @@ pub struct OnLevel<L, const D: usize>(FunctionConstraint<Equation<L>, D, 1>);
 impl<L: Level<D>, const D: usize> OnLevel<L, D> {
     /// Keeps a vertex on the zero level of a function.
     pub fn new(vertex: usize, level: L) -> Self {
-        let freedoms = std::array::from_fn(|c| D * vertex + c);
+        let freedoms = std::array::from_fn(|c| D.saturating_mul(vertex).saturating_add(c));
         OnLevel(FunctionConstraint::of_distinct(Equation(level), freedoms))
     }
 }

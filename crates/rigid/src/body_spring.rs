@@ -98,7 +98,7 @@ impl<S: BodySpace> PotentialOn<S> for BodySpring<S> {}
 
 impl<S: BodySpace> Potential for BodySpring<S> {
     fn dim(&self) -> usize {
-        S::FREEDOMS * self.bodies
+        S::FREEDOMS.saturating_mul(self.bodies)
     }
 
     fn energy(&self, q: &[f64]) -> f64 {

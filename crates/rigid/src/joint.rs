@@ -130,7 +130,7 @@ impl<S: BodySpace> Joint<S> {
 
     /// An error where a configuration holds fewer bodies.
     fn check(&self, q: &[f64]) -> Result<(), SizeError> {
-        check_read(S::STORED * self.bodies, q)
+        check_read(S::STORED.saturating_mul(self.bodies), q)
     }
 
     fn place(q: &[f64], end: &Attachment) -> Vector3<f64> {
@@ -163,7 +163,7 @@ impl<S: BodySpace> ConstraintOn<S> for Joint<S> {}
 
 impl<S: BodySpace> Constraint for Joint<S> {
     fn dim(&self) -> usize {
-        S::FREEDOMS * self.bodies
+        S::FREEDOMS.saturating_mul(self.bodies)
     }
 
     fn count(&self) -> usize {

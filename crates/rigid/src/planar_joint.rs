@@ -104,7 +104,7 @@ impl ConstraintOn<Flat> for PlanarJoint {}
 
 impl Constraint for PlanarJoint {
     fn dim(&self) -> usize {
-        3 * self.bodies
+        self.bodies.saturating_mul(3)
     }
 
     fn count(&self) -> usize {

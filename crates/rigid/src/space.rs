@@ -51,7 +51,7 @@ pub trait BodySpace: Curved + Copy {
     /// Where `q` does not hold the body.
     #[inline]
     fn pose_at(q: &[f64], body: usize) -> RigidMotion {
-        let q = &q[Self::STORED * body..][..Self::STORED];
+        let q = &q[Self::STORED.saturating_mul(body)..][..Self::STORED];
         let translation = match Self::TRANSLATION {
             0 => Vector3::zeros(),
             _ => Vector3::new(q[0], q[1], q[2]),

@@ -274,6 +274,9 @@ fn every_constraint_refuses_too_few_numbers_and_other_counts_of_values() {
     let lines = Linear::new(vec![(vec![(0, 1.0), (2, 1.0)], 0.5), (vec![(1, 2.0)], 0.0)]).unwrap();
     refuses_other_sizes(&lines, 3);
     refuses_other_sizes(&OnLevel::new(2, Odd { value: 1.0, slope: 2.0 }), 6);
+    // A vertex beyond all counting is one that is not there.
+    let beyond = FixedPoint::new(usize::MAX, [0.0, 1.0]).unwrap();
+    assert!(beyond.value(0.0, &[0.3; 4], &mut [0.0; 2]).is_err());
     // Of a set whose members read equally far the first refuses.
     refuses_other_sizes(&vec![point, point], 4);
     refuses_other_sizes(&(point, point), 4);
