@@ -184,7 +184,7 @@ fn free_boxes() {
         let mut errors = Errors::default();
         for (k, motion) in motions.iter().enumerate() {
             let m = Vector3::from_column_slice(&state.p.0[6 * k + 3..][..3]);
-            let spin = Poses::pose(&state.q, k).rotation.rotate(&m);
+            let spin = Poses::pose_at(&state.q, k).rotation.rotate(&m);
             errors.see(motion, spin, m.dot(&body().angular_velocity(&m)));
         }
         show(method.facts().name, time, errors);

@@ -13,11 +13,11 @@
 //! constraint's own; [`Scale`] turns them into lengths, so that violations and ranks can be judged.
 //!
 //! A tuple or a `Vec` of constraints is a constraint. Which spaces' configurations it reads,
-//! [`ConstraintOn`] says. Asked of too few numbers, its values are not numbers. Zero must be a regular value: J has full row
-//! rank wherever g = 0, or there is no surface to stay on (notes 8.1). Source: notes 6; errata
-//! conventions (multipliers are forces).
+//! [`ConstraintOn`] says. Too few numbers, or room for others than m values, are an error and never
+//! numbers. Zero must be a regular value: J has full row rank wherever g = 0, or there is no surface
+//! to stay on (notes 8.1). Source: notes 6; errata conventions (multipliers are forces).
 
-use stationary_calculus::Sink;
+use stationary_calculus::{Sink, SizeError};
 
 /// Takes the entries of a differential, one after another.
 pub trait Rows {
@@ -42,6 +42,11 @@ impl Default for Scale {
 }
 
 /// Equations that a configuration must satisfy.
+///
+/// A configuration may have more numbers than a constraint reads. One that has fewer is a
+/// [`SizeError`], and so are lists of values or multipliers that have not m numbers: each function
+/// looks at its sizes before it reads, and on an error has brought nothing, or of a set what its first
+/// members brought.
 pub trait Constraint {
     /// The number of freedoms n of the system; at least those that it reads.
     fn dim(&self) -> usize;
@@ -49,19 +54,30 @@ pub trait Constraint {
     /// The number of equations m.
     fn count(&self) -> usize;
 
-    /// Writes g(t, q), m numbers; what is not a number where `q` has too few.
-    fn value(&self, t: f64, q: &[f64], g: &mut [f64]);
+    /// Writes g(t, q), m numbers.
+    ///
+    /// # Errors
+    /// Sizes that do not fit, as of all functions below.
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError>;
 
     /// Brings the entries of J, row after row, at most one for a row and a freedom; the same places
     /// in the same order for every t and q.
-    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows);
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError>;
 
     /// Adds the sum of `lambda_i d2g_i`, the same blocks in the same order every time.
-    fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink);
+    fn add_hessian(
+        &self,
+        t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError>;
 
     /// Writes dg/dt at a configuration that stays, m numbers: zero unless something is driven.
-    fn rate(&self, _t: f64, _q: &[f64], rate: &mut [f64]) {
+    fn rate(&self, _t: f64, _q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), rate)?;
         rate.fill(0.0);
+        Ok(())
     }
 
     /// How large the numbers of equation `row` typically are.
@@ -76,10 +92,22 @@ pub trait ConstraintOn<S>: Constraint {}
 
 impl<S, K: ConstraintOn<S>> ConstraintOn<S> for &K {}
 
-/// The number at a place, or what is not a number where there is none.
+/// An error where a configuration has fewer numbers than a constraint reads.
 #[inline]
-pub(crate) fn read(q: &[f64], freedom: usize) -> f64 {
-    q.get(freedom).copied().unwrap_or(f64::NAN)
+pub fn check_read(read: usize, q: &[f64]) -> Result<(), SizeError> {
+    SizeError::check("the configuration's numbers", read, q.len().min(read))
+}
+
+/// An error unless there is a value for each equation.
+#[inline]
+pub fn check_values(count: usize, values: &[f64]) -> Result<(), SizeError> {
+    SizeError::check("the constraint's values", count, values.len())
+}
+
+/// An error unless there is a multiplier for each equation.
+#[inline]
+pub fn check_multipliers(count: usize, lambda: &[f64]) -> Result<(), SizeError> {
+    SizeError::check("the constraint's multipliers", count, lambda.len())
 }
 
 impl<K: Constraint> Constraint for &K {
@@ -92,21 +120,27 @@ impl<K: Constraint> Constraint for &K {
     }
 
     #[inline]
-    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
-        K::value(self, t, q, g);
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        K::value(self, t, q, g)
     }
 
     #[inline]
-    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
-        K::differential(self, t, q, rows);
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        K::differential(self, t, q, rows)
     }
 
-    fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
-        K::add_hessian(self, t, q, lambda, hessian);
+    fn add_hessian(
+        &self,
+        t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        K::add_hessian(self, t, q, lambda, hessian)
     }
 
-    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
-        K::rate(self, t, q, rate);
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        K::rate(self, t, q, rate)
     }
 
     fn scale(&self, row: usize) -> Scale {

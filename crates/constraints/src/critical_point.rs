@@ -75,14 +75,19 @@ pub fn critical_point(
         let (above, below) = r.split_at_mut(n);
         above.fill(0.0);
         f.add_differential(q, Covector(&mut *above));
-        add_pulled_back(constraint, 0.0, q, -1.0, lambda, Covector(above));
-        constraint.value(0.0, q, below);
-        below.iter_mut().for_each(|g| *g = -*g);
+        let pulled = add_pulled_back(constraint, 0.0, q, -1.0, lambda, Covector(above));
+        match pulled.and_then(|()| constraint.value(0.0, q, below)) {
+            Ok(()) => below.iter_mut().for_each(|g| *g = -*g),
+            // Newton's method ends where it meets such numbers.
+            Err(_) => below.fill(f64::NAN),
+        }
     };
     let matrix = |x: &[f64], matrix: &mut [f64]| {
         let (q, lambda) = x.split_at(n);
         let curvature = curvature(f, constraint, q, lambda);
-        let j = differential(constraint, q, n);
+        let (Ok(curvature), Ok(j)) = (curvature, differential(constraint, q, n)) else {
+            return matrix.fill(f64::NAN);
+        };
         let mut matrix = nalgebra::DMatrixViewMut::from_slice(matrix, n + m, n + m);
         matrix.view_mut((0, 0), (n, n)).copy_from(&curvature);
         matrix.view_mut((n, 0), (m, n)).copy_from(&-&j);
@@ -99,7 +104,7 @@ pub fn critical_point(
     let report = newton.solve(&mut equation, &mut x, &mut memory)?;
     let multipliers = x.split_off(n);
     let curvatures = on_tangent_space(f, constraint, &x, &multipliers)?;
-    let size = curvature(f, constraint, &x, &multipliers).amax();
+    let size = curvature(f, constraint, &x, &multipliers)?.amax();
     let kind = kind(&curvatures, FLAT * size);
     Ok(CriticalPoint { q: x, multipliers, kind, curvatures, newton: report })
 }
@@ -113,13 +118,17 @@ fn multipliers(
     let n = q.len();
     let mut df = DVector::zeros(n);
     f.add_differential(q, Covector(df.as_mut_slice()));
-    let j = differential(constraint, q, n);
+    let j = differential(constraint, q, n)?;
     let closest = least_norm(&j.transpose(), &df, DEPENDENT);
     let what = "differential";
     Ok(closest.map_err(|_| ConstraintError::NonFinite { what, index: 0 })?.x)
 }
 
-fn differential(constraint: &impl Constraint, q: &[f64], n: usize) -> DMatrix<f64> {
+fn differential(
+    constraint: &impl Constraint,
+    q: &[f64],
+    n: usize,
+) -> Result<DMatrix<f64>, SizeError> {
     struct Full(DMatrix<f64>);
     impl Rows for Full {
         fn add(&mut self, row: usize, freedom: usize, value: f64) {
@@ -127,8 +136,8 @@ fn differential(constraint: &impl Constraint, q: &[f64], n: usize) -> DMatrix<f6
         }
     }
     let mut full = Full(DMatrix::zeros(constraint.count(), n));
-    constraint.differential(0.0, q, &mut full);
-    full.0
+    constraint.differential(0.0, q, &mut full)?;
+    Ok(full.0)
 }
 
 /// The second differential of `f - lambda g`.
@@ -137,16 +146,16 @@ fn curvature(
     constraint: &impl Constraint,
     q: &[f64],
     lambda: &[f64],
-) -> DMatrix<f64> {
+) -> Result<DMatrix<f64>, SizeError> {
     let n = q.len();
     let mut matrix = DMatrix::zeros(n, n);
     if let Some(mut sink) = DenseSink::new(1.0, n, matrix.as_mut_slice()) {
         f.add_hessian(q, &mut sink);
     }
     if let Some(mut sink) = DenseSink::new(-1.0, n, matrix.as_mut_slice()) {
-        constraint.add_hessian(0.0, q, lambda, &mut sink);
+        constraint.add_hessian(0.0, q, lambda, &mut sink)?;
     }
-    matrix
+    Ok(matrix)
 }
 
 /// The eigenvalues of the second differential on the tangent space, ascending.
@@ -157,7 +166,7 @@ fn on_tangent_space(
     lambda: &[f64],
 ) -> Result<Vec<f64>, ConstraintError> {
     let (n, m) = (q.len(), constraint.count());
-    let mut j = differential(constraint, q, n);
+    let mut j = differential(constraint, q, n)?;
     for (row, mut entries) in j.row_iter_mut().enumerate() {
         entries /= constraint.scale(row).slope;
     }
@@ -175,7 +184,7 @@ fn on_tangent_space(
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| normal.eigenvalues[a].total_cmp(&normal.eigenvalues[b]));
     let tangent = normal.eigenvectors.select_columns(&order[..n - m]);
-    let form = tangent.transpose() * curvature(f, constraint, q, lambda) * &tangent;
+    let form = tangent.transpose() * curvature(f, constraint, q, lambda)? * &tangent;
     let mut curvatures: Vec<f64> = SymmetricEigen::new(form).eigenvalues.iter().copied().collect();
     curvatures.sort_by(f64::total_cmp);
     Ok(curvatures)

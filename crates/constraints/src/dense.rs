@@ -72,7 +72,7 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
             inverse_slope: from_fn(|row| {
                 if row < count { constraint.scale(row).slope.recip() } else { 0.0 }
             }),
-            normal: Normal::size(metric, constraint, t, q),
+            normal: Normal::size(metric, constraint, t, q)?,
             rows: from_fn(|_| Covector(zeros.clone())),
             turned: from_fn(|_| Covector(zeros.clone())),
             raised: from_fn(|_| Vector(zeros.clone())),
@@ -130,7 +130,7 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
     ) -> Result<(), ConstraintError> {
         SizeError::check("the constraint's equations", self.count, constraint.count())?;
         self.rows.iter_mut().for_each(Covector::clear);
-        constraint.differential(t, q, &mut Fill(&mut self.rows));
+        constraint.differential(t, q, &mut Fill(&mut self.rows))?;
         for row in 0..self.count {
             self.turned[row].clear();
             self.turned[row].add_scaled(self.inverse_slope[row], self.rows[row].view());
@@ -288,7 +288,7 @@ mod tests {
             }
         }
         let mut full = Full(SMatrix::zeros());
-        rods.differential(0.0, q, &mut full);
+        rods.differential(0.0, q, &mut full).unwrap();
         full.0
     }
 

@@ -7,7 +7,7 @@
 //! The places are found once; later visits write values only, and a visit that brings other places
 //! is an error. Products read the list from front to back.
 
-use stationary_calculus::{Covector, Vector, first_non_finite};
+use stationary_calculus::{Covector, SizeError, Vector, first_non_finite};
 
 use crate::{Constraint, ConstraintError, Rows};
 
@@ -52,10 +52,10 @@ impl Rows for Write<'_> {
 
 impl Entries {
     /// The places of a constraint's entries, their values still zero.
-    pub(crate) fn find(constraint: &impl Constraint, t: f64, q: &[f64]) -> Self {
+    pub(crate) fn find(constraint: &impl Constraint, t: f64, q: &[f64]) -> Result<Self, SizeError> {
         let mut places = Vec::new();
-        constraint.differential(t, q, &mut Find(&mut places));
-        Entries { values: vec![0.0; places.len()], places }
+        constraint.differential(t, q, &mut Find(&mut places))?;
+        Ok(Entries { values: vec![0.0; places.len()], places })
     }
 
     /// The values at `(t, q)`.
@@ -68,7 +68,7 @@ impl Entries {
     ) -> Result<(), ConstraintError> {
         let Entries { places, values } = self;
         let mut write = Write { places, values, at: 0, changed: None };
-        constraint.differential(t, q, &mut write);
+        constraint.differential(t, q, &mut write)?;
         match (write.changed, write.at) {
             (Some(entry), _) => return Err(ConstraintError::PatternChanged { entry }),
             (None, at) if at != write.places.len() => {

@@ -19,17 +19,19 @@
 //! }
 //! let wire = FunctionConstraint::new(Wire, [0, 1])?;
 //! let mut g = [0.0];
-//! wire.value(0.0, &[2.0, 5.0], &mut g);
+//! wire.value(0.0, &[2.0, 5.0], &mut g)?;
 //! assert_eq!(g, [1.0]);
 //! # Ok::<(), stationary_constraints::ConstraintError>(())
 //! ```
 
 use stationary_calculus::{
-    Flat, Number, Sink, Vector, directional_derivative, second_differential,
+    Flat, Number, Sink, SizeError, Vector, directional_derivative, second_differential,
 };
 
-use crate::constraint::read;
-use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
+use crate::{
+    Constraint, ConstraintError, ConstraintOn, Rows, Scale, check_multipliers, check_read,
+    check_values,
+};
 
 /// M functions of time and N freedoms, written once over any [`Number`].
 pub trait Function<const N: usize, const M: usize> {
@@ -67,8 +69,9 @@ impl<F: Function<N, M>, const N: usize, const M: usize> FunctionConstraint<F, N,
         FunctionConstraint { function, freedoms }
     }
 
-    fn read(&self, q: &[f64]) -> [f64; N] {
-        self.freedoms.map(|freedom| read(q, freedom))
+    fn read(&self, q: &[f64]) -> Result<[f64; N], SizeError> {
+        check_read(self.dim(), q)?;
+        Ok(self.freedoms.map(|freedom| q[freedom]))
     }
 
     /// The derivatives of all equations along one of the freedoms.
@@ -95,30 +98,40 @@ impl<F: Function<N, M>, const N: usize, const M: usize> ConstraintOn<Flat>
 
 impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionConstraint<F, N, M> {
     fn dim(&self) -> usize {
-        self.freedoms.iter().map(|freedom| freedom + 1).max().unwrap_or(0)
+        self.freedoms.iter().map(|freedom| freedom.saturating_add(1)).max().unwrap_or(0)
     }
 
     fn count(&self) -> usize {
         M
     }
 
-    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
-        let values = self.function.value(t, self.read(q));
-        g.iter_mut().zip(values).for_each(|(g, value)| *g = value);
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(M, g)?;
+        let values = self.function.value(t, self.read(q)?);
+        g.copy_from_slice(&values);
+        Ok(())
     }
 
-    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
-        let x = self.read(q);
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        let x = self.read(q)?;
         let columns: [[f64; M]; N] = std::array::from_fn(|place| self.column(t, x, place));
         for row in 0..M {
             for (column, &freedom) in columns.iter().zip(&self.freedoms) {
                 rows.add(row, freedom, column[row]);
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
-        let x = self.read(q);
+    fn add_hessian(
+        &self,
+        t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(M, lambda)?;
+        let x = self.read(q)?;
         let mut block = [[0.0; N]; N];
         for (i, j) in (0..N).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let along = |[r, s]: [_; 2]| {
@@ -132,16 +145,19 @@ impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionC
             (block[i][j], block[j][i]) = (sum, sum);
         }
         hessian.add_symmetric(&self.freedoms, block.as_flattened());
+        Ok(())
     }
 
-    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
-        let x = self.read(q);
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        check_values(M, rate)?;
+        let x = self.read(q)?;
         let along: [f64; M] = directional_derivative(
             |[s]: [_; 1]| self.function.value(s, x.map(|x| s * 0.0 + x)),
             [t],
             Vector([1.0]),
         );
-        rate.iter_mut().zip(along).for_each(|(rate, along)| *rate = along);
+        rate.copy_from_slice(&along);
+        Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {
@@ -169,7 +185,7 @@ mod tests {
     fn the_differentials_are_those_of_the_function() {
         let constraint = FunctionConstraint::new(Turning, [4, 0, 2, 1]).unwrap();
         assert_eq!((constraint.dim(), constraint.count()), (5, 2));
-        let pairing = Pairing { constraint, multipliers: vec![0.7, -1.3], time: 0.4 };
+        let pairing = Pairing::new(constraint, vec![0.7, -1.3], 0.4).unwrap();
         assert_derivatives(&pairing, &[0.5, -0.3, 0.8, 9.0, 0.1]);
     }
 
@@ -179,11 +195,11 @@ mod tests {
         let q = [0.5, -0.3, 0.8, 0.2];
         let at = |t: f64| {
             let mut g = [0.0; 2];
-            constraint.value(t, &q, &mut g);
+            constraint.value(t, &q, &mut g).unwrap();
             g
         };
         let mut rate = [0.0; 2];
-        constraint.rate(0.4, &q, &mut rate);
+        constraint.rate(0.4, &q, &mut rate).unwrap();
         let h = 1e-5;
         for (row, rate) in rate.iter().enumerate() {
             let difference = (at(0.4 + h)[row] - at(0.4 - h)[row]) / (2.0 * h);

@@ -124,7 +124,7 @@ where
         keeper.begin(state)?;
         keeper.kick_here(h);
         let (iterations, violation) = keeper.hold_configuration(h)?;
-        let work = keeper.work_here();
+        let work = keeper.work_here()?;
         keeper.arrive(h)?;
         keeper.finish(state, h)?;
         for (lambda, a) in self.lambda.as_mut().iter_mut().zip(keeper.impulse.as_ref()) {

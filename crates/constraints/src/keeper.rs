@@ -109,7 +109,7 @@ pub(crate) fn check_entries(
     if constraint.dim() > n {
         return Err(ConstraintError::Freedoms { needed: constraint.dim(), freedoms: n });
     }
-    match crate::rows::outside(constraint, t, q, n) {
+    match crate::rows::outside(constraint, t, q, n)? {
         Some((row, freedom)) => {
             Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms: n })
         }
@@ -183,7 +183,7 @@ where
         let here = self.here.known && self.here.t == state.t && self.here.q == state.q;
         if !here {
             check_configuration(self.system.space(), state.q.as_ref())?;
-            self.constraint.value(state.t, state.q.as_ref(), self.g.as_mut());
+            self.constraint.value(state.t, state.q.as_ref(), self.g.as_mut())?;
             self.scales.check(self.g.as_ref(), state.q.as_ref())?;
             self.examine(state.t, Some(&state.q))?;
             std::mem::swap(&mut self.here, &mut self.there);
@@ -195,7 +195,7 @@ where
     /// An error unless the velocity stays on the feasible set.
     pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
         self.system.metric().sharp(state.p.view(), self.displacement.view_mut());
-        self.constraint.rate(state.t, state.q.as_ref(), self.g.as_mut());
+        self.constraint.rate(state.t, state.q.as_ref(), self.g.as_mut())?;
         self.here.solver.add_along(self.displacement.view(), self.g.as_mut());
         self.scales.check_rates(self.g.as_ref(), self.displacement.components())
     }
@@ -229,7 +229,7 @@ where
             p.copy_from(before.view());
             let room = self.displacement.view_mut();
             self.motion.advance(metric, space, h, q.as_mut(), p.view_mut(), room)?;
-            self.constraint.value(t, q.as_ref(), g);
+            self.constraint.value(t, q.as_ref(), g)?;
             let distance = self.scales.distance(g);
             if distance.is_nan() && iterations == 0 {
                 return Err(ConstraintError::NonFinite { what: "constraint", index: 0 });
@@ -284,7 +284,7 @@ where
         // another. Where equations share their force, what no force removes is an error.
         for solves in 0..=SOLVES {
             self.system.metric().sharp(p.view(), self.displacement.view_mut());
-            self.constraint.rate(there.t, there.q.as_ref(), g);
+            self.constraint.rate(there.t, there.q.as_ref(), g)?;
             there.solver.add_along(self.displacement.view(), g);
             if solves > 0 {
                 let checked = self.scales.check_rates(g, self.displacement.components());
@@ -300,12 +300,12 @@ where
     }
 
     /// The work of an impulse at the start of the step, joules; zero unless something is driven.
-    pub(crate) fn work_here(&mut self) -> f64 {
+    pub(crate) fn work_here(&mut self) -> Result<f64, SizeError> {
         work(&self.constraint, &self.here, self.impulse.as_ref(), self.g.as_mut())
     }
 
     /// The work of an impulse at the end of the step.
-    pub(crate) fn work_there(&mut self) -> f64 {
+    pub(crate) fn work_there(&mut self) -> Result<f64, SizeError> {
         work(&self.constraint, &self.there, self.impulse.as_ref(), self.g.as_mut())
     }
 
@@ -328,9 +328,9 @@ fn work<C: Storage, X>(
     place: &Place<C, X>,
     impulse: &[f64],
     rate: &mut [f64],
-) -> f64 {
-    constraint.rate(place.t, place.q.as_ref(), rate);
-    impulse.iter().zip(rate).map(|(impulse, rate)| impulse * *rate).sum()
+) -> Result<f64, SizeError> {
+    constraint.rate(place.t, place.q.as_ref(), rate)?;
+    Ok(impulse.iter().zip(rate).map(|(impulse, rate)| impulse * *rate).sum())
 }
 
 /// An error that names the first number that is not finite.

@@ -89,7 +89,9 @@ pub mod problems;
 
 pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
-pub use constraint::{Constraint, ConstraintOn, Rows, Scale};
+pub use constraint::{
+    Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
+};
 pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{DenseMultipliers, Few, Room};
 pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};

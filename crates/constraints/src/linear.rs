@@ -6,10 +6,12 @@
 //! `a` given row by row by its entries, `b` a number a row. A pulley: `x_1 + x_2 = const`; a
 //! slider: `y = 0`; a gear: `r_1 theta_1 + r_2 theta_2 = 0`.
 
-use stationary_calculus::{Flat, Sink};
+use stationary_calculus::{Flat, Sink, SizeError};
 
-use crate::constraint::read;
-use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
+use crate::{
+    Constraint, ConstraintError, ConstraintOn, Rows, Scale, check_multipliers, check_read,
+    check_values,
+};
 
 /// An equation: its entries as (freedom, coefficient), and its right-hand side.
 type Equation = (Vec<(usize, f64)>, f64);
@@ -18,6 +20,8 @@ type Equation = (Vec<(usize, f64)>, f64);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
     equations: Vec<Equation>,
+    /// The freedoms that they read.
+    dim: usize,
 }
 
 impl Linear {
@@ -37,7 +41,9 @@ impl Linear {
                 return Err(ConstraintError::Equation { row });
             }
         }
-        Ok(Linear { equations })
+        let freedoms = equations.iter().flat_map(|(entries, _)| entries);
+        let dim = freedoms.map(|&(freedom, _)| freedom.saturating_add(1)).max().unwrap_or(0);
+        Ok(Linear { equations, dim })
     }
 }
 
@@ -45,29 +51,42 @@ impl ConstraintOn<Flat> for Linear {}
 
 impl Constraint for Linear {
     fn dim(&self) -> usize {
-        let freedoms = self.equations.iter().flat_map(|(entries, _)| entries);
-        freedoms.map(|&(freedom, _)| freedom + 1).max().unwrap_or(0)
+        self.dim
     }
 
     fn count(&self) -> usize {
         self.equations.len()
     }
 
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.equations.len(), g)?;
+        check_read(self.dim, q)?;
         for (g, (entries, right)) in g.iter_mut().zip(&self.equations) {
-            *g = entries.iter().map(|&(freedom, a)| a * read(q, freedom)).sum::<f64>() - right;
+            *g = entries.iter().map(|&(freedom, a)| a * q[freedom]).sum::<f64>() - right;
         }
+        Ok(())
     }
 
-    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        check_read(self.dim, q)?;
         for (row, (entries, _)) in self.equations.iter().enumerate() {
             for &(freedom, a) in entries {
                 rows.add(row, freedom, a);
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+    fn add_hessian(
+        &self,
+        _: f64,
+        q: &[f64],
+        lambda: &[f64],
+        _: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.equations.len(), lambda)?;
+        check_read(self.dim, q)
+    }
 
     fn scale(&self, row: usize) -> Scale {
         let Some((entries, _)) = self.equations.get(row) else { return Scale::default() };

@@ -12,7 +12,7 @@
 //! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
 //! for many with a metric that couples freedoms. Knows nothing of time steps.
 
-use stationary_calculus::{Covector, Metric, Sink, Vector};
+use stationary_calculus::{Covector, Metric, Sink, SizeError, Vector};
 
 use crate::{Constraint, ConstraintError};
 
@@ -120,18 +120,29 @@ impl crate::Rows for Normal<'_> {
 }
 
 impl Normal<'_> {
+    /// The square of it for each equation; zero where an equation touches nothing.
+    pub(crate) fn squares(
+        metric: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<Vec<f64>, SizeError> {
+        let diagonal = Diagonal::of(metric);
+        let largest_mass = vec![0.0; constraint.count()];
+        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
+        constraint.differential(t, q, &mut normal)?;
+        let square = |mass: f64| if mass > 0.0 { mass.recip() } else { 0.0 };
+        Ok(normal.largest_mass.into_iter().map(square).collect())
+    }
+
     /// The largest of them over all equations.
     pub(crate) fn size(
         metric: &impl Metric,
         constraint: &impl Constraint,
         t: f64,
         q: &[f64],
-    ) -> f64 {
-        let diagonal = Diagonal::of(metric);
-        let largest_mass = vec![0.0; constraint.count()];
-        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
-        constraint.differential(t, q, &mut normal);
-        let touched = normal.largest_mass.iter().filter(|&&mass| mass > 0.0);
-        touched.map(|mass| mass.recip()).fold(0.0, f64::max).sqrt()
+    ) -> Result<f64, SizeError> {
+        let squares = Normal::squares(metric, constraint, t, q)?;
+        Ok(squares.into_iter().fold(0.0, f64::max).sqrt())
     }
 }

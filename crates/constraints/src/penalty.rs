@@ -14,7 +14,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use stationary_calculus::{Covector, Metric, Potential, Sink, Vector};
+use stationary_calculus::{Covector, Metric, Potential, Sink, SizeError, Vector};
 use stationary_integrators::{Facts, Stability};
 
 use crate::feasible::Scales;
@@ -70,54 +70,79 @@ impl<K: Constraint> Penalty<K> {
         self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Replaces g by `k g / slope^2` in place of the weights.
-    fn weigh(&self, q: &[f64], weights: &mut [f64]) {
-        self.constraint.value(self.time, q, weights);
+    /// Replaces the weights by `k g / slope^2`.
+    fn weigh(&self, q: &[f64], weights: &mut [f64]) -> Result<(), SizeError> {
+        self.constraint.value(self.time, q, weights)?;
         for (weight, slope) in weights.iter_mut().zip(&self.inverse_square_slope) {
             *weight *= self.stiffness * slope;
         }
+        Ok(())
+    }
+
+    fn try_add_hessian(&self, q: &[f64], hessian: &mut impl Sink) -> Result<(), SizeError> {
+        let memory = &mut *self.memory();
+        self.weigh(q, &mut memory.weights)?;
+        self.constraint.add_hessian(self.time, q, &memory.weights, hessian)?;
+        memory.freedoms.clear();
+        memory.values.clear();
+        let mut squares = Squares { penalty: self, memory, row: 0, hessian };
+        self.constraint.differential(self.time, q, &mut squares)?;
+        squares.finish_row();
+        Ok(())
     }
 
     /// The highest angular frequency that the springs alone have at a feasible configuration,
-    /// radians a second: predicted from the stiffness, by power iteration. Not a number where the metric
-    /// has fewer freedoms than the constraint. Takes memory.
-    pub fn highest_frequency(&self, metric: &impl Metric, q: &[f64]) -> f64 {
-        let n = metric.dim();
-        if n < self.constraint.dim() {
-            return f64::NAN;
-        }
+    /// radians a second: predicted from the stiffness, by power iteration. Takes memory.
+    ///
+    /// # Errors
+    /// A metric or a configuration that has fewer freedoms than the constraint.
+    pub fn highest_frequency(&self, metric: &impl Metric, q: &[f64]) -> Result<f64, SizeError> {
+        let (n, needed) = (metric.dim(), self.constraint.dim());
+        SizeError::check("the metric's freedoms", needed, n.min(needed))?;
         let mut v = Vector((0..n).map(|i| 1.0 + 0.618 * (i % 7) as f64).collect::<Vec<_>>());
         let mut p = Covector(vec![0.0; n]);
         let mut square = 0.0;
         for _ in 0..POWERS {
             let mut rates = vec![0.0; self.constraint.count()];
-            self.constraint.differential(self.time, q, &mut Along { v: &v.0, rates: &mut rates });
+            self.constraint.differential(
+                self.time,
+                q,
+                &mut Along { v: &v.0, rates: &mut rates },
+            )?;
             for (rate, slope) in rates.iter_mut().zip(&self.inverse_square_slope) {
                 *rate *= self.stiffness * slope;
             }
             p.clear();
-            add_pulled_back(&self.constraint, self.time, q, 1.0, &rates, p.view_mut());
+            add_pulled_back(&self.constraint, self.time, q, 1.0, &rates, p.view_mut())?;
             metric.sharp(p.view(), v.view_mut());
             square = p.apply(&v).sqrt();
             if square == 0.0 {
-                return 0.0;
+                return Ok(0.0);
             }
             let mut flat = Covector(vec![0.0; n]);
             metric.flat(v.view(), flat.view_mut());
             let length = flat.apply(&v).sqrt();
             v.0.iter_mut().for_each(|x| *x /= length);
         }
-        square.sqrt()
+        Ok(square.sqrt())
     }
 
     /// The step below which a method is stable on these springs, seconds: infinite where it always
     /// is, zero where it never is.
-    pub fn stable_step(&self, facts: Facts, metric: &impl Metric, q: &[f64]) -> f64 {
-        match facts.stability {
-            Stability::Below(limit) => limit / self.highest_frequency(metric, q),
+    ///
+    /// # Errors
+    /// Those of [`Penalty::highest_frequency`].
+    pub fn stable_step(
+        &self,
+        facts: Facts,
+        metric: &impl Metric,
+        q: &[f64],
+    ) -> Result<f64, SizeError> {
+        Ok(match facts.stability {
+            Stability::Below(limit) => limit / self.highest_frequency(metric, q)?,
             Stability::Always => f64::INFINITY,
             Stability::Never => 0.0,
-        }
+        })
     }
 }
 
@@ -137,6 +162,7 @@ impl Rows for Along<'_> {
     }
 }
 
+/// A system checks sizes once, when it is made; of a configuration that is too short nothing is finite.
 impl<K: Constraint> Potential for Penalty<K> {
     fn dim(&self) -> usize {
         self.constraint.dim()
@@ -144,26 +170,28 @@ impl<K: Constraint> Potential for Penalty<K> {
 
     fn energy(&self, q: &[f64]) -> f64 {
         let weights = &mut self.memory().weights;
-        self.constraint.value(self.time, q, weights);
+        if self.constraint.value(self.time, q, weights).is_err() {
+            return f64::NAN;
+        }
         let squares = weights.iter().zip(&self.inverse_square_slope).map(|(g, s)| g * g * s);
         0.5 * self.stiffness * squares.sum::<f64>()
     }
 
-    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+    fn add_differential(&self, q: &[f64], mut dv: Covector<&mut [f64]>) {
         let weights = &mut self.memory().weights;
-        self.weigh(q, weights);
-        add_pulled_back(&self.constraint, self.time, q, 1.0, weights, dv);
+        let weighed = self.weigh(q, weights);
+        let (constraint, t) = (&self.constraint, self.time);
+        let pulled =
+            weighed.and_then(|()| add_pulled_back(constraint, t, q, 1.0, weights, dv.view_mut()));
+        if pulled.is_err() {
+            dv.0.fill(f64::NAN);
+        }
     }
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        let memory = &mut *self.memory();
-        self.weigh(q, &mut memory.weights);
-        self.constraint.add_hessian(self.time, q, &memory.weights, hessian);
-        memory.freedoms.clear();
-        memory.values.clear();
-        let mut squares = Squares { penalty: self, memory, row: 0, hessian };
-        self.constraint.differential(self.time, q, &mut squares);
-        squares.finish_row();
+        if self.try_add_hessian(q, hessian).is_err() {
+            hessian.add_symmetric(&[0], &[f64::NAN]);
+        }
     }
 }
 
@@ -223,7 +251,8 @@ mod tests {
         let rod = Rods::new(1, vec![[0.0, 0.0]], vec![Rod::new([1, 0], 0.5)]).unwrap();
         let penalty = Penalty::new(rod, 80.0, 0.0).unwrap();
         let metric = DiagonalMetric::new([5.0, 5.0]).unwrap();
-        assert!((penalty.highest_frequency(&metric, &[0.3, 0.4]) - 4.0).abs() < 1e-12);
+        let highest = penalty.highest_frequency(&metric, &[0.3, 0.4]).unwrap();
+        assert!((highest - 4.0).abs() < 1e-12);
     }
 
     #[test]

@@ -7,10 +7,11 @@
 //! `x_i` a free point in D dimensions, `a` the place, metres. A hold that moves is a
 //! [`FunctionConstraint`](crate::FunctionConstraint).
 
-use stationary_calculus::{Flat, Sink};
+use stationary_calculus::{Flat, Sink, SizeError};
 
-use crate::constraint::read;
-use crate::{Constraint, ConstraintError, ConstraintOn, Rows};
+use crate::{
+    Constraint, ConstraintError, ConstraintOn, Rows, check_multipliers, check_read, check_values,
+};
 
 /// A free point held at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,22 +37,37 @@ impl<const D: usize> ConstraintOn<Flat> for FixedPoint<D> {}
 
 impl<const D: usize> Constraint for FixedPoint<D> {
     fn dim(&self) -> usize {
-        D * (self.vertex + 1)
+        D.saturating_mul(self.vertex.saturating_add(1))
     }
 
     fn count(&self) -> usize {
         D
     }
 
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
-        for (c, (g, place)) in g.iter_mut().zip(&self.place).enumerate() {
-            *g = read(q, D * self.vertex + c) - place;
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(D, g)?;
+        check_read(self.dim(), q)?;
+        let point = &q[D * self.vertex..];
+        for (g, (x, place)) in g.iter_mut().zip(point.iter().zip(&self.place)) {
+            *g = x - place;
         }
+        Ok(())
     }
 
-    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        check_read(self.dim(), q)?;
         (0..D).for_each(|c| rows.add(c, D * self.vertex + c, 1.0));
+        Ok(())
     }
 
-    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+    fn add_hessian(
+        &self,
+        _: f64,
+        q: &[f64],
+        lambda: &[f64],
+        _: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(D, lambda)?;
+        check_read(self.dim(), q)
+    }
 }

@@ -14,7 +14,7 @@
 //! Heavy particles move less than light ones: a Euclidean projection would push on both alike and
 //! change linear momentum. Source: notes 6.3; errata 6.3 (velocities are projected as well).
 
-use stationary_calculus::{Covector, Metric, Potential, Space, Storage, System, Vector};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
 use stationary_integrators::State;
 
 use crate::feasible::{Flight, Scales, largest, rounding};
@@ -131,7 +131,7 @@ where
         loop {
             let change = self.change();
             let g = self.lambda.as_mut();
-            self.constraint.value(t, q.as_ref(), g);
+            self.constraint.value(t, q.as_ref(), g)?;
             if iterations > 0 {
                 flight.check(&self.scales, g, self.solver.regularity())?;
             }
@@ -209,7 +209,7 @@ where
         let Projection { system, constraint, solver, last, impulse, .. } = self;
         let impulse = impulse.as_mut();
         system.metric().sharp(state.p.view(), last.view_mut());
-        constraint.rate(state.t, state.q.as_ref(), impulse);
+        constraint.rate(state.t, state.q.as_ref(), impulse)?;
         solver.add_along(last.view(), impulse);
         solver.solve(impulse)?;
         solver.add_pulled_back(-1.0, impulse, state.p.view_mut());
@@ -225,7 +225,7 @@ where
         let rates = impulse.as_mut();
         solver.prepare(system.metric(), &*constraint, state.t, state.q.as_ref())?;
         system.metric().sharp(state.p.view(), last.view_mut());
-        constraint.rate(state.t, state.q.as_ref(), rates);
+        constraint.rate(state.t, state.q.as_ref(), rates)?;
         solver.add_along(last.view(), rates);
         scales.check_rates(rates, last.components())
     }
@@ -237,10 +237,10 @@ where
     }
 
     /// `<impulse, dg/dt>` of the last projections, made in the time h.
-    pub(crate) fn work(&mut self, h: f64, state: &State<C>) -> f64 {
+    pub(crate) fn work(&mut self, h: f64, state: &State<C>) -> Result<f64, SizeError> {
         let rate = self.rate.as_mut();
-        self.constraint.rate(state.t, state.q.as_ref(), rate);
+        self.constraint.rate(state.t, state.q.as_ref(), rate)?;
         let impulses = self.lambda.as_ref().iter().zip(self.impulse.as_ref());
-        impulses.zip(rate).map(|((a, b), rate)| (a / h + b) * *rate).sum()
+        Ok(impulses.zip(rate).map(|((a, b), rate)| (a / h + b) * *rate).sum())
     }
 }

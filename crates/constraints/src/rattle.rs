@@ -164,11 +164,11 @@ where
         keeper.kick_here(0.5 * h);
         let (iterations, violation) = keeper.hold_configuration(h)?;
         self.start.clone_from(&keeper.impulse);
-        let mut work = keeper.work_here();
+        let mut work = keeper.work_here()?;
         keeper.arrive(h)?;
         keeper.kick_there(0.5 * h);
         keeper.hold_velocity()?;
-        work += keeper.work_there();
+        work += keeper.work_there()?;
         keeper.finish(state, h)?;
         let impulses = self.start.as_ref().iter().zip(keeper.impulse.as_ref());
         for (lambda, (a, b)) in self.lambda.as_mut().iter_mut().zip(impulses) {

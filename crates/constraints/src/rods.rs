@@ -10,9 +10,12 @@
 //! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
 //! (tension of the square form).
 
-use stationary_calculus::{Flat, Sink};
+use stationary_calculus::{Flat, Sink, SizeError};
 
-use crate::{Constraint, ConstraintError, ConstraintOn, Rows, Scale};
+use crate::{
+    Constraint, ConstraintError, ConstraintOn, Rows, Scale, check_multipliers, check_read,
+    check_values,
+};
 
 /// A rod between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,11 +115,10 @@ impl<const D: usize> Rods<D> {
 
     #[inline]
     fn place<'a>(&'a self, points: &'a [[f64; D]], vertex: usize) -> &'a [f64; D] {
-        let place = match vertex.checked_sub(self.free) {
-            None => points.get(vertex),
-            Some(hook) => self.fixed.get(hook),
-        };
-        place.unwrap_or(const { &[f64::NAN; D] })
+        match vertex.checked_sub(self.free) {
+            None => &points[vertex],
+            Some(hook) => &self.fixed[hook],
+        }
     }
 
     /// From the first end to the second.
@@ -126,9 +128,11 @@ impl<const D: usize> Rods<D> {
         std::array::from_fn(|c| y[c] - x[c])
     }
 
+    /// The free points, and those after them.
     #[inline]
-    fn points(q: &[f64]) -> &[[f64; D]] {
-        q.as_chunks::<D>().0
+    fn points<'a>(&self, q: &'a [f64]) -> Result<&'a [[f64; D]], SizeError> {
+        check_read(D * self.free, q)?;
+        Ok(q.as_chunks::<D>().0)
     }
 }
 
@@ -163,17 +167,19 @@ impl<const D: usize> Constraint for Rods<D> {
     }
 
     #[inline]
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
-        let points = Self::points(q);
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.rods.len(), g)?;
+        let points = self.points(q)?;
         for (g, rod) in g.iter_mut().zip(&self.rods) {
             let d = self.along(points, rod);
             *g = d.iter().map(|d| d * d).sum::<f64>() - rod.length * rod.length;
         }
+        Ok(())
     }
 
     #[inline]
-    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) {
-        let points = Self::points(q);
+    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        let points = self.points(q)?;
         for (row, rod) in self.rods.iter().enumerate() {
             let d = self.along(points, rod);
             for (vertex, sign) in rod.ends.into_iter().zip([-2.0, 2.0]) {
@@ -184,9 +190,18 @@ impl<const D: usize> Constraint for Rods<D> {
                 }
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _: f64, _: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        _: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.rods.len(), lambda)?;
+        check_read(D * self.free, q)?;
         for (rod, lambda) in self.rods.iter().zip(lambda) {
             let [i, j] = rod.ends;
             let l = 2.0 * lambda;
@@ -200,6 +215,7 @@ impl<const D: usize> Constraint for Rods<D> {
                 }
             }
         }
+        Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {
@@ -221,10 +237,10 @@ mod tests {
     #[test]
     fn the_differentials_are_right_in_the_plane_and_in_space() {
         let plane = Rods::new(3, vec![[0.0, 1.0]], rods()).unwrap();
-        let pairing = Pairing { constraint: &plane, multipliers: vec![0.7, -1.3, 2.0], time: 0.0 };
+        let pairing = Pairing::new(&plane, vec![0.7, -1.3, 2.0], 0.0).unwrap();
         assert_derivatives(&pairing, &[0.5, 0.1, -0.4, 0.9, 1.5, -1.0]);
         let space = Rods::new(3, vec![[0.0, 1.0, 0.3]], rods()).unwrap();
-        let pairing = Pairing { constraint: &space, multipliers: vec![0.7, -1.3, 2.0], time: 0.0 };
+        let pairing = Pairing::new(&space, vec![0.7, -1.3, 2.0], 0.0).unwrap();
         assert_derivatives(&pairing, &[0.5, 0.1, -0.4, 0.9, 1.5, -1.0, 0.2, 0.3, 0.4]);
     }
 

@@ -6,9 +6,9 @@
 //! ```
 //! `J` m x n, given entry by entry. Nothing is stored and nothing is allocated.
 
-use stationary_calculus::Covector;
+use stationary_calculus::{Covector, SizeError};
 
-use crate::{Constraint, Rows};
+use crate::{Constraint, Rows, check_multipliers};
 
 /// Adds s J^T lambda to a covector.
 struct Pulled<'a> {
@@ -20,9 +20,7 @@ struct Pulled<'a> {
 impl Rows for Pulled<'_> {
     #[inline]
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        // A multiplier that is missing is not a number, and neither is the force.
-        let lambda = self.lambda.get(row).copied().unwrap_or(f64::NAN);
-        if let Some(p) = self.p.get_mut(freedom) {
+        if let (Some(p), Some(lambda)) = (self.p.get_mut(freedom), self.lambda.get(row)) {
             *p += self.scale * lambda * value;
         }
     }
@@ -36,8 +34,9 @@ pub(crate) fn add_pulled_back(
     scale: f64,
     lambda: &[f64],
     p: Covector<&mut [f64]>,
-) {
-    constraint.differential(t, q, &mut Pulled { scale, lambda, p: p.0 });
+) -> Result<(), SizeError> {
+    check_multipliers(constraint.count(), lambda)?;
+    constraint.differential(t, q, &mut Pulled { scale, lambda, p: p.0 })
 }
 
 /// Counts entries, and finds the first that lies outside of the matrix.
@@ -61,8 +60,8 @@ pub(crate) fn outside(
     t: f64,
     q: &[f64],
     dim: usize,
-) -> Option<(usize, usize)> {
+) -> Result<Option<(usize, usize)>, SizeError> {
     let mut outside = Outside { count: constraint.count(), dim, found: None };
-    constraint.differential(t, q, &mut outside);
-    outside.found
+    constraint.differential(t, q, &mut outside)?;
+    Ok(outside.found)
 }

@@ -5,9 +5,14 @@
 //! [ M  J^T ] [  x ]   [ 0 ]
 //! [ J   0  ] [ -l ] = [ b ]        l = (J M^-1 J^T)^-1 b
 //! ```
-//! `M` the metric's matrix (n x n), sparse with entries off its diagonal; `J` m x n. The matrix is
-//! symmetric and indefinite; its pattern is analysed once, and each solution is refined and refused
-//! if its residual is too large. A matrix that is singular to working precision is the error for
+//! `M` the metric's matrix (n x n), sparse with entries off its diagonal; `J` m x n. Rows and columns
+//! are scaled, so that neither masses nor sizes nor their ratios tell:
+//!
+//! ```text
+//! x = D x',   l = E l',   D = diag(M)^-1/2,   E_i = 1 / (slope_i max_f D_f)    f the freedoms of row i
+//! ```
+//! The matrix is symmetric and indefinite; its pattern is analysed once, and each solution is refined
+//! and refused if its residual is too large. A matrix that is singular to working precision is the error for
 //! equations that depend on each other; redundant equations are refused.
 //! Source: errata conventions; `SparseIndefinite` of calculus, with the traps that it avoids.
 
@@ -16,6 +21,7 @@ use stationary_calculus::{
 };
 
 use crate::entries::Entries;
+use crate::multipliers::Diagonal;
 use crate::{Constraint, ConstraintError, Multipliers, Solver};
 
 /// The choice of [`SaddleMultipliers`]: many equations, a metric that couples freedoms.
@@ -31,13 +37,65 @@ pub struct SaddleMultipliers {
     matrix: SymmetricMatrix,
     solver: SparseIndefinite,
     right: Vec<f64>,
+    scaling: Scaling,
 }
 
-/// Brings the blocks of the saddle matrix.
-fn visit(metric: &impl Metric, entries: &Entries, n: usize, sink: &mut impl Sink) {
-    metric.add_matrix(sink);
-    for (&(row, freedom), &value) in entries.places.iter().zip(&entries.values) {
-        sink.add_symmetric(&[freedom as usize, n + row as usize], &[0.0, value, value, 0.0]);
+/// D of each freedom, E of each equation.
+#[derive(Clone, Debug)]
+struct Scaling {
+    freedoms: Vec<f64>,
+    equations: Vec<f64>,
+    /// Where blocks are scaled, as long as the largest.
+    block: Vec<f64>,
+}
+
+impl Scaling {
+    fn of(mass: &[f64], constraint: &impl Constraint, entries: &Entries) -> Self {
+        let freedoms: Vec<f64> = mass.iter().map(|mass| mass.sqrt().recip()).collect();
+        let mut equations = vec![0.0_f64; constraint.count()];
+        for &(row, freedom) in &entries.places {
+            let largest = &mut equations[row as usize];
+            *largest = largest.max(freedoms[freedom as usize]);
+        }
+        for (row, factor) in equations.iter_mut().enumerate() {
+            *factor = (constraint.scale(row).slope * *factor).recip();
+        }
+        Scaling { freedoms, equations, block: Vec::new() }
+    }
+
+    /// Brings the blocks of the saddle matrix, scaled.
+    fn visit(&mut self, metric: &impl Metric, entries: &Entries, sink: &mut impl Sink) {
+        let Scaling { freedoms, equations, block } = self;
+        metric.add_matrix(&mut Scaled { by: freedoms, block, sink: &mut *sink });
+        for (&(row, freedom), &value) in entries.places.iter().zip(&entries.values) {
+            let (row, freedom) = (row as usize, freedom as usize);
+            let value = value * freedoms[freedom] * equations[row];
+            let places = [freedom, freedoms.len() + row];
+            sink.add_symmetric(&places, &[0.0, value, value, 0.0]);
+        }
+    }
+}
+
+/// Takes blocks of the metric and scales them.
+struct Scaled<'a, S> {
+    by: &'a [f64],
+    block: &'a mut Vec<f64>,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Sink for Scaled<'_, S> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        // A freedom that is fixed is in no matrix.
+        let factor = |freedom: usize| self.by.get(freedom).copied().unwrap_or(1.0);
+        let k = freedoms.len();
+        if self.block.len() < block.len() {
+            self.block.resize(block.len(), 0.0);
+        }
+        let scaled = &mut self.block[..block.len()];
+        for (place, (scaled, entry)) in scaled.iter_mut().zip(block).enumerate() {
+            *scaled = factor(freedoms[place % k]) * factor(freedoms[place / k]) * entry;
+        }
+        self.sink.add_symmetric(freedoms, scaled);
     }
 }
 
@@ -52,8 +110,11 @@ impl<C> Solver<C> for Coupled {
         q: &[f64],
     ) -> Result<SaddleMultipliers, ConstraintError> {
         let (n, count) = (metric.dim(), constraint.count());
-        let entries = Entries::find(constraint, t, q);
-        let matrix = SymmetricMatrix::analyse(n + count, |sink| visit(metric, &entries, n, sink))?;
+        let entries = Entries::find(constraint, t, q)?;
+        let mut scaling = Scaling::of(&Diagonal::of(metric).mass, constraint, &entries);
+        let matrix = SymmetricMatrix::analyse(n + count, |sink| {
+            scaling.visit(metric, &entries, sink);
+        })?;
         Ok(SaddleMultipliers {
             freedoms: n,
             count,
@@ -61,6 +122,7 @@ impl<C> Solver<C> for Coupled {
             solver: SparseIndefinite::analyse(&matrix)?,
             matrix,
             right: vec![0.0; n + count],
+            scaling,
         })
     }
 }
@@ -80,8 +142,8 @@ impl Multipliers for SaddleMultipliers {
         q: &[f64],
     ) -> Result<(), ConstraintError> {
         self.entries.write(constraint, t, q)?;
-        let SaddleMultipliers { entries, matrix, freedoms, .. } = self;
-        matrix.refill(|sink| visit(metric, entries, *freedoms, sink))?;
+        let SaddleMultipliers { entries, matrix, scaling, .. } = self;
+        matrix.refill(|sink| scaling.visit(metric, entries, sink))?;
         match self.solver.factor(&self.matrix) {
             Ok(_) => Ok(()),
             Err(SparseError::Singular) => Err(ConstraintError::Dependent { row: None }),
@@ -91,11 +153,14 @@ impl Multipliers for SaddleMultipliers {
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
         let (above, below) = self.right.split_at_mut(self.freedoms);
+        let factors = &self.scaling.equations;
         above.fill(0.0);
-        below.copy_from_slice(b);
+        for (below, (b, factor)) in below.iter_mut().zip(b.iter().zip(factors)) {
+            *below = factor * b;
+        }
         self.solver.solve(&self.matrix, &mut self.right)?;
-        for (b, l) in b.iter_mut().zip(&self.right[self.freedoms..]) {
-            *b = -l;
+        for (b, (l, factor)) in b.iter_mut().zip(self.right[self.freedoms..].iter().zip(factors)) {
+            *b = -factor * l;
         }
         Ok(())
     }
@@ -106,5 +171,37 @@ impl Multipliers for SaddleMultipliers {
 
     fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
         self.entries.add_along(v, rates);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rod, Rods};
+    use stationary_calculus::DiagonalMetric;
+
+    #[test]
+    fn masses_and_sizes_far_from_one_cost_no_digit() {
+        for (size, masses) in [(1.0, [1.0, 1.0]), (1e-6, [1e6, 1e6]), (1e6, [1e-6, 1.0])] {
+            let rods = vec![Rod::new([2, 0], size), Rod::new([0, 1], size)];
+            let rods = Rods::<2>::new(2, vec![[0.0; 2]], rods).unwrap();
+            let q = [0.6 * size, -0.8 * size, 1.6 * size, -0.8 * size];
+            let [a, b] = masses;
+            let metric = DiagonalMetric::new(vec![a, a, b, b]).unwrap();
+            let analysed = Solver::<Vec<f64>>::analyse(&Coupled, &metric, &rods, 0.0, &q);
+            let mut coupled = analysed.unwrap();
+            coupled.prepare(&metric, &rods, 0.0, &q).unwrap();
+            // S by hand: rods of slope 2 L at an angle whose cosine is c.
+            let (square, cosine) = (4.0 * size * size, 0.6);
+            let s = [[square / a, -square * cosine / a], [0.0, square * (1.0 / a + 1.0 / b)]];
+            let right = [0.3, -0.7];
+            let mut lambda = right;
+            coupled.solve(&mut lambda).unwrap();
+            let back = [
+                s[0][0] * lambda[0] + s[0][1] * lambda[1],
+                s[0][1] * lambda[0] + s[1][1] * lambda[1],
+            ];
+            assert!(back.iter().zip(&right).all(|(b, r)| (b - r).abs() < 1e-13), "{back:?}");
+        }
     }
 }

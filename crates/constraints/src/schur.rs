@@ -16,11 +16,13 @@
 //! ```text
 //! T = S + e D^2,   lambda <- lambda + T^-1 S T^-1 (b - S lambda),   e = 1e-8 of a normal row
 //! ```
-//! `D` the slopes of the equations. S in the middle takes out what no force feels, so that the least
-//! norm in reference scales is reached. Iterations end where they take nothing more from the residual:
-//! of a right-hand side that contradicts itself, as rounding does, the part that no force feels stays.
-//! What is independent by less than a root of e comes slowly, and not at all within the bound is an
-//! error.
+//! `D` the slopes of the equations, and a normal row one of the mechanism that an equation belongs to:
+//! those that share no freedom are judged apart. S in the middle takes out what no force feels, so that the least
+//! norm in reference scales is reached, to `eps s` of the multipliers: `s` the largest entry of S over e,
+//! 1e8 where masses are alike, and more by their ratio. Iterations end where what they take from the
+//! residual is its rounding, `eps s` of it: of a right-hand side that contradicts itself, as rounding
+//! does, the part that no force feels stays. What is independent by less than a root of e comes slowly,
+//! and not at all within the bound is an error.
 
 use stationary_calculus::{
     Covector, Metric, Sink, SparseCholesky, SparseError, SymmetricMatrix, Vector,
@@ -92,11 +94,12 @@ impl<C> Solver<C> for Many {
         if let Some(freedom) = masses.coupled {
             return Err(ConstraintError::Coupled { freedom });
         }
-        let entries = Entries::find(constraint, t, q);
+        let entries = Entries::find(constraint, t, q)?;
         let mut columns = Columns::of(&entries, &masses.mass);
-        let normal = Normal::size(metric, constraint, t, q);
+        let normal = columns.largest_among_linked(Normal::squares(metric, constraint, t, q)?);
         let squares = |part: f64| -> Vec<f64> {
-            (0..count).map(|row| (part * normal * constraint.scale(row).slope).powi(2)).collect()
+            let square = |row: usize| normal[row] * (part * constraint.scale(row).slope).powi(2);
+            (0..count).map(square).collect()
         };
         let sharing = (self.0 == Redundancy::LeastNorm).then(|| Sharing {
             shift: squares(SHIFT),
@@ -128,9 +131,9 @@ const ITERATIONS: u32 = 40;
 /// much to end with above the second.
 const SETTLED: f64 = 1e-15;
 const UNSETTLED: f64 = 1e-9;
-/// Below this part of what is left no force feels the rest: a root of rounding, by which the shift
-/// blurs what it takes out.
-const UNFELT: f64 = 1e-6;
+/// What an iteration takes from a rest that no force feels: so many roundings of it, times the largest
+/// entry over the shift.
+const NOISE: f64 = 40.0;
 
 /// Adds the shift to the diagonal.
 fn shift(sharing: Option<&Sharing>, sink: &mut impl Sink) {
@@ -154,6 +157,10 @@ impl Sharing {
         // In reference scales, of which the shift is the square.
         let length = |x: &[f64]| x.iter().zip(&*shift).map(|(x, s)| x * x / s).sum::<f64>().sqrt();
         let whole = length(residual);
+        let diagonal = matrix.column_starts().iter().map(|&start| matrix.values()[start as usize]);
+        let stiffest =
+            diagonal.zip(&*shift).map(|(entry, shift)| entry / shift).fold(0.0, f64::max);
+        let noise = NOISE * f64::EPSILON * stiffest;
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             image.copy_from_slice(residual);
@@ -165,7 +172,7 @@ impl Sharing {
             residual.iter_mut().zip(&*image).for_each(|(r, y)| *r -= y);
             // What no force feels stays in the residual, and its rounding in every change after.
             let now = length(image);
-            let unfelt = now <= UNSETTLED * whole || now <= UNFELT * length(residual);
+            let unfelt = now <= UNSETTLED * whole || now <= noise * length(residual);
             if now <= SETTLED * whole || (now > 0.5 * before && unfelt) {
                 return Ok(());
             }
@@ -214,6 +221,34 @@ impl Columns {
         }
         let most = groups.iter().map(|group| group.equations).max().unwrap_or(0);
         Columns { groups, equations, inverse_mass, entries: flat, block: vec![0.0; most * most] }
+    }
+
+    /// The largest of the numbers among all equations that an equation is linked to by freedoms, itself
+    /// included. Mechanisms that have nothing to do with each other are judged by their own masses.
+    fn largest_among_linked(&self, numbers: Vec<f64>) -> Vec<f64> {
+        let mut first: Vec<usize> = (0..numbers.len()).collect();
+        fn root(first: &mut [usize], mut row: usize) -> usize {
+            while first[row] != row {
+                first[row] = first[first[row]];
+                row = first[row];
+            }
+            row
+        }
+        let mut rest = &self.equations[..];
+        for group in &self.groups {
+            let (own, others) = rest.split_at(group.equations);
+            for &row in own {
+                let (a, b) = (root(&mut first, own[0]), root(&mut first, row));
+                first[a.max(b)] = a.min(b);
+            }
+            rest = others;
+        }
+        let mut largest = vec![0.0_f64; numbers.len()];
+        for (row, number) in numbers.iter().enumerate() {
+            let root = root(&mut first, row);
+            largest[root] = largest[root].max(*number);
+        }
+        (0..numbers.len()).map(|row| largest[root(&mut first, row)]).collect()
     }
 
     /// Brings the blocks of S.
@@ -306,5 +341,128 @@ impl Multipliers for SchurMultipliers {
 
     fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
         self.entries.add_along(v, rates);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rod, Rods};
+    use nalgebra::{DMatrix, DVector};
+    use stationary_calculus::DiagonalMetric;
+
+    /// A square with both diagonals, of which one rod is too many, and double pendulums beside it.
+    fn square_and_pendulums(pendulums: usize) -> (Rods<2>, Vec<f64>) {
+        let free = 4 + 2 * pendulums;
+        let mut q = vec![0.0, 0.0, 1.1, 0.1, 1.2, 0.9, -0.1, 1.0];
+        let length = |q: &[f64], [a, b]: [usize; 2]| {
+            (q[2 * b] - q[2 * a]).hypot(q[2 * b + 1] - q[2 * a + 1])
+        };
+        let pairs = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
+        let mut rods: Vec<Rod> = pairs.map(|ends| Rod::new(ends, length(&q, ends))).into();
+        for k in 0..pendulums {
+            let (first, angle) = (4 + 2 * k, 0.3 * k as f64);
+            let (sine, cosine) = angle.sin_cos();
+            q.extend([sine, -cosine, sine + 0.7 * cosine, -cosine + 0.7 * sine]);
+            rods.extend([Rod::new([free, first], 1.0), Rod::new([first, first + 1], 0.7)]);
+        }
+        (Rods::new(free, vec![[0.0; 2]], rods).unwrap(), q)
+    }
+
+    /// J in reference scales, masses taken out: `D^-1 J M^-1/2`.
+    fn scaled(rods: &Rods<2>, q: &[f64], mass: &[f64]) -> DMatrix<f64> {
+        struct Full(DMatrix<f64>);
+        impl crate::Rows for Full {
+            fn add(&mut self, row: usize, freedom: usize, value: f64) {
+                self.0[(row, freedom)] = value;
+            }
+        }
+        let mut full = Full(DMatrix::zeros(rods.count(), q.len()));
+        rods.differential(0.0, q, &mut full).unwrap();
+        let scale = |i: usize, f: usize| rods.scale(i).slope * mass[f].sqrt();
+        DMatrix::from_fn(rods.count(), q.len(), |i, f| full.0[(i, f)] / scale(i, f))
+    }
+
+    #[test]
+    fn sharing_tells_independence_of_a_ten_thousandth_and_gives_up_before_it_takes_it_for_none() {
+        let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+        // Two lines that meet at an angle: the ratio of singular values is half of it.
+        for (angle, told) in [(1e-3, Some(1e3)), (2e-5, None), (1e-6, Some(0.0))] {
+            let lines = crate::Linear::new(vec![
+                (vec![(0, 1.0), (1, 0.0)], 0.0),
+                (vec![(0, 1.0), (1, angle)], 0.0),
+            ]);
+            let (lines, q) = (lines.unwrap(), vec![0.0; 2]);
+            let choice = Many(Redundancy::LeastNorm);
+            let mut many = Solver::<Vec<f64>>::analyse(&choice, &metric, &lines, 0.0, &q).unwrap();
+            many.prepare(&metric, &lines, 0.0, &q).unwrap();
+            let mut lambda = [0.0, angle];
+            let solved = many.solve(&mut lambda);
+            assert_eq!(solved.is_ok(), told.is_some(), "{angle}: {solved:?}");
+            if let Some(told) = told {
+                assert!((lambda[1] - told).abs() < 1e-3 * (1.0 + told), "{angle}: {lambda:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_heavy_pendulum_beside_light_rods_is_not_taken_for_dependent() {
+        let (rods, q) = square_and_pendulums(10);
+        let mass: Vec<f64> = (0..q.len()).map(|f| if f < 8 { 1e-6 } else { 1e6 }).collect();
+        let metric = DiagonalMetric::new(mass.clone()).unwrap();
+        let choice = Many(Redundancy::LeastNorm);
+        let mut many = Solver::<Vec<f64>>::analyse(&choice, &metric, &rods, 0.0, &q).unwrap();
+        many.prepare(&metric, &rods, 0.0, &q).unwrap();
+        let push = DVector::from_fn(q.len(), |f, _| (1.0 + f as f64).sin());
+        let b = scaled(&rods, &q, &mass) * push;
+        let mut lambda: Vec<f64> = (0..b.len()).map(|i| b[i] * rods.scale(i).slope).collect();
+        many.solve(&mut lambda).unwrap();
+    }
+
+    #[test]
+    fn many_redundant_equations_share_by_least_norm_though_the_right_hand_side_contradicts_itself()
+    {
+        let (rods, q) = square_and_pendulums(10);
+        let (n, m) = (q.len(), rods.count());
+        assert!(m > 24);
+        for (light, push, apart) in [
+            (1.0, 1.0, 0.0),
+            (1.0, 1.0, 1e-8),
+            (1.0, 1.0, 1.0),
+            (1.0, 0.0, 1.0),
+            (1e-2, 1.0, 1.0),
+            (1e-4, 1.0, 1.0),
+            (1e-6, 1e-8, 1.0),
+        ] {
+            // One point of the square is light, and the first of each pendulum.
+            let is_light = |point: usize| point == 0 || (point > 3 && point % 2 == 0);
+            let mass: Vec<f64> =
+                (0..n).map(|f| if is_light(f / 2) { light } else { 1.0 }).collect();
+            let j = scaled(&rods, &q, &mass);
+            let svd = j.clone().svd(true, false);
+            let (u, sigma) = (svd.u.unwrap(), svd.singular_values);
+            let unfelt = sigma.imin();
+            assert!(sigma[unfelt] < 1e-12 * sigma.max());
+            let pushed = DVector::from_fn(n, |f, _| push * (1.0 + f as f64).sin());
+            let b = &j * pushed + u.column(unfelt) * apart;
+            let mut expected = DVector::zeros(m);
+            for k in (0..m).filter(|&k| k != unfelt) {
+                expected += u.column(k) * (u.column(k).dot(&b) / sigma[k].powi(2));
+            }
+
+            let metric = DiagonalMetric::new(mass).unwrap();
+            let choice = Many(Redundancy::LeastNorm);
+            let mut many = Solver::<Vec<f64>>::analyse(&choice, &metric, &rods, 0.0, &q).unwrap();
+            many.prepare(&metric, &rods, 0.0, &q).unwrap();
+            let slope = |row: usize| rods.scale(row).slope;
+            let mut lambda: Vec<f64> = (0..m).map(|row| b[row] * slope(row)).collect();
+            many.solve(&mut lambda).unwrap();
+
+            let off = (0..m).map(|row| (lambda[row] * slope(row) - expected[row]).abs());
+            let rounding = f64::EPSILON * 2.0 / (light * SHIFT * SHIFT);
+            let allowed = rounding * (4.0 * expected.amax() + 10.0 * apart / (SHIFT * SHIFT));
+            let off = off.fold(0.0, f64::max);
+            assert!(off < allowed, "masses {light}, apart {apart}: {off:e} > {allowed:e}");
+        }
     }
 }

@@ -4,9 +4,9 @@
 //! g = (g_1, g_2, ...),    J = the rows of J_1, then those of J_2, ...
 //! ```
 
-use stationary_calculus::Sink;
+use stationary_calculus::{Sink, SizeError};
 
-use crate::{Constraint, ConstraintOn, Rows, Scale};
+use crate::{Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_values};
 
 /// Rows of a member, counted from where it starts in the set.
 struct From<'a, R> {
@@ -19,17 +19,6 @@ impl<R: Rows> Rows for From<'_, R> {
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
         self.rows.add(self.start + row, freedom, value);
     }
-}
-
-/// What of a list of numbers, one for each equation, is a member's, and the rest; a list that is too
-/// short leaves the last members with fewer.
-fn split<T>(numbers: &[T], count: usize) -> (&[T], &[T]) {
-    numbers.split_at(count.min(numbers.len()))
-}
-
-/// The same of numbers to write.
-fn split_mut<T>(numbers: &mut [T], count: usize) -> (&mut [T], &mut [T]) {
-    numbers.split_at_mut(count.min(numbers.len()))
 }
 
 macro_rules! set_of_constraints {
@@ -47,44 +36,62 @@ macro_rules! set_of_constraints {
             }
 
             #[inline]
-            fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
+            fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+                check_values(self.count(), g)?;
                 let mut rest = g;
                 $(
-                    let (own, others) = split_mut(rest, self.$index.count());
-                    self.$index.value(t, q, own);
+                    let (own, others) = rest.split_at_mut(self.$index.count());
+                    self.$index.value(t, q, own)?;
                     rest = others;
                 )+
                 let _ = rest;
+                Ok(())
             }
 
             #[inline]
-            fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
+            fn differential(
+                &self,
+                t: f64,
+                q: &[f64],
+                rows: &mut impl Rows,
+            ) -> Result<(), SizeError> {
                 let mut start = 0;
                 $(
-                    self.$index.differential(t, q, &mut From { start, rows: &mut *rows });
+                    self.$index.differential(t, q, &mut From { start, rows: &mut *rows })?;
                     start += self.$index.count();
                 )+
                 let _ = start;
+                Ok(())
             }
 
-            fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+            fn add_hessian(
+                &self,
+                t: f64,
+                q: &[f64],
+                lambda: &[f64],
+                hessian: &mut impl Sink,
+            ) -> Result<(), SizeError> {
+                check_multipliers(self.count(), lambda)?;
                 let mut rest = lambda;
                 $(
-                    let (own, others) = split(rest, self.$index.count());
-                    self.$index.add_hessian(t, q, own, hessian);
+                    let (own, others) = rest.split_at(self.$index.count());
+                    self.$index.add_hessian(t, q, own, hessian)?;
                     rest = others;
                 )+
                 let _ = rest;
+                Ok(())
             }
 
-            fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
+            fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+                check_values(self.count(), rate)?;
                 let mut rest = rate;
                 $(
-                    let (own, others) = split_mut(rest, self.$index.count());
-                    self.$index.rate(t, q, own);
+                    let (own, others) = rest.split_at_mut(self.$index.count());
+                    self.$index.rate(t, q, own)?;
                     rest = others;
                 )+
                 let _ = rest;
+                Ok(())
             }
 
             fn scale(&self, row: usize) -> Scale {
@@ -118,39 +125,52 @@ impl<K: Constraint> Constraint for Vec<K> {
         self.iter().map(K::count).sum()
     }
 
-    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), g)?;
         let mut rest = g;
         for member in self {
-            let (own, others) = split_mut(rest, member.count());
-            member.value(t, q, own);
+            let (own, others) = rest.split_at_mut(member.count());
+            member.value(t, q, own)?;
             rest = others;
         }
+        Ok(())
     }
 
-    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         let mut start = 0;
         for member in self {
-            member.differential(t, q, &mut From { start, rows: &mut *rows });
+            member.differential(t, q, &mut From { start, rows: &mut *rows })?;
             start += member.count();
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.count(), lambda)?;
         let mut rest = lambda;
         for member in self {
-            let (own, others) = split(rest, member.count());
-            member.add_hessian(t, q, own, hessian);
+            let (own, others) = rest.split_at(member.count());
+            member.add_hessian(t, q, own, hessian)?;
             rest = others;
         }
+        Ok(())
     }
 
-    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), rate)?;
         let mut rest = rate;
         for member in self {
-            let (own, others) = split_mut(rest, member.count());
-            member.rate(t, q, own);
+            let (own, others) = rest.split_at_mut(member.count());
+            member.rate(t, q, own)?;
             rest = others;
         }
+        Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {

@@ -61,7 +61,7 @@ where
     {
         let mut projection = Projection::new(system, constraint, state, choice)?;
         let mut g = vec![0.0; projection.constraint().count()];
-        projection.constraint().value(state.t, state.q.as_ref(), &mut g);
+        projection.constraint().value(state.t, state.q.as_ref(), &mut g)?;
         Scales::new(projection.constraint())?.check(&g, state.q.as_ref())?;
         projection.check_velocity(state)?;
         Ok(StepAndProject {
@@ -105,7 +105,7 @@ where
         projection.add_momentum_of_displacement(h, next);
         projection.project_velocity(next)?;
         check_finite(next)?;
-        let work = projection.work(h, next);
+        let work = projection.work(h, next)?;
         let impulses = projection.lambda.as_ref().iter().zip(projection.impulse.as_ref());
         for (lambda, (a, b)) in lambda.as_mut().iter_mut().zip(impulses) {
             *lambda = (a / h + b) / h;

@@ -7,7 +7,7 @@
 //! A curve in space is a point on two surfaces. The differential must not vanish on the zero level:
 //! `|x|^2 - r^2` will do, `(|x| - r)^2` will not (notes 6).
 
-use stationary_calculus::{Flat, Number, Sink};
+use stationary_calculus::{Flat, Number, Sink, SizeError};
 
 use crate::{Constraint, ConstraintOn, Function, FunctionConstraint, Rows, Scale};
 
@@ -43,7 +43,7 @@ pub struct OnLevel<L, const D: usize>(FunctionConstraint<Equation<L>, D, 1>);
 impl<L: Level<D>, const D: usize> OnLevel<L, D> {
     /// Keeps a vertex on the zero level of a function.
     pub fn new(vertex: usize, level: L) -> Self {
-        let freedoms = std::array::from_fn(|c| D * vertex + c);
+        let freedoms = std::array::from_fn(|c| D.saturating_mul(vertex).saturating_add(c));
         OnLevel(FunctionConstraint::of_distinct(Equation(level), freedoms))
     }
 }
@@ -59,20 +59,26 @@ impl<L: Level<D>, const D: usize> Constraint for OnLevel<L, D> {
         1
     }
 
-    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) {
-        self.0.value(t, q, g);
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        self.0.value(t, q, g)
     }
 
-    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) {
-        self.0.differential(t, q, rows);
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        self.0.differential(t, q, rows)
     }
 
-    fn add_hessian(&self, t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
-        self.0.add_hessian(t, q, lambda, hessian);
+    fn add_hessian(
+        &self,
+        t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        self.0.add_hessian(t, q, lambda, hessian)
     }
 
-    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) {
-        self.0.rate(t, q, rate);
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        self.0.rate(t, q, rate)
     }
 
     fn scale(&self, row: usize) -> Scale {

@@ -9,8 +9,8 @@
 //! The shape is that of an equality, the type is not: [`Inequality`] reads a constraint's functions
 //! as gaps. `x` centres in D dimensions, `r` radii, `n` unit normals, lengths in metres.
 
-use stationary_calculus::{Sink, Vector};
-use stationary_constraints::{Constraint, Rows};
+use stationary_calculus::{Sink, SizeError, Vector};
+use stationary_constraints::{Constraint, Rows, check_multipliers, check_read, check_values};
 
 use crate::error::check_finite;
 use crate::{ContactError, ContactRows};
@@ -58,7 +58,10 @@ impl<K: Constraint> Inequality<K> {
     /// The gaps at a configuration.
     pub fn gaps(&self, t: f64, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.0.count()];
-        self.0.value(t, q, &mut gaps);
+        // Of too few numbers no gap is one.
+        if self.0.value(t, q, &mut gaps).is_err() {
+            gaps.fill(f64::NAN);
+        }
         gaps
     }
 
@@ -66,8 +69,10 @@ impl<K: Constraint> Inequality<K> {
     pub fn rows(&self, t: f64, q: &[f64], wanted: &[usize]) -> ContactRows {
         let mut rows = ContactRows::new();
         let mut collect = Collect { rows: &mut rows, wanted, row: None, entries: Vec::new() };
-        self.0.differential(t, q, &mut collect);
-        collect.finish_row();
+        match self.0.differential(t, q, &mut collect) {
+            Ok(()) => collect.finish_row(),
+            Err(_) => return ContactRows::new(),
+        }
         rows
     }
 }
@@ -197,9 +202,11 @@ fn bent<const D: usize>(d: &[f64; D], distance: f64, lambda: f64, k: usize, l: u
 impl<const D: usize> Swept for Balls<D> {
     fn lowest(&self, q: &[f64], displacement: Vector<&[f64]>, lowest: &mut [f64]) {
         let end: Vec<f64> = q.iter().zip(displacement.0).map(|(q, d)| q + d).collect();
-        self.value(0.0, q, lowest);
         let mut then = vec![0.0; lowest.len()];
-        self.value(0.0, &end, &mut then);
+        let both = self.value(0.0, q, lowest).and_then(|()| self.value(0.0, &end, &mut then));
+        if both.is_err() {
+            return lowest.fill(f64::NAN);
+        }
         lowest.iter_mut().zip(&then).for_each(|(low, then)| *low = low.min(*then));
         let walls = self.radii.len() * self.walls.len();
         let (_, past_walls) = lowest.split_at_mut(walls);
@@ -230,7 +237,9 @@ impl<const D: usize> Constraint for Balls<D> {
         self.radii.len() * (self.walls.len() + self.fixed.len()) + self.pairs.len()
     }
 
-    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), g)?;
+        check_read(self.dim(), q)?;
         let walls = self.against_walls().map(|(ball, wall)| {
             let height: f64 = (0..D).map(|k| wall.normal[k] * q[D * ball + k]).sum();
             height - wall.offset - self.radii[ball]
@@ -244,9 +253,11 @@ impl<const D: usize> Constraint for Balls<D> {
             distance - (self.radii[ball] + fixed.radius)
         });
         g.iter_mut().zip(walls.chain(fixed).chain(pairs)).for_each(|(g, value)| *g = value);
+        Ok(())
     }
 
-    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        check_read(self.dim(), q)?;
         let mut row = 0;
         for (ball, wall) in self.against_walls() {
             (0..D).for_each(|k| rows.add(row, D * ball + k, wall.normal[k]));
@@ -263,9 +274,18 @@ impl<const D: usize> Constraint for Balls<D> {
             (0..D).for_each(|k| rows.add(row, D * b + k, d[k] / distance));
             row += 1;
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        _t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.count(), lambda)?;
+        check_read(self.dim(), q)?;
         let lambda = &lambda[self.radii.len() * self.walls.len()..];
         let (singles, pairs) = lambda.split_at(self.radii.len() * self.fixed.len());
         for ((ball, fixed), &lambda) in self.against_fixed().zip(singles) {
@@ -287,6 +307,7 @@ impl<const D: usize> Constraint for Balls<D> {
                 (0..4 * D * D).map(|at| entry(at % (2 * D), at / (2 * D))).collect();
             hessian.add_symmetric(&freedoms, &block);
         }
+        Ok(())
     }
 }
 

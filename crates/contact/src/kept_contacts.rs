@@ -74,7 +74,7 @@ struct Two<'a> {
 impl<'a> Two<'a> {
     fn of(bodies: [Option<usize>; 2], placed: &'a [Placed], q: &[f64]) -> Self {
         let pose = |body: Option<usize>| {
-            body.map_or_else(RigidMotion::identity, |body| Poses::pose(q, body))
+            body.map_or_else(RigidMotion::identity, |body| Poses::pose_at(q, body))
         };
         let [first, second] = bodies.map(pose);
         let apart = second.translation - first.translation;
@@ -218,7 +218,7 @@ fn read(numbers: &[f64], detector: &mut Detector) -> Option<KeptPair> {
     if !(there && finite && Poses::check(pose).is_ok()) {
         return None;
     }
-    let relative = Poses::pose(pose, 0);
+    let relative = Poses::pose_at(pose, 0);
     let (pair, lasts) = find_within(detector, colliders, relative, wide, Vec::new()).ok()?;
     (lasts && !pair.points.is_empty()).then_some(pair)
 }

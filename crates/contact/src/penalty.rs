@@ -94,7 +94,9 @@ impl<K: Constraint> Potential for OneSidedPenalty<K> {
             hessian.add_symmetric(&freedoms, &block);
         }
         let lambda: Vec<f64> = gaps.iter().map(|gap| self.stiffness * gap.min(0.0)).collect();
-        self.gaps.0.add_hessian(0.0, q, &lambda, hessian);
+        if self.gaps.0.add_hessian(0.0, q, &lambda, hessian).is_err() {
+            hessian.add_symmetric(&[0], &[f64::NAN]);
+        }
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) struct Placed {
 impl Placed {
     /// A body at its pose among `q` with its velocity among `v`.
     pub(crate) fn new(body: usize, scale: Six, q: &[f64], v: &[f64]) -> Self {
-        let pose = Poses::pose(q, body);
+        let pose = Poses::pose_at(q, body);
         let (centre, rotation) = (pose.translation, pose.rotation.matrix());
         Placed { centre, rotation, scale, velocity: std::array::from_fn(|k| v[6 * body + k]) }
     }

@@ -41,7 +41,7 @@ impl Dimension for Spatial {
 
     #[inline]
     fn pose(q: &[f64], body: usize) -> RigidMotion {
-        Poses::pose(q, body)
+        Poses::pose_at(q, body)
     }
 
     fn check(q: &[f64]) -> Result<(), ContactError> {
@@ -76,7 +76,7 @@ impl Dimension for Spatial {
 
     #[inline]
     fn row(q: &[f64], body: usize, arm: &Vector3<f64>, direction: &Vector3<f64>) -> [f64; 6] {
-        let wrench = force_at_point(&Poses::pose(q, body), arm, *direction);
+        let wrench = force_at_point(&Poses::pose_at(q, body), arm, *direction);
         let (f, t) = (wrench.force, wrench.torque);
         [f.x, f.y, f.z, t.x, t.y, t.z]
     }
@@ -85,7 +85,7 @@ impl Dimension for Spatial {
     fn velocity(q: &[f64], v: &[f64], body: usize, arm: &Vector3<f64>) -> Vector3<f64> {
         let [x, y, z, a, b, c] = [0, 1, 2, 3, 4, 5].map(|f| v[6 * body + f]);
         let turning = Vector3::new(a, b, c).cross(arm);
-        Vector3::new(x, y, z) + Poses::pose(q, body).rotation.rotate(&turning)
+        Vector3::new(x, y, z) + Poses::pose_at(q, body).rotation.rotate(&turning)
     }
 
     fn advance(
@@ -96,7 +96,7 @@ impl Dimension for Spatial {
         h: f64,
     ) -> Result<(), ContactError> {
         for (i, body) in metric.bodies().iter().enumerate() {
-            let rotation = Poses::pose(q, i).rotation;
+            let rotation = Poses::pose_at(q, i).rotation;
             let (q, p) = (&mut q[7 * i..][..7], &mut p[6 * i..][..6]);
             let momentum = Vector3::new(p[3], p[4], p[5]);
             let turned = ConstantVelocity::turn(body, rotation, momentum, h)?;

@@ -365,7 +365,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         next.clone_from(state);
         self.system.metric().flat(v.view(), next.p.view_mut());
         for (i, body) in self.system.metric().bodies().iter().enumerate() {
-            let rotation: Rotation = Poses::pose(&state.q, i).rotation;
+            let rotation: Rotation = Poses::pose_at(&state.q, i).rotation;
             let (q, p) = (&mut next.q[7 * i..][..7], &mut next.p.0[6 * i..][..6]);
             let momentum = Vector3::new(p[3], p[4], p[5]);
             let turned = ConstantVelocity::turn(body, rotation, momentum, h)?;

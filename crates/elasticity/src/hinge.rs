@@ -39,7 +39,8 @@ impl Hinge {
     ///
     /// # Errors
     /// [`ElasticityError::Bending`], and [`ElasticityError::FlatHinge`] for a triangle whose angles'
-    /// sines are below 1e-12, for places that are not finite and for a vertex that is named twice.
+    /// sines are below 1e-12, for a vertex that is named twice, and for places that are not finite or
+    /// whose powers in a second derivative are not.
     pub fn new(
         vertices: [usize; 4],
         x: &[[f64; 3]; 4],
@@ -72,9 +73,14 @@ impl Hinge {
         }
         // A stiffness whose forces and curvatures leave the range of numbers.
         let steepest = fold.gradient().as_flattened().iter().fold(1.0, |m: f64, x| m.max(x.abs()));
-        match stiffness > 0.0 && (1e3 * stiffness * steepest * steepest).is_finite() {
-            true => Ok(Hinge { vertices, stiffness, rest }),
-            false => Err(ElasticityError::Bending(stiffness)),
+        if !(stiffness > 0.0 && (1e3 * stiffness * steepest * steepest).is_finite()) {
+            return Err(ElasticityError::Bending(stiffness));
+        }
+        let hinge = Hinge { vertices, stiffness, rest };
+        let hessian = hinge.hessian(x, Curvature::Exact);
+        match hessian.as_flattened().as_flattened().as_flattened().iter().all(|x| x.is_finite()) {
+            true => Ok(hinge),
+            false => Err(ElasticityError::FlatHinge { vertices }),
         }
     }
 

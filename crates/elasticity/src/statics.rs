@@ -7,7 +7,7 @@
 //! `f` a dead load (N), `t` the fraction of it: each step starts where the one before came to rest,
 //! so that Newton's method has a good guess. The line search lowers the energy; where the Hessian
 //! is not positive definite it is shifted by the mass (the ladder of calculus). What is found is a
-//! minimum of the energy, not of all of them the lowest.
+//! minimum of the energy where the last report's rung is Cholesky's, not of all minima the lowest.
 //!
 //! ```text
 //! residual  |dV - t f|, in the metric: (r . M^-1 r)^(1/2), kg^1/2 m/s^2

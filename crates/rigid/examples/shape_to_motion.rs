@@ -39,15 +39,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = metric.under(Free { freedoms: 6 })?;
     let at = frame.rotation.rotate_back(&Vector3::new(0.1, 0.1, 0.0));
     apply_impulse::<Poses>(&mut state, 0, &at, Vector3::new(0.0, 0.4, 1.0))?;
-    let knocked = spatial_angular_momentum::<Poses>(&state);
+    let knocked = spatial_angular_momentum::<Poses>(&state)?;
     let mut integrator = BodyMethod::AxisRotations.integrator(&system)?;
     for _ in 0..1_000 {
         integrator.step(&mut state, 1e-3)?;
     }
-    let pose: RigidMotion = Poses::pose(&state.q, 0);
+    let pose: RigidMotion = Poses::pose_at(&state.q, 0);
     let turn = frame.rotation.inverse().compose(&pose.rotation).log().norm();
     println!("after 1 s: centre {:.4?} m, turned by {turn:.4} rad", pose.translation.as_slice());
-    let drift = spatial_angular_momentum::<Poses>(&state) - knocked;
+    let drift = spatial_angular_momentum::<Poses>(&state)? - knocked;
     println!("angular momentum moved by {:.0e}", drift.norm() / knocked.norm());
     Ok(())
 }

@@ -8,7 +8,7 @@ use stationary_rigid::{BodyMethod, BodySpace, FreeTop, LieGroup, Poses, spatial_
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tumbling = tumbling_box()?;
-    let momentum = spatial_angular_momentum::<Poses>(&tumbling.initial);
+    let momentum = spatial_angular_momentum::<Poses>(&tumbling.initial)?;
     let energy = tumbling.energy(&tumbling.initial);
     let start = &tumbling.motion;
     let truth = FreeTop::new(*tumbling.body(), start.pose.rotation, start.angular_velocity)?;
@@ -22,8 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for _ in 0..3_000 {
             integrator.step(&mut state, 0.01)?;
         }
-        let attitude = Poses::pose(&state.q, 0).rotation.direction_to(&truth.orientation(30.0));
-        let moved = spatial_angular_momentum::<Poses>(&state) - momentum;
+        let attitude = Poses::pose_at(&state.q, 0).rotation.direction_to(&truth.orientation(30.0));
+        let moved = spatial_angular_momentum::<Poses>(&state)? - momentum;
         println!(
             "{:22} {:10.1e} {:18.1e} {:14.1e}",
             method.to_string(),

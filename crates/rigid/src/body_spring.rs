@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 use stationary_calculus::{Covector, FIXED, Potential, PotentialOn, Sink};
 
 use crate::error::check_finite;
+use crate::space::pose_or_none;
 use crate::{BodySpace, LieGroup, RigidError};
 
 /// An end of a spring.
@@ -63,7 +64,7 @@ impl<S: BodySpace> BodySpring<S> {
     fn place(q: &[f64], end: &Attachment) -> Vector3<f64> {
         match *end {
             Attachment::World(x) => x,
-            Attachment::Body(body, c) => S::pose(q, body).apply(&c),
+            Attachment::Body(body, c) => pose_or_none::<S>(q, body).apply(&c),
         }
     }
 
@@ -77,7 +78,7 @@ impl<S: BodySpace> BodySpring<S> {
         let Attachment::Body(body, c) = *end else {
             return End { freedoms: [FIXED; 6], jacobian, curvature: Matrix3::zeros() };
         };
-        let rotation = S::pose(q, body).rotation;
+        let rotation = pose_or_none::<S>(q, body).rotation;
         let turned = -(rotation.matrix() * c.cross_matrix());
         jacobian.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
         jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
@@ -97,7 +98,7 @@ impl<S: BodySpace> PotentialOn<S> for BodySpring<S> {}
 
 impl<S: BodySpace> Potential for BodySpring<S> {
     fn dim(&self) -> usize {
-        S::FREEDOMS * self.bodies
+        S::FREEDOMS.saturating_mul(self.bodies)
     }
 
     fn energy(&self, q: &[f64]) -> f64 {
@@ -108,7 +109,7 @@ impl<S: BodySpace> Potential for BodySpring<S> {
         let pull = self.stretch(q) * self.stiffness;
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Attachment::Body(body, c) = *end else { continue };
-            let torque = c.cross(&S::pose(q, body).rotation.rotate_back(&pull));
+            let torque = c.cross(&pose_or_none::<S>(q, body).rotation.rotate_back(&pull));
             let own = S::FREEDOMS * body..S::FREEDOMS * (body + 1);
             let Some(dv) = dv.0.get_mut(own) else { continue };
             for k in 0..S::TRANSLATION {

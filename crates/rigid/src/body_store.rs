@@ -274,7 +274,7 @@ mod tests {
             }
             store.check().unwrap();
             for (k, body) in bodies.iter().enumerate() {
-                let (ours, pose) = (store.motion(k).unwrap(), Poses::pose(&state.q, k));
+                let (ours, pose) = (store.motion(k).unwrap(), Poses::pose_at(&state.q, k));
                 assert!((ours.pose.translation - pose.translation).norm() < 1e-12);
                 let off = ours.pose.rotation.direction_to(&pose.rotation).norm();
                 assert!(off < 1e-11, "body {k}: {off:e}");

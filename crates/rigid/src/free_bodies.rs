@@ -56,7 +56,7 @@ pub(crate) fn move_freely<S: BodySpace, R: FreeRotation>(
 ) -> Result<StepReport, StepError> {
     let mut report = StepReport::default();
     for (i, body) in metric.bodies().iter().enumerate() {
-        let turned = R::turn(body, S::pose(q, i).rotation, body_momentum::<S>(p, i), h)?;
+        let turned = R::turn(body, S::pose_at(q, i).rotation, body_momentum::<S>(p, i), h)?;
         let q = &mut q[S::STORED * i..][..S::STORED];
         let p = &mut p[S::FREEDOMS * i..][..S::FREEDOMS];
         for c in 0..S::TRANSLATION {

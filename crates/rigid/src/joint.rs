@@ -18,8 +18,10 @@
 //! Source: notes 6, 9.2; Haug, Computer Aided Kinematics and Dynamics, 9.4.
 
 use nalgebra::{Matrix3, Vector3};
-use stationary_calculus::{FIXED, Sink};
-use stationary_constraints::{Constraint, ConstraintOn, Rows, Scale};
+use stationary_calculus::{FIXED, Sink, SizeError};
+use stationary_constraints::{
+    Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
+};
 
 #[cfg(doc)]
 use crate::FreeBodies;
@@ -126,17 +128,22 @@ impl<S: BodySpace> Joint<S> {
         Ok(Joint { perpendicular: (0..3).map(pair).collect(), ..joint })
     }
 
+    /// An error where a configuration holds fewer bodies.
+    fn check(&self, q: &[f64]) -> Result<(), SizeError> {
+        check_read(S::STORED.saturating_mul(self.bodies), q)
+    }
+
     fn place(q: &[f64], end: &Attachment) -> Vector3<f64> {
         match *end {
             Attachment::World(x) => x,
-            Attachment::Body(body, c) => S::pose(q, body).apply(&c),
+            Attachment::Body(body, c) => S::pose_at(q, body).apply(&c),
         }
     }
 
     fn direction(q: &[f64], of: &Attachment) -> Vector3<f64> {
         match *of {
             Attachment::World(v) => v,
-            Attachment::Body(body, v) => S::pose(q, body).rotation.rotate(&v),
+            Attachment::Body(body, v) => S::pose_at(q, body).rotation.rotate(&v),
         }
     }
 
@@ -156,21 +163,25 @@ impl<S: BodySpace> ConstraintOn<S> for Joint<S> {}
 
 impl<S: BodySpace> Constraint for Joint<S> {
     fn dim(&self) -> usize {
-        S::FREEDOMS * self.bodies
+        S::FREEDOMS.saturating_mul(self.bodies)
     }
 
     fn count(&self) -> usize {
         3 + self.perpendicular.len()
     }
 
-    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), g)?;
+        self.check(q)?;
         let gap = Self::place(q, &self.ends[0]) - Self::place(q, &self.ends[1]);
         let across = self.perpendicular.iter();
         let across = across.map(|[a, b]| Self::direction(q, a).dot(&Self::direction(q, b)));
         g.iter_mut().zip(gap.iter().copied().chain(across)).for_each(|(g, value)| *g = value);
+        Ok(())
     }
 
-    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        self.check(q)?;
         for row in 0..3 {
             for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
                 let Attachment::Body(body, c) = *end else { continue };
@@ -180,36 +191,44 @@ impl<S: BodySpace> Constraint for Joint<S> {
                 // <e, R (a x c)> = <a, c x R^T e>
                 let mut e = Vector3::zeros();
                 e[row] = sign;
-                let turn = c.cross(&S::pose(q, body).rotation.rotate_back(&e));
+                let turn = c.cross(&S::pose_at(q, body).rotation.rotate_back(&e));
                 (0..3).for_each(|k| rows.add(row, Self::turns(body) + k, turn[k]));
             }
         }
         for (k, [a, b]) in self.perpendicular.iter().enumerate() {
             for (one, other) in [(a, b), (b, a)] {
                 let Attachment::Body(body, v) = *one else { continue };
-                let seen = S::pose(q, body).rotation.rotate_back(&Self::direction(q, other));
+                let seen = S::pose_at(q, body).rotation.rotate_back(&Self::direction(q, other));
                 let turn = v.cross(&seen);
                 (0..3).for_each(|c| rows.add(3 + k, Self::turns(body) + c, turn[c]));
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        _t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.count(), lambda)?;
+        self.check(q)?;
         let block = |body: usize| [0, 1, 2].map(|c| Self::turns(body) + c);
-        let at = |row: usize| lambda.get(row).copied().unwrap_or(f64::NAN);
-        let pull = Vector3::new(at(0), at(1), at(2));
+        let pull = Vector3::from_column_slice(&lambda[..3]);
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Attachment::Body(body, c) = *end else { continue };
-            let g = S::pose(q, body).rotation.rotate_back(&(pull * sign));
+            let g = S::pose_at(q, body).rotation.rotate_back(&(pull * sign));
             hessian.add_symmetric(&block(body), curvature(&c, &g).as_slice());
         }
-        for ([a, b], &lambda) in self.perpendicular.iter().zip(lambda.iter().skip(3)) {
+        for ([a, b], &lambda) in self.perpendicular.iter().zip(&lambda[3..]) {
             let mut whole = nalgebra::SMatrix::<f64, 6, 6>::zeros();
             let mut freedoms = [FIXED; 6];
             let mut moved = [Matrix3::zeros(); 2];
             for (side, (one, other)) in [(a, b), (b, a)].into_iter().enumerate() {
                 let Attachment::Body(body, v) = *one else { continue };
-                let rotation = S::pose(q, body).rotation;
+                let rotation = S::pose_at(q, body).rotation;
                 let seen = rotation.rotate_back(&Self::direction(q, other));
                 let first = 3 * side;
                 whole.fixed_view_mut::<3, 3>(first, first).copy_from(&curvature(&v, &seen));
@@ -221,6 +240,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
             whole.fixed_view_mut::<3, 3>(3, 0).copy_from(&cross.transpose());
             hessian.add_symmetric(&freedoms, (whole * lambda).as_slice());
         }
+        Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {

@@ -27,7 +27,7 @@
 //!     method.step(&mut state, 0.01)?;
 //! }
 //! let momentum = |state| spatial_angular_momentum::<Poses>(state);
-//! assert!((momentum(&state) - momentum(&tumbling.initial)).norm() < 1e-14);
+//! assert!((momentum(&state)? - momentum(&tumbling.initial)?).norm() < 1e-14);
 //! assert!((tumbling.energy(&state) / tumbling.energy(&tumbling.initial) - 1.0).abs() < 2e-5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -85,6 +85,14 @@ impl<S: BodySpace> BodyMetric<S> {
     }
 }
 
+/// How many bodies a state holds; an error unless it is made of whole ones.
+pub(crate) fn check_bodies<S: BodySpace>(state: &State<Vec<f64>>) -> Result<usize, SizeError> {
+    let bodies = state.q.len() / S::STORED;
+    SizeError::check("the configuration's numbers", S::STORED * bodies, state.q.len())?;
+    SizeError::check("the momentum's components", S::FREEDOMS * bodies, state.p.0.len())?;
+    Ok(bodies)
+}
+
 /// The angular momentum of a body in body axes, from all bodies' momenta.
 #[inline]
 pub(crate) fn body_momentum<S: BodySpace>(p: &[f64], body: usize) -> Vector3<f64> {
@@ -93,18 +101,23 @@ pub(crate) fn body_momentum<S: BodySpace>(p: &[f64], body: usize) -> Vector3<f64
 }
 
 /// The angular momentum of all bodies about the origin, in world axes, kg m^2/s.
-pub fn spatial_angular_momentum<S: BodySpace>(state: &State<Vec<f64>>) -> Vector3<f64> {
+///
+/// # Errors
+/// A momentum that has not the configuration's bodies.
+pub fn spatial_angular_momentum<S: BodySpace>(
+    state: &State<Vec<f64>>,
+) -> Result<Vector3<f64>, SizeError> {
     let p = state.p.components();
-    let bodies = 0..p.len() / S::FREEDOMS;
+    let bodies = check_bodies::<S>(state)?;
     let one = |body| {
-        let pose = S::pose(&state.q, body);
+        let pose = S::pose_at(&state.q, body);
         let spin = pose.rotation.rotate(&body_momentum::<S>(p, body));
         match S::TRANSLATION {
             0 => spin,
             _ => spin + pose.translation.cross(&Vector3::from_column_slice(&p[6 * body..][..3])),
         }
     };
-    bodies.map(one).sum()
+    Ok((0..bodies).map(one).sum())
 }
 
 impl<S: BodySpace> Metric for BodyMetric<S> {

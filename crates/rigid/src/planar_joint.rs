@@ -11,8 +11,10 @@
 //! end 1 with its sign turned (N), and a torque (N m). Source: notes 6, 7.4.
 
 use nalgebra::Vector2;
-use stationary_calculus::{Flat, Sink};
-use stationary_constraints::{Constraint, ConstraintOn, Rows, Scale};
+use stationary_calculus::{Flat, Sink, SizeError};
+use stationary_constraints::{
+    Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
+};
 
 use crate::error::check_finite;
 use crate::{LieGroup, PlanarRotation, RigidError};
@@ -35,11 +37,6 @@ pub struct PlanarJoint {
     angle: Option<f64>,
 }
 
-/// The number at a place, or what is not a number where there is none.
-fn at(numbers: &[f64], place: usize) -> f64 {
-    numbers.get(place).copied().unwrap_or(f64::NAN)
-}
-
 impl PlanarAttachment {
     fn body(&self) -> Option<usize> {
         match *self {
@@ -58,7 +55,7 @@ impl PlanarAttachment {
     fn arm(&self, q: &[f64]) -> Vector2<f64> {
         match *self {
             PlanarAttachment::World(_) => Vector2::zeros(),
-            PlanarAttachment::Body(body, c) => PlanarRotation::exp(at(q, 3 * body + 2)).rotate(&c),
+            PlanarAttachment::Body(body, c) => PlanarRotation::exp(q[3 * body + 2]).rotate(&c),
         }
     }
 
@@ -66,13 +63,13 @@ impl PlanarAttachment {
         match *self {
             PlanarAttachment::World(x) => x,
             PlanarAttachment::Body(body, _) => {
-                Vector2::new(at(q, 3 * body), at(q, 3 * body + 1)) + self.arm(q)
+                Vector2::new(q[3 * body], q[3 * body + 1]) + self.arm(q)
             }
         }
     }
 
     fn turn(&self, q: &[f64]) -> f64 {
-        self.body().map_or(0.0, |body| at(q, 3 * body + 2))
+        self.body().map_or(0.0, |body| q[3 * body + 2])
     }
 }
 
@@ -107,22 +104,26 @@ impl ConstraintOn<Flat> for PlanarJoint {}
 
 impl Constraint for PlanarJoint {
     fn dim(&self) -> usize {
-        3 * self.bodies
+        self.bodies.saturating_mul(3)
     }
 
     fn count(&self) -> usize {
         2 + usize::from(self.angle.is_some())
     }
 
-    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.count(), g)?;
+        check_read(self.dim(), q)?;
         let [a, b] = &self.ends;
         let gap = a.place(q) - b.place(q);
         let turn = self.angle.map(|angle| a.turn(q) - b.turn(q) - angle);
         let values = gap.iter().copied().chain(turn);
         g.iter_mut().zip(values).for_each(|(g, value)| *g = value);
+        Ok(())
     }
 
-    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        check_read(self.dim(), q)?;
         for row in 0..self.count() {
             for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
                 let Some(body) = end.body() else { continue };
@@ -137,15 +138,25 @@ impl Constraint for PlanarJoint {
                 }
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _t: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        _t: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        check_multipliers(self.count(), lambda)?;
+        check_read(self.dim(), q)?;
         for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
             let Some(body) = end.body() else { continue };
             let arm = end.arm(q);
-            let bend = -sign * (at(lambda, 0) * arm.x + at(lambda, 1) * arm.y);
+            let bend = -sign * (lambda[0] * arm.x + lambda[1] * arm.y);
             hessian.add_symmetric(&[3 * body + 2], &[bend]);
         }
+        Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {
@@ -174,10 +185,10 @@ mod tests {
         let hung = [PlanarAttachment::World(POINT), PlanarAttachment::Body(1, POINT)];
         for ends in [between, hung] {
             let constraint = PlanarJoint::weld(2, ends, 0.3).unwrap();
-            assert_derivatives(&Pairing { constraint, multipliers: multipliers(), time: 0.0 }, &q);
+            assert_derivatives(&Pairing::new(constraint, multipliers(), 0.0).unwrap(), &q);
             let constraint = PlanarJoint::pin(2, ends).unwrap();
             let multipliers = multipliers()[..2].to_vec();
-            assert_derivatives(&Pairing { constraint, multipliers, time: 0.0 }, &q);
+            assert_derivatives(&Pairing::new(constraint, multipliers, 0.0).unwrap(), &q);
         }
     }
 

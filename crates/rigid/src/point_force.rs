@@ -10,10 +10,10 @@
 //! about a fixed point leaves its torque only; the support takes the rest.
 
 use nalgebra::Vector3;
-use stationary_calculus::SizeError;
 use stationary_integrators::State;
 
 use crate::error::check_finite;
+use crate::metric::check_bodies;
 use crate::{BodySpace, RigidError, RigidMotion};
 
 /// A force and a torque on a body.
@@ -44,13 +44,8 @@ pub fn apply_impulse<S: BodySpace>(
 ) -> Result<(), RigidError> {
     check_finite("the impulse", impulse.as_slice())?;
     check_finite("the point", point.as_slice())?;
-    let bodies = state.q.len() / S::STORED;
-    SizeError::check("the configuration's numbers", S::STORED * bodies, state.q.len())?;
-    SizeError::check("the momentum's components", S::FREEDOMS * bodies, state.p.0.len())?;
-    if body >= bodies {
-        return Err(RigidError::NoSuchBody { body, bodies });
-    }
-    let wrench = force_at_point(&S::pose(&state.q, body), point, impulse);
+    check_bodies::<S>(state)?;
+    let wrench = force_at_point(&S::pose(&state.q, body)?, point, impulse);
     let p = &mut state.p.components_mut()[S::FREEDOMS * body..][..S::FREEDOMS];
     let mut pushed = [0.0; 6];
     let pushed = &mut pushed[..S::FREEDOMS];

@@ -31,11 +31,27 @@ pub trait BodySpace: Curved + Copy {
     /// The space itself.
     const SPACE: Self;
 
-    /// The pose of a body; of one that `q` does not hold, numbers that are none.
+    /// The pose of a body.
+    ///
+    /// # Errors
+    /// A body that `q` does not hold.
     #[inline]
-    fn pose(q: &[f64], body: usize) -> RigidMotion {
-        let first = Self::STORED.saturating_mul(body);
-        let q = q.get(first..first.saturating_add(Self::STORED)).unwrap_or(&ABSENT);
+    fn pose(q: &[f64], body: usize) -> Result<RigidMotion, RigidError> {
+        let bodies = q.len() / Self::STORED;
+        if body < bodies {
+            Ok(Self::pose_at(q, body))
+        } else {
+            Err(RigidError::NoSuchBody { body, bodies })
+        }
+    }
+
+    /// The pose of a body that is there, as an index is: for steps, whose sizes were checked before.
+    ///
+    /// # Panics
+    /// Where `q` does not hold the body.
+    #[inline]
+    fn pose_at(q: &[f64], body: usize) -> RigidMotion {
+        let q = &q[Self::STORED.saturating_mul(body)..][..Self::STORED];
         let translation = match Self::TRANSLATION {
             0 => Vector3::zeros(),
             _ => Vector3::new(q[0], q[1], q[2]),
@@ -56,8 +72,17 @@ pub trait BodySpace: Curved + Copy {
     }
 }
 
-/// What a body that is not there is at.
-static ABSENT: [f64; 7] = [f64::NAN; 7];
+/// The pose of a body in a potential, of which a system checks the sizes when it is made: numbers that
+/// are none where `q` does not hold it, so that no energy is finite.
+#[inline]
+pub(crate) fn pose_or_none<S: BodySpace>(q: &[f64], body: usize) -> RigidMotion {
+    const NAN: f64 = f64::NAN;
+    let nowhere = || RigidMotion {
+        translation: Vector3::repeat(NAN),
+        rotation: Rotation::unchecked([NAN; 4]),
+    };
+    S::pose(q, body).unwrap_or_else(|_| nowhere())
+}
 
 /// How far the square of a quaternion's length may be from 1: twice what a file with ten digits has.
 const UNIT: f64 = 2e-9;

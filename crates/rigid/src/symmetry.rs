@@ -15,13 +15,14 @@
 //! A motion of the world moves velocities of centres as vectors, and leaves angular velocities in
 //! body axes as they are; a spin by `a` turns those by `w x a`. So all bodies' potential must not
 //! feel the motion, and a spin is a symmetry where the moments across its axis agree. Source: notes
-//! 8.2, 8.3, 9.4.
+//! 8.2, 8.3, 9.4. Sizes are checked by who asks; where bodies are missing no component is finite.
 
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Vector;
 use stationary_integrators::Symmetry;
 
 use crate::error::check_finite;
+use crate::space::pose_or_none;
 use crate::{BodySpace, RigidError};
 
 /// All bodies in space move together, as one rigid thing.
@@ -81,7 +82,7 @@ pub struct PlanarCarried {
 impl<S: BodySpace> Symmetry for Carried<S> {
     fn generator(&self, q: &[f64], xi: Vector<&mut [f64]>) {
         for (body, xi) in xi.0.chunks_exact_mut(S::FREEDOMS).enumerate() {
-            let pose = S::pose(q, body);
+            let pose = pose_or_none::<S>(q, body);
             let (linear, turn) = xi.split_at_mut(S::TRANSLATION);
             let moved = self.velocity + self.angular_velocity.cross(&pose.translation);
             linear.copy_from_slice(&moved.as_slice()[..S::TRANSLATION]);
@@ -105,8 +106,9 @@ impl<S: BodySpace> Symmetry for Carried<S> {
 impl<S: BodySpace> Symmetry for Spun<S> {
     fn generator(&self, _q: &[f64], xi: Vector<&mut [f64]>) {
         xi.0.fill(0.0);
-        if let Some(turn) = xi.0.get_mut(self.turns()) {
-            turn.copy_from_slice(self.axis.as_slice());
+        match xi.0.get_mut(self.turns()) {
+            Some(turn) => turn.copy_from_slice(self.axis.as_slice()),
+            None => xi.0.fill(f64::NAN),
         }
     }
 
@@ -122,6 +124,9 @@ impl<S: BodySpace> Symmetry for Spun<S> {
 impl Symmetry for PlanarCarried {
     fn generator(&self, q: &[f64], xi: Vector<&mut [f64]>) {
         let a = self.angular_velocity;
+        if q.len() != xi.0.len() {
+            return xi.0.fill(f64::NAN);
+        }
         for (xi, [x, y, _]) in xi.0.as_chunks_mut::<3>().0.iter_mut().zip(q.as_chunks::<3>().0) {
             *xi = [self.velocity.x - a * y, self.velocity.y + a * x, a];
         }

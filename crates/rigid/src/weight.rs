@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Covector, Potential, PotentialOn, Sink};
 
 use crate::BodySpace;
+use crate::space::pose_or_none;
 
 /// No potential at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +69,7 @@ impl<S: BodySpace> Potential for Weight<S> {
 
     fn energy(&self, q: &[f64]) -> f64 {
         let one = |(body, load): (usize, &PointMass)| {
-            -load.mass * self.gravity.dot(&S::pose(q, body).apply(&load.point))
+            -load.mass * self.gravity.dot(&pose_or_none::<S>(q, body).apply(&load.point))
         };
         self.masses.iter().enumerate().map(one).sum()
     }
@@ -80,7 +81,8 @@ impl<S: BodySpace> Potential for Weight<S> {
             for (dv, g) in dv.iter_mut().zip(&self.gravity).take(S::TRANSLATION) {
                 *dv -= load.mass * g;
             }
-            let torque = load.point.cross(&S::pose(q, body).rotation.rotate_back(&self.gravity));
+            let torque =
+                load.point.cross(&pose_or_none::<S>(q, body).rotation.rotate_back(&self.gravity));
             for c in 0..3 {
                 dv[S::TRANSLATION + c] -= load.mass * torque[c];
             }
@@ -89,7 +91,7 @@ impl<S: BodySpace> Potential for Weight<S> {
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         for (body, PointMass { mass, point }) in self.masses.iter().enumerate() {
-            let g = S::pose(q, body).rotation.rotate_back(&self.gravity);
+            let g = pose_or_none::<S>(q, body).rotation.rotate_back(&self.gravity);
             let product = g * point.transpose();
             let block = Matrix3::identity() * g.dot(point) - (product + product.transpose()) * 0.5;
             let first = S::FREEDOMS * body + S::TRANSLATION;

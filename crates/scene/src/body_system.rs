@@ -81,7 +81,7 @@ impl BodySystem for InSpace {
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion {
         let (of, p) = (self.system.metric().bodies()[body], &state.p.0[6 * body..][..6]);
         BodyMotion {
-            pose: Poses::pose(&state.q, body),
+            pose: Poses::pose_at(&state.q, body),
             velocity: Vector3::from_column_slice(&p[..3]) / of.mass(),
             angular_velocity: of.angular_velocity(&Vector3::from_column_slice(&p[3..])),
         }

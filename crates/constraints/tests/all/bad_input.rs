@@ -1,12 +1,12 @@
 //! Bad input is refused by name, and leaves the state as it was.
 
-use stationary_calculus::{Covector, DiagonalMetric, Number, Sink, System};
+use stationary_calculus::{Covector, DiagonalMetric, Number, Sink, SizeError, System};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum};
 use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
-    Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
+    Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
 };
-use stationary_integrators::{State, StepError, StormerVerlet, UniformGravity};
+use stationary_integrators::{Integrator, State, StepError, StormerVerlet, UniformGravity};
 
 const FEW: Few<3> = Few(Redundancy::Refuse);
 
@@ -50,15 +50,25 @@ impl Constraint for Lying {
         1
     }
 
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         g[0] = q[0];
+        Ok(())
     }
 
-    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         rows.add(0, 5, 1.0);
+        Ok(())
     }
 
-    fn add_hessian(&self, _: f64, _: &[f64], _: &[f64], _: &mut impl Sink) {}
+    fn add_hessian(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: &[f64],
+        _: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        Ok(())
+    }
 }
 
 #[test]
@@ -215,13 +225,72 @@ fn step_and_project_refuses_a_velocity_that_stretches_a_rod() {
     assert!(matches!(error, ConstraintError::InfeasibleVelocity { row: 0, .. }), "{error}");
 }
 
-#[test]
-fn values_of_too_few_numbers_are_no_numbers() {
-    let RodProblem { rods, .. } = pendulum(1.0).unwrap().problem;
-    for q in [&[] as &[f64], &[1.0]] {
-        let mut g = [0.0];
-        rods.value(0.0, q, &mut g);
-        assert!(g[0].is_nan());
-        rods.value(0.0, q, &mut []);
+/// Counts what a constraint brings.
+#[derive(Default)]
+struct Brought(usize);
+
+impl Rows for Brought {
+    fn add(&mut self, _: usize, _: usize, _: f64) {
+        self.0 += 1;
     }
+}
+
+impl Sink for Brought {
+    fn add_symmetric(&mut self, _: &[usize], _: &[f64]) {
+        self.0 += 1;
+    }
+}
+
+/// Everything that a constraint is asked with fewer numbers, values and multipliers than it has.
+fn refuses_other_sizes(constraint: &impl Constraint, enough: usize) {
+    let count = constraint.count();
+    let (q, mut g, mut brought) = (vec![0.3; enough], vec![0.0; count], Brought::default());
+    assert_eq!(constraint.value(0.0, &q, &mut g), Ok(()));
+    let what = "the configuration's numbers";
+    let short = Err(SizeError { what, expected: enough, got: enough - 1 });
+    let fewer = &q[..enough - 1];
+    assert_eq!(constraint.value(0.0, fewer, &mut g), short);
+    assert_eq!(constraint.differential(0.0, fewer, &mut brought), short);
+    assert_eq!(constraint.add_hessian(0.0, fewer, &g, &mut brought), short);
+    assert_eq!(brought.0, 0);
+    for other in [count - 1, count + 1] {
+        let refused = |what| Err(SizeError { what, expected: count, got: other });
+        let mut values = vec![0.0; other];
+        let sizes = refused("the constraint's values");
+        assert_eq!(constraint.value(0.0, &q, &mut values), sizes);
+        assert_eq!(constraint.rate(0.0, &q, &mut values), sizes);
+        let hessian = constraint.add_hessian(0.0, &q, &values, &mut brought);
+        assert_eq!(hessian, refused("the constraint's multipliers"));
+        assert!(Pairing::new(constraint, values, 0.0).is_err());
+    }
+}
+
+#[test]
+fn every_constraint_refuses_too_few_numbers_and_other_counts_of_values() {
+    let RodProblem { rods, .. } = pendulum(1.0).unwrap().problem;
+    refuses_other_sizes(&rods, 2);
+    let point = FixedPoint::new(1, [0.0, 1.0]).unwrap();
+    refuses_other_sizes(&point, 4);
+    let lines = Linear::new(vec![(vec![(0, 1.0), (2, 1.0)], 0.5), (vec![(1, 2.0)], 0.0)]).unwrap();
+    refuses_other_sizes(&lines, 3);
+    refuses_other_sizes(&OnLevel::new(2, Odd { value: 1.0, slope: 2.0 }), 6);
+    // A vertex beyond all counting is one that is not there.
+    let beyond = FixedPoint::new(usize::MAX, [0.0, 1.0]).unwrap();
+    assert!(beyond.value(0.0, &[0.3; 4], &mut [0.0; 2]).is_err());
+    // Of a set whose members read equally far the first refuses.
+    refuses_other_sizes(&vec![point, point], 4);
+    refuses_other_sizes(&(point, point), 4);
+}
+
+#[test]
+fn a_penalty_has_no_frequency_under_a_metric_or_at_a_configuration_that_is_too_small() {
+    let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+    let penalty = Penalty::new(rods, 10.0, 0.0).unwrap();
+    let small = DiagonalMetric::new([1.0]).unwrap();
+    let what = "the metric's freedoms";
+    let error = penalty.highest_frequency(&small, &initial.q).unwrap_err();
+    assert_eq!(error, SizeError { what, expected: 2, got: 1 });
+    let verlet: StormerVerlet<'_, _, _, [f64; 2]> = StormerVerlet::new(&system).unwrap();
+    let facts = Integrator::<[f64; 2]>::facts(&verlet);
+    assert!(penalty.stable_step(facts, system.metric(), &initial.q[..1]).is_err());
 }

@@ -2,8 +2,8 @@
 //! from a ball joint.
 
 use stationary_calculus::{
-    Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, Space, System, Vector,
-    assert_derivatives_on, loglog_slope,
+    Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, SizeError, Space,
+    System, Vector, assert_derivatives_on, loglog_slope,
 };
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
@@ -102,14 +102,15 @@ impl Constraint for BallJoint {
         3
     }
 
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) {
+    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         let r = turned(q, JOINT);
         for c in 0..3 {
             g[c] = q[c] + r[c];
         }
+        Ok(())
     }
 
-    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) {
+    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         // Column by column: R (e_c x r).
         let columns: [[f64; 3]; 3] = std::array::from_fn(|c| {
             let mut e = [0.0; 3];
@@ -122,9 +123,16 @@ impl Constraint for BallJoint {
                 rows.add(row, 3 + c, column[row]);
             }
         }
+        Ok(())
     }
 
-    fn add_hessian(&self, _: f64, q: &[f64], lambda: &[f64], hessian: &mut impl Sink) {
+    fn add_hessian(
+        &self,
+        _: f64,
+        q: &[f64],
+        lambda: &[f64],
+        hessian: &mut impl Sink,
+    ) -> Result<(), SizeError> {
         // <lambda, R (w x (w x r))> = (l . w)(r . w) - (l . r)(w . w) with l = R^T lambda.
         let k = quaternion(q);
         let back = [q[0], q[1], q[2], k[0], -k[1], -k[2], -k[3]];
@@ -136,6 +144,7 @@ impl Constraint for BallJoint {
             *entry = 0.5 * (l[i] * r[j] + l[j] * r[i]) - if i == j { dot } else { 0.0 };
         }
         hessian.add_symmetric(&[3, 4, 5], &block);
+        Ok(())
     }
 
     fn scale(&self, _: usize) -> Scale {
@@ -183,7 +192,7 @@ fn hanging(rate: f64, spin: f64) -> State<Vec<f64>> {
 fn the_differentials_are_taken_along_the_motions_of_the_space() {
     let mut q = hanging(0.0, 0.0).q;
     Poses.advance(&mut q, 1.0, Vector(&[0.3, -0.2, 0.5, 0.7, -1.1, 0.4]));
-    let pairing = Pairing { constraint: BallJoint, multipliers: vec![0.7, -1.3, 2.0], time: 0.0 };
+    let pairing = Pairing::new(BallJoint, vec![0.7, -1.3, 2.0], 0.0).unwrap();
     assert_derivatives_on(&Poses, &pairing, &q);
 }
 

@@ -341,8 +341,11 @@ fn a_penalty_is_stable_below_the_predicted_step_and_unstable_above() {
         .unwrap();
         let survives = |part: f64| {
             let mut verlet = StormerVerlet::new(&stiff).unwrap();
-            let predicted =
-                stiff.potential().1.stable_step(verlet.facts(), stiff.metric(), &initial.q);
+            let predicted = stiff
+                .potential()
+                .1
+                .stable_step(verlet.facts(), stiff.metric(), &initial.q)
+                .unwrap();
             let mut state = initial.clone();
             (0..2000).all(|_| {
                 verlet.step(&mut state, part * predicted).is_ok()

@@ -35,12 +35,14 @@ pub enum BeamTheory {
 
 /// Steps of the search between zero and the first frequency of a clamped beam.
 const STEPS: f64 = 20.0;
+/// No exponential of such numbers is one.
+const LARGEST: f64 = 1e100;
 /// Steps in all.
 const BOUND: u32 = 20_000;
 
 impl BeamTheory {
     /// The lowest angular frequencies of a sheet of length and height, rad/s; fewer where some are
-    /// not met within the search.
+    /// not met within the search, none of sizes that are not positive numbers.
     pub fn frequencies(self, ends: Ends, size: [f64; 2], count: usize) -> Vec<f64> {
         let [length, height] = size;
         let step = 3.516 * height / 12.0_f64.sqrt() / length.powi(2) / STEPS;
@@ -50,6 +52,9 @@ impl BeamTheory {
         for k in 2..BOUND {
             let omega = f64::from(k) * step;
             let here = condition(omega);
+            if !here.is_finite() {
+                break;
+            }
             if before * here <= 0.0 {
                 found.push(bisected(condition, omega - step, omega));
             }
@@ -83,7 +88,13 @@ impl BeamTheory {
         rates[(1, 2)] = 1.0 / inertia;
         (rates[(2, 1)], rates[(2, 3)]) = (-rotary * square, -1.0);
         rates[(3, 0)] = -area * square;
-        (rates * length).exp()
+        let exponent = rates * length;
+        // The exponential of larger numbers would be squared for ever.
+        if exponent.iter().all(|x| x.abs() < LARGEST) {
+            exponent.exp()
+        } else {
+            Matrix4::repeat(f64::NAN)
+        }
     }
 }
 
@@ -141,6 +152,15 @@ mod tests {
         assert!(knives.abs() < 1e-10 * scale, "{knives:e} of {scale:e}");
         let thin = (inertia / area).sqrt() * k * k;
         assert!(sine < thin && sine > 0.95 * thin);
+    }
+
+    #[test]
+    fn sizes_that_are_no_lengths_have_no_frequencies_and_end() {
+        for size in [[0.0, 1.0], [1.0, 0.0], [1e-200, 1.0], [1.0, 1e-200], [f64::NAN, 1.0]] {
+            for theory in [BeamTheory::EulerBernoulli, BeamTheory::Timoshenko] {
+                assert_eq!(theory.frequencies(Ends::Clamped, size, 2), Vec::<f64>::new());
+            }
+        }
     }
 
     #[test]

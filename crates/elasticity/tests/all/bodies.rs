@@ -2,7 +2,8 @@
 
 use nalgebra::{Vector3, vector};
 use stationary_calculus::{
-    Covector, Curvature, DenseSink, Metric, Potential, Stencils, Vector, assert_derivatives,
+    Covector, Curvature, DenseSink, Metric, Potential, Stencil, Stencils, Vector,
+    assert_derivatives,
 };
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Elements, Freedoms, Hinge, Lame, Linear, LinearSegment,
@@ -162,6 +163,20 @@ fn a_hinge_measures_its_fold_with_its_sign() {
     assert!(Hinge::new([0, 1, 2, 3], &folded(0.0), -1.0).is_err());
     let flat = [[0.0; 3], [0.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.5, 0.0]];
     assert!(Hinge::new([0, 1, 2, 3], &flat, 1.0).is_err());
+}
+
+#[test]
+fn a_hinge_whose_second_derivative_leaves_the_range_of_numbers_is_refused() {
+    let far = [[0.0, 0.0, 1e-4], [1e-16, 0.0, 0.0], [1e107, 0.0, 0.0], [0.0; 3]];
+    let error = Hinge::new([0, 1, 2, 3], &far, 1.0).unwrap_err();
+    assert_eq!(error, ElasticityError::FlatHinge { vertices: [0, 1, 2, 3] });
+    for size in [1e-60, 1e-20, 1e20, 1e60] {
+        let x = folded(0.5).map(|x| x.map(|x| size * x));
+        let Ok(hinge) = Hinge::new([0, 1, 2, 3], &x, 1.0) else { continue };
+        let hessian = hinge.hessian(&x, Curvature::Exact);
+        let finite = hessian.as_flattened().as_flattened().as_flattened();
+        assert!(finite.iter().all(|x| x.is_finite()), "{size:e} m");
+    }
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! What bad input gets: a typed error, and a state as it was.
 
-use nalgebra::Vector3;
-use stationary_calculus::Covector;
+use nalgebra::{Vector2, Vector3};
+use stationary_calculus::{Covector, Potential, SizeError};
+use stationary_constraints::Constraint;
 use stationary_integrators::{State, StepError};
 use stationary_rigid::problems::{nodding_top, tumbling_box};
 use stationary_rigid::{
-    Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodySpring, Free, LieGroup,
-    Poses, RigidError, RigidMotion, Spun, apply_impulse,
+    Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodySpring, Free, Joint,
+    LieGroup, Orientations, PlanarAttachment, PlanarJoint, PlanarWeight, PointMass, Poses,
+    RigidError, RigidMotion, Spun, Weight, apply_impulse, spatial_angular_momentum,
 };
 
 #[test]
@@ -101,16 +103,43 @@ fn a_state_at_no_time_or_with_a_quaternion_of_another_length_is_refused_by_every
 }
 
 #[test]
-fn what_is_asked_of_an_absent_body_is_refused_or_no_number() {
+fn what_is_asked_of_an_absent_body_is_refused() {
     let absent = [Attachment::World(Vector3::zeros()), Attachment::Body(2, Vector3::zeros())];
     let spring = BodySpring::new(Poses, 2, 1.0, absent);
     assert_eq!(spring, Err(RigidError::NoSuchBody { body: 2, bodies: 2 }));
     let spun = Spun::new(Poses, 2, 2, Vector3::z());
     assert_eq!(spun, Err(RigidError::NoSuchBody { body: 2, bodies: 2 }));
-    let pose = Poses::pose(&[0.0; 6], 0);
-    assert!(pose.translation.x.is_nan() && pose.rotation.quaternion()[0].is_nan());
+    let nobody = |body, bodies| Some(RigidError::NoSuchBody { body, bodies });
+    assert_eq!(Poses::pose(&[0.0; 6], 0).err(), nobody(0, 0));
+    assert_eq!(Orientations::pose(&[0.0; 8], usize::MAX).err(), nobody(usize::MAX, 2));
+    assert_eq!(Orientations::pose(&[0.0; 8], 1).err(), None);
     let mut state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Covector(vec![0.0; 3]));
     let (point, impulse) = (Vector3::x(), Vector3::y());
     let short = apply_impulse::<Poses>(&mut state, 0, &point, impulse);
     assert!(matches!(short, Err(RigidError::Size(_))));
+    assert!(spatial_angular_momentum::<Poses>(&state).is_err());
+}
+
+#[test]
+fn joints_refuse_too_few_numbers_and_other_counts_of_values() {
+    let ends = [Attachment::Body(0, Vector3::x()), Attachment::Body(1, Vector3::y())];
+    let hinge = Joint::hinge(Poses, 2, ends, [Vector3::z(); 2]).unwrap();
+    let flat = |body| PlanarAttachment::Body(body, Vector2::x());
+    let weld = PlanarJoint::weld(2, [flat(0), flat(1)], 0.1).unwrap();
+    let what = "the configuration's numbers";
+    let short = |expected, got| Err(SizeError { what, expected, got });
+    assert_eq!(hinge.value(0.0, &[0.0; 13], &mut [0.0; 5]), short(14, 13));
+    assert_eq!(weld.value(0.0, &[0.0; 5], &mut [0.0; 3]), short(6, 5));
+    let values = |expected, got| Err(SizeError { what: "the constraint's values", expected, got });
+    assert_eq!(hinge.value(0.0, &[0.0; 14], &mut [0.0; 4]), values(5, 4));
+    assert_eq!(weld.value(0.0, &[0.0; 6], &mut [0.0; 4]), values(3, 4));
+}
+
+#[test]
+fn bodies_that_a_configuration_does_not_hold_have_no_weight() {
+    let masses = vec![PointMass { mass: 1.0, point: Vector3::x() }; 2];
+    let weight = Weight { gravity: Vector3::z(), masses, space: Poses };
+    assert!(weight.energy(&[0.0; 7]).is_nan());
+    let flat = PlanarWeight { gravity: Vector2::x(), masses: vec![1.0; 2] };
+    assert!(flat.energy(&[1.0, 2.0, 0.0]).is_nan());
 }

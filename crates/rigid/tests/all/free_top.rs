@@ -95,7 +95,7 @@ fn error(method: BodyMethod, body: Body, w: Vector3<f64>, steps: u32) -> (f64, f
     for step in 1..=steps {
         integrator.step(&mut state, h).unwrap();
         let t = h * f64::from(step);
-        let r = Orientations::pose(&state.q, 0).rotation;
+        let r = Orientations::pose_at(&state.q, 0).rotation;
         largest.0 = largest.0.max(r.direction_to(&top.orientation(t)).norm());
         let m = Vector3::from_column_slice(state.p.components());
         let off = body.angular_velocity(&m) - top.angular_velocity(t);

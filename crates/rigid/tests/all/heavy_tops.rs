@@ -19,7 +19,7 @@ fn a_precessing_top_keeps_its_tilt_and_its_rate() {
         let (h, mut turned, mut azimuth) = (1e-4, 0.0, f64::NAN);
         for _ in 0..10_000 {
             integrator.step(&mut state, h).unwrap();
-            let r = Orientations::pose(&state.q, 0).rotation;
+            let r = Orientations::pose_at(&state.q, 0).rotation;
             assert!((tilt(&r) - 0.5).abs() < 2e-5, "{method}: {}", tilt(&r));
             let axis = r.rotate(&Vector3::z());
             let now = axis.y.atan2(axis.x);
@@ -47,7 +47,7 @@ fn a_nodding_top_stays_between_its_bounds_and_reaches_both() {
             let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
             for _ in 0..steps {
                 integrator.step(&mut state, h).unwrap();
-                let angle = tilt(&Orientations::pose(&state.q, 0).rotation);
+                let angle = tilt(&Orientations::pose_at(&state.q, 0).rotation);
                 (least, most) = (least.min(angle), most.max(angle));
             }
             (least - low, most - high)
@@ -65,7 +65,7 @@ fn kovalevskayas_integral_is_kept_to_the_order_and_without_trend() {
     let integral = |state: &stationary_integrators::State<Vec<f64>>| {
         let m = Vector3::from_column_slice(state.p.components());
         let w = problem.body().angular_velocity(&m);
-        KOVALEVSKAYA.integral(&Orientations::pose(&state.q, 0).rotation, &w)
+        KOVALEVSKAYA.integral(&Orientations::pose_at(&state.q, 0).rotation, &w)
     };
     let start = integral(&problem.initial);
     let worst = |method: BodyMethod, duration: f64, steps: u32| {

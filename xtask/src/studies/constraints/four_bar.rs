@@ -47,7 +47,10 @@ impl Outcome {
     /// Takes a state into account.
     fn see(&mut self, problem: &RodProblem<[f64; 4]>, state: &State<[f64; 4]>, energy: f64) {
         let mut g = [0.0; 3];
-        problem.rods.value(0.0, &state.q, &mut g);
+        let known = problem.rods.value(0.0, &state.q, &mut g);
+        if known.is_err() {
+            self.violation = f64::INFINITY;
+        }
         for (g, rod) in g.iter().zip(problem.rods.rods()) {
             self.violation = self.violation.max(g.abs() / (2.0 * rod.length() * rod.length()));
         }

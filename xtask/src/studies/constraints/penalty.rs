@@ -31,7 +31,10 @@ fn violation(exact: &Pendulum, k: f64, h: f64) -> Result<(f64, f64), StudyError>
     let stiff = System::new(metric, (system.potential().clone(), spring))
         .map_err(StudyError::at("a penalty"))?;
     let mut verlet = StormerVerlet::new(&stiff).map_err(StudyError::at("Stormer-Verlet"))?;
-    let limit = stiff.potential().1.stable_step(verlet.facts(), stiff.metric(), &initial.q);
+    let spring = &stiff.potential().1;
+    let limit = spring
+        .stable_step(verlet.facts(), stiff.metric(), &initial.q)
+        .map_err(StudyError::at("the stable step"))?;
     let mut state = initial.clone();
     let mut worst = 0.0_f64;
     let steps = ((0.5 * exact.period / h).ceil() as u64).max(400);

@@ -47,14 +47,19 @@ fn follow(method: BodyMethod, h: f64, steps: u32) -> Result<(Vec<Mark>, bool), S
     let mut integrator =
         method.integrator(&problem.system).map_err(StudyError::at(method.facts().name))?;
     let mut state = problem.initial.clone();
-    let (energy, momentum) = (problem.energy(&state), spatial_angular_momentum::<Poses>(&state));
+    let (energy, momentum) = (
+        problem.energy(&state),
+        spatial_angular_momentum::<Poses>(&state).map_err(StudyError::at("the momentum"))?,
+    );
     let (mut worst, mut marks, mut next) = ((0.0_f64, 0.0_f64), Vec::new(), 10);
     for step in 1..=steps {
         if integrator.step(&mut state, h).is_err() {
             return Ok((marks, false));
         }
         worst.0 = worst.0.max((problem.energy(&state) / energy - 1.0).abs());
-        let off = spatial_angular_momentum::<Poses>(&state) - momentum;
+        let off = spatial_angular_momentum::<Poses>(&state)
+            .map_err(StudyError::at("the momentum"))?
+            - momentum;
         worst.1 = worst.1.max(off.norm() / momentum.norm());
         if step == next || step == steps {
             marks.push(Mark { steps: step, energy: worst.0, momentum: worst.1 });
@@ -182,7 +187,7 @@ fn attitude_error(method: BodyMethod, steps: u32) -> Result<f64, StudyError> {
     for step in 1..=steps {
         integrator.step(&mut state, h).map_err(StudyError::at(method.facts().name))?;
         if step % (steps / 50) == 0 {
-            let off: Vector3<f64> = Poses::pose(&state.q, 0)
+            let off: Vector3<f64> = Poses::pose_at(&state.q, 0)
                 .rotation
                 .direction_to(&truth.orientation(h * f64::from(step)));
             worst = worst.max(off.norm());

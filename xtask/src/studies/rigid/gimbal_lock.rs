@@ -69,7 +69,7 @@ fn errors(miss: f64) -> Result<[f64; 2], StudyError> {
     for _ in 0..STEPS {
         integrator.step(&mut state, h).map_err(StudyError::at("a step on the group"))?;
     }
-    let group = Orientations::pose(&state.q, 0).rotation.direction_to(&truth).norm();
+    let group = Orientations::pose_at(&state.q, 0).rotation.direction_to(&truth).norm();
     Ok([euler, group])
 }
 

@@ -42,7 +42,7 @@ fn most(method: BodyMethod, steps: u32) -> Result<(f64, Vec<(f64, f64)>), StudyE
     let (mut largest, mut path) = (0.0_f64, Vec::new());
     for _ in 0..steps {
         integrator.step(&mut state, h).map_err(StudyError::at(name))?;
-        let angle = tilt(&Orientations::pose(&state.q, 0).rotation);
+        let angle = tilt(&Orientations::pose_at(&state.q, 0).rotation);
         largest = largest.max(angle);
         path.push((state.t, angle));
     }
@@ -120,7 +120,7 @@ fn fourth_integral(size: Size) -> Result<Study, StudyError> {
     let integral = |state: &State<Vec<f64>>| {
         let m = Vector3::from_column_slice(state.p.components());
         let w = problem.body().angular_velocity(&m);
-        TOP_OF_HERS.integral(&Orientations::pose(&state.q, 0).rotation, &w)
+        TOP_OF_HERS.integral(&Orientations::pose_at(&state.q, 0).rotation, &w)
     };
     let start = integral(&problem.initial);
     let mut table = Table::new([

@@ -61,7 +61,7 @@ fn run(
         iterations += report.iterations;
         energy = energy.max((problem.energy(&state) / start - 1.0).abs());
     }
-    let attitude = Poses::pose(&state.q, 0).rotation;
+    let attitude = Poses::pose_at(&state.q, 0).rotation;
     let iterations = f64::from(iterations) / f64::from(steps);
     Ok(Outcome { attitude, energy, iterations })
 }

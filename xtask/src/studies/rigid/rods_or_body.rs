@@ -108,7 +108,8 @@ fn by_springs(shape: &Shape, stiffness: f64) -> Result<(u32, f64), StudyError> {
     let penalty = Penalty::new(rods()?, stiffness, 0.0).map_err(StudyError::at("the springs"))?;
     let (mut state, metric) = (shape.thrown(), metric()?);
     let facts = stationary_integrators::Method::StormerVerlet.facts();
-    let limit = penalty.stable_step(facts, &metric, &state.q);
+    let limit =
+        penalty.stable_step(facts, &metric, &state.q).map_err(StudyError::at("the stable step"))?;
     let steps = (TIME / (0.5 * limit)).ceil() as u32;
     let system = System::new(metric, (gravity(), penalty)).map_err(StudyError::at("springs"))?;
     let mut verlet = StormerVerlet::new(&system).map_err(StudyError::at("springs"))?;

@@ -237,25 +237,42 @@ fn short(draw: &mut Draw) -> Verdict {
 
 fn asked(constraint: &impl Constraint, t: f64, q: &[f64], given: usize) -> Verdict {
     let mut g = vec![0.0; given];
-    constraint.value(t, q, &mut g);
-    let short = q.len() < constraint.dim();
-    if short && given >= constraint.count() && g[..constraint.count()].iter().all(|g| g.is_finite())
-    {
-        return Verdict::wrong("too few numbers satisfy or break an equation like any others");
-    }
-    constraint.rate(t, q, &mut g);
+    let (enough, fit) = (q.len() >= constraint.dim(), given == constraint.count());
     let mut count = Count(0);
-    constraint.differential(t, q, &mut count);
-    constraint.add_hessian(t, q, &g, &mut Blocks);
+    let asked = [
+        ("a value", enough && fit, constraint.value(t, q, &mut g).is_ok()),
+        ("a differential", enough, constraint.differential(t, q, &mut count).is_ok()),
+        (
+            "a second differential",
+            enough && fit,
+            constraint.add_hessian(t, q, &g, &mut Blocks).is_ok(),
+        ),
+    ];
+    if let Some((what, possible, _)) = asked.into_iter().find(|&(_, possible, is)| is != possible) {
+        return Verdict::wrong(match possible {
+            true => format!("{what} of right sizes is refused"),
+            false => format!("{what} of sizes that do not fit"),
+        });
+    }
+    if !fit && constraint.rate(t, q, &mut g).is_ok() {
+        return Verdict::wrong("a rate of sizes that do not fit");
+    }
     for row in [0, 1, 7] {
         let scale = constraint.scale(row);
         if !(scale.slope > 0.0 && scale.length > 0.0) {
             return Verdict::wrong("a scale that is not positive");
         }
     }
-    let pairing = Pairing { constraint, multipliers: g, time: t };
+    let Ok(pairing) = Pairing::new(constraint, g, t) else {
+        return if fit { Verdict::wrong("good multipliers are refused") } else { Verdict::due() };
+    };
+    if !fit {
+        return Verdict::wrong("multipliers that do not fit are taken");
+    }
     let mut dv = vec![0.0; constraint.dim()];
-    let _ = pairing.energy(q);
+    if !enough && pairing.energy(q).is_finite() {
+        return Verdict::wrong("too few numbers have a pairing");
+    }
     pairing.add_differential(q, Covector(&mut dv));
     pairing.add_hessian(q, &mut Blocks);
     Verdict::due()
@@ -333,7 +350,14 @@ fn penalties(draw: &mut Draw) -> Verdict {
     }
     let n = draw.between(1, 3);
     let Ok(metric) = DiagonalMetric::new(vec![2.0; n]) else { return Verdict::wrong("no metric") };
-    let frequency = penalty.highest_frequency(&metric, &q);
+    let frequency = match penalty.highest_frequency(&metric, &q) {
+        Ok(_) if n < 2 || stored < 2 => {
+            return Verdict::wrong("a frequency of sizes that do not fit");
+        }
+        Ok(frequency) => frequency,
+        Err(error) if n >= 2 && stored >= 2 => return Verdict::wrong(error),
+        Err(_) => return Verdict::due(),
+    };
     if n == 2 && stored == 2 && stiffness > 1e-100 && stiffness < 1e100 {
         let length = DVector::from_vec(q).norm();
         let expected = (stiffness / 2.0).sqrt() * length;

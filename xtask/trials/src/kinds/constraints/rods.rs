@@ -279,7 +279,7 @@ fn stepped(
                 if is_absurd(&error) {
                     return Verdict::wrong(format!("step {step} says: {error}"));
                 }
-                return refusal(net, &before, system, choice.1, (h, regularity), error);
+                return refusal(net, &before, system, (h, regularity), error);
             }
             Ok(report) if !report.violation.is_finite() => {
                 return Verdict::wrong("the report is not finite");
@@ -320,19 +320,12 @@ fn refusal(
     net: &Net,
     state: &State<Vec<f64>>,
     system: &Problem,
-    solved: Solved,
     (h, regularity): (f64, f64),
     error: ConstraintError,
 ) -> Verdict {
     let v = DVector::from_fn(state.q.len(), |f, _| state.p.0[f] / net.mass(f));
     let turn = h * net.fastest_turn(&v);
     let here = net.regularity(&state.q).min(regularity);
-    let coupled = solved == Solved::Coupled;
-    if coupled && matches!(error, ConstraintError::Sparse(_) | ConstraintError::Dependent { .. }) {
-        // The page says that the solver of coupled freedoms asks for masses and sizes near 1: it takes
-        // others for equations that depend on each other.
-        return Verdict::refused(error);
-    }
     if here > 1e-3 && turn * net.mass_ratio().sqrt() < BOUND * here {
         return Verdict::wrong(format!("refuses a turn of {turn:.1e} rad a step: {error}"));
     }

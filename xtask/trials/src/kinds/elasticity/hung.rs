@@ -14,7 +14,8 @@ use stationary_mesh::{Diagonals, Mesh, cuboid, rectangle};
 
 use super::body::Body;
 use super::law::{Law, Moduli};
-use super::statics::{Problem, judge_rest};
+use super::statics::problem::{Problem, clamp, plain};
+use super::statics::rest::judged;
 use crate::{Draw, Verdict};
 
 pub fn trial(draw: &mut Draw) -> Verdict {
@@ -28,26 +29,10 @@ pub fn trial(draw: &mut Draw) -> Verdict {
     }
 }
 
-/// The free coordinates, of all of D each vertex.
-fn free(count: usize, d: usize, held: &[Held]) -> Vec<usize> {
-    (0..d * count).filter(|k| !held.iter().any(|h| d * h.vertex + h.component == *k)).collect()
-}
-
-fn plain<const D: usize>(x: &[[f64; D]]) -> Vec<Vec<f64>> {
-    x.iter().map(|x| x.to_vec()).collect()
-}
-
 /// Equal weights at all vertices, along a direction.
 fn weights<const D: usize>(count: usize, weight: f64, direction: &[f64]) -> Vec<[f64; D]> {
     let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
     vec![std::array::from_fn(|i| weight * direction[i] / length); count]
-}
-
-fn clamp<const D: usize>(vertices: &[usize], places: &[[f64; D]]) -> Vec<Held> {
-    let all = vertices.iter().flat_map(|&vertex| {
-        (0..D).map(move |component| Held { vertex, component, place: places[vertex][component] })
-    });
-    all.collect()
 }
 
 /// A sheet in its plane on a single pin, under forces in any direction.
@@ -65,7 +50,7 @@ fn pendulum(draw: &mut Draw) -> Verdict {
     let weight = strain * young * height / places.len() as f64;
     draw.note(format!("pendulum {length:e} x {height:e} m in {cells:?}, E = {young:e}, pin {pin}, weight {weight:e} N each along {direction:?}, rubber: {rubber}"));
     let forces = weights::<2>(places.len(), weight, &direction);
-    let held = clamp(&[pin], &places);
+    let held = clamp([pin], &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
     let Ok(lame) = Lame::<2>::from_young_poisson(young, 0.3) else {
         return Verdict::refused("moduli");
@@ -97,13 +82,7 @@ fn pendulum(draw: &mut Draw) -> Verdict {
     let pair = Moduli { lambda: lame.lambda(), mu: lame.mu() };
     let elements = mesh.simplices().iter().map(|nodes| nodes.to_vec());
     let body = Body::new((law, pair), &plain(&places), elements, 1.0);
-    match solved {
-        Ok(rest) => {
-            let free = free(places.len(), 2, &held);
-            judge_rest(&body, &plain(&rest.positions), &plain(&forces), &free, &plain(&places))
-        }
-        Err(error) => Verdict::refused(error),
-    }
+    judged(solved, &body, &places, &forces, &held)
 }
 
 fn due_or_wrong(solved: Result<(), ElasticityError>) -> Verdict {
@@ -126,8 +105,7 @@ fn hinged(draw: &mut Draw) -> Verdict {
     draw.note(format!("hinged block {size:?} m in {cells:?}, E = {young:e}, weight {weight:e} N each along {direction:?}"));
     let forces = weights::<3>(places.len(), weight, &direction);
     let low = |v: &usize| places[*v][0] <= 1e-9 * size[0] && places[*v][2] <= 1e-9 * size[2];
-    let hinge: Vec<usize> = (0..places.len()).filter(low).collect();
-    let held = clamp(&hinge, &places);
+    let held = clamp((0..places.len()).filter(low), &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
     let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
         return Verdict::refused("moduli");
@@ -143,13 +121,7 @@ fn hinged(draw: &mut Draw) -> Verdict {
     let pair = Moduli { lambda: lame.lambda(), mu: lame.mu() };
     let elements = mesh.simplices().iter().map(|nodes| nodes.to_vec());
     let body = Body::new((Law::Quadratic, pair), &plain(&places), elements, 1.0);
-    match solved {
-        Ok(rest) => {
-            let free = free(places.len(), 3, &held);
-            judge_rest(&body, &plain(&rest.positions), &plain(&forces), &free, &plain(&places))
-        }
-        Err(error) => Verdict::refused(error),
-    }
+    judged(solved, &body, &places, &forces, &held)
 }
 
 /// A cloth on two pins, or a flag on an edge, in space, laid out at some angle to its weight.
@@ -187,13 +159,12 @@ fn cloth(draw: &mut Draw, on_pins: bool) -> Verdict {
         let x = flat.vertices()[*v][0];
         x <= 1e-9 * length || x >= (1.0 - 1e-9) * length
     };
-    let pins: Vec<usize> =
-        (0..places.len()).filter(|v| top(v) && (!on_pins || corner(v))).collect();
+    let pins = (0..places.len()).filter(|v| top(v) && (!on_pins || corner(v)));
     let section = thin * length;
     let weight = strain * young * section * length / places.len() as f64;
     draw.note(format!("cloth {length:e} m in {cells:?}, E = {young:e}, thickness {section:e}, on pins: {on_pins}, tilted by {tilt}, weight {weight:e} N each"));
     let forces = weights::<3>(places.len(), weight, &[0.0, 1.0, 0.0]);
-    let held = clamp(&pins, &places);
+    let held = clamp(pins, &places);
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
     let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
         return Verdict::refused("moduli");
@@ -202,16 +173,11 @@ fn cloth(draw: &mut Draw, on_pins: bool) -> Verdict {
     let problem = Problem { held: &held, ends: &ends, density: 1.0, section, steps: 1 };
     let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
     let material = SaintVenantKirchhoff::new(lame);
-    match problem.solve::<_, _, 3, 2, 1>(LinearTriangle, &mesh, material, &places, &load) {
-        Ok(found) => {
-            let pair = Moduli { lambda: lame.lambda(), mu: lame.mu() };
-            let elements = mesh.simplices().iter().map(|nodes| nodes.to_vec());
-            let body = Body::new((Law::Quadratic, pair), &plain(&places), elements, section);
-            let free = free(places.len(), 3, &held);
-            judge_rest(&body, &plain(&found.positions), &plain(&forces), &free, &plain(&places))
-        }
-        Err(error) => Verdict::refused(error),
-    }
+    let solved = problem.solve::<_, _, 3, 2, 1>(LinearTriangle, &mesh, material, &places, &load);
+    let pair = Moduli { lambda: lame.lambda(), mu: lame.mu() };
+    let elements = mesh.simplices().iter().map(|nodes| nodes.to_vec());
+    let body = Body::new((Law::Quadratic, pair), &plain(&places), elements, section);
+    judged(solved, &body, &places, &forces, &held)
 }
 
 /// A block that may shift: nothing brings it to rest, or it rests anywhere.
@@ -233,18 +199,7 @@ fn adrift(draw: &mut Draw) -> Verdict {
     ));
     let weight = if loaded { 1e-3 * young * length * length } else { 0.0 };
     let forces = weights::<3>(8, weight, &draw.vector(3));
-    let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
-    let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
-        return Verdict::refused("moduli");
-    };
-    let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
-    let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
-    let material = SaintVenantKirchhoff::new(lame);
-    due_or_wrong(
-        problem
-            .solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load)
-            .map(|_| ()),
-    )
+    restless(&mesh, young, &held, &forces)
 }
 
 /// A block on one point in space, or on a hinge without a load: it may turn for nothing.
@@ -262,17 +217,19 @@ fn spinning(draw: &mut Draw) -> Verdict {
     draw.note(format!(
         "block of {length:e} m, E = {young:e}, on {pins:?}, weight {weight:e} N each"
     ));
-    let held = clamp(&pins, &places);
+    let held = clamp(pins, &places);
+    restless(&mesh, young, &held, &forces)
+}
+
+/// A block that has no place of rest of its own under these forces.
+fn restless(mesh: &Mesh<3, 4>, young: f64, held: &[Held], forces: &[[f64; 3]]) -> Verdict {
     let ends: Vec<f64> = held.iter().map(|h| h.place).collect();
     let Ok(lame) = Lame::<3>::from_young_poisson(young, 0.3) else {
         return Verdict::refused("moduli");
     };
-    let problem = Problem { held: &held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
-    let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.clone());
-    let material = SaintVenantKirchhoff::new(lame);
-    due_or_wrong(
-        problem
-            .solve::<_, _, 4, 3, 1>(LinearTetrahedron, &mesh, material, &places, &load)
-            .map(|_| ()),
-    )
+    let problem = Problem { held, ends: &ends, density: 1.0, section: 1.0, steps: 1 };
+    let load = |freedoms: &Freedoms<3>| DeadLoad::new(freedoms, forces.to_vec());
+    let (material, places) = (SaintVenantKirchhoff::new(lame), mesh.nodes());
+    let solved = problem.solve::<_, _, 4, 3, 1>(LinearTetrahedron, mesh, material, &places, &load);
+    due_or_wrong(solved.map(|_| ()))
 }

@@ -218,3 +218,28 @@ pub fn stress<S: Field>(
         })
         .collect()
 }
+
+/// Runs what follows with the material of a law.
+macro_rules! with_material {
+    ($law:expr, $lame:expr, $d:tt, $material:ident => $body:expr) => {
+        match $law {
+            Law::Linear => {
+                let $material = Linear::<$d>::new($lame);
+                $body
+            }
+            Law::Quadratic => {
+                let $material = SaintVenantKirchhoff::<$d>::new($lame);
+                $body
+            }
+            Law::NeoHookean => match NeoHookean::<$d>::new($lame) {
+                Ok($material) => $body,
+                Err(error) => return Verdict::refused(error),
+            },
+            Law::Corotated => match FixedCorotated::<$d>::new($lame) {
+                Ok($material) => $body,
+                Err(error) => return Verdict::refused(error),
+            },
+        }
+    };
+}
+pub(super) use with_material;

@@ -14,10 +14,9 @@ use stationary_elasticity::{
 use stationary_mesh::{Diagonals, QuadraticTriangles, cuboid, rectangle};
 
 use super::field::{Field, Hyper, Pair};
-use super::law::{Columns, Law, Moduli, density, determinant, stress};
+use super::law::{Columns, Law, Moduli, density, determinant, stress, with_material};
 use super::materials::moduli;
 use super::shapes::rotation;
-use super::statics::with_material;
 use crate::{Draw, Verdict};
 
 /// A linear triangle with points of the trial's choice: no reason to have one at each corner.

@@ -93,7 +93,7 @@ fn is_absurd(error: &ConstraintError) -> bool {
 }
 
 fn poses(q: &[f64]) -> Vec<RigidMotion> {
-    (0..q.len() / 7).map(|body| Poses::pose(q, body)).collect()
+    (0..q.len() / 7).map(|body| Poses::pose_at(q, body)).collect()
 }
 
 fn trial(draw: &mut Draw) -> Verdict {
@@ -218,8 +218,9 @@ fn stepped(
         let scale: f64 = start.p.0.iter().chain(&state.p.0).map(|p| p.abs()).sum::<f64>().max(1e-6);
         let off = (linear(&state.p.0) - linear(&start.p.0)).norm();
         verdict = verdict.and(Verdict::of(off, 1e-12 * scale, "linear momentum"));
-        let spin =
-            spatial_angular_momentum::<Poses>(&state) - spatial_angular_momentum::<Poses>(start);
+        let spins = [&state, start].map(spatial_angular_momentum::<Poses>);
+        let [Ok(end), Ok(begin)] = spins else { return Verdict::wrong("no momentum") };
+        let spin = end - begin;
         let reach = state.q.iter().fold(largest, |a, x| a.max(x.abs()));
         let allowed = 2e-12 * scale * reach;
         verdict = verdict.and(Verdict::of(spin.norm(), allowed, "spatial angular momentum"));
