@@ -119,6 +119,7 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let mut method = BackwardDifferences {
             scale: ErrorScale::new(&held, n)?,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
+            jacobian: Linearization::new(&field)?,
             field,
             control,
             highest,
@@ -128,7 +129,6 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
             work: Work::default(),
             last_begin: None,
             history: History::new(n)?,
-            jacobian: Linearization::new(n)?,
             factored: 0.0,
             lu: Lu::new(n),
             next: start.clone(),
@@ -152,7 +152,8 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let c = h / harmonic(k);
         let mut fresh = false;
         loop {
-            if self.factored == c || self.factor(c) {
+            let factored = self.factored == c || self.factor(c);
+            if factored && !self.is_outgrown() {
                 if let Some(iterations) = self.iterate(c) {
                     return Some(iterations);
                 }
@@ -164,6 +165,11 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
             self.jacobian.take(&self.field, &self.scale, (to, &self.next.y), &mut self.work);
             (fresh, self.factored) = (true, 0.0);
         }
+    }
+
+    /// Whether a motion grows faster than a step with these factors can follow.
+    fn is_outgrown(&self) -> bool {
+        self.control.constant.is_none() && self.jacobian.is_outgrown(self.factored, &self.lu)
     }
 
     fn factor(&mut self, c: f64) -> bool {

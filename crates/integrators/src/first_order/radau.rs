@@ -109,7 +109,7 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
         let tolerance = stricter(&control.tolerance);
         let mut method = RadauIia5 {
             scale: ErrorScale::new(&tolerance, n)?,
-            collocation: Collocation::new(n, tolerance.relative)?,
+            collocation: Collocation::new(&field, tolerance.relative)?,
             field,
             control,
             moment: start.clone(),
@@ -279,6 +279,7 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
 
     fn step(&mut self, end: f64) -> Result<(), AdaptiveError> {
         let (mut again, mut most) = (Again::No, GROWTH);
+        let constant = self.control.constant.is_some();
         if self.last.h == 0.0 {
             again = Again::Yes;
         }
@@ -288,9 +289,12 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
             self.extrapolate(h);
             let RadauIia5 { field, scale, moment, s, work, .. } = self;
             match self.collocation.solve(field, scale, (moment, s), h, work) {
+                Iterated::Converged(_) if !constant && self.collocation.is_outgrown() => {
+                    self.reject(0.5 * h);
+                }
                 Iterated::Converged(iterations) => {
                     let error = self.error(h, again);
-                    let constant = self.control.constant.is_some() && error.is_finite();
+                    let constant = constant && error.is_finite();
                     if error < 1.0 || constant {
                         self.accept((h, attempt.to), (error, iterations), most);
                         return Ok(());

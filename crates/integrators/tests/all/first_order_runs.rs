@@ -243,6 +243,34 @@ fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
 /// y' = -rate (y - cos 5t) - 5 sin 5t: the slow motion between steps, where a polynomial of order 3
 /// leaves it.
 #[test]
+fn no_step_of_dormand_prince_is_off_by_many_tolerances_within_it() {
+    // At t = 0.8 the estimate of order 5 is near zero by chance, on a step three times too long.
+    let [s, r, b] = [11.064_717, 10.964_275, 1.867_876];
+    let lorenz = FunctionField::new(3, |_, y: &[f64], f: &mut [f64]| {
+        f[0] = s * (y[1] - y[0]);
+        f[1] = r * y[0] - y[1] - y[0] * y[2];
+        f[2] = y[0] * y[1] - b * y[2];
+    });
+    let control = |relative: f64| StepControl::from(Tolerance::new(relative, 1e-9).unwrap());
+    let relative = 1.703_417e-5;
+    let start = Moment::new(0.0, [9.311_543, -6.948_107, 21.549_059]);
+    let mut method = DormandPrince853::new(&lorenz, control(relative), start).unwrap();
+    while method.moment().t < 2.3 {
+        let begin = method.moment().clone();
+        method.step(2.3).unwrap();
+        let middle = 0.5 * (begin.t + method.moment().t);
+        let mut y = [0.0; 3];
+        method.interpolate(middle, &mut y).unwrap();
+        let mut fine = DormandPrince853::new(&lorenz, control(1e-12), begin).unwrap();
+        integrate(&mut fine, middle, |_| ControlFlow::Continue(())).unwrap();
+        for (y, exact) in y.iter().zip(fine.moment().y) {
+            let off = (y - exact).abs() / (relative * exact.abs());
+            assert!(off < 50.0, "{off} tolerances at t = {middle}");
+        }
+    }
+}
+
+#[test]
 fn radau_follows_a_stiff_part_between_its_steps_too() {
     for rate in [1e3, 1e5, 1e7] {
         let field = FunctionField::new(1, move |t: f64, y: &[f64], f: &mut [f64]| {
