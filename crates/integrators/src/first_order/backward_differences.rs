@@ -10,7 +10,9 @@
 //! as the step stays: cheap where f and its Jacobian are costly and few digits are asked for.
 //!
 //! A step may use a tenth of the tolerance, because the errors of many steps add up; a relative
-//! tolerance looser than 1e-3 is held as 1e-3.
+//! tolerance looser than 1e-3 is held as 1e-3. A step that is so long that it would let a motion decay
+//! which grows, by the sign of the determinant of `M - c J`, is halved: see
+//! `an_explosion_from_below_the_tolerance_is_not_stepped_over`.
 //!
 //! Orders 1 and 2 are L-stable. From order 3 on the formulas are stable in a sector only: motion
 //! that oscillates fast makes them fail, see `bdf_of_high_order_blows_up_near_the_imaginary_axis`;

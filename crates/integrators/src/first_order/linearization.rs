@@ -78,12 +78,13 @@ impl<C: Storage> Linearization<C> {
             relative = f64::EPSILON.sqrt();
         }
         self.rounding = relative * size(&self.matrix);
-        let Linearization { matrix, small, negative, .. } = self;
-        if let (Some(mass), Some(lu)) = (field.mass(), small) {
+        if let (Some(mass), Some(lu)) = (field.mass(), &mut self.small) {
+            let matrix = &self.matrix;
+            self.rounding /= size(mass);
             let c = SMALL * size(mass) / size(matrix);
             pencil(field, matrix, lu.matrix(), |m, j| m - c * j);
             work.factorizations += 1;
-            *negative = lu.factor().is_ok().then(|| lu.is_negative());
+            self.negative = lu.factor().is_ok().then(|| lu.is_negative());
         }
     }
 

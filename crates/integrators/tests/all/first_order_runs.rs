@@ -243,6 +243,26 @@ fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
 /// y' = -rate (y - cos 5t) - 5 sin 5t: the slow motion between steps, where a polynomial of order 3
 /// leaves it.
 #[test]
+fn radau_holds_a_stiff_part_that_is_driven_to_a_hundred_tolerances() {
+    let [a, w, b] = [-0.210_543_824_387_653_5, 0.484_363_629_962_881_3, 0.162_628_202_506_376_43];
+    let at = |t: f64| 1.0 + a * (w * t).sin() + b * (w * t).cos();
+    let rate = 458.709_141_095_205_4;
+    let driven = FunctionField::new(1, |t, y: &[f64], f: &mut [f64]| {
+        let slope = w * (a * (w * t).cos() - b * (w * t).sin());
+        f[0] = -rate * (y[0] - at(t)) + slope;
+    });
+    let (relative, absolute) = (1.223_447_109_428_041_2e-8, 4.551_113_571_776_856e-10);
+    for end in [2.0, 3.0, 3.609_359_832_885_931] {
+        let control = StepControl::from(Tolerance::new(relative, absolute).unwrap());
+        let start = Moment::new(0.0, [at(0.0)]);
+        let mut radau = RadauIia5::new(&driven, control, start).unwrap();
+        integrate(&mut radau, end, |_| ControlFlow::Continue(())).unwrap();
+        let off = (radau.moment().y[0] - at(end)).abs() / (absolute + relative * at(end).abs());
+        assert!(off < 100.0, "{off} tolerances at t = {end}");
+    }
+}
+
+#[test]
 fn no_step_of_dormand_prince_is_off_by_many_tolerances_within_it() {
     // At t = 0.8 the estimate of order 5 is near zero by chance, on a step three times too long.
     let [s, r, b] = [11.064_717, 10.964_275, 1.867_876];

@@ -224,7 +224,8 @@ fn judge(stepper: &mut dyn Integrator<Vec<f64>>, problem: &InitialValue) -> Verd
             points.push((1.0 / steps as f64, error));
         }
     }
-    let last = &points[points.len().saturating_sub(4)..];
+    // More of them would reach back to steps that are too long for a slope.
+    let last = &points[points.len().saturating_sub(3)..];
     if last.len() < 3 {
         return Verdict::not_judged(format!("{}: too few errors in the range", facts.name));
     }
