@@ -10,11 +10,10 @@
 //! r   = h* / h*_before                            how that changes
 //! h'  = h* (r < 1: r, else (1 + r) / 2)           within the same bounds
 //! ```
-//! `y` the state (n), `h` the step in seconds, `err` against the tolerance `tol`, of order 8 both: `e3`
-//! is of order 4 in h, so that in units of tol its square is one of order 8 over tol. The second
-//! rules where e5 happens to be near zero, which on a long step it is now and then. Twelve evaluations a
-//! step; three more, once they are asked for, make the step a polynomial of order 7. Few memory
-//! accesses: each stage is one pass over the state.
+//! `y` the state (n), `h` the step in seconds, `err` against the tolerance `tol`, of order 8 both. The
+//! second rules where `e5` happens to be near zero, as on a long step it now and then is. Twelve
+//! evaluations a step; three more, once they are asked for, make the step a polynomial of order 7.
+//! Few memory accesses: each stage is one pass over the state.
 //!
 //! A relative tolerance looser than 1e-4 is held as 1e-4.
 //!
@@ -160,7 +159,9 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         let n = y.len().max(1) as f64;
         let rough = ROUGH * self.scale.relative * (h * h * third) / n;
         // err = max(h fifth / sqrt(both n), rough). The divisions do not wait for each other.
-        (both * n / ((h * fifth) * (h * fifth))).min(1.0 / (rough * rough))
+        let (fine, rough) = (both * n / ((h * fifth) * (h * fifth)), 1.0 / (rough * rough));
+        // A NaN stays one.
+        if rough < fine { rough } else { fine }
     }
 
     /// Proposes the next step after one of `h`, which could have been longer by a factor.

@@ -439,6 +439,16 @@ fn a_field_that_is_nowhere_finite_ends_and_says_so() {
 }
 
 #[test]
+fn a_state_that_overflows_is_no_step_of_dormand_prince() {
+    let steady = FunctionField::new(1, |_, _: &[f64], f: &mut [f64]| f[0] = 1e307);
+    let control = StepControl::from(Tolerance::new(1e-6, 1.0).unwrap());
+    let mut method = DormandPrince853::new(&steady, control, Moment::new(0.0, [1.7e308])).unwrap();
+    let answer = integrate(&mut method, 100.0, |_| ControlFlow::Continue(()));
+    assert!(matches!(answer, Err(AdaptiveError::StepTooSmall { .. })), "{answer:?}");
+    assert!(method.moment().y[0].is_finite());
+}
+
+#[test]
 fn the_number_of_steps_is_bounded() {
     let problem = van_der_pol(1000.0).unwrap();
     let bounded = control(1e-6).most_steps(20).unwrap();
