@@ -33,7 +33,7 @@ use stationary_calculus::{
 };
 
 use crate::collocation::{Collocation, Nodes};
-use crate::integrator::{check_step, subtract, zeros};
+use crate::integrator::{check_solver, check_step, subtract, zeros};
 use crate::{Facts, Integrator, State, StepError, StepReport};
 
 /// Gauss-Legendre collocation.
@@ -81,11 +81,15 @@ impl<'s, M: Metric, P: Potential, C: Storage> GaussLegendre<'s, M, P, C, DenseSo
 
 impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s, M, P, C, L> {
     /// The method on a system, with the caller's solver: a sparse one for many freedoms.
+    ///
+    /// # Errors
+    /// A storage, or a solver, of another size.
     pub fn with_solver(
         system: &'s System<M, P>,
         nodes: Nodes,
         solver: L,
     ) -> Result<Self, SizeError> {
+        check_solver(system.dim(), &solver)?;
         let zero: C = zeros(system.dim())?;
         let stage = Stage {
             q: zero.clone(),

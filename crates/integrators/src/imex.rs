@@ -44,6 +44,9 @@ impl<'s, M: Metric, P: Potential, Q: Potential, C: Storage, L: HessianSolver>
     Imex<'s, M, P, Q, C, L>
 {
     /// The same with the caller's solver for the stiff potential: a sparse one for many freedoms.
+    ///
+    /// # Errors
+    /// A storage, a solver, or a soft potential of another size.
     pub fn with_solver(system: &'s System<M, P>, soft: Q, solver: L) -> Result<Self, SizeError> {
         Imex::around(ImplicitMidpoint::with_solver(system, solver)?, system.dim(), soft)
     }

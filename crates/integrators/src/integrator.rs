@@ -7,7 +7,7 @@
 //! then, so that a step checks little and allocates nothing.
 
 use stationary_calculus::{
-    Covector, Newton, NewtonMemory, Potential, Rung, SizeError, Storage, Vector,
+    Covector, HessianSolver, Newton, NewtonMemory, Potential, Rung, SizeError, Storage, Vector,
 };
 
 use crate::{Facts, Saved, State, StepError};
@@ -70,6 +70,11 @@ pub(crate) fn check_step<C: Storage>(state: &State<C>, n: usize, h: f64) -> Resu
     SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
     SizeError::check("the momentum's components", n, state.p.components().len())?;
     Ok(())
+}
+
+/// An error where a solver says that it was made for another number of freedoms.
+pub(crate) fn check_solver(n: usize, solver: &impl HessianSolver) -> Result<(), SizeError> {
+    SizeError::check("the solver's freedoms", n, solver.dim().unwrap_or(n))
 }
 
 /// Zeros of the system's size, or an error where the storage has another.

@@ -33,7 +33,7 @@ use stationary_calculus::{
 };
 
 use crate::alpha_equation::AlphaEquation;
-use crate::integrator::{check_step, zeros};
+use crate::integrator::{check_solver, check_step, zeros};
 use crate::newmark_weights::NewmarkWeights;
 use crate::{Facts, Integrator, Saved, State, StepError, StepReport};
 
@@ -72,6 +72,9 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force> Newmark<'s, M, P, C, F> 
 
 impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Newmark<'s, M, P, C, (), L> {
     /// The method on a system, with the caller's solver: a sparse one for many freedoms.
+    ///
+    /// # Errors
+    /// A storage, or a solver, of another size.
     pub fn with_solver(
         system: &'s System<M, P>,
         weights: NewmarkWeights,
@@ -108,6 +111,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         solver: L,
     ) -> Result<Self, SizeError> {
         let (n, newton) = (system.dim(), Newton::default());
+        check_solver(n, &solver)?;
         let zero: C = zeros(n)?;
         let memory = NewtonMemory::new(n, newton.iterations);
         let got = zero.as_ref().len();

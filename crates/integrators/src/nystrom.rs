@@ -20,7 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The tolerance is on configurations and momenta, each in its own unit; a step may use a fifth of
+//! The tolerance is on configurations and momenta, each in its own unit; a step may use a tenth of
 //! it, and one looser than 1e-5 is held as 1e-5. [`NystromMethod`] is a pair as one
 //! [`AdaptiveMethod`](crate::AdaptiveMethod) among the others, with events, output times, saving and
 //! loading.

@@ -18,7 +18,7 @@ use stationary_calculus::{
     System, Unsolvable, Vector,
 };
 
-use crate::integrator::{Remembered, zeros};
+use crate::integrator::{Remembered, check_solver, zeros};
 use crate::{StepError, StepReport};
 
 /// A system, a solver, and the memory that solving needs.
@@ -48,6 +48,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> Stage<'s, M, P, 
         newton: Newton,
     ) -> Result<Self, SizeError> {
         let n = system.dim();
+        check_solver(n, &solver)?;
         let y: C = zeros(n)?;
         Ok(Stage {
             newton,
@@ -170,6 +171,9 @@ macro_rules! implicit_method {
 
         impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> $name<'s, M, P, C, L> {
             /// The method on a system, with the caller's solver: a sparse one for many freedoms.
+            ///
+            /// # Errors
+            /// A storage, or a solver, of another size.
             pub fn with_solver(system: &'s System<M, P>, solver: L) -> Result<Self, SizeError> {
                 Ok($name {
                     stage: Stage::new(system, solver, Newton::default())?,

@@ -10,7 +10,9 @@
 //! as the step stays: cheap where f and its Jacobian are costly and few digits are asked for.
 //!
 //! A step may use a tenth of the tolerance, because the errors of many steps add up; a relative
-//! tolerance looser than 1e-3 is held as 1e-3.
+//! tolerance looser than 1e-3 is held as 1e-3. A step that is so long that it would let a motion decay
+//! which grows, by the sign of the determinant of `M - c J`, is halved: see
+//! `an_explosion_from_below_the_tolerance_is_not_stepped_over`.
 //!
 //! Orders 1 and 2 are L-stable. From order 3 on the formulas are stable in a sector only: motion
 //! that oscillates fast makes them fail, see `bdf_of_high_order_blows_up_near_the_imaginary_axis`;
@@ -119,6 +121,7 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let mut method = BackwardDifferences {
             scale: ErrorScale::new(&held, n)?,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
+            jacobian: Linearization::new(&field)?,
             field,
             control,
             highest,
@@ -128,7 +131,6 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
             work: Work::default(),
             last_begin: None,
             history: History::new(n)?,
-            jacobian: Linearization::new(n)?,
             factored: 0.0,
             lu: Lu::new(n),
             next: start.clone(),
@@ -152,7 +154,8 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let c = h / harmonic(k);
         let mut fresh = false;
         loop {
-            if self.factored == c || self.factor(c) {
+            let factored = self.factored == c || self.factor(c);
+            if factored && !self.is_outgrown() {
                 if let Some(iterations) = self.iterate(c) {
                     return Some(iterations);
                 }
@@ -164,6 +167,11 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
             self.jacobian.take(&self.field, &self.scale, (to, &self.next.y), &mut self.work);
             (fresh, self.factored) = (true, 0.0);
         }
+    }
+
+    /// Whether a motion grows faster than a step with these factors can follow.
+    fn is_outgrown(&self) -> bool {
+        self.control.constant.is_none() && self.jacobian.is_outgrown(self.factored, &self.lu)
     }
 
     fn factor(&mut self, c: f64) -> bool {

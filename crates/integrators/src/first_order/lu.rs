@@ -134,6 +134,15 @@ impl<T: Entry> Lu<T> {
     }
 }
 
+impl Lu<f64> {
+    /// Whether the determinant of the factored matrix is negative.
+    pub(crate) fn is_negative(&self) -> bool {
+        let exchanged = self.exchanges.iter().enumerate().filter(|&(j, &k)| j != k).count();
+        let negative = self.pivots.iter().filter(|pivot| **pivot < 0.0).count();
+        (exchanged + negative) % 2 == 1
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use stationary_calculus::SplitMix64;
@@ -165,6 +174,21 @@ mod tests {
                 assert!((b[i] - exact[i]).abs() < 1e-10, "{n}: {}", b[i] - exact[i]);
                 assert!((c[i] - Complex::new(exact[i], -2.0 * exact[i])).size() < 1e-10, "{n}");
             }
+        }
+    }
+
+    #[test]
+    fn the_sign_of_the_determinant_counts_exchanges_and_pivots() {
+        let mut lu = Lu::new(2);
+        for (matrix, negative) in [
+            ([1.0, 2.0, 3.0, 7.0], false),
+            ([1.0, 2.0, 3.0, 5.0], true),
+            ([0.0, 1.0, 1.0, 0.0], true),
+            ([0.0, 1.0, -1.0, 0.0], false),
+        ] {
+            lu.matrix().copy_from_slice(&matrix);
+            lu.factor().unwrap();
+            assert_eq!(lu.is_negative(), negative, "{matrix:?}");
         }
     }
 

@@ -4,7 +4,9 @@
 //! |error of component i in a step|  <~  absolute_i + relative |y_i|
 //! ```
 //! in the root mean square over all components. The error at the end is that of all steps together,
-//! carried along by the flow: it is proportional to the tolerance, not bounded by it. Radau, BDF and the
+//! carried along by the flow from where each was made: it is proportional to the tolerance, not bounded
+//! by it. A component that falls far below its absolute tolerance and grows again is then that of another
+//! motion, so let the absolute tolerance be below the least that matters. Radau, BDF and the
 //! Nystrom pairs hold parts of it, and all hold a loose one as a tighter one, as their pages say.
 
 use stationary_calculus::Storage;

@@ -28,7 +28,7 @@ const RESOLVED: f64 = 0.1;
 /// The relative tolerance above which an estimate of order 6 or 10 is no longer one.
 const LOOSEST: f64 = 1e-5;
 /// The part of the tolerance that a step may use: a close encounter amplifies its error.
-const PART: f64 = 0.2;
+const PART: f64 = 0.1;
 
 /// The pair `T` of `S` stages on a system, with steps of its own choice.
 #[derive(Clone, Debug)]

@@ -3,15 +3,17 @@
 use std::ops::ControlFlow;
 
 use stationary_calculus::{
-    Covector, DiagonalMetric, Metric, Newton, NewtonFailure, Potential, Sink, SizeError, System,
+    Covector, DenseSolver, DiagonalMetric, Metric, Newton, NewtonFailure, Potential, Sink,
+    SizeError, System,
 };
 use stationary_integrators::problems::{
     ProblemError, fermi_pasta_ulam, henon_heiles, kepler, oscillator, pendulum, spring_chain,
     spring_pendulum,
 };
 use stationary_integrators::{
-    Evaluation, Horizon, ImplicitEuler, ImplicitMidpoint, Integrator, Method, NewtonianGravity,
-    State, StepError, simulate,
+    CentralGravity, Evaluation, GaussLegendre, Horizon, Imex, ImplicitEuler, ImplicitMidpoint,
+    Integrator, Method, Newmark, NewmarkWeights, NewtonianGravity, Nodes, State, StepError,
+    Trapezoid, simulate,
 };
 
 /// What a method says to one step, which must leave the state as it was.
@@ -38,6 +40,28 @@ fn a_step_that_is_not_positive_and_finite_is_refused() {
         }
         let error = refused(method, &problem.system, &problem.initial, f64::NAN);
         assert!(matches!(error, StepError::Step(h) if h.is_nan()), "{method}");
+    }
+}
+
+#[test]
+fn a_solver_of_another_size_is_refused_when_the_method_is_made() {
+    let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+    let system = System::new(metric, CentralGravity::<2> { strength: 1.0 }).unwrap();
+    let solver = || DenseSolver::<Vec<f64>>::new(3).unwrap();
+    let expected = SizeError { what: "the solver's freedoms", expected: 2, got: 3 };
+    let weights = NewmarkWeights::generalized_alpha(0.5).unwrap();
+    let soft = CentralGravity::<2> { strength: 0.1 };
+    type V = Vec<f64>;
+    let refusals = [
+        ImplicitEuler::<_, _, V, _>::with_solver(&system, solver()).err(),
+        Trapezoid::<_, _, V, _>::with_solver(&system, solver()).err(),
+        ImplicitMidpoint::<_, _, V, _>::with_solver(&system, solver()).err(),
+        GaussLegendre::<_, _, V, _>::with_solver(&system, Nodes::Two, solver()).err(),
+        Newmark::<_, _, V, (), _>::with_solver(&system, weights, solver()).err(),
+        Imex::<_, _, _, V, _>::with_solver(&system, soft, solver()).err(),
+    ];
+    for refusal in refusals {
+        assert_eq!(refusal, Some(expected));
     }
 }
 

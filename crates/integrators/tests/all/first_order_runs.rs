@@ -243,6 +243,54 @@ fn radau_ends_no_run_of_hires_a_tenth_wrong_whatever_the_tolerance() {
 /// y' = -rate (y - cos 5t) - 5 sin 5t: the slow motion between steps, where a polynomial of order 3
 /// leaves it.
 #[test]
+fn radau_holds_a_stiff_part_that_is_driven_to_a_hundred_tolerances() {
+    let [a, w, b] = [-0.210_543_824_387_653_5, 0.484_363_629_962_881_3, 0.162_628_202_506_376_43];
+    let at = |t: f64| 1.0 + a * (w * t).sin() + b * (w * t).cos();
+    let rate = 458.709_141_095_205_4;
+    let driven = FunctionField::new(1, |t, y: &[f64], f: &mut [f64]| {
+        let slope = w * (a * (w * t).cos() - b * (w * t).sin());
+        f[0] = -rate * (y[0] - at(t)) + slope;
+    });
+    let (relative, absolute) = (1.223_447_109_428_041_2e-8, 4.551_113_571_776_856e-10);
+    for end in [2.0, 3.0, 3.609_359_832_885_931] {
+        let control = StepControl::from(Tolerance::new(relative, absolute).unwrap());
+        let start = Moment::new(0.0, [at(0.0)]);
+        let mut radau = RadauIia5::new(&driven, control, start).unwrap();
+        integrate(&mut radau, end, |_| ControlFlow::Continue(())).unwrap();
+        let off = (radau.moment().y[0] - at(end)).abs() / (absolute + relative * at(end).abs());
+        assert!(off < 100.0, "{off} tolerances at t = {end}");
+    }
+}
+
+#[test]
+fn no_step_of_dormand_prince_is_off_by_many_tolerances_within_it() {
+    // At t = 0.8 the estimate of order 5 is near zero by chance, on a step three times too long.
+    let [s, r, b] = [11.064_717, 10.964_275, 1.867_876];
+    let lorenz = FunctionField::new(3, |_, y: &[f64], f: &mut [f64]| {
+        f[0] = s * (y[1] - y[0]);
+        f[1] = r * y[0] - y[1] - y[0] * y[2];
+        f[2] = y[0] * y[1] - b * y[2];
+    });
+    let control = |relative: f64| StepControl::from(Tolerance::new(relative, 1e-9).unwrap());
+    let relative = 1.703_417e-5;
+    let start = Moment::new(0.0, [9.311_543, -6.948_107, 21.549_059]);
+    let mut method = DormandPrince853::new(&lorenz, control(relative), start).unwrap();
+    while method.moment().t < 2.3 {
+        let begin = method.moment().clone();
+        method.step(2.3).unwrap();
+        let middle = 0.5 * (begin.t + method.moment().t);
+        let mut y = [0.0; 3];
+        method.interpolate(middle, &mut y).unwrap();
+        let mut fine = DormandPrince853::new(&lorenz, control(1e-12), begin).unwrap();
+        integrate(&mut fine, middle, |_| ControlFlow::Continue(())).unwrap();
+        for (y, exact) in y.iter().zip(fine.moment().y) {
+            let off = (y - exact).abs() / (relative * exact.abs());
+            assert!(off < 50.0, "{off} tolerances at t = {middle}");
+        }
+    }
+}
+
+#[test]
 fn radau_follows_a_stiff_part_between_its_steps_too() {
     for rate in [1e3, 1e5, 1e7] {
         let field = FunctionField::new(1, move |t: f64, y: &[f64], f: &mut [f64]| {
@@ -388,6 +436,16 @@ fn a_field_that_is_nowhere_finite_ends_and_says_so() {
         assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");
         assert!(method.moment().y[0].is_finite() && method.moment().t <= 0.5);
     }
+}
+
+#[test]
+fn a_state_that_overflows_is_no_step_of_dormand_prince() {
+    let steady = FunctionField::new(1, |_, _: &[f64], f: &mut [f64]| f[0] = 1e307);
+    let control = StepControl::from(Tolerance::new(1e-6, 1.0).unwrap());
+    let mut method = DormandPrince853::new(&steady, control, Moment::new(0.0, [1.7e308])).unwrap();
+    let answer = integrate(&mut method, 100.0, |_| ControlFlow::Continue(()));
+    assert!(matches!(answer, Err(AdaptiveError::StepTooSmall { .. })), "{answer:?}");
+    assert!(method.moment().y[0].is_finite());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod action;
 mod bad_input;
 mod discrete_lagrangians;
+mod explosions;
 mod facts;
 mod first_order_allocation;
 mod first_order_events;

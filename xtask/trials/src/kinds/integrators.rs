@@ -37,7 +37,8 @@ pub const KINDS: &[Kind] = &[
         name: "fixed-orders",
         krate: "integrators",
         rule: "fixed steps: the largest error along the way falls with a power of the step more \
-               than 0.4 below the order, from 1e-3 down to 1e-10 of the motion",
+               than 0.4 below the order, from 1e-3 down to 1e-10 of the motion; where the slope \
+               still rises, what it rises to",
         in_tests: 60,
         trial: fixed_orders::trial,
     },

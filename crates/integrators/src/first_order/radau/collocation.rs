@@ -65,7 +65,8 @@ pub(super) struct Collocation<C> {
 }
 
 impl<C: Storage> Collocation<C> {
-    pub(super) fn new(n: usize, relative: f64) -> Result<Self, SizeError> {
+    pub(super) fn new<F: VectorField>(field: &F, relative: f64) -> Result<Self, SizeError> {
+        let n = field.dim();
         let zero: C = zeros(n)?;
         let three = || std::array::from_fn(|_| zero.clone());
         Ok(Collocation {
@@ -73,7 +74,7 @@ impl<C: Storage> Collocation<C> {
             reuse: Reuse::Nothing,
             contraction: 0.0,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
-            jacobian: Linearization::new(n)?,
+            jacobian: Linearization::new(field)?,
             factored: 0.0,
             real: Lu::new(n),
             complex: Lu::new(n),
@@ -199,6 +200,11 @@ impl<C: Storage> Collocation<C> {
         }
         transform(&T, w, z);
         (sum / (3 * pair.len()).max(1) as f64).sqrt()
+    }
+
+    /// Whether a motion grows faster than the step that was solved last can follow.
+    pub(super) fn is_outgrown(&self) -> bool {
+        self.jacobian.is_outgrown(self.factored / GAMMA, &self.real)
     }
 
     /// Writes (GAMMA/h M - J)^-1 (f + M E z/h), the error of a step, and returns its norm.

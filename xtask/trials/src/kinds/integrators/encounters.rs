@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::problem::{Energy, InitialValue, mechanics};
+use super::problem::{Energy, InitialValue, mechanics, motion};
 use crate::Draw;
 
 /// `V = -strength m / |q|` in D dimensions, as a problem without its answer.
 fn central(mass: f64, strength: f64, start: Vec<f64>, end: f64, sizes: [f64; 2]) -> InitialValue {
     let n = start.len() / 2;
-    let (slope, derivative) = mechanics(
+    let field = mechanics(
         vec![mass; n],
         move |q, dv| {
             let square: f64 = q.iter().map(|x| x * x).sum();
@@ -28,24 +28,11 @@ fn central(mass: f64, strength: f64, start: Vec<f64>, end: f64, sizes: [f64; 2])
     );
     let [length, momentum] = sizes;
     let sizes = (0..2 * n).map(|i| if i < n { length } else { momentum }).collect();
-    let masses = Some(vec![mass; n]);
     let energy: Energy = Box::new(move |q| {
         let square: f64 = q.iter().map(|x| x * x).sum();
         -strength * mass / square.sqrt()
     });
-    let (truth, energy) = (None, Some(energy));
-    InitialValue {
-        name: "orbit",
-        slope,
-        derivative,
-        start,
-        end,
-        sizes,
-        truth,
-        stiff: false,
-        masses,
-        energy,
-    }
+    motion("orbit", vec![mass; n], field, Some(energy), (start, sizes, end))
 }
 
 /// The eccentric anomaly E of `E - e sin E = mean`, by bisection and then Newton's steps.
@@ -147,7 +134,7 @@ pub fn stars(draw: &mut Draw) -> InitialValue {
     let end = draw.uniform(0.3, 4.0);
     draw.note(format!("stars of {bodies:?} from {start:?} until {end}"));
     let weights = bodies.clone();
-    let (slope, derivative) = mechanics(
+    let field = mechanics(
         masses.clone(),
         move |q, dv| {
             dv.fill(0.0);
@@ -185,17 +172,5 @@ pub fn stars(draw: &mut Draw) -> InitialValue {
         },
     );
     let sizes = (0..2 * n).map(|i| if i < n { 1.0 } else { masses[i - n] }).collect();
-    let (masses, truth, energy) = (Some(masses), None, None);
-    InitialValue {
-        name: "stars",
-        slope,
-        derivative,
-        start,
-        end,
-        sizes,
-        truth,
-        stiff: false,
-        masses,
-        energy,
-    }
+    motion("stars", masses, field, None, (start, sizes, end))
 }

@@ -57,6 +57,18 @@ impl InitialValue {
     }
 }
 
+/// A problem of mechanics without a closed form.
+pub fn motion(
+    name: &'static str,
+    masses: Vec<f64>,
+    (slope, derivative): (Slope, Derivative),
+    energy: Option<Energy>,
+    (start, sizes, end): (Vec<f64>, Vec<f64>, f64),
+) -> InitialValue {
+    let (truth, stiff, masses) = (None, false, Some(masses));
+    InitialValue { name, slope, derivative, start, end, sizes, truth, stiff, masses, energy }
+}
+
 /// A system of masses with dV(q), of n freedoms, in the state (q, p). The derivative is by the
 /// Hessian of V, by columns.
 pub fn mechanics(

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::{Derivative, Energy, InitialValue, Slope, mechanics};
+use super::problem::{Derivative, Energy, InitialValue, Slope, mechanics, motion};
 use crate::Draw;
 
 /// A random orthogonal matrix.
@@ -172,7 +172,7 @@ pub fn oscillators(draw: &mut Draw) -> InitialValue {
     let squares = DVector::from_fn(n, |i, _| frequencies[i] * frequencies[i]);
     let stiffness = &roots * &modes * DMatrix::from_diagonal(&squares) * modes.transpose() * &roots;
     let (hessian, stiffness_again) = (stiffness.clone(), stiffness.clone());
-    let (slope, derivative) = mechanics(
+    let field = mechanics(
         masses.clone(),
         move |q, dv| {
             dv.copy_from_slice((&stiffness * DVector::from_column_slice(q)).as_slice());
@@ -196,18 +196,9 @@ pub fn oscillators(draw: &mut Draw) -> InitialValue {
         let q = (0..n).map(|i| x[i] / by_root[i].sqrt());
         q.chain((0..n).map(|i| v[i] * by_root[i].sqrt())).collect()
     };
-    InitialValue {
-        name: "oscillators",
-        slope,
-        derivative,
-        sizes: vec![1.0; 2 * n],
-        start,
-        end,
-        truth: Some(Box::new(truth)),
-        stiff: false,
-        masses: Some(masses),
-        energy: Some(energy),
-    }
+    let course = (start, vec![1.0; 2 * n], end);
+    let problem = motion("oscillators", masses, field, Some(energy), course);
+    InitialValue { truth: Some(Box::new(truth)), ..problem }
 }
 
 /// A row of masses between walls on springs that stiffen: `V = sum k d^2 / 2 + b d^4 / 4`.
@@ -222,7 +213,7 @@ pub fn stiffening_chain(draw: &mut Draw) -> InitialValue {
         let right = if i < q.len() { q[i] } else { 0.0 };
         right - if i > 0 { q[i - 1] } else { 0.0 }
     };
-    let (slope, derivative) = mechanics(
+    let field = mechanics(
         masses.clone(),
         move |q, dv| {
             for (i, dv) in dv.iter_mut().enumerate() {
@@ -245,19 +236,9 @@ pub fn stiffening_chain(draw: &mut Draw) -> InitialValue {
             }
         },
     );
-    InitialValue {
-        name: "stiffening chain",
-        slope,
-        derivative,
-        sizes: vec![1.0; 2 * n],
-        start,
-        end,
-        truth: None,
-        stiff: false,
-        masses: Some(masses),
-        energy: Some(Box::new(move |q| {
-            let stretches = (0..=n).map(|i| stretch(q, i));
-            stretches.map(|d| 0.5 * k * d * d + 0.25 * b * d.powi(4)).sum()
-        })),
-    }
+    let energy: Energy = Box::new(move |q| {
+        let stretches = (0..=n).map(|i| stretch(q, i));
+        stretches.map(|d| 0.5 * k * d * d + 0.25 * b * d.powi(4)).sum()
+    });
+    motion("stiffening chain", masses, field, Some(energy), (start, vec![1.0; 2 * n], end))
 }

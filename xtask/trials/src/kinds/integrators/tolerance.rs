@@ -5,9 +5,11 @@
 //! ```
 //! `A` how far two reference runs that start `tol` apart are apart at that time, in units of `tol`.
 //! Where `A tol > 0.01` a motion is too chaotic to be judged; reactions only above 0.1, and wrong
-//! between the two where the error exceeds `max(0.1, 5 A tol)`. In close encounters the methods for
-//! first-order systems are held to runs that part on the way, too: what they get wrong within the
-//! tolerance at a pericentre is amplified more than what is wrong before. The Nystrom pairs are not.
+//! between the two where the error exceeds `max(0.1, 5 A tol)`. A motion that is too chaotic is cut in
+//! half until it is not. In close encounters, and of predators whose few decide what comes later, the
+//! methods for first-order systems are held to runs that part on the way, too: what they get wrong
+//! within the tolerance at a pericentre is amplified more than what is wrong before. The Nystrom pairs
+//! are not.
 
 use super::problem::InitialValue;
 use super::runs::{Adaptive, Setting};
@@ -20,6 +22,8 @@ const CHAOTIC: f64 = 0.01;
 const DISSIPATIVE: f64 = 0.1;
 /// Places on the way at which reference runs part.
 const PARTINGS: usize = 8;
+/// How often a motion that is too chaotic is cut in half: beyond that it is too chaotic at its start.
+const SHORTENINGS: u32 = 8;
 
 /// A problem of any family.
 fn problem(draw: &mut Draw) -> InitialValue {
@@ -86,30 +90,76 @@ enum Looked {
     Between,
 }
 
+/// Judges at these times; where all of them are too chaotic, at half of them, and so on.
 fn judge(
     draw: &mut Draw,
     problem: &InitialValue,
     setting: &Setting,
     (times, looked): (&[f64], Looked),
 ) -> Verdict {
+    let mut times = times.to_vec();
+    for _ in 0..SHORTENINGS {
+        match sensitivity(draw, problem, setting, &times) {
+            Ok(known) => return compare(problem, setting, &known, looked),
+            Err(Unclear::Reference(why)) => return Verdict::not_judged(why),
+            Err(Unclear::Chaotic) => times.iter_mut().for_each(|t| *t *= 0.5),
+        }
+    }
+    Verdict::not_judged("too chaotic everywhere")
+}
+
+/// What the references know of a motion at a time.
+struct Known {
+    t: f64,
+    truth: Vec<f64>,
+    /// A coarser run, where there is no closed form.
+    coarser: Option<Vec<f64>>,
+    /// A: by how much an error of the tolerance was amplified until then.
+    amplified: f64,
+}
+
+/// Why a motion is not judged.
+enum Unclear {
+    Chaotic,
+    Reference(&'static str),
+}
+
+/// The truth and its sensitivity at these times, at one of which at least it can be judged.
+fn sensitivity(
+    draw: &mut Draw,
+    problem: &InitialValue,
+    setting: &Setting,
+    times: &[f64],
+) -> Result<Vec<Known>, Unclear> {
     let tolerance = setting.relative;
     let fine = (1e-3 * tolerance).clamp(1e-13, 1e-7);
     let begin = problem.begin();
     let Some(reference) = problem.reference(&begin, times, fine) else {
-        return Verdict::not_judged("the reference does not reach the end");
+        return Err(Unclear::Reference("the reference does not reach the end"));
     };
-    let (truth, doubt) = match &problem.truth {
-        Some(at) => (times.iter().map(|&t| at(t)).collect(), None),
+    let coarser = match &problem.truth {
+        Some(_) => None,
         None => match problem.reference(&begin, times, 30.0 * fine) {
-            Some(coarser) => (reference.states, Some(coarser.states)),
-            None => return Verdict::not_judged("the coarser reference does not reach the end"),
+            Some(coarser) => Some(coarser.states),
+            None => return Err(Unclear::Reference("the coarser reference does not reach the end")),
         },
     };
+    let truth: Vec<Vec<f64>> = match &problem.truth {
+        Some(at) => times.iter().map(|&t| at(t)).collect(),
+        None => reference.states,
+    };
+    let mut known: Vec<Known> = (times.iter().zip(truth).enumerate())
+        .map(|(k, (&t, truth))| Known {
+            t,
+            truth,
+            coarser: coarser.as_ref().map(|states| states[k].clone()),
+            amplified: 1.0,
+        })
+        .collect();
     // Runs that part by tol at the start, and on the way.
-    let mut amplified = vec![1.0_f64; times.len()];
     let partings = match (setting.method, problem.name) {
         (Adaptive::Nystrom8 | Adaptive::Nystrom12, _) => 0,
-        (_, "orbit" | "stars") => PARTINGS,
+        (_, "orbit" | "stars" | "predators") => PARTINGS,
         _ => 0,
     };
     let places = (1..=partings).map(|i| &reference.way[i * (reference.way.len() - 1) / partings]);
@@ -126,14 +176,31 @@ fn judge(
             })
             .collect();
         let Some(apart) = problem.reference(&(place.0, moved), &times[first..], fine) else {
-            return Verdict::not_judged("a reference from nearby does not reach the end");
+            return Err(Unclear::Chaotic);
         };
-        for (k, state) in (first..).zip(&apart.states) {
-            let apart = distance(state, &truth[k], &setting.scale(&truth[k])) / tolerance;
-            amplified[k] = amplified[k].max(apart);
+        for (known, state) in known[first..].iter_mut().zip(&apart.states) {
+            let apart = distance(state, &known.truth, &setting.scale(&known.truth)) / tolerance;
+            known.amplified = known.amplified.max(apart);
+        }
+        if known.iter().all(|known| known.amplified * tolerance > most_chaotic(problem, setting)) {
+            return Err(Unclear::Chaotic);
         }
     }
-    let found = match setting.states(problem, times) {
+    Ok(known)
+}
+
+/// Where `A tol` is above, the motion is not judged.
+fn most_chaotic(problem: &InitialValue, setting: &Setting) -> f64 {
+    let by_order = matches!(setting.method, Adaptive::BackwardDifferences(1 | 2));
+    let reacts = matches!(problem.name, "response" | "kinetics") && !by_order;
+    if reacts { DISSIPATIVE } else { CHAOTIC }
+}
+
+/// What the method says, against what is known.
+fn compare(problem: &InitialValue, setting: &Setting, known: &[Known], looked: Looked) -> Verdict {
+    let (tolerance, method) = (setting.relative, setting.method);
+    let times: Vec<f64> = known.iter().map(|known| known.t).collect();
+    let found = match setting.states(problem, &times) {
         Ok(found) => found,
         Err(error) => {
             let what = error.to_string();
@@ -144,13 +211,10 @@ fn judge(
         return Verdict::wrong(format!("{} of {} times were given", found.len(), times.len()));
     }
     let mut verdict = Verdict::not_judged("too chaotic everywhere");
-    for (k, &t) in times.iter().enumerate() {
-        let scale = setting.scale(&truth[k]);
-        let amplified = amplified[k];
-        let by_order = matches!(setting.method, Adaptive::BackwardDifferences(1 | 2));
-        let reacts = matches!(problem.name, "response" | "kinetics") && !by_order;
-        let limit = if reacts { DISSIPATIVE } else { CHAOTIC };
-        if amplified * tolerance > limit {
+    for (Known { t, truth, coarser, amplified }, found) in known.iter().zip(&found) {
+        let scale = setting.scale(truth);
+        let amplified = *amplified;
+        if amplified * tolerance > most_chaotic(problem, setting) {
             continue;
         }
         let beyond = amplified * tolerance > CHAOTIC;
@@ -160,19 +224,19 @@ fn judge(
             promised(setting, amplified)
         };
         // Its dense output is held to its own tolerance where a stiff part is driven.
-        let own = match (setting.method, problem.stiff, looked) {
+        let own = match (method, problem.stiff, looked) {
             (Adaptive::Radau, true, Looked::Between) => 10.0 * tolerance.powf(2.0 / 3.0),
             _ => 0.0,
         };
         let promised = promised.max((own * amplified).min(0.1));
-        if doubt.as_ref().is_some_and(|d| distance(&d[k], &truth[k], &scale) > 0.1 * promised) {
+        if coarser.as_ref().is_some_and(|state| distance(state, truth, &scale) > 0.1 * promised) {
             return Verdict::not_judged("the reference is not sure");
         }
-        let error = distance(&found[k], &truth[k], &scale);
-        let method = setting.method;
+        let error = distance(found, truth, &scale);
         let what = format!(
             "{} by {method:?} at {tolerance:.1e}, t = {t} of {}, A = {amplified:.1e}",
-            problem.name, problem.end
+            problem.name,
+            times[times.len() - 1]
         );
         let here = Verdict::of(error, promised, &what);
         verdict = match verdict {
