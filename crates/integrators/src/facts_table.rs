@@ -23,9 +23,9 @@ pub fn facts_table() -> String {
 pub fn first_order_facts_table() -> String {
     let mut table = String::from(
         "| method for first-order systems | order | between steps | step | evaluations or stages \
-         | more for dense output | fast decay | bounded within |\n",
+         | more for dense output | tolerance held, at most | fast decay | bounded within |\n",
     );
-    table.push_str(&"| --- ".repeat(8));
+    table.push_str(&"| --- ".repeat(9));
     table.push_str("|\n");
     for facts in FirstOrderFacts::all() {
         let cells = [
@@ -35,6 +35,7 @@ pub fn first_order_facts_table() -> String {
             evaluation(facts.evaluation).into(),
             facts.stages.to_string(),
             facts.dense_stages.to_string(),
+            format!("{:e}", facts.loosest),
             damping(facts.damping).into(),
             format!("{}° of decay", facts.sector),
         ];

@@ -1,6 +1,6 @@
 //! The methods that a scene may name, before the scene is asked.
 
-use stationary_integrators::{Evaluation, Method};
+use stationary_integrators::{Evaluation, FirstOrderFacts, Method};
 use stationary_laplacian::HeatMethod;
 use stationary_rigid::BodyMethod;
 use stationary_scene::{Adaptive, Constrained, Scene, Stepping};
@@ -19,6 +19,8 @@ pub struct Candidate {
     pub stages: u64,
     /// Whether its steps solve equations.
     pub evaluation: Evaluation,
+    /// The loosest tolerance that is not held as a tighter one.
+    pub loosest: f64,
     /// Whether it solves by one factor, made before the first step.
     pub factors_once: bool,
     /// Whether rods are a part of its steps; others are projected back after each.
@@ -31,7 +33,9 @@ impl Candidate {
             matches!(stepping, Stepping::Heat(method) if method != HeatMethod::ExplicitEuler);
         let holds_rods = matches!(stepping, Stepping::Constrained(_));
         let name = stepping.name();
-        Candidate { name, kind, order, stages, evaluation, factors_once, holds_rods }
+        let facts = FirstOrderFacts::all().into_iter().find(|facts| facts.name == name);
+        let loosest = facts.map_or(1.0, |facts| facts.loosest);
+        Candidate { name, kind, order, stages, evaluation, loosest, factors_once, holds_rods }
     }
 }
 

@@ -212,8 +212,7 @@ impl<'a> Climb<'a> {
 
     /// The rung at which a family of own steps is tried first.
     fn first(&self, family: usize) -> usize {
-        let decades = (-self.tolerance.log10()).round().max(2.0) as usize - 2;
-        decades.min(self.lab.family(family).rungs.len() - 1)
+        self.lab.family(family).at_most(10.0 * self.tolerance)
     }
 
     /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones

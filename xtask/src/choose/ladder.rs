@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! equal steps    h = T / (20 2^k)     k = 0, 1, ...     one family a method and a model
-//! own steps      tolerance = 10^-k    k = 1, ..., 12    read off at T/20, 2 T/20, ...
+//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/20, 2 T/20, ...
 //! modes          N = 2^k              k = 0, 1, ...     in closed form
 //! ```
-//! `T` the horizon. All of it is data: a [`Rung`] is what to say otherwise in the text of a
+//! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two
+//! such would be one run, and each would seem to confirm the other. All of it is data: a [`Rung`] is what to say otherwise in the text of a
 //! [`Model`], and a [`Family`] is a row of rungs of one kind. Whether a model allows a kind is
 //! asked of the scene itself, by parsing.
 
@@ -27,6 +28,8 @@ const MOST_STEPS: u64 = 1 << 26;
 const OWN: u64 = 2;
 /// The tightest tolerance tried, as a power of a tenth.
 const TIGHTEST: i32 = 12;
+/// Powers of ten are rounded.
+const NEARLY: f64 = 1.01;
 /// Doublings of the number of modes.
 const DOUBLINGS: u32 = 8;
 /// Factorizations that the search for modes takes at least, with that for rest, and its solves.
@@ -135,6 +138,12 @@ impl Family {
     pub fn converges(&self) -> bool {
         self.model == 0 && self.kind != Kind::Modes
     }
+
+    /// The coarsest rung whose setting is at most this, else the finest.
+    pub fn at_most(&self, setting: f64) -> usize {
+        let fine = self.rungs.iter().position(|rung| rung.setting <= NEARLY * setting);
+        fine.unwrap_or(self.rungs.len() - 1)
+    }
 }
 
 fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) -> Family {
@@ -183,6 +192,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
             })
             .collect(),
         Kind::OwnSteps => (1..=TIGHTEST)
+            .filter(|k| 10_f64.powi(-k) <= NEARLY * candidate.loosest)
             .map(|k| {
                 let says = [
                     ("tolerance", Some(format!("1e-{k}"))),

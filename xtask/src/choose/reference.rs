@@ -11,8 +11,7 @@
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
 //! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
 //! where there is no third that did not, there are two alone. How fast those of own steps shrink is not trusted: at the border of
-//! stability a tighter tolerance may change less than it should. Loose tolerances that a method holds
-//! as one tighter one give one run: it says nothing of itself.
+//! stability a tighter tolerance may change less than it should.
 
 use std::cmp::Reverse;
 
@@ -86,7 +85,7 @@ impl Making {
     fn new(lab: &Lab, family: usize, enough: f64) -> Self {
         let first = match lab.family(family).kind {
             Kind::EqualSteps | Kind::Modes => 0,
-            Kind::OwnSteps => (1.0 - enough.log10()).floor().max(1.0) as usize - 1,
+            Kind::OwnSteps => lab.family(family).at_most(enough),
         };
         Making { family, finest: first + 1, best: None }
     }
@@ -245,7 +244,7 @@ impl Reference {
     }
 
     /// The next coarser rung of a family that came to its end: the one before, or where that failed,
-    /// or tolerances are meant, one that was run already. It is another run than this one's.
+    /// or tolerances are meant, one that was run already.
     fn coarser(lab: &mut Lab, family: usize, rung: usize) -> Option<(usize, Course)> {
         let before = At { family, rung: rung.checked_sub(1)? };
         let looser = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
@@ -253,12 +252,9 @@ impl Reference {
         if !known {
             lab.measure(before);
         }
-        let this = lab.seen(At { family, rung })?;
         (0..rung).rev().find_map(|rung| {
             let run = lab.seen(At { family, rung })?;
-            let course = run.whole()?;
-            let same = run.works == this.works && *course == this.course;
-            (!same).then(|| (rung, course.clone()))
+            Some((rung, run.whole()?.clone()))
         })
     }
 

@@ -65,6 +65,7 @@ pub(super) fn facts(highest: usize) -> FirstOrderFacts {
         stages: 1,
         dense_stages: 0,
         evaluation: Evaluation::Implicit,
+        loosest: LOOSEST,
         damping: if sector == 90.0 { Damping::LStable } else { Damping::Conditional },
         sector,
     }

@@ -48,6 +48,7 @@ pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
     stages: 12,
     dense_stages: 3,
     evaluation: Evaluation::Explicit,
+    loosest: LOOSEST,
     damping: Damping::Conditional,
     sector: 0.0,
 };

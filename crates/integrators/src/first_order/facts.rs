@@ -19,6 +19,8 @@ pub struct FirstOrderFacts {
     pub dense_stages: u32,
     /// Whether a step solves an equation.
     pub evaluation: Evaluation,
+    /// The loosest relative tolerance that it tells from tighter ones: a looser one is held as this.
+    pub loosest: f64,
     /// What it does to fast decay.
     pub damping: Damping,
     /// Half the opening angle, in degrees, of the largest sector about the negative real axis in

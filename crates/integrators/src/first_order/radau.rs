@@ -50,6 +50,7 @@ pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
     stages: 3,
     dense_stages: 1,
     evaluation: Evaluation::Implicit,
+    loosest: LOOSEST,
     damping: Damping::LStable,
     sector: 90.0,
 };

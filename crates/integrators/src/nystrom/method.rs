@@ -9,6 +9,7 @@
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, System};
 
+use super::solver::LOOSEST;
 use super::step::within;
 use super::{Nystrom, NystromPair, Pair8, Pair12};
 use crate::{
@@ -98,6 +99,7 @@ where
             stages,
             dense_stages: S as u32 - 1,
             evaluation: Evaluation::Explicit,
+            loosest: LOOSEST,
             damping: Damping::Conditional,
             sector: 0.0,
         }

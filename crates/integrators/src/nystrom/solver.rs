@@ -26,7 +26,7 @@ const NEARLY: f64 = 1.01;
 const RESOLVED: f64 = 0.1;
 
 /// The relative tolerance above which an estimate of order 6 or 10 is no longer one.
-const LOOSEST: f64 = 1e-5;
+pub(super) const LOOSEST: f64 = 1e-5;
 /// The part of the tolerance that a step may use: a close encounter amplifies its error.
 const PART: f64 = 0.1;
 
