@@ -78,6 +78,12 @@ pub enum BasisError {
         /// The dimension of the space.
         dim: usize,
     },
+    /// Vectors too short to divide by.
+    #[error("the inverse of the change of basis is not finite: its largest entry is {largest:e}")]
+    InverseNotFinite {
+        /// The largest entry of the matrix.
+        largest: f64,
+    },
 }
 
 impl ChangeOfBasis {
@@ -95,6 +101,10 @@ impl ChangeOfBasis {
         let rank = pivots.iter().filter(|pivot| pivot.abs() > negligible).count();
         if rank < dim {
             return Err(BasisError::Singular { rank, dim });
+        }
+        let is_finite = |inverse: DMatrix<f64>| inverse.iter().all(|entry| entry.is_finite());
+        if dim > 0 && !factor.try_inverse().is_some_and(is_finite) {
+            return Err(BasisError::InverseNotFinite { largest: t.amax() });
         }
         Ok(ChangeOfBasis { t, factor })
     }
@@ -265,6 +275,8 @@ mod tests {
         assert!(polynomials().vector(&Vector([1.0])).is_err());
         assert!(polynomials().form(&BilinearForm(DMatrix::zeros(3, 2))).is_err());
         assert_eq!(ChangeOfBasis::new(DMatrix::zeros(0, 0)).unwrap().matrix().len(), 0);
+        let error = ChangeOfBasis::new(dmatrix![5e-324]).unwrap_err();
+        assert_eq!(error, BasisError::InverseNotFinite { largest: 5e-324 });
     }
 
     fn matrix() -> impl Strategy<Value = DMatrix<f64>> {

@@ -6,10 +6,13 @@
 //! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken once.
 //! From 64 unknowns on, and with the feature `sparse`, the blocked elimination of faer takes over.
 
-use nalgebra::{DMatrix, DVectorViewMut};
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use crate::Unsolvable;
-use crate::hessian_solver::zero_pivot;
+use crate::hessian_solver::{SUSPICIOUS, zero_pivot};
+
+/// Units of rounding of each column that an elimination may leave of zero.
+const ROUNDINGS: f64 = 16.0;
 
 /// A matrix, or its factors once [`DenseLu::factor`] was called.
 #[derive(Clone, Debug)]
@@ -57,11 +60,32 @@ impl DenseLu {
         self.eliminate();
         let zero = zero_pivot(self.scales.len());
         let mut pivots = self.scales.iter().enumerate();
-        if pivots.all(|(j, scale)| self.matrix[(j, j)].abs() > zero * scale) {
-            Ok(())
-        } else {
-            Err(Unsolvable::Singular)
+        if !pivots.all(|(j, scale)| self.matrix[(j, j)].abs() > zero * scale) {
+            return Err(Unsolvable::Singular);
         }
+        let is_suspicious = |&j: &usize| self.matrix[(j, j)].abs() < SUSPICIOUS * self.scales[j];
+        match (0..self.scales.len()).rev().find(is_suspicious) {
+            Some(j) if self.is_rounding(j) => Err(Unsolvable::Singular),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether pivot j, small beside its column, is what rounding leaves of zero: the vector v of the
+    /// columns before it with `v_j = 1`, and `U v` but for the pivot zero, has an `A v` of no more than
+    /// rounding makes of its terms.
+    #[cold]
+    fn is_rounding(&self, j: usize) -> bool {
+        let mut v = DVector::zeros(j + 1);
+        v[j] = 1.0;
+        for i in (0..j).rev() {
+            let sum: f64 = (i + 1..=j).map(|k| self.matrix[(i, k)] * v[k]).sum();
+            v[i] = -sum / self.matrix[(i, i)];
+        }
+        let term = |(v, scale): (&f64, &f64)| (v * (scale / self.scales[j])).powi(2);
+        let terms: f64 = v.iter().zip(&self.scales).map(term).sum();
+        let pivot = self.matrix[(j, j)].abs() / self.scales[j];
+        // The comparison is so written that NaN is rounding.
+        !(pivot > ROUNDINGS * f64::EPSILON * terms.sqrt())
     }
 
     fn eliminate(&mut self) {
@@ -106,7 +130,6 @@ impl DenseLu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
     fn pseudo_random(n: usize) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |i, j| ((i * 7919 + 1) * (j * 104_729 + 13) % 9973) as f64 / 9973.0)
@@ -155,6 +178,22 @@ mod tests {
             lu.matrix().copy_from_slice(a.as_slice());
             assert_eq!(lu.factor(), Err(Unsolvable::NonFinite));
         }
+    }
+
+    /// A Gram matrix of six vectors that span four dimensions, of whole numbers.
+    #[test]
+    fn a_singular_matrix_is_refused_where_elimination_magnifies_rounding() {
+        let mut refused = 0;
+        for k in 0..200_i32 {
+            let v = DMatrix::from_fn(6, 4, |i, j| {
+                f64::from((7 * k + 5 * i as i32 * (j as i32 + k) + 3 * j as i32 * k) % 7 - 3)
+            });
+            let a = &v * v.transpose();
+            let mut lu = DenseLu::new(6);
+            lu.matrix().copy_from_slice(a.as_slice());
+            refused += i32::from(lu.factor() == Err(Unsolvable::Singular));
+        }
+        assert_eq!(refused, 200);
     }
 
     #[test]

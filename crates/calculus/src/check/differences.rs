@@ -100,6 +100,9 @@ impl fmt::Display for Differences {
 
 /// The errors of both differences of `f` at `q` along `w`, against its matrix `df` (M x N), for each
 /// of the `steps`.
+///
+/// # Errors
+/// Where q, w, the matrix or any value of the function has another size.
 pub fn differences(
     f: impl Fn(&[f64]) -> Vec<f64>,
     df: &DMatrix<f64>,
@@ -109,23 +112,26 @@ pub fn differences(
 ) -> Result<Differences, SizeError> {
     SizeError::check("the Jacobian's columns", q.len(), df.ncols())?;
     SizeError::check("the direction's components", q.len(), w.0.len())?;
-    SizeError::check("the Jacobian's rows", f(q).len(), df.nrows())?;
     let (q, w) = (DVector::from_column_slice(q), DVector::from_column_slice(w.0));
-    let value = |q: &DVector<f64>| DVector::from_vec(f(q.as_slice()));
-    let centre = value(&q);
+    let value = |q: &DVector<f64>| {
+        let value = DVector::from_vec(f(q.as_slice()));
+        SizeError::check("the function's numbers", df.nrows(), value.len())?;
+        Ok(value)
+    };
+    let centre = value(&q)?;
     let slope = (df * &w).norm();
     let size = if slope > 0.0 { slope } else { 1.0 };
     let row = |&step: &f64| {
         let (ahead, behind) = (&q + &w * step, &q - &w * step);
-        let (plus, minus) = (value(&ahead), value(&behind));
-        Difference {
+        let (plus, minus) = (value(&ahead)?, value(&behind)?);
+        Ok(Difference {
             step,
             forward: (&plus - &centre - df * (&ahead - &q)).norm() / (step * size),
             centred: (plus - minus - df * (ahead - behind)).norm() / (2.0 * step * size),
             rounding: ROUNDING * centre.norm() / (step * size),
-        }
+        })
     };
-    Ok(Differences { rows: steps.iter().map(row).collect() })
+    Ok(Differences { rows: steps.iter().map(row).collect::<Result<_, SizeError>>()? })
 }
 
 #[cfg(test)]
