@@ -9,6 +9,7 @@
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use crate::Unsolvable;
+use crate::equation::power_of_two;
 use crate::hessian_solver::{SUSPICIOUS, zero_pivot};
 
 /// Units of rounding of each column that an elimination may leave of zero.
@@ -19,6 +20,8 @@ const ROUNDINGS: f64 = 16.0;
 pub struct DenseLu {
     matrix: DMatrix<f64>,
     scales: Vec<f64>,
+    /// The power of two by which the matrix was divided, so that no product leaves the range of numbers.
+    unit: f64,
     exchanges: Vec<usize>,
     #[cfg(feature = "sparse")]
     blocked: Option<crate::sparse::BlockedLu>,
@@ -30,6 +33,7 @@ impl DenseLu {
         DenseLu {
             matrix: DMatrix::zeros(n, n),
             scales: vec![0.0; n],
+            unit: 1.0,
             exchanges: vec![0; n],
             #[cfg(feature = "sparse")]
             blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n).ok()).flatten(),
@@ -56,6 +60,11 @@ impl DenseLu {
         }
         if !self.matrix.iter().all(|entry| entry.is_finite()) {
             return Err(Unsolvable::NonFinite);
+        }
+        self.unit = power_of_two(self.scales.iter().fold(0.0, |largest, x| x.max(largest)));
+        if self.unit != 1.0 {
+            self.matrix /= self.unit;
+            self.scales.iter_mut().for_each(|scale| *scale /= self.unit);
         }
         self.eliminate();
         let zero = zero_pivot(self.scales.len());
@@ -114,6 +123,13 @@ impl DenseLu {
         if b.is_empty() {
             return;
         }
+        self.substitute(b);
+        if self.unit != 1.0 {
+            b.iter_mut().for_each(|x| *x /= self.unit);
+        }
+    }
+
+    fn substitute(&mut self, b: &mut [f64]) {
         #[cfg(feature = "sparse")]
         if let Some(blocked) = &mut self.blocked {
             return blocked.solve(self.matrix.as_slice(), b);
@@ -148,6 +164,20 @@ mod tests {
             }
             lu.solve(b.as_mut_slice());
             assert!((&b - &exact).amax() < 1e-9, "{n}: {}", (b - exact).amax());
+        }
+    }
+
+    #[test]
+    fn entries_of_any_size_are_solved() {
+        for (n, scale) in [(3, 1e-290), (3, 1e290), (64, 1e-290), (64, 1e281), (64, 1e290)] {
+            let a = pseudo_random(n) * scale;
+            let exact = DVector::from_fn(n, |i, _| (i as f64).cos());
+            let mut b = &a * &exact;
+            let mut lu = DenseLu::new(n);
+            lu.matrix().copy_from_slice(a.as_slice());
+            lu.factor().unwrap();
+            lu.solve(b.as_mut_slice());
+            assert!((&b - &exact).amax() < 1e-9, "{n} {scale}: {}", (b - exact).amax());
         }
     }
 

@@ -192,6 +192,13 @@ mod tests {
     }
 
     #[test]
+    fn a_function_that_gives_another_number_of_values_later_is_refused() {
+        let f = |q: &[f64]| vec![1.0; if q[0] == 0.5 { 1 } else { 2 }];
+        let refused = differences(f, &dmatrix![1.0], &[0.5], Vector(&[1.0]), &[0.1]).unwrap_err();
+        assert_eq!((refused.expected, refused.got), (1, 2));
+    }
+
+    #[test]
     fn the_table_shows_truncation_and_calls_rounding_by_its_name() {
         let cube = |q: &[f64]| vec![q[0].powi(3)];
         let steps = [1e-1, 1e-2, 1e-3, 1e-15];

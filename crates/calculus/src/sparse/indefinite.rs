@@ -25,11 +25,11 @@ mod tests;
 
 use std::sync::Arc;
 
+use crate::equation::power_of_two;
 use crate::first_non_finite;
 use crate::hessian_solver::largest_or_nan;
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
-use crate::sparse::block_jacobi::power_of_two;
 use crate::sparse::error::TRUSTED;
 use crate::sparse::pattern::Pattern;
 use rows::RowPivoting;
