@@ -133,7 +133,7 @@ pub fn check_jacobian(
 /// - where no length is given and all of q is below a millionth, what is farther away than q is large,
 ///   and errors below the rounding of a body of length 1, whose displacements q may be: give the length;
 /// - errors below the function's own noise, if a large constant or cancellation makes it noisy:
-///   [`Report::unseen`] says how large;
+///   [`Report::unseen`] says how large, and a caller who wants to be sure looks at it;
 /// - features far smaller than the typical length (by ten decades; far from the origin, than q by
 ///   ten decades): give the length;
 /// - kinks. The check judges the side of a kink that it stands on; within a few roundings of one (a

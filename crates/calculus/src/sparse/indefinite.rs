@@ -173,12 +173,17 @@ impl SparseIndefinite {
 
     /// One solve without any check.
     fn once(&mut self, pivoting: Pivoting, b: &mut [f64]) {
+        let load = power_of_two(largest_or_nan(b.iter().map(|b| b.abs())));
+        if load != 1.0 {
+            b.iter_mut().for_each(|x| *x /= load);
+        }
         match (pivoting, &mut self.rows) {
             (Pivoting::Rows, Some(rows)) => rows.solve(b),
             _ => self.symmetric.solve(b),
         }
-        if self.unit != 1.0 {
-            b.iter_mut().for_each(|x| *x /= self.unit);
+        if load != 1.0 || self.unit != 1.0 {
+            let unit = load / self.unit;
+            b.iter_mut().for_each(|x| *x *= unit);
         }
     }
 
