@@ -78,6 +78,12 @@ pub enum BasisError {
         /// The dimension of the space.
         dim: usize,
     },
+    /// Vectors too short to divide by.
+    #[error("the inverse of the change of basis is not finite: its largest entry is {largest:e}")]
+    InverseNotFinite {
+        /// The largest entry of the matrix.
+        largest: f64,
+    },
 }
 
 impl ChangeOfBasis {
@@ -92,11 +98,13 @@ impl ChangeOfBasis {
         let factor = FullPivLU::new(t.clone());
         let pivots = factor.u().diagonal();
         let negligible = dim as f64 * f64::EPSILON * pivots.amax();
-        // The inverse must be in the range of doubles as well.
-        let counts = |pivot: &f64| pivot.abs() > negligible && pivot.recip().is_finite();
-        let rank = pivots.iter().filter(|&pivot| counts(pivot)).count();
+        let rank = pivots.iter().filter(|pivot| pivot.abs() > negligible).count();
         if rank < dim {
             return Err(BasisError::Singular { rank, dim });
+        }
+        let is_finite = |inverse: DMatrix<f64>| inverse.iter().all(|entry| entry.is_finite());
+        if dim > 0 && !factor.try_inverse().is_some_and(is_finite) {
+            return Err(BasisError::InverseNotFinite { largest: t.amax() });
         }
         Ok(ChangeOfBasis { t, factor })
     }
@@ -260,8 +268,6 @@ mod tests {
         assert_eq!(error, BasisError::Singular { rank: 1, dim: 2 });
         let error = ChangeOfBasis::new(DMatrix::zeros(2, 2)).unwrap_err();
         assert_eq!(error, BasisError::Singular { rank: 0, dim: 2 });
-        let error = ChangeOfBasis::new(dmatrix![5e-324]).unwrap_err();
-        assert_eq!(error, BasisError::Singular { rank: 0, dim: 1 });
         let error = ChangeOfBasis::new(dmatrix![1.0, f64::INFINITY; 2.0, 4.0]).unwrap_err();
         assert!(matches!(error, BasisError::NotFinite { row: 0, column: 1, .. }), "{error}");
         let error = ChangeOfBasis::new(DMatrix::zeros(3, 2)).unwrap_err();
@@ -269,6 +275,8 @@ mod tests {
         assert!(polynomials().vector(&Vector([1.0])).is_err());
         assert!(polynomials().form(&BilinearForm(DMatrix::zeros(3, 2))).is_err());
         assert_eq!(ChangeOfBasis::new(DMatrix::zeros(0, 0)).unwrap().matrix().len(), 0);
+        let error = ChangeOfBasis::new(dmatrix![5e-324]).unwrap_err();
+        assert_eq!(error, BasisError::InverseNotFinite { largest: 5e-324 });
     }
 
     fn matrix() -> impl Strategy<Value = DMatrix<f64>> {

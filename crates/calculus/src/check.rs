@@ -31,6 +31,7 @@ mod report;
 use nalgebra::DMatrix;
 
 use crate::{Flat, Potential, Space, SplitMix64, Vector, first_non_finite};
+use examine::part;
 use ladder::Scale;
 use potential::Comparison;
 
@@ -122,7 +123,9 @@ pub fn check_jacobian(
 /// beyond what truncation and rounding explain. Functions without truncation error, of any
 /// magnitude, and far from the origin are judged at their rounding. The differential must be added to
 /// what is there, and the Hessian's blocks must come in one order at all configurations. Where a Hessian
-/// and a differential do not go together, the energy's second derivative says which of them is wrong.
+/// and a differential do not go together, the energy's second derivative says which of them is wrong, or
+/// the symmetry of the differential's slopes; where the energy is too noisy for the one and the other shows
+/// nothing, neither is blamed ([`Derivative::DifferentialOrHessian`]).
 ///
 /// What it cannot see:
 /// - errors below a millionth of the row's largest entry: freedoms whose units make their entries
@@ -130,7 +133,7 @@ pub fn check_jacobian(
 /// - where no length is given and all of q is below a millionth, what is farther away than q is large,
 ///   and errors below the rounding of a body of length 1, whose displacements q may be: give the length;
 /// - errors below the function's own noise, if a large constant or cancellation makes it noisy:
-///   [`Report::unseen`] says how large;
+///   [`Report::unseen`] says how large, and a caller who wants to be sure looks at it;
 /// - features far smaller than the typical length (by ten decades; far from the origin, than q by
 ///   ten decades): give the length;
 /// - kinks. The check judges the side of a kink that it stands on; within a few roundings of one (a
@@ -145,7 +148,8 @@ pub struct DerivativeCheck {
     /// its magnitude, and 1.
     pub length: Option<f64>,
     /// At most so many random configurations, beside the given one: one near it; two away from it by
-    /// the magnitude of q; two by 1, where that is another length.
+    /// the magnitude of q; two by 1, where that is more than twice as far. Where it is less, these two
+    /// stand for both.
     pub configurations: usize,
     /// The seed of the random configurations and directions.
     pub seed: u64,
@@ -215,11 +219,6 @@ impl DerivativeCheck {
         random: &mut SplitMix64,
     ) -> Vec<Vec<f64>> {
         let Scale { near, far, .. } = Scale::of(q, self.length);
-        let mut all = vec![q.to_vec()];
-        let mut add = |w: &[f64], spread: f64| {
-            let shorter = |k| moved(space, q, w, spread * 0.25_f64.powi(k));
-            all.extend((0..20).map(shorter).find(|q| defined(q)));
-        };
         let near_by: Vec<f64> = (0..freedoms).map(|_| random.symmetric()).collect();
         let away: Vec<f64> = (0..freedoms)
             .map(|_| {
@@ -227,14 +226,55 @@ impl DerivativeCheck {
                 way.signum() * (0.5 + 0.5 * way.abs())
             })
             .collect();
-        let spreads = [near / 32.0, near, -near, far, -far];
         // A problem so small that q is below a millionth is another one at a distance of 1.
-        let distinct = if far > 2.0 * near && near > 1e-6 { 5 } else { 3 };
-        for &spread in spreads[..distinct].iter().take(self.configurations) {
-            add(if spread.abs() < near { &near_by } else { &away }, spread);
-        }
-        all
+        let spreads: &[f64] = if near <= 1e-6 && near < far {
+            &[near / 32.0, near, -near]
+        } else if far > 2.0 * near {
+            &[near / 32.0, near, -near, far, -far]
+        } else {
+            &[near / 32.0, far, -far]
+        };
+        let another = |&spread: &f64| {
+            let w = if spread.abs() < near { &near_by } else { &away };
+            as_far_as_defined(space, q, w, spread, &defined)
+        };
+        let others = spreads.iter().take(self.configurations);
+        std::iter::once(q.to_vec()).chain(others.map(another)).collect()
     }
+}
+
+/// Groups of freedoms that are moved apart from each other where they cannot be moved together.
+const GROUPS: usize = 64;
+
+/// The configuration moved by h along w; where the function is not defined there, half by half of the
+/// freedoms, and a group of them that meets the edge of what is defined less far than to the edge, so
+/// that the others have room: one freedom beside a wall does not hold back all.
+fn as_far_as_defined(
+    space: &impl Space,
+    q: &[f64],
+    w: &[f64],
+    h: f64,
+    defined: &impl Fn(&[f64]) -> bool,
+) -> Vec<f64> {
+    let smallest = w.len().div_ceil(GROUPS).max(1);
+    let mut here = q.to_vec();
+    let mut groups = vec![(0, w.len())];
+    while let Some((from, to)) = groups.pop() {
+        let group = part(w, from, to);
+        let next = moved(space, &here, &group, h);
+        if defined(&next) {
+            here = next;
+        } else if to - from > smallest {
+            let middle = usize::midpoint(from, to);
+            groups.extend([(middle, to), (from, middle)]);
+        } else {
+            let shorter = |k: i32| moved(space, &here, &group, h * 0.25_f64.powi(k));
+            let inside = (1..20).find(|&k| defined(&shorter(k)));
+            let well_inside = inside.map(|k| shorter(k + 1)).filter(|q| defined(q));
+            here = well_inside.unwrap_or(here);
+        }
+    }
+    here
 }
 
 /// The configuration moved by h along w.

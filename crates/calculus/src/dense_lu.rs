@@ -6,16 +6,22 @@
 //! `A` n x n by columns, factored in place; `P` a permutation of the rows. The memory is taken once.
 //! From 64 unknowns on, and with the feature `sparse`, the blocked elimination of faer takes over.
 
-use nalgebra::{DMatrix, DVectorViewMut};
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use crate::Unsolvable;
-use crate::hessian_solver::zero_pivot;
+use crate::equation::power_of_two;
+use crate::hessian_solver::{SUSPICIOUS, zero_pivot};
+
+/// Units of rounding of each column that an elimination may leave of zero.
+const ROUNDINGS: f64 = 16.0;
 
 /// A matrix, or its factors once [`DenseLu::factor`] was called.
 #[derive(Clone, Debug)]
 pub struct DenseLu {
     matrix: DMatrix<f64>,
     scales: Vec<f64>,
+    /// The power of two by which the matrix was divided, so that no product leaves the range of numbers.
+    unit: f64,
     exchanges: Vec<usize>,
     #[cfg(feature = "sparse")]
     blocked: Option<crate::sparse::BlockedLu>,
@@ -27,6 +33,7 @@ impl DenseLu {
         DenseLu {
             matrix: DMatrix::zeros(n, n),
             scales: vec![0.0; n],
+            unit: 1.0,
             exchanges: vec![0; n],
             #[cfg(feature = "sparse")]
             blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n).ok()).flatten(),
@@ -55,17 +62,43 @@ impl DenseLu {
         if !self.matrix.iter().all(|entry| entry.is_finite()) {
             return Err(Unsolvable::NonFinite);
         }
+        self.unit = power_of_two(self.scales.iter().fold(0.0, |largest, x| x.max(largest)));
+        if self.unit != 1.0 {
+            self.matrix /= self.unit;
+            self.scales.iter_mut().for_each(|scale| *scale /= self.unit);
+        }
         self.eliminate();
         if !self.matrix.iter().all(|entry| entry.is_finite()) {
             return Err(Unsolvable::NonFinite);
         }
         let zero = zero_pivot(self.scales.len());
         let mut pivots = self.scales.iter().enumerate();
-        if pivots.all(|(j, scale)| self.matrix[(j, j)].abs() > zero * scale) {
-            Ok(())
-        } else {
-            Err(Unsolvable::Singular)
+        if !pivots.all(|(j, scale)| self.matrix[(j, j)].abs() > zero * scale) {
+            return Err(Unsolvable::Singular);
         }
+        let is_suspicious = |&j: &usize| self.matrix[(j, j)].abs() < SUSPICIOUS * self.scales[j];
+        match (0..self.scales.len()).rev().find(is_suspicious) {
+            Some(j) if self.is_rounding(j) => Err(Unsolvable::Singular),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether pivot j, small beside its column, is what rounding leaves of zero: the vector v of the
+    /// columns before it with `v_j = 1`, and `U v` but for the pivot zero, has an `A v` of no more than
+    /// rounding makes of its terms.
+    #[cold]
+    fn is_rounding(&self, j: usize) -> bool {
+        let mut v = DVector::zeros(j + 1);
+        v[j] = 1.0;
+        for i in (0..j).rev() {
+            let sum: f64 = (i + 1..=j).map(|k| self.matrix[(i, k)] * v[k]).sum();
+            v[i] = -sum / self.matrix[(i, i)];
+        }
+        let term = |(v, scale): (&f64, &f64)| (v * (scale / self.scales[j])).powi(2);
+        let terms: f64 = v.iter().zip(&self.scales).map(term).sum();
+        let pivot = self.matrix[(j, j)].abs() / self.scales[j];
+        // The comparison is so written that NaN is rounding.
+        !(pivot > ROUNDINGS * f64::EPSILON * terms.sqrt())
     }
 
     fn eliminate(&mut self) {
@@ -94,6 +127,18 @@ impl DenseLu {
         if b.is_empty() {
             return;
         }
+        let load = power_of_two(b.iter().fold(0.0_f64, |largest, x| largest.max(x.abs())));
+        if load != 1.0 {
+            b.iter_mut().for_each(|x| *x /= load);
+        }
+        self.substitute(b);
+        if load != 1.0 || self.unit != 1.0 {
+            let unit = load / self.unit;
+            b.iter_mut().for_each(|x| *x *= unit);
+        }
+    }
+
+    fn substitute(&mut self, b: &mut [f64]) {
         #[cfg(feature = "sparse")]
         if let Some(blocked) = &mut self.blocked {
             return blocked.solve(self.matrix.as_slice(), b);
@@ -110,7 +155,6 @@ impl DenseLu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
     fn pseudo_random(n: usize) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |i, j| ((i * 7919 + 1) * (j * 104_729 + 13) % 9973) as f64 / 9973.0)
@@ -129,6 +173,29 @@ mod tests {
             }
             lu.solve(b.as_mut_slice());
             assert!((&b - &exact).amax() < 1e-9, "{n}: {}", (b - exact).amax());
+        }
+    }
+
+    #[test]
+    fn entries_of_any_size_are_solved() {
+        let cases = [
+            (3, 1e-290, 1.0),
+            (3, 1e290, 1.0),
+            (64, 1e-290, 1.0),
+            (64, 1e290, 1.0),
+            (64, 1e281, 1e25),
+            (64, 1e-281, 1e-10),
+        ];
+        for (n, scale, size) in cases {
+            let a = pseudo_random(n) * scale;
+            let exact = DVector::from_fn(n, |i, _| size * (i as f64).cos());
+            let mut b = &a * &exact;
+            let mut lu = DenseLu::new(n);
+            lu.matrix().copy_from_slice(a.as_slice());
+            lu.factor().unwrap();
+            lu.solve(b.as_mut_slice());
+            let off = (&b - &exact).amax();
+            assert!(off < 1e-9 * size, "{n} {scale} {size}: {off}");
         }
     }
 
@@ -159,6 +226,22 @@ mod tests {
             lu.matrix().copy_from_slice(a.as_slice());
             assert_eq!(lu.factor(), Err(Unsolvable::NonFinite));
         }
+    }
+
+    /// A Gram matrix of six vectors that span four dimensions, of whole numbers.
+    #[test]
+    fn a_singular_matrix_is_refused_where_elimination_magnifies_rounding() {
+        let mut refused = 0;
+        for k in 0..200_i32 {
+            let v = DMatrix::from_fn(6, 4, |i, j| {
+                f64::from((7 * k + 5 * i as i32 * (j as i32 + k) + 3 * j as i32 * k) % 7 - 3)
+            });
+            let a = &v * v.transpose();
+            let mut lu = DenseLu::new(6);
+            lu.matrix().copy_from_slice(a.as_slice());
+            refused += i32::from(lu.factor() == Err(Unsolvable::Singular));
+        }
+        assert_eq!(refused, 200);
     }
 
     #[test]

@@ -73,6 +73,14 @@ pub(crate) fn length(x: &[f64]) -> f64 {
 /// Sums of squares in this range have lost nothing.
 pub(crate) const SQUARES: std::ops::Range<f64> = 1e-280..1e300;
 
+/// The power of two below a number that is very large or very small; else 1.
+pub(crate) fn power_of_two(x: f64) -> f64 {
+    if (1e-100..1e100).contains(&x) || !(x > 0.0 && x < f64::INFINITY) {
+        return 1.0;
+    }
+    2.0_f64.powi(x.log2().floor().max(-1022.0) as i32)
+}
+
 #[cold]
 fn scaled_length(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -74,8 +74,9 @@ pub trait HessianSolver {
         self.factor_weighted(1.0, metric, a, potential, q)
     }
 
-    /// Replaces r by x, with the matrix factored last. Where x exceeds the range of doubles, or the
-    /// matrix is indefinite and no x passes the check of its residual, every component of x is NaN.
+    /// Replaces r by x, with the matrix factored last. Where that matrix is indefinite and no x
+    /// passes the check of its residual, and where x is too large for a number, every component of x is
+    /// NaN.
     fn solve(&mut self, r: &mut [f64]);
 }
 
@@ -122,6 +123,28 @@ pub(crate) fn largest_or_nan(mut numbers: impl Iterator<Item = f64>) -> f64 {
 /// eliminations: n units of rounding, as in LAPACK's `dpstrf`, and a few more where n is small.
 pub(crate) fn zero_pivot(n: usize) -> f64 {
     (n + 16) as f64 * f64::EPSILON
+}
+
+/// A pivot of less than this part of its diagonal entry may be what rounding leaves of zero, where the
+/// elimination before it has magnified rounding.
+pub(crate) const SUSPICIOUS: f64 = 1e-8;
+
+/// Units of rounding of each entry `sqrt(a_ii a_kk)` that a factorization may leave: exactly singular
+/// matrices of whole numbers stay below one, regular ones of condition 1e13 above a thousand.
+const ROUNDINGS: f64 = 16.0;
+
+/// Whether a matrix is singular to rounding by its own factor: `x` is the answer to a unit load at
+/// freedom `j`, whose energy `<x, A x> = x_j` is no more than rounding makes of its terms,
+///
+/// ```text
+/// x_j <= 16 eps sum of a_ii x_i^2
+/// ```
+pub(crate) fn is_rounding(j: usize, x: &[f64], diagonal: impl Fn(usize) -> f64) -> bool {
+    let answer = x[j];
+    let term = |(i, x): (usize, &f64)| diagonal(i) * answer * (x / answer) * (x / answer);
+    let terms: f64 = x.iter().enumerate().map(term).sum();
+    // The comparison is so written that NaN is rounding.
+    !(ROUNDINGS * f64::EPSILON * terms < 1.0)
 }
 
 /// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
@@ -195,10 +218,12 @@ impl<C: Storage> DenseSolver<C> {
     fn factor_in_place(&mut self) -> bool {
         let n = self.mass.as_ref().len();
         let columns = &mut self.columns.as_mut()[..n];
+        let mut suspicious = None;
         for j in 0..n {
             let (done, rest) = columns.split_at_mut(j);
             let column = &mut rest[0].as_mut()[..n];
-            let zero = zero_pivot(n) * column[j].abs();
+            let before = column[j].abs();
+            let zero = zero_pivot(n) * before;
             for factor in done.iter() {
                 let factor = &factor.as_ref()[..n];
                 for i in j..n {
@@ -208,13 +233,52 @@ impl<C: Storage> DenseSolver<C> {
             if !(column[j] > zero && column[j] < f64::INFINITY) {
                 return false;
             }
+            if column[j] < SUSPICIOUS * before {
+                suspicious = Some(j);
+            }
             let reciprocal = column[j].sqrt().recip();
             column[j] = reciprocal;
             for entry in &mut column[j + 1..] {
                 *entry *= reciprocal;
             }
         }
-        true
+        suspicious.is_none_or(|j| !self.is_rounding(j))
+    }
+
+    /// Whether the pivot of freedom j, small beside its diagonal entry, is what rounding leaves of zero.
+    #[cold]
+    fn is_rounding(&mut self, j: usize) -> bool {
+        let n = self.mass.as_ref().len();
+        let (columns, x) = (&self.columns.as_ref()[..n], &mut self.mass.as_mut()[..n]);
+        x.fill(0.0);
+        x[j] = 1.0;
+        substitute(columns, x);
+        let diagonal = |i: usize| {
+            let square = |k: usize| columns[k].as_ref()[i].powi(2);
+            (0..i).map(square).sum::<f64>() + columns[i].as_ref()[i].powi(-2)
+        };
+        is_rounding(j, x, diagonal)
+    }
+}
+
+/// Replaces r by the solution, by the columns of a factor with the reciprocals of its diagonal.
+#[inline]
+fn substitute<C: Storage>(columns: &[C], r: &mut [f64]) {
+    let n = columns.len();
+    for j in 0..n {
+        let column = &columns[j].as_ref()[..n];
+        r[j] *= column[j];
+        for i in j + 1..n {
+            r[i] -= column[i] * r[j];
+        }
+    }
+    for j in (0..n).rev() {
+        let column = &columns[j].as_ref()[..n];
+        let mut sum = r[j];
+        for i in j + 1..n {
+            sum -= column[i] * r[i];
+        }
+        r[j] = sum * column[j];
     }
 }
 
@@ -249,23 +313,10 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
     #[inline]
     fn solve(&mut self, r: &mut [f64]) {
         let n = self.mass.as_ref().len();
-        let (columns, r) = (&self.columns.as_ref()[..n], &mut r[..n]);
-        for j in 0..n {
-            let column = &columns[j].as_ref()[..n];
-            r[j] *= column[j];
-            for i in j + 1..n {
-                r[i] -= column[i] * r[j];
-            }
-        }
-        for j in (0..n).rev() {
-            let column = &columns[j].as_ref()[..n];
-            let mut sum = r[j];
-            for i in j + 1..n {
-                sum -= column[i] * r[i];
-            }
-            r[j] = sum * column[j];
-        }
-        if !r.iter().all(|x| x.is_finite()) {
+        let r = &mut r[..n];
+        substitute(&self.columns.as_ref()[..n], r);
+        // Zero times a number that is not finite is NaN.
+        if r.iter().map(|x| 0.0 * x).sum::<f64>().is_nan() {
             r.fill(f64::NAN);
         }
     }
@@ -401,6 +452,45 @@ mod tests {
         assert_eq!(rung, Rung::Shifted { tries: 1 });
     }
 
+    /// A Gram matrix of six vectors that span four dimensions, of whole numbers: an elimination that
+    /// magnifies rounding leaves more of its last pivot than the number of its steps explains.
+    #[test]
+    fn a_singular_matrix_is_not_definite_where_elimination_magnifies_rounding() {
+        let a = dmatrix![
+            32.0, 15.0, 18.0, 7.0, 6.0, 18.0;
+            15.0, 25.0, -3.0, -7.0, -11.0, -3.0;
+            18.0, -3.0, 29.0, 27.0, 29.0, 33.0;
+            7.0, -7.0, 27.0, 31.0, 33.0, 33.0;
+            6.0, -11.0, 29.0, 33.0, 37.0, 33.0;
+            18.0, -3.0, 33.0, 33.0, 33.0, 45.0
+        ];
+        let metric = DiagonalMetric::new(vec![1.0; 6]).unwrap();
+        for scale in [1e-250, 1.0, 1e250] {
+            let gram = Quadratic(&a * scale);
+            let mut solver = DenseSolver::<Vec<f64>>::new(6).unwrap();
+            let rung = solver.factor_weighted(0.0, &metric, 1.0, &gram, &[0.0; 6]).unwrap();
+            assert!(matches!(rung, Rung::Shifted { .. }), "{scale} {rung:?}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_of_condition_1e12_is_definite() {
+        // A spring chain that is 1e12 times stiffer than what holds it.
+        let n = 20;
+        let chain = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+            0 if i == 0 => 1.0 + 1e-12,
+            0 if i + 1 == n => 1.0,
+            0 => 2.0,
+            1 => -1.0,
+            _ => 0.0,
+        });
+        let metric = DiagonalMetric::new(vec![1.0; n]).unwrap();
+        let mut solver = DenseSolver::<Vec<f64>>::new(n).unwrap();
+        let q = vec![0.0; n];
+        let rung = solver.factor_weighted(0.0, &metric, 1.0, &Quadratic(chain), &q);
+        assert_eq!(rung, Ok(Rung::Cholesky));
+    }
+
     #[test]
     fn numbers_that_are_not_finite_are_unsolvable() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -414,19 +504,20 @@ mod tests {
     }
 
     #[test]
-    fn the_solver_holds_the_storages_number_of_freedoms_only() {
-        assert!(DenseSolver::<[f64; 2]>::new(3).is_none());
-        assert!(DenseSolver::<[f64; 2]>::new(2).is_some());
+    fn a_solution_too_large_for_a_number_is_nan_in_every_component() {
+        let k = Quadratic(dmatrix![1e-310, 0.0, 0.0; 0.0, 1.0, 0.0; 0.0, 0.0, 1.0]);
+        let metric = DiagonalMetric::new(vec![1.0; 3]).unwrap();
+        let mut solver = DenseSolver::<Vec<f64>>::new(3).unwrap();
+        let rung = solver.factor_weighted(0.0, &metric, 1.0, &k, &[0.0; 3]);
+        assert_eq!(rung, Ok(Rung::Cholesky));
+        let mut x = [1.0; 3];
+        solver.solve(&mut x);
+        assert!(x.iter().all(|x| x.is_nan()), "{x:?}");
     }
 
     #[test]
-    fn a_solution_beyond_the_range_of_doubles_is_no_number_throughout() {
-        let k = Quadratic(dmatrix![1e-300, 0.0; 0.0, 1.0]);
-        let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
-        let mut solver = DenseSolver::<Vec<f64>>::new(2).unwrap();
-        assert_eq!(solver.factor_weighted(0.0, &metric, 1.0, &k, &[0.0; 2]), Ok(Rung::Cholesky));
-        let mut r = [1e10, 1.0];
-        solver.solve(&mut r);
-        assert!(r.iter().all(|x| x.is_nan()), "{r:?}");
+    fn the_solver_holds_the_storages_number_of_freedoms_only() {
+        assert!(DenseSolver::<[f64; 2]>::new(3).is_none());
+        assert!(DenseSolver::<[f64; 2]>::new(2).is_some());
     }
 }

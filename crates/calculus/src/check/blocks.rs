@@ -145,6 +145,16 @@ impl Entries {
         sums.into_iter().fold(0.0, f64::max)
     }
 
+    /// The columns of the largest entries of a row beside its diagonal, with them.
+    pub fn largest_beside(&self, row: usize, count: usize) -> Vec<(usize, f64)> {
+        let beside = |&&(i, j, entry): &&(usize, usize, f64)| i == row && j != row && entry != 0.0;
+        let mut largest: Vec<(usize, f64)> =
+            self.entries.iter().filter(beside).map(|&(_, j, entry)| (j, entry)).collect();
+        largest.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        largest.truncate(count);
+        largest
+    }
+
     /// Row and column of the largest magnitude.
     pub fn place_of_largest(&self) -> Option<(usize, usize)> {
         let larger = |a: &&(usize, usize, f64), b: &&(usize, usize, f64)| {

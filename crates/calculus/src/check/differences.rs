@@ -102,7 +102,7 @@ impl fmt::Display for Differences {
 /// of the `steps`.
 ///
 /// # Errors
-/// [`SizeError`]: `q`, `w` or a value of `f` is not of the size that the matrix says.
+/// Where q, w, the matrix or any value of the function has another size.
 pub fn differences(
     f: impl Fn(&[f64]) -> Vec<f64>,
     df: &DMatrix<f64>,
@@ -114,9 +114,9 @@ pub fn differences(
     SizeError::check("the direction's components", q.len(), w.0.len())?;
     let (q, w) = (DVector::from_column_slice(q), DVector::from_column_slice(w.0));
     let value = |q: &DVector<f64>| {
-        let value = f(q.as_slice());
-        SizeError::check("the function's values", df.nrows(), value.len())?;
-        Ok(DVector::from_vec(value))
+        let value = DVector::from_vec(f(q.as_slice()));
+        SizeError::check("the function's numbers", df.nrows(), value.len())?;
+        Ok(value)
     };
     let centre = value(&q)?;
     let slope = (df * &w).norm();
@@ -192,6 +192,13 @@ mod tests {
     }
 
     #[test]
+    fn a_function_that_gives_another_number_of_values_later_is_refused() {
+        let f = |q: &[f64]| vec![1.0; if q[0] == 0.5 { 1 } else { 2 }];
+        let refused = differences(f, &dmatrix![1.0], &[0.5], Vector(&[1.0]), &[0.1]).unwrap_err();
+        assert_eq!((refused.expected, refused.got), (1, 2));
+    }
+
+    #[test]
     fn the_table_shows_truncation_and_calls_rounding_by_its_name() {
         let cube = |q: &[f64]| vec![q[0].powi(3)];
         let steps = [1e-1, 1e-2, 1e-3, 1e-15];
@@ -204,12 +211,5 @@ step     forward error  centred error
 1.0e-15  rounding       rounding
 ";
         assert_eq!(study.table().to_string(), expected);
-    }
-
-    #[test]
-    fn a_function_whose_values_change_in_number_is_refused() {
-        let f = |q: &[f64]| vec![1.0; if q[0] == 1.0 { 1 } else { 2 }];
-        let error = differences(f, &dmatrix![0.0], &[1.0], Vector(&[1.0]), &[1e-3]).unwrap_err();
-        assert_eq!((error.expected, error.got), (1, 2));
     }
 }

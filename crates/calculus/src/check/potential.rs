@@ -4,7 +4,7 @@ use super::bend::second_derivative;
 use super::blocks::{Blocks, Entries, first_change};
 use super::examine::{Claim, unit};
 use super::finding::Finding;
-use super::ladder::{SAFETY, Scale};
+use super::ladder::{Estimate, Ladder, SAFETY, Scale};
 use super::quadratic::QuadraticClaim;
 use super::record::Record;
 use super::report::{Derivative, DerivativeError, Report};
@@ -19,6 +19,18 @@ pub(super) enum Comparison {
     /// As a quadratic form, on any space.
     Form,
 }
+
+/// Which of two derivatives that do not go together is wrong.
+#[derive(Clone, Copy)]
+enum Culprit {
+    Differential,
+    Hessian,
+    /// Nothing tells.
+    Either,
+}
+
+/// Entries of a row whose mirrors are looked at.
+const MIRRORS: usize = 3;
 
 pub(super) fn check(
     settings: &DerivativeCheck,
@@ -152,33 +164,74 @@ impl<S: Space, P: Potential> At<'_, S, P> {
     }
 
     /// Whose mistake it is that the Hessian is not the differential's derivative: the energy's second
-    /// derivative tells. Where that agrees with the Hessian, the differential is wrong.
-    fn blames_the_differential(&self, finding: &mut Finding) -> bool {
-        let Some(worst) = &mut finding.worst else { return false };
+    /// derivative tells, and where it is too noisy, the differential's own slopes, which are symmetric.
+    fn blame(&self, finding: &mut Finding, hessian: &Entries, comparison: Comparison) -> Culprit {
+        let Some(worst) = &mut finding.worst else { return Culprit::Hessian };
+        let (i, j) = (worst.row, worst.column);
+        let (claim, slope) = (worst.claimed, worst.measured.value);
+        let Estimate { value, bar } = self.bend(i, j);
+        let gap = (claim - slope).abs();
+        let agrees = |other: f64| bar < 0.25 * gap && (other - value).abs() < 0.25 * gap;
+        if agrees(claim) {
+            worst.along = Some(j);
+            (worst.row, worst.column) = (0, i);
+            (worst.claimed, worst.measured) = (slope, Estimate { value, bar });
+            return Culprit::Differential;
+        }
+        if agrees(slope) {
+            return Culprit::Hessian;
+        }
+        let asymmetry = match comparison {
+            Comparison::Rows => self.asymmetry(i, hessian),
+            Comparison::Form => None,
+        };
+        match asymmetry {
+            Some((along, slope, mirror)) => {
+                worst.along = Some(along);
+                (worst.row, worst.column) = (0, i);
+                (worst.claimed, worst.measured) = (slope, mirror);
+                Culprit::Differential
+            }
+            None => Culprit::Either,
+        }
+    }
+
+    /// The second derivative of the energy by the freedoms i and j.
+    fn bend(&self, i: usize, j: usize) -> Estimate {
         let n = self.potential.dim();
         let along = |w: &[f64]| {
             let energy = |h: f64| self.potential.energy(&self.moved(w, h));
-            second_derivative(&self.scale.steps(w), energy)
+            let steps = self.scale.steps(w);
+            let range = (steps[0], steps[steps.len() - 1]);
+            second_derivative(range, self.scale.arguments, energy)
         };
-        let (i, j) = (worst.row, worst.column);
         let (one, other) = (along(&unit(n, i)), along(&unit(n, j)));
-        let (value, bar) = if i == j {
-            (one.value, one.bar)
-        } else {
-            let both: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i || k == j))).collect();
-            let both = along(&both);
-            let value = 0.5 * (both.value - one.value - other.value);
-            (value, 0.5 * (both.bar + one.bar + other.bar))
-        };
-        let (claim, slope) = (worst.claimed, worst.measured.value);
-        let gap = (claim - slope).abs();
-        if !(bar < 0.25 * gap && (claim - value).abs() < 0.25 * gap) {
-            return false;
+        if i == j {
+            return one;
         }
-        worst.along = Some(j);
-        (worst.row, worst.column) = (0, i);
-        (worst.claimed, worst.measured.value, worst.measured.bar) = (slope, value, bar);
-        true
+        let both: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i || k == j))).collect();
+        let both = along(&both);
+        let value = 0.5 * (both.value - one.value - other.value);
+        Estimate { value, bar: 0.5 * (both.bar + one.bar + other.bar) }
+    }
+
+    /// A freedom k along which the differential's component i changes otherwise than component k does
+    /// along i, where the Hessian sides with the latter: component i is no derivative of an energy. With
+    /// both slopes.
+    fn asymmetry(&self, i: usize, hessian: &Entries) -> Option<(usize, f64, Estimate)> {
+        let n = self.potential.dim();
+        let columns = |k: usize| {
+            let w = unit(n, k);
+            Ladder::climb(self.scale, &w, |h| self.differential(&self.moved(&w, h)))
+        };
+        let own = columns(i);
+        hessian.largest_beside(i, MIRRORS).into_iter().find_map(|(k, entry)| {
+            let (slope, mirror) = (columns(k).estimate(i), own.estimate(k));
+            let gap = (slope.value - mirror.value).abs();
+            let is_seen = gap > 4.0 * (slope.bar + mirror.bar);
+            let sides = (entry - mirror.value).abs() < 0.25 * gap;
+            (is_seen && sides).then_some((k, slope.value, mirror))
+        })
     }
 
     /// The Hessian against the differential, row by row.
@@ -201,10 +254,11 @@ impl<S: Space, P: Potential> At<'_, S, P> {
             Some(claim.differences(row, column))
         };
         let mut finding = claim.examine(self.tolerance, random);
-        if self.blames_the_differential(&mut finding) {
-            return first.blame(finding, self.q, second.configurations());
+        match self.blame(&mut finding, hessian, Comparison::Rows) {
+            Culprit::Differential => first.blame(finding, self.q, second.configurations()),
+            Culprit::Either => second.blame_either(finding, self.q),
+            Culprit::Hessian => second.add(finding, self.q, differences),
         }
-        second.add(finding, self.q, differences)
     }
 
     /// The Hessian against the differential, as a quadratic form.
@@ -225,9 +279,10 @@ impl<S: Space, P: Potential> At<'_, S, P> {
             Some(claim.differences(row))
         };
         let mut finding = claim.examine(self.tolerance, random);
-        if self.blames_the_differential(&mut finding) {
-            return first.blame(finding, self.q, second.configurations());
+        match self.blame(&mut finding, hessian, Comparison::Form) {
+            Culprit::Differential => first.blame(finding, self.q, second.configurations()),
+            Culprit::Either => second.blame_either(finding, self.q),
+            Culprit::Hessian => second.add(finding, self.q, differences),
         }
-        second.add(finding, self.q, differences)
     }
 }

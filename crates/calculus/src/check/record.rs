@@ -50,22 +50,14 @@ impl Record {
         q: &[f64],
         configuration: usize,
     ) -> Result<(), DerivativeError> {
-        let Some(worst) = finding.worst else { return Ok(()) };
-        Err(DerivativeError::Wrong(Box::new(WrongEntry {
-            derivative: self.derivative,
-            row: worst.row,
-            column: worst.column,
-            claimed: worst.claimed,
-            measured: worst.measured.value,
-            uncertainty: worst.measured.bar,
-            along: worst.along,
-            others: finding.wrong.saturating_sub(1),
-            q: q.to_vec(),
-            configuration,
-            differences: worst.differences,
-        })))
+        wrong(self.derivative, finding, q, configuration)
     }
 
+    /// Says that this derivative, or the one that it is compared with, is wrong at the next
+    /// configuration.
+    pub fn blame_either(&self, finding: Finding, q: &[f64]) -> Result<(), DerivativeError> {
+        wrong(Derivative::DifferentialOrHessian, finding, q, self.configurations)
+    }
     /// How many configurations were found right.
     pub fn configurations(&self) -> usize {
         self.configurations
@@ -80,4 +72,27 @@ impl Record {
             differences: self.differences,
         }
     }
+}
+
+/// Nothing where nothing disagrees.
+fn wrong(
+    derivative: Derivative,
+    finding: Finding,
+    q: &[f64],
+    configuration: usize,
+) -> Result<(), DerivativeError> {
+    let Some(worst) = finding.worst else { return Ok(()) };
+    Err(DerivativeError::Wrong(Box::new(WrongEntry {
+        derivative,
+        row: worst.row,
+        column: worst.column,
+        claimed: worst.claimed,
+        measured: worst.measured.value,
+        uncertainty: worst.measured.bar,
+        along: worst.along,
+        others: finding.wrong.saturating_sub(1),
+        q: q.to_vec(),
+        configuration,
+        differences: worst.differences,
+    })))
 }

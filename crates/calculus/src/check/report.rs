@@ -14,6 +14,8 @@ pub enum Derivative {
     Hessian,
     /// The matrix of the differential of a function with several numbers as its value.
     Jacobian,
+    /// dV or d2V: they do not go together, and the energy is too noisy to tell which is wrong.
+    DifferentialOrHessian,
 }
 
 impl fmt::Display for Derivative {
@@ -22,6 +24,7 @@ impl fmt::Display for Derivative {
             Derivative::Differential => "differential",
             Derivative::Hessian => "Hessian",
             Derivative::Jacobian => "Jacobian",
+            Derivative::DifferentialOrHessian => "differential or the Hessian",
         })
     }
 }
@@ -89,7 +92,8 @@ pub struct WrongEntry {
     /// How far differences may be off.
     pub uncertainty: f64,
     /// Where another derivative gives it away, the freedom along which: the differential's slope is
-    /// `claimed`, that of the energy's `measured`, and the Hessian agrees with the energy.
+    /// `claimed`; `measured` is that of the energy's, or of the freedom's own component, which ought to be
+    /// the same; and the Hessian agrees with it.
     pub along: Option<usize>,
     /// How many other entries (of more than 32 freedoms: other rows) are known to be wrong as well.
     pub others: usize,
@@ -108,7 +112,7 @@ impl fmt::Display for WrongEntry {
             Derivative::Differential => {
                 writeln!(f, "the differential is wrong at freedom {column}")?;
                 if let Some(along) = self.along {
-                    writeln!(f, "  its slope  along freedom {along}, against the energy's:")?;
+                    writeln!(f, "  its slope  along freedom {along}, against what it has to be:")?;
                 }
             }
             _ => writeln!(f, "the {derivative} is wrong at row {row}, column {column}")?,

@@ -106,6 +106,12 @@ impl SymmetricMatrix {
         size_of_val(self.values()) + self.pattern.bytes()
     }
 
+    /// The same matrix in another unit.
+    pub(crate) fn divided_by(&self, unit: f64) -> SymmetricMatrix {
+        let values = self.values.iter().map(|value| value / unit).collect();
+        SymmetricMatrix { pattern: Arc::clone(&self.pattern), values }
+    }
+
     /// The diagonal entry of a column.
     pub(crate) fn diagonal(&self, column: usize) -> f64 {
         self.values[self.column_starts()[column] as usize]

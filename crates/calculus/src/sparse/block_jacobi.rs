@@ -14,6 +14,7 @@ use faer::dyn_stack::{MemStack, StackReq};
 use faer::matrix_free::{LinOp, Precond};
 use faer::{MatMut, MatRef, Par};
 
+use crate::equation::power_of_two;
 use crate::sparse::conjugate_gradient::{column, column_mut};
 use crate::sparse::visit::Corner;
 use crate::sparse::{SparseError, SymmetricMatrix};
@@ -127,14 +128,6 @@ impl BlockJacobi {
             x.iter_mut().for_each(|x| *x *= self.scale);
         }
     }
-}
-
-/// The power of two below a number that is very large or very small; else 1.
-pub(crate) fn power_of_two(x: f64) -> f64 {
-    if (1e-100..1e100).contains(&x) || !(x > 0.0 && x < f64::INFINITY) {
-        return 1.0;
-    }
-    2.0_f64.powi(x.log2().floor().max(-1022.0) as i32)
 }
 
 /// Replaces the lower triangle by its factor, the reciprocals of its diagonal on the diagonal; the first

@@ -21,7 +21,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::first_non_finite;
-use crate::hessian_solver::zero_pivot;
+use crate::hessian_solver::{SUSPICIOUS, is_rounding, zero_pivot};
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::dissection::nested_dissection;
@@ -48,6 +48,8 @@ pub struct SparseCholesky {
     pub(super) factor: Vec<f64>,
     pub(super) factored: bool,
     pub(super) scratch: Scratch,
+    /// The answer to a unit load at a suspicious pivot.
+    probe: Vec<f64>,
 }
 
 pub(crate) fn analysis_error(n: usize, error: FaerError) -> SparseError {
@@ -89,6 +91,7 @@ impl SparseCholesky {
             symbolic: Arc::new(symbolic),
             factored: false,
             scratch,
+            probe: vec![0.0; n],
         })
     }
 
@@ -109,9 +112,15 @@ impl SparseCholesky {
         );
         match factored {
             Ok(_) => {
-                self.check_pivots(matrix)?;
+                let suspicious = self.check_pivots(matrix)?;
                 self.factored = true;
-                Ok(())
+                match suspicious {
+                    Some(freedom) if self.is_rounding(matrix, freedom) => {
+                        self.factored = false;
+                        Err(SparseError::NotPositiveDefinite { freedom })
+                    }
+                    _ => Ok(()),
+                }
             }
             Err(_) if first_non_finite(matrix.values()).is_some() => Err(SparseError::NonFinite),
             Err(LltError::NonPositivePivot { index }) => {
@@ -162,16 +171,33 @@ impl SparseCholesky {
         }
     }
 
+    /// Whether a pivot that is small beside its diagonal entry is what rounding leaves of zero.
+    #[cold]
+    fn is_rounding(&mut self, matrix: &SymmetricMatrix, freedom: usize) -> bool {
+        let mut probe = std::mem::take(&mut self.probe);
+        probe.fill(0.0);
+        probe[freedom] = 1.0;
+        self.solve(&mut probe);
+        let is_rounding = is_rounding(freedom, &probe, |i| matrix.diagonal(i));
+        self.probe = probe;
+        is_rounding
+    }
+
     /// faer takes infinite pivots and what rounding leaves of zero ones for positive: not so here. A
-    /// number that is not finite anywhere in the factor makes a later pivot infinite or NaN.
-    fn check_pivots(&self, matrix: &SymmetricMatrix) -> Result<(), SparseError> {
+    /// number that is not finite anywhere in the factor makes a later pivot infinite or NaN. Names the
+    /// last freedom whose pivot is suspicious.
+    fn check_pivots(&self, matrix: &SymmetricMatrix) -> Result<Option<usize>, SparseError> {
         let zero = zero_pivot(matrix.dim());
-        let check = |place: usize, root: f64| {
+        let mut suspicious = None;
+        let mut check = |place: usize, root: f64| {
             let freedom = self.freedom(place);
             let pivot = root * root;
             if pivot.is_nan() || pivot == f64::INFINITY {
                 Err(SparseError::NonFinite)
             } else if pivot > zero * matrix.diagonal(freedom) {
+                if pivot < SUSPICIOUS * matrix.diagonal(freedom) {
+                    suspicious = Some(freedom);
+                }
                 Ok(())
             } else {
                 Err(SparseError::NotPositiveDefinite { freedom })
@@ -181,7 +207,7 @@ impl SparseCholesky {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 let starts = &symbolic.col_ptr()[..symbolic.ncols()];
                 let mut roots = starts.iter().map(|&start| self.factor[start as usize]).enumerate();
-                roots.try_for_each(|(place, root)| check(place, root))
+                roots.try_for_each(|(place, root)| check(place, root))?;
             }
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
                 let factor = SupernodalLltRef::new(symbolic, &self.factor);
@@ -189,9 +215,10 @@ impl SparseCholesky {
                     let panel = factor.supernode(s);
                     let block = panel.val();
                     (0..block.ncols()).try_for_each(|j| check(panel.start() + j, block[(j, j)]))
-                })
+                })?;
             }
         }
+        Ok(suspicious)
     }
 }
 

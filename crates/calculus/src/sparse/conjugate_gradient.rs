@@ -17,9 +17,9 @@ use faer::matrix_free::conjugate_gradient::{
 use faer::matrix_free::{InitialGuessStatus, LinOp};
 use faer::{MatMut, MatRef, Par};
 
-use crate::equation::length;
+use crate::equation::{length, power_of_two};
 use crate::sparse::SparseError;
-use crate::sparse::block_jacobi::{BlockJacobi, power_of_two};
+use crate::sparse::block_jacobi::BlockJacobi;
 use crate::sparse::scratch::Scratch;
 use crate::sparse::solver::check_sizes;
 use crate::{Metric, Potential, ProductSink, SizeError};

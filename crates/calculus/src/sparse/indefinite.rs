@@ -12,9 +12,11 @@
 //! ```text
 //! r = b - A x,    x <- x + A^-1 r       while the residual halves,
 //! ```
-//! and refused, with its relative residual, if `|r| <= 1e-8 |b|` does not hold in the end. A matrix on
+//! and refused, with its relative residual, if `|r| <= 1e-8 |b|` does not hold in the end: rounding x
+//! alone leaves `eps |A| |x|`, so that from a condition of 1e8 on some b are refused. A matrix on
 //! which a known vector is not found again is called singular when it is factored. The signs of B
-//! are never read.
+//! are never read. Products of entries that leave the range of numbers are kept within it by a power of
+//! two.
 
 mod rows;
 mod symmetric;
@@ -23,6 +25,7 @@ mod tests;
 
 use std::sync::Arc;
 
+use crate::equation::power_of_two;
 use crate::first_non_finite;
 use crate::hessian_solver::largest_or_nan;
 use crate::sparse::SparseError;
@@ -63,6 +66,8 @@ pub struct SparseIndefinite {
     rows: Option<RowPivoting>,
     /// The factors that passed the check; none before that.
     pivoting: Option<Pivoting>,
+    /// The power of two by which the matrix was divided before it was factored.
+    unit: f64,
     given: Vec<f64>,
     correction: Vec<f64>,
     best: Vec<f64>,
@@ -79,6 +84,7 @@ impl SparseIndefinite {
             symmetric: SymmetricPivoting::analyse(matrix)?,
             rows: None,
             pivoting: None,
+            unit: 1.0,
             given: vec![0.0; n],
             correction: vec![0.0; n],
             best: vec![0.0; n],
@@ -95,14 +101,23 @@ impl SparseIndefinite {
         if first_non_finite(matrix.values()).is_some() {
             return Err(SparseError::NonFinite);
         }
-        if self.symmetric.factor(matrix) && self.finds_a_known_vector(Pivoting::Symmetric, matrix) {
+        self.unit = power_of_two(largest_or_nan(matrix.values().iter().map(|entry| entry.abs())));
+        let in_range: SymmetricMatrix;
+        let factored = if self.unit == 1.0 {
+            matrix
+        } else {
+            in_range = matrix.divided_by(self.unit);
+            &in_range
+        };
+        if self.symmetric.factor(factored) && self.finds_a_known_vector(Pivoting::Symmetric, matrix)
+        {
             return Ok(Pivoting::Symmetric);
         }
         let rows = match &mut self.rows {
             Some(rows) => rows,
             none => none.insert(RowPivoting::analyse(matrix)?),
         };
-        rows.factor(matrix)?;
+        rows.factor(factored)?;
         if self.finds_a_known_vector(Pivoting::Rows, matrix) {
             return Ok(Pivoting::Rows);
         }
@@ -158,9 +173,17 @@ impl SparseIndefinite {
 
     /// One solve without any check.
     fn once(&mut self, pivoting: Pivoting, b: &mut [f64]) {
+        let load = power_of_two(largest_or_nan(b.iter().map(|b| b.abs())));
+        if load != 1.0 {
+            b.iter_mut().for_each(|x| *x /= load);
+        }
         match (pivoting, &mut self.rows) {
             (Pivoting::Rows, Some(rows)) => rows.solve(b),
             _ => self.symmetric.solve(b),
+        }
+        if load != 1.0 || self.unit != 1.0 {
+            let unit = load / self.unit;
+            b.iter_mut().for_each(|x| *x *= unit);
         }
     }
 

@@ -21,8 +21,7 @@ pub const KINDS: &[Kind] = &[
         name: "polygons",
         krate: "mesh",
         rule: "simple outlines refused, or others accepted, or other pairs of edges listed than whole \
-               numbers find; area or inside off by 1e-12; a shape lying down that costs 30 times what \
-               it costs upright",
+               numbers find; area or inside off by 1e-12",
         in_tests: 1500,
         trial: polygons::trial,
     },

@@ -313,3 +313,136 @@ fn blocks_and_values_of_other_sizes_are_refused() {
     let error = check_jacobian(changing, |_| DMatrix::zeros(1, 1), &[0.3]).unwrap_err();
     assert!(matches!(error, DerivativeError::Size(_)), "{error}");
 }
+
+/// The chain of 40 freedoms, one of them in a well with a wall so steep that half a length away from it
+/// the energy is out of all bounds.
+#[test]
+fn one_freedom_beside_a_wall_does_not_hide_what_depends_on_the_others() {
+    let n = 40;
+    let wall = |_: &[f64]| {
+        given(
+            1,
+            |q| (1e6 * q[0]).exp(),
+            |q| vec![1e6 * (1e6 * q[0]).exp()],
+            |q| vec![(vec![0], vec![1e12 * (1e6 * q[0]).exp()])],
+        )
+    };
+    let walled = wall(&[]);
+    let potential = || {
+        let (walled, chain) = (wall(&[]), chain(n, 1.0));
+        let (energy, other) = (chain.energy, walled.energy);
+        let (differential, push) = (chain.differential, walled.differential);
+        let (hessian, stiffness) = (chain.hessian, walled.hessian);
+        given(
+            n,
+            move |q| energy(q) + other(q),
+            move |q| {
+                let mut dv = differential(q);
+                dv[0] += push(q)[0];
+                dv
+            },
+            move |q| [hessian(q), stiffness(q)].concat(),
+        )
+    };
+    let mut q = configuration(n, 1.0);
+    q[0] = -1e-6;
+    assert!(!walled.energy(&[0.5]).is_finite());
+    check_potential(&potential(), &q).unwrap();
+    let whole = potential();
+    let hessian = whole.hessian;
+    let mistaken = Given {
+        hessian: Box::new(move |q: &[f64]| {
+            let mut blocks = hessian(q);
+            if q[17] > 1.2 {
+                blocks.reverse();
+            }
+            blocks
+        }),
+        ..whole
+    };
+    q[17] = 0.9;
+    let error = check_potential(&mistaken, &q).unwrap_err();
+    assert!(matches!(error, DerivativeError::PatternChanged { .. }), "{error}");
+}
+
+/// V = c + f x + (x - y)^2/2 + y^2/2, whose second component is off by a hundredth: too little beside load
+/// and constant to be seen in the differential itself.
+#[test]
+fn a_component_beside_a_load_is_blamed_and_not_the_hessian() {
+    let loaded = |constant: f64, load: f64| {
+        given(
+            2,
+            move |q| constant + load * q[0] + 0.5 * (q[0] - q[1]).powi(2) + 0.5 * q[1] * q[1],
+            move |q| vec![load + q[0] - q[1], 1.01 * (2.0 * q[1] - q[0])],
+            |_| vec![(vec![0, 1], vec![1.0, -1.0, -1.0, 2.0])],
+        )
+    };
+    // Beside the constant the energy tells nothing, but the slopes are not symmetric.
+    for (constant, load) in [(0.0, 1e5), (0.0, 1e9), (1e13, 1.0)] {
+        let entry = wrong(check_potential(&loaded(constant, load), &[0.7, 0.3]));
+        assert_eq!((entry.derivative, entry.column), (Derivative::Differential, 1), "{entry}");
+    }
+}
+
+/// The same without a coupling.
+#[test]
+fn where_neither_the_energy_nor_symmetry_tells_neither_derivative_is_blamed() {
+    let loaded = given(
+        2,
+        |q| 1e13 * q[0] + q[1] * q[1],
+        |q| vec![1e13, 2.02 * q[1]],
+        |_| vec![(vec![0, 1], vec![0.0, 0.0, 0.0, 2.0])],
+    );
+    let entry = wrong(check_potential(&loaded, &[0.7, 0.3]));
+    assert_eq!(entry.derivative, Derivative::DifferentialOrHessian, "{entry}");
+    assert!(entry.to_string().starts_with("the differential or the Hessian is wrong at row 1"));
+}
+
+/// Two short waves, of whose Hessian one block is missing. Over steps of 1 the energy does not bend.
+#[test]
+fn a_forgotten_block_of_a_short_wave_is_not_blamed_on_the_differential() {
+    let l = 2e-6;
+    let waves = given(
+        2,
+        move |q| (q[0] / l).cos() + (q[1] / l).cos(),
+        move |q| q.iter().map(|q| -(q / l).sin() / l).collect(),
+        move |q| vec![(vec![0], vec![-(q[0] / l).cos() / (l * l)])],
+    );
+    let entry = wrong(check_potential(&waves, &[1.7e-6, 0.6e-6]));
+    assert_eq!((entry.derivative, entry.row), (Derivative::Hessian, 1), "{entry}");
+}
+
+/// The ripple is 1e-8 of the differential, its slope a hundred thousandth of the Hessian.
+#[test]
+fn a_ripple_a_thousand_times_shorter_than_the_length_is_found() {
+    for at in [0.0, 0.36, 1.1] {
+        let rippled = given(
+            1,
+            |q| 10.0 * q[0] + 0.5 * q[0] * q[0],
+            |q| vec![10.0 + q[0] + 1e-7 * (1e3 * q[0]).sin()],
+            |_| vec![(vec![0], vec![1.0])],
+        );
+        let entry = wrong(check_potential(&rippled, &[at]));
+        assert_eq!(entry.derivative, Derivative::Differential, "{at} {entry}");
+    }
+}
+
+/// q is 0.52 large, so that half a length is 0.5 and not 0.26.
+#[test]
+fn a_branch_half_a_length_away_is_found_where_q_is_a_little_smaller_than_the_length() {
+    let branched = given(
+        2,
+        |q| 0.5 * (q[0] * q[0] + q[1] * q[1]),
+        |q| q.to_vec(),
+        |q| {
+            let zero = (vec![0], vec![0.0]);
+            let identity = (vec![0, 1], vec![1.0, 0.0, 0.0, 1.0]);
+            if q[1] > 0.97 { vec![zero, identity] } else { vec![identity] }
+        },
+    );
+    for seed in 0..50 {
+        let check = DerivativeCheck { seed, ..DerivativeCheck::default() };
+        let error = check.potential(&branched, &[0.3, 0.52]).unwrap_err();
+        assert!(matches!(error, DerivativeError::PatternChanged { .. }), "{seed}: {error}");
+    }
+}

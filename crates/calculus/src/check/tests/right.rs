@@ -212,3 +212,58 @@ fn a_gas_in_si_units_passes() {
         assert_derivatives(&gas, &[r * sigma, 0.1 * sigma]);
     }
 }
+
+/// What |x|^1.5 does within a nanometre of its kink is below the rounding of the other term; beyond, its
+/// slope is none to any step.
+#[test]
+fn a_kink_closer_than_the_rounding_of_the_energy_shows_is_no_false_alarm() {
+    for distance in [1.3e-10, -1.4e-9, 6e-10] {
+        let sum = given(
+            2,
+            |q| 11.0 * q[0].abs().powf(1.5) + 42.0 * q[1].powf(1.5),
+            |q| vec![16.5 * q[0].abs().sqrt() * q[0].signum(), 63.0 * q[1].sqrt()],
+            |q| {
+                vec![(vec![0], vec![8.25 / q[0].abs().sqrt()]), (vec![1], vec![31.5 / q[1].sqrt()])]
+            },
+        );
+        check_potential(&sum, &[distance, 0.12]).unwrap();
+    }
+}
+
+/// Two atoms of argon all but level: the energy is even in the height, over all steps that show anything.
+#[test]
+fn a_gas_all_but_level_passes() {
+    let (sigma, epsilon) = (1e-10, 1e-23);
+    let apart = |q: &[f64]| [q[2] - q[0], q[3] - q[1]];
+    let force = move |r: f64| 4.0 * epsilon * (-12.0 * r.powi(-13) + 6.0 * r.powi(-7)) / sigma;
+    let length = move |q: &[f64]| apart(q)[0].hypot(apart(q)[1]);
+    let gas = given(
+        4,
+        move |q| {
+            let r = length(q) / sigma;
+            4.0 * epsilon * (r.powi(-12) - r.powi(-6))
+        },
+        move |q| {
+            let (l, [x, y]) = (length(q), apart(q));
+            let f = force(l / sigma) / l;
+            vec![-f * x, -f * y, f * x, f * y]
+        },
+        move |q| {
+            let (l, d) = (length(q), apart(q));
+            let r = l / sigma;
+            let along = 4.0 * epsilon * (156.0 * r.powi(-14) - 42.0 * r.powi(-8)) / sigma / sigma;
+            let across = force(r) / l;
+            let entry = |e: usize| {
+                let (i, j) = (e % 4, e / 4);
+                let uu = d[i % 2] * d[j % 2] / l / l;
+                let delta = f64::from(u8::from(i % 2 == j % 2));
+                let entry = along * uu + across * (delta - uu);
+                if i / 2 == j / 2 { entry } else { -entry }
+            };
+            vec![((0..4).collect(), (0..16).map(entry).collect())]
+        },
+    );
+    for height in [5e-17, 1e-16, 1e-15, 1e-13] {
+        assert_derivatives(&gas, &[0.0, 2e-12, 1e-10, 2e-12 + height]);
+    }
+}

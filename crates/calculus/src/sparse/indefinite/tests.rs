@@ -187,3 +187,18 @@ fn numbers_that_are_not_finite_never_pass() {
     let error = solver.solve(&matrix, &mut [f64::NAN; 15]).unwrap_err();
     assert!(matches!(error, SparseError::Untrusted { .. }));
 }
+
+/// A saddle matrix of entries whose products leave the range of numbers.
+#[test]
+fn entries_of_any_size_are_solved() {
+    for scale in [1e-290, 1e-170, 1e170, 1e290] {
+        let mut blocks = chain(30, Numbering::LinkByLink);
+        blocks.iter_mut().flat_map(|(_, entries)| entries).for_each(|entry| *entry *= scale);
+        let (matrix, mut solver) = assembled(90, &blocks);
+        solver.factor(&matrix).unwrap();
+        let b: Vec<f64> = (0..90).map(|i| (i as f64).cos()).collect();
+        let mut x = b.clone();
+        solver.solve(&matrix, &mut x).unwrap();
+        assert!(relative_residual(&matrix, &x, &b) < 1e-12, "{scale}");
+    }
+}
