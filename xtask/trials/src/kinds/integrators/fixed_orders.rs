@@ -35,7 +35,7 @@ const FITTINGS: usize = 16;
 /// The slope may be this much below the order.
 const BAND: f64 = 0.4;
 /// The slopes of a power differ by less than this.
-const POWER: f64 = 0.25;
+const POWER: f64 = 0.15;
 
 type Mass = DiagonalMetric<Vec<f64>>;
 
