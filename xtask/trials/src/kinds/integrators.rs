@@ -36,9 +36,8 @@ pub const KINDS: &[Kind] = &[
     Kind {
         name: "fixed-orders",
         krate: "integrators",
-        rule: "fixed steps: the largest error along the way falls with a power of the step more \
-               than 0.4 below the order, from 1e-3 down to 1e-10 of the motion; where the slope \
-               still rises, what it rises to",
+        rule: "fixed steps: the largest error along the way falls with one power of the step, from \
+               1e-3 down to 1e-10 of the motion, and it is more than 0.4 below the order",
         in_tests: 60,
         trial: fixed_orders::trial,
     },

@@ -4,8 +4,8 @@
 //! error(h) ~ C h^k,      error the largest at sixteen times along the way
 //! ```
 //! The time over which a motion is followed is chosen for the method: such that a few long steps are
-//! off by about as much as is asymptotic still. Where the slope still rises as the steps get shorter,
-//! what it rises to counts.
+//! off by about as much as is asymptotic still. Where the slope is too low, but another one from each
+//! pair of steps to the next, it is that of no power and says nothing of the order.
 
 use std::rc::Rc;
 
@@ -34,6 +34,8 @@ const FINE: usize = 512;
 const FITTINGS: usize = 16;
 /// The slope may be this much below the order.
 const BAND: f64 = 0.4;
+/// The slopes of a power differ by less than this.
+const POWER: f64 = 0.15;
 
 type Mass = DiagonalMetric<Vec<f64>>;
 
@@ -185,20 +187,6 @@ fn truth(problem: &InitialValue, times: &[f64]) -> Option<(Vec<Vec<f64>>, f64)> 
     Some((found, doubt))
 }
 
-/// The slope of these points, from long steps to short ones; where it rises from each pair to the
-/// next, what it rises to: linear in h^2, as in an error `C h^k + D h^(k+2)`.
-fn slope_at_zero(points: &[(f64, f64)]) -> Option<f64> {
-    let slope = loglog_slope(points)?;
-    let local: Vec<(f64, f64)> = (points.windows(2))
-        .map(|pair| Some((pair[0].0 * pair[1].0, loglog_slope(pair)?)))
-        .collect::<Option<_>>()?;
-    if !local.windows(2).all(|pair| pair[0].1 < pair[1].1) {
-        return Some(slope);
-    }
-    let [.., (before, first), (square, second)] = local[..] else { return Some(slope) };
-    Some(second + (second - first) * square / (before - square))
-}
-
 fn judge(stepper: &mut dyn Integrator<Vec<f64>>, problem: &InitialValue) -> Verdict {
     let facts = stepper.facts();
     let range = if facts.order == 1 { ASYMPTOTIC_OF_ORDER_1 } else { ASYMPTOTIC };
@@ -229,9 +217,14 @@ fn judge(stepper: &mut dyn Integrator<Vec<f64>>, problem: &InitialValue) -> Verd
     if last.len() < 3 {
         return Verdict::not_judged(format!("{}: too few errors in the range", facts.name));
     }
-    let Some(slope) = slope_at_zero(last) else {
+    let slopes = (loglog_slope(last), loglog_slope(&last[..2]), loglog_slope(&last[1..]));
+    let (Some(slope), Some(first), Some(second)) = slopes else {
         return Verdict::not_judged("no slope");
     };
+    let missing = (f64::from(facts.order) - slope).max(0.0);
+    if missing > BAND && (first - second).abs() > POWER {
+        return Verdict::not_judged(format!("{}: the errors follow no power yet", facts.name));
+    }
     let what = format!("{}: slope {slope:.2} of {last:?} over {end}", facts.name);
-    Verdict::of((f64::from(facts.order) - slope).max(0.0), BAND, &what)
+    Verdict::of(missing, BAND, &what)
 }
