@@ -93,8 +93,8 @@ impl DenseLu {
         let term = |(v, scale): (&f64, &f64)| (v * (scale / self.scales[j])).powi(2);
         let terms: f64 = v.iter().zip(&self.scales).map(term).sum();
         let pivot = self.matrix[(j, j)].abs() / self.scales[j];
-        // The comparison is so written that NaN is rounding.
-        !(pivot > ROUNDINGS * f64::EPSILON * terms.sqrt())
+        let is_regular = pivot > ROUNDINGS * f64::EPSILON * terms.sqrt();
+        !is_regular
     }
 
     fn eliminate(&mut self) {

@@ -143,8 +143,8 @@ pub(crate) fn is_rounding(j: usize, x: &[f64], diagonal: impl Fn(usize) -> f64) 
     let answer = x[j];
     let term = |(i, x): (usize, &f64)| diagonal(i) * answer * (x / answer) * (x / answer);
     let terms: f64 = x.iter().enumerate().map(term).sum();
-    // The comparison is so written that NaN is rounding.
-    !(ROUNDINGS * f64::EPSILON * terms < 1.0)
+    let is_regular = ROUNDINGS * f64::EPSILON * terms < 1.0;
+    !is_regular
 }
 
 /// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
