@@ -62,8 +62,10 @@ impl Stiff {
     /// Exponents of the tolerances that a method is asked for.
     fn tolerances(self, size: Size) -> std::ops::RangeInclusive<i32> {
         match (self, size) {
-            (Stiff::Radau | Stiff::Bdf(5), Size::Default) => 3..=9,
-            (Stiff::Radau | Stiff::Bdf(5), Size::Full) => 3..=11,
+            // Looser is held as 1e-4; tighter is better than the published answers.
+            (Stiff::Radau, _) => 4..=8,
+            (Stiff::Bdf(5), Size::Default) => 3..=9,
+            (Stiff::Bdf(5), Size::Full) => 3..=11,
             (Stiff::Bdf(_), Size::Default) => 3..=7,
             (Stiff::Bdf(_), Size::Full) => 3..=9,
             (Stiff::DormandPrince, Size::Default) => 6..=6,
