@@ -302,10 +302,17 @@ fn stepped(
     }
     let free = net.hooks.is_empty() && system.potential().acceleration == [0.0; 2];
     let scale = size(start).max(size(&state));
+    // A velocity that is a difference of places has the rounding of the places.
+    let of_places = if choice.0 == Way::Projected {
+        let heaviest = state.q.iter().enumerate().map(|(f, q)| net.mass(f) * q.abs());
+        4.0 * f64::EPSILON * heaviest.fold(0.0, f64::max) / h
+    } else {
+        0.0
+    };
     if free {
         for c in 0..2 {
             let off = (sum(&state.p.0, c) - sum(&start.p.0, c)).abs();
-            verdict = verdict.and(Verdict::of(off, 1e-12 * scale, "linear momentum"));
+            verdict = verdict.and(Verdict::of(off, 1e-12 * scale + of_places, "linear momentum"));
         }
         if choice.0 != Way::Projected {
             let off = (spin(&state.q, &state.p.0) - spin(&start.q, &start.p.0)).abs();
