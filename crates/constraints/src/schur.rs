@@ -437,7 +437,7 @@ mod tests {
             (1e-6, 1e-8, 1.0),
         ] {
             // One point of the square is light, and the first of each pendulum.
-            let is_light = |point: usize| point == 0 || (point > 3 && point % 2 == 0);
+            let is_light = |point: usize| point == 0 || (point > 3 && point.is_multiple_of(2));
             let mass: Vec<f64> =
                 (0..n).map(|f| if is_light(f / 2) { light } else { 1.0 }).collect();
             let j = scaled(&rods, &q, &mass);

@@ -104,7 +104,7 @@ impl Scene {
                 // A solve with the factor counts as a differential.
                 let step =
                     StepReport { differentials: 1 + u32::from(implicit), ..StepReport::default() };
-                let way = Way::Steps(heat, step);
+                let way = Way::Steps(Box::new(heat), step);
                 let built = Built { sparse_solvers: implicit.into(), ..built };
                 let flow = Flow { scene: self, shares, domain, way, prepared, built, state };
                 march(self, flow, checkpoint, watcher)
@@ -137,7 +137,7 @@ struct Flow<'a, const K: usize> {
 /// How heat is moved.
 enum Way<'a> {
     /// In steps, each of which counts this.
-    Steps(Heat<'a, DiagonalMetric<Vec<f64>>>, StepReport),
+    Steps(Box<Heat<'a, DiagonalMetric<Vec<f64>>>>, StepReport),
     /// In closed form, about what it comes to in the end.
     Modes(ExactHeat<'a>, &'a [f64]),
 }
