@@ -302,10 +302,12 @@ fn stepped(
     }
     let free = net.hooks.is_empty() && system.potential().acceleration == [0.0; 2];
     let scale = size(start).max(size(&state));
-    // A velocity that is a difference of places has the rounding of the places.
+    // A velocity that is a difference of places has their rounding, and forces that all but cancel
+    // magnify it.
     let of_places = if choice.0 == Way::Projected {
         let heaviest = state.q.iter().enumerate().map(|(f, q)| net.mass(f) * q.abs());
-        4.0 * f64::EPSILON * heaviest.fold(0.0, f64::max) / h
+        let rounding = 4.0 * f64::EPSILON * heaviest.fold(0.0, f64::max) / h;
+        rounding / regularity.max(1e-3)
     } else {
         0.0
     };
