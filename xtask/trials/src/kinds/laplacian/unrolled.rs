@@ -382,7 +382,7 @@ fn bumpy(draw: &mut Draw) -> Known {
     let shape = bumpy_ball(draw);
     let own = shape.clone();
     let truth = move |sources: &[usize]| {
-        let (rough, straight) = through_edges(&own, 20, sources);
+        let (rough, straight) = through_edges(&own, 60, sources);
         // A path over other edges may be shorter still, by less than the graph could tell; more so
         // where this one comes near a vertex that it might pass on the other side.
         let unsure =
