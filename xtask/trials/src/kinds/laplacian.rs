@@ -4,6 +4,7 @@ use crate::Kind;
 
 mod bad_input;
 mod distance;
+mod edge_graph;
 mod heat;
 mod matrices;
 mod poisson;

@@ -133,6 +133,9 @@ impl Body {
         forces: &[Vec<f64>],
         free: &[usize],
     ) -> Option<Correction> {
+        if free.is_empty() {
+            return Some(Correction { length: 0.0, rounding: 0.0, least: 1.0 });
+        }
         let d = x[0].len();
         let [differential, terms] = self.differential(x);
         let at = |all: &[Vec<f64>], k: usize| all[k / d][k % d];
