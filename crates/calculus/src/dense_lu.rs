@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use crate::Unsolvable;
 use crate::equation::power_of_two;
-use crate::hessian_solver::{SUSPICIOUS, zero_pivot};
+use crate::pivots::{SUSPICIOUS, zero_pivot};
 
 /// Units of rounding of each column that an elimination may leave of zero.
 const ROUNDINGS: f64 = 16.0;

@@ -56,6 +56,8 @@ mod equation;
 mod newton;
 mod function_equation;
 mod hessian_solver;
+mod pivots;
+mod dense_solver;
 mod dense_lu;
 mod semidefinite;
 #[cfg(feature = "sparse")]
@@ -78,6 +80,7 @@ pub use check::{
     check_potential, check_potential_on, differences,
 };
 pub use dense_lu::DenseLu;
+pub use dense_solver::DenseSolver;
 pub use differential::{
     Number, differential, directional_derivative, gradient, hessian, jacobian, jacobian_of_matrix,
     second_differential,
@@ -89,7 +92,7 @@ pub use error::{MetricError, SizeError};
 pub use fit::{loglog_slope, truncation_regime};
 pub use force::Force;
 pub use function_equation::FunctionEquation;
-pub use hessian_solver::{DenseSolver, HessianSolver, Rung};
+pub use hessian_solver::{HessianSolver, Rung};
 pub use least_norm::{LeastNorm, LeastNormError, least_norm};
 pub use metric::{DenseMetric, DiagonalMetric, Metric};
 pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, NewtonReport};

@@ -21,7 +21,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::first_non_finite;
-use crate::hessian_solver::{SUSPICIOUS, is_rounding, zero_pivot};
+use crate::pivots::{SUSPICIOUS, is_rounding, zero_pivot};
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::dissection::nested_dissection;
