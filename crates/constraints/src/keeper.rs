@@ -21,8 +21,9 @@ use stationary_integrators::{State, StepError};
 use crate::feasible::{Flight, Scales, rounding};
 use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
 
-/// More iterations than this are too long a step, or equations that contradict each other.
-const ITERATIONS: u32 = 60;
+/// More iterations than this are too long a step, or equations that contradict each other. A step at the
+/// bound that [`Rattle`](crate::Rattle) states may gain no more than a tenth in each.
+const ITERATIONS: u32 = 240;
 
 /// Solves for a velocity that stays, at most.
 const SOLVES: u32 = 3;

@@ -103,6 +103,10 @@ struct Last<C> {
 /// many tolerances.
 const MOST_TOLERANCES: f64 = 20.0;
 
+/// The part of an error that counts where it is measured at the step's end: all of it would shorten
+/// every step that ends near a zero.
+const AT_END: f64 = 0.2;
+
 /// What the estimate of a step's error is held to.
 fn stricter(tolerance: &Tolerance) -> Tolerance {
     let tolerance = tolerance.held(1.0, LOOSEST);
@@ -184,11 +188,12 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
     /// The error of a step whose equations are solved, against the tolerance. `again` filters it
     /// once more, for steps that begin in a fast transient.
     fn error(&mut self, h: f64, again: Again) -> f64 {
-        let RadauIia5 { field, moment, collocation, f, s, error, moved, .. } = self;
-        let first = collocation.error(field, f, h, (&mut *error, s));
+        let first = self.collocation.error(&self.field, &self.f, h, (&mut self.error, &self.s));
+        let first = first.max(self.error_at_end());
         if first < 1.0 || again == Again::No {
             return first.max(1e-10);
         }
+        let RadauIia5 { field, moment, collocation, s, error, moved, .. } = self;
         for ((moved, y), e) in moved.as_mut().iter_mut().zip(moment.y.as_ref()).zip(error.as_ref())
         {
             *moved = y + e;
@@ -196,7 +201,18 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
         field.evaluate(moment.t, moved.as_ref(), error.as_mut());
         self.work.evaluations += 1;
         moved.clone_from(error);
-        collocation.error(field, moved, h, (error, s)).max(1e-10)
+        let second = collocation.error(field, moved, h, (error, s));
+        second.max(self.error_at_end()).max(1e-10)
+    }
+
+    /// The same error against what is tolerated at the step's end, in parts of what it may be there: a
+    /// stiff part that is driven through zero brings to its end what was tolerable at the start.
+    fn error_at_end(&self) -> f64 {
+        let (y, z) = (self.moment.y.as_ref(), self.collocation.z[2].as_ref());
+        let states = y.iter().zip(z).map(|(y, z)| y + z).zip(self.scale.absolute.as_ref());
+        let scales = states.map(|(end, absolute)| absolute + self.scale.relative * end.abs());
+        let squares = self.error.as_ref().iter().zip(scales).map(|(e, s)| (e / s) * (e / s));
+        AT_END * (squares.sum::<f64>() / y.len().max(1) as f64).sqrt()
     }
 
     /// By how much the error lets the step change, more cautiously after many iterations.

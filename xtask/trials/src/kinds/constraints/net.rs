@@ -155,11 +155,27 @@ impl Net {
     /// scales, masses left aside.
     pub(super) fn regularity(&self, q: &[f64]) -> f64 {
         let sigma = self.differential(q).svd(false, false).singular_values;
+        self.smallest(sigma.as_slice()) / sigma[0]
+    }
+
+    /// The smallest singular value that is not zero of `J M^-1/2`, over that of a rod between two of the
+    /// lightest points.
+    pub(super) fn sharing_regularity(&self, q: &[f64]) -> f64 {
+        let lightest = self.masses.iter().fold(f64::INFINITY, |a, &m| a.min(m));
+        let mut weighted = self.differential(q);
+        for (freedom, mut column) in weighted.column_iter_mut().enumerate() {
+            column *= (lightest / self.mass(freedom)).sqrt();
+        }
+        self.smallest(weighted.svd(false, false).singular_values.as_slice())
+    }
+
+    /// The smallest of the singular values that is not zero.
+    fn smallest(&self, sigma: &[f64]) -> f64 {
         let rank = match self.shape {
             Shape::Braced => 2 * self.masses.len() - 3,
             _ => self.rods.len(),
         };
-        if rank > sigma.len() { 0.0 } else { sigma[rank - 1] / sigma[0] }
+        if rank > sigma.len() { 0.0 } else { sigma[rank - 1] }
     }
 
     /// Takes the part out of a velocity that would stretch rods.

@@ -30,6 +30,10 @@ const TURN: f64 = 0.4;
 /// masses, has a solution.
 const BOUND: f64 = 0.5;
 
+/// What is independent by less than this, masses counted, comes slowly where many share by least norm, and
+/// may be refused.
+const SHARED: f64 = 1e-4;
+
 type Problem = System<DiagonalMetric<Vec<f64>>, UniformGravity<2>>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,12 +186,13 @@ fn trial(draw: &mut Draw) -> Verdict {
         Ok(_) => {}
     }
     if stretch > 1e-13 || rate > 1e-10 {
-        return projected(&net, &system, &rods, &mut state, redundancy, regularity);
+        return projected(&net, &system, &rods, &mut state, redundancy);
     }
     let mut verdict = stepped(draw, &net, &system, &rods, &state, choice, turn, regularity);
     let smooth = turn * net.mass_ratio().sqrt() < 0.05;
-    if net.shape == Shape::HungChain && n <= 3 && smooth && matches!(verdict, Verdict::Right { .. })
-    {
+    // A velocity may stretch rods by 1e-12 m/s, which is much for a chain of micrometres.
+    let tangent = leaves == 0.0 && matches!(verdict, Verdict::Right { .. });
+    if net.shape == Shape::HungChain && n <= 3 && smooth && tangent {
         verdict = verdict.and(in_angles(&net, &system, &rods, &state, choice, turn, gravity));
     }
     verdict
@@ -217,7 +222,6 @@ fn projected(
     rods: &Rods<2>,
     state: &mut State<Vec<f64>>,
     redundancy: Redundancy,
-    regularity: f64,
 ) -> Verdict {
     let given = state.clone();
     let done = Projection::new(system, rods.clone(), state, Few::<10>(redundancy))
@@ -226,14 +230,16 @@ fn projected(
         Err(error) if is_absurd(&error) => Verdict::wrong(format!("projection says: {error}")),
         Err(_) if *state != given => Verdict::wrong("a failed projection moved the state"),
         // Rods that were made to depend on each other need not close again.
-        Err(error) if regularity < 1e-2 || net.shape == Shape::Braced => {
+        Err(error) if net.regularity(&given.q) < 1e-2 || net.shape == Shape::Braced => {
             let _ = error;
             Verdict::due()
         }
         Err(error) => Verdict::refused(error),
         Ok(_) => {
             let rate = stretching(net, &state.q, &state.p.0);
-            let (rounding, ratio) = (1e-12 / regularity.max(1e-8), net.mass_ratio().sqrt());
+            // Where it has come to: rods in a line were bent by what moved them.
+            let regularity = net.regularity(&state.q).max(1e-8);
+            let (rounding, ratio) = (1e-12 / regularity, net.mass_ratio().sqrt());
             Verdict::of(relative_stretch(net, &state.q), 1.1e-12, "a rod after projection")
                 .and(Verdict::of(rate, rounding * ratio, "a velocity after projection"))
         }
@@ -278,6 +284,13 @@ fn stepped(
                 }
                 if is_absurd(&error) {
                     return Verdict::wrong(format!("step {step} says: {error}"));
+                }
+                let shares = choice.1 == Solved::Many && choice.2 == Redundancy::LeastNorm;
+                if shares
+                    && matches!(error, ConstraintError::Dependent { .. })
+                    && net.sharing_regularity(&before.q) < SHARED
+                {
+                    return Verdict::refused(error);
                 }
                 return refusal(net, &before, system, (h, regularity), error);
             }
