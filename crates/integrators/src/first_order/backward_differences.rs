@@ -9,7 +9,7 @@
 //! polynomial on the new grid. One evaluation of f an iteration, one real factorization for as long
 //! as the step stays: cheap where f and its Jacobian are costly and few digits are asked for.
 //!
-//! A step may use a tenth of the tolerance, because the errors of many steps add up; a relative
+//! A step may use a twentieth of the tolerance, because the errors of many steps add up; a relative
 //! tolerance looser than 1e-3 is held as 1e-3. A step that is so long that it would let a motion decay
 //! which grows, by the sign of the determinant of `M - c J`, is halved: see
 //! `an_explosion_from_below_the_tolerance_is_not_stepped_over`.
@@ -43,7 +43,7 @@ const SECTORS: [f64; HIGHEST] = [90.0, 90.0, 86.03, 73.35, 51.84];
 const NAMES: [&str; HIGHEST] = ["bdf-1", "bdf-2", "bdf-3", "bdf-4", "bdf-5"];
 
 /// The part of the tolerance that a step may use: the errors of many steps add up.
-const PART: f64 = 0.1;
+const PART: f64 = 0.05;
 /// A looser relative tolerance is held as this one: the past of steps that long is no past.
 const LOOSEST: f64 = 1e-3;
 /// The safety factor of the step control.
