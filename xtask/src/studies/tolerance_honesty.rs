@@ -140,7 +140,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
                      their own sizes. A tolerance holds the error of a step. The error at the end \
                      is what the flow makes of all of them: A says by how much it amplifies what \
                      is wrong at the start. The Nystrom pairs hold a tolerance above 1e-5 as 1e-5, \
-                     BDF one above 1e-3 as 1e-3. An explicit method on a stiff problem ends at its \
+                     DOP853 and Radau one above 1e-4 as 1e-4, BDF one above 1e-3 as 1e-3. An explicit method on a stiff problem ends at its \
                      bound on the number of steps and says so."
                 .into(),
         table: page.table,

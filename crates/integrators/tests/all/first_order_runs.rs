@@ -388,7 +388,7 @@ fn what_is_written_between_steps_is_finite_or_refused() {
     }
 }
 
-/// DOP853 and Radau hold at most 1e-4, BDF a tenth of at most 1e-3.
+/// DOP853 and Radau hold at most 1e-4, BDF a twentieth of at most 1e-3.
 #[test]
 fn a_loose_tolerance_is_held_as_a_tighter_one() {
     let field = FunctionField::new(2, |_t, y: &[f64], f: &mut [f64]| {
