@@ -32,6 +32,9 @@ pub struct ContravariantTensor(pub DMatrix<f64>);
 
 impl LinearTransformation {
     /// The vector `A(v)`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the vector has a component for each of the matrix's columns.
     pub fn apply<C: AsRef<[f64]>>(&self, v: &Vector<C>) -> Result<Vector<Vec<f64>>, SizeError> {
         SizeError::check("the vector's components", self.0.ncols(), v.components().len())?;
         Ok(Vector((&self.0 * column(v.components())).data.into()))
@@ -40,6 +43,10 @@ impl LinearTransformation {
 
 impl BilinearForm {
     /// The number `g(v, w)`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the first vector has a component for each row of the matrix and the
+    /// second one for each column.
     pub fn apply<C: AsRef<[f64]>>(&self, v: &Vector<C>, w: &Vector<C>) -> Result<f64, SizeError> {
         SizeError::check("the first vector's components", self.0.nrows(), v.components().len())?;
         SizeError::check("the second vector's components", self.0.ncols(), w.components().len())?;
@@ -88,6 +95,11 @@ pub enum BasisError {
 
 impl ChangeOfBasis {
     /// The passage whose column j holds the components of the new basis vector j in the old basis.
+    ///
+    /// # Errors
+    /// [`BasisError::Size`] for a matrix that is not square, [`BasisError::NotFinite`] for an
+    /// entry, [`BasisError::Singular`] for columns that depend on each other to working precision,
+    /// [`BasisError::InverseNotFinite`] for columns so short that the inverse overflows.
     pub fn new(t: DMatrix<f64>) -> Result<Self, BasisError> {
         let dim = t.nrows();
         SizeError::check("the new basis vectors", dim, t.ncols())?;
@@ -115,6 +127,9 @@ impl ChangeOfBasis {
     }
 
     /// `[v]~ = T^-1 [v]`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the vector has d components.
     pub fn vector<C: AsRef<[f64]>>(&self, v: &Vector<C>) -> Result<Vector<Vec<f64>>, SizeError> {
         SizeError::check("the vector's components", self.t.nrows(), v.components().len())?;
         let mut new = DVector::from_column_slice(v.components());
@@ -125,6 +140,9 @@ impl ChangeOfBasis {
     }
 
     /// `[nu]~ = [nu] T`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the covector has d components.
     pub fn covector<C: AsRef<[f64]>>(
         &self,
         nu: &Covector<C>,
@@ -134,6 +152,9 @@ impl ChangeOfBasis {
     }
 
     /// `[A]~ = T^-1 [A] T`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the matrix is d x d, as the change of basis is.
     pub fn transformation(
         &self,
         a: &LinearTransformation,
@@ -143,12 +164,18 @@ impl ChangeOfBasis {
     }
 
     /// `[g]~ = T^T [g] T`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the matrix is d x d, as the change of basis is.
     pub fn form(&self, g: &BilinearForm) -> Result<BilinearForm, SizeError> {
         self.fits(&g.0)?;
         Ok(BilinearForm(self.t.tr_mul(&(&g.0 * &self.t))))
     }
 
     /// `[F]~ = T^-1 [F] T^-T`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the matrix is d x d, as the change of basis is.
     pub fn contravariant(&self, f: &ContravariantTensor) -> Result<ContravariantTensor, SizeError> {
         self.fits(&f.0)?;
         let left = self.solved(f.0.clone());

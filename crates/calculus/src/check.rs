@@ -92,11 +92,17 @@ fn agrees(checked: Result<Report, DerivativeError>) {
 /// assert!(error.starts_with("the Hessian is wrong at row 0, column 0"));
 /// assert!(error.contains("measured  2.000000 times the claim"));
 /// ```
+///
+/// # Errors
+/// Those of [`DerivativeCheck::potential`] but for the settings, which are valid.
 pub fn check_potential(potential: &impl Potential, q: &[f64]) -> Result<Report, DerivativeError> {
     DerivativeCheck::default().potential(potential, q)
 }
 
 /// Checks a potential's differential and Hessian on any space, with the default settings.
+///
+/// # Errors
+/// Those of [`DerivativeCheck::potential_on`] but for the settings, which are valid.
 pub fn check_potential_on(
     space: &impl Space,
     potential: &impl Potential,
@@ -106,6 +112,9 @@ pub fn check_potential_on(
 }
 
 /// Checks the matrix of the differential of any function, with the default settings.
+///
+/// # Errors
+/// Those of [`DerivativeCheck::jacobian`] but for the settings, which are valid.
 pub fn check_jacobian(
     f: impl Fn(&[f64]) -> Vec<f64>,
     df: impl Fn(&[f64]) -> DMatrix<f64>,
@@ -164,6 +173,11 @@ impl Default for DerivativeCheck {
 
 impl DerivativeCheck {
     /// Checks a potential's differential and Hessian on flat space.
+    ///
+    /// # Errors
+    /// [`DerivativeError::Setting`] out of range; [`DerivativeError::Size`] unless q stores a
+    /// configuration; [`DerivativeError::NotFinite`] for the energy at q, a differential or a
+    /// Hessian. All other variants for derivatives that are wrong.
     pub fn potential(
         &self,
         potential: &impl Potential,
@@ -175,6 +189,9 @@ impl DerivativeCheck {
     /// Checks a potential's differential and Hessian on any space. Configurations move by
     /// [`Space::advance`]; of the Hessian the quadratic form `w^T H w` is compared with the second
     /// derivative of V along the motion w, which determines the symmetric H.
+    ///
+    /// # Errors
+    /// Those of [`DerivativeCheck::potential`].
     pub fn potential_on(
         &self,
         space: &impl Space,
@@ -185,6 +202,11 @@ impl DerivativeCheck {
     }
 
     /// Checks the matrix of the differential of any function of q, M x N for M numbers.
+    ///
+    /// # Errors
+    /// [`DerivativeError::Setting`] out of range; [`DerivativeError::Size`] where the matrix is not
+    /// M x N or the number of values changes; [`DerivativeError::NotFinite`] for the values at q or
+    /// a matrix; [`DerivativeError::Wrong`] for an entry that disagrees with differences.
     pub fn jacobian(
         &self,
         f: impl Fn(&[f64]) -> Vec<f64>,

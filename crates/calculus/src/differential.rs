@@ -96,6 +96,9 @@ pub fn hessian<const N: usize>(
 }
 
 /// The gradient: the vector whose inner product with any `w` is `{df(q)}(w)`.
+///
+/// # Errors
+/// [`SizeError`] unless the metric has N freedoms.
 pub fn gradient<const N: usize>(
     metric: &impl Metric,
     f: impl Fn([DualSVec64<N>; N]) -> DualSVec64<N>,

@@ -61,6 +61,11 @@ pub struct Eigenpairs {
 
 impl BilinearForm {
     /// The eigenpairs of a symmetric form relative to a metric: `[f] v = lambda [g] v`.
+    ///
+    /// # Errors
+    /// [`EigenError`]: matrices that are not square or not of one size, not finite or not
+    /// symmetric; a metric that is not positive definite; an iteration that does not converge;
+    /// eigenvalues or eigenvectors that overflow.
     pub fn eigenpairs(&self, metric: &BilinearForm) -> Result<Eigenpairs, EigenError> {
         let n = metric.0.nrows();
         check_symmetric("the metric", &metric.0, n)?;
@@ -87,11 +92,19 @@ impl BilinearForm {
 
 impl LinearTransformation {
     /// The eigenpairs of a transformation that is self-adjoint for the metric: `[M] v = lambda v`.
+    ///
+    /// # Errors
+    /// [`EigenError::NotSymmetric`] for a transformation that is not self-adjoint; else those of
+    /// [`BilinearForm::eigenpairs`], of the form `[g][M]`.
     pub fn eigenpairs(&self, metric: &BilinearForm) -> Result<Eigenpairs, EigenError> {
         self.lowered(metric)?.eigenpairs(metric)
     }
 
     /// Whether `g(v, M w) = g(M v, w)` for all vectors, to twelve digits.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the transformation has as many rows as the metric has columns. What is
+    /// not square or not finite is not self-adjoint.
     pub fn is_self_adjoint(&self, metric: &BilinearForm) -> Result<bool, SizeError> {
         let form = self.lowered(metric)?.0;
         Ok(check_symmetric("the form", &form, form.nrows()).is_ok())

@@ -14,6 +14,9 @@ pub struct SizeError {
 
 impl SizeError {
     /// An error unless the two sizes agree.
+    ///
+    /// # Errors
+    /// Sizes that differ.
     pub fn check(what: &'static str, expected: usize, got: usize) -> Result<(), SizeError> {
         if expected == got { Ok(()) } else { Err(SizeError { what, expected, got }) }
     }

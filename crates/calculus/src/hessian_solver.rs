@@ -63,6 +63,9 @@ pub trait HessianSolver {
     ) -> Result<Rung, Unsolvable>;
 
     /// Factors `M + a d2V(q)`: the matrix of an implicit step.
+    ///
+    /// # Errors
+    /// Those of [`HessianSolver::factor_weighted`].
     #[inline]
     fn factor<M: Metric, P: Potential>(
         &mut self,

@@ -67,6 +67,10 @@ pub struct DiagonalMetric<C> {
 
 impl<C: crate::Storage> DiagonalMetric<C> {
     /// The masses (kg, or kg m^2 for angles), each positive and finite.
+    ///
+    /// # Errors
+    /// [`MetricError::NotAMass`] for a mass that is not positive and finite, or so small that its
+    /// reciprocal is not finite.
     pub fn new(mass: C) -> Result<Self, MetricError> {
         for (freedom, &mass) in mass.as_ref().iter().enumerate() {
             if !(mass > 0.0 && mass.is_finite() && mass.recip().is_finite()) {
@@ -88,6 +92,9 @@ impl<C: crate::Storage> DiagonalMetric<C> {
 
 impl DiagonalMetric<Vec<f64>> {
     /// Particles in D dimensions: each mass (kg) serves D freedoms.
+    ///
+    /// # Errors
+    /// Those of [`DiagonalMetric::new`].
     pub fn particles<const D: usize>(masses: &[f64]) -> Result<Self, MetricError> {
         let each = masses.iter().flat_map(|&m| [m; D]).collect();
         DiagonalMetric::new(each)
@@ -146,6 +153,10 @@ pub struct DenseMetric {
 
 impl DenseMetric {
     /// The mass matrix (n x n, symmetric positive definite to rounding).
+    ///
+    /// # Errors
+    /// [`MetricError::NotSquare`]; [`MetricError::NotSymmetric`], also for an entry that is not
+    /// finite; [`MetricError::NotPositiveDefinite`].
     pub fn new(matrix: DMatrix<f64>) -> Result<Self, MetricError> {
         let n = matrix.nrows();
         if matrix.ncols() != n {

@@ -64,6 +64,9 @@ pub struct UnknownVertex {
 
 impl<S: Stencil<V, D>, const V: usize, const D: usize> Stencils<S, V, D> {
     /// Stencils over `free` moving vertices, numbered from 0, and the fixed ones after them.
+    ///
+    /// # Errors
+    /// [`UnknownVertex`] for the first stencil that names a vertex which is neither free nor fixed.
     pub fn new(free: usize, fixed: Vec<[f64; D]>, stencils: Vec<S>) -> Result<Self, UnknownVertex> {
         let vertices = free + fixed.len();
         for (index, stencil) in stencils.iter().enumerate() {

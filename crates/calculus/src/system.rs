@@ -81,6 +81,9 @@ pub struct System<M, P, S = Flat> {
 
 impl<M: Metric, P: Potential> System<M, P> {
     /// A system on flat space.
+    ///
+    /// # Errors
+    /// Those of [`System::on`].
     pub fn new(metric: M, potential: P) -> Result<Self, SizeError> {
         System::on(Flat, metric, potential)
     }

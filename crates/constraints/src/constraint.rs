@@ -57,14 +57,21 @@ pub trait Constraint {
     /// Writes g(t, q), m numbers.
     ///
     /// # Errors
-    /// Sizes that do not fit, as of all functions below.
+    /// A configuration with fewer numbers than the constraint reads; room for another number than m.
     fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError>;
 
     /// Brings the entries of J, row after row, at most one for a row and a freedom; the same places
     /// in the same order for every t and q.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the constraint reads.
     fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError>;
 
     /// Adds the sum of `lambda_i d2g_i`, the same blocks in the same order every time.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the constraint reads; another number of multipliers
+    /// than of equations.
     fn add_hessian(
         &self,
         t: f64,
@@ -74,6 +81,10 @@ pub trait Constraint {
     ) -> Result<(), SizeError>;
 
     /// Writes dg/dt at a configuration that stays, m numbers: zero unless something is driven.
+    ///
+    /// # Errors
+    /// Room for another number than m; a configuration with fewer numbers than the constraint reads
+    /// for its rates.
     fn rate(&self, _t: f64, _q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.count(), rate)?;
         rate.fill(0.0);
@@ -93,18 +104,27 @@ pub trait ConstraintOn<S>: Constraint {}
 impl<S, K: ConstraintOn<S>> ConstraintOn<S> for &K {}
 
 /// An error where a configuration has fewer numbers than a constraint reads.
+///
+/// # Errors
+/// Fewer numbers than are read.
 #[inline]
 pub fn check_read(read: usize, q: &[f64]) -> Result<(), SizeError> {
     SizeError::check("the configuration's numbers", read, q.len().min(read))
 }
 
 /// An error unless there is a value for each equation.
+///
+/// # Errors
+/// Another number of values than of equations.
 #[inline]
 pub fn check_values(count: usize, values: &[f64]) -> Result<(), SizeError> {
     SizeError::check("the constraint's values", count, values.len())
 }
 
 /// An error unless there is a multiplier for each equation.
+///
+/// # Errors
+/// Another number of multipliers than of equations.
 #[inline]
 pub fn check_multipliers(count: usize, lambda: &[f64]) -> Result<(), SizeError> {
     SizeError::check("the constraint's multipliers", count, lambda.len())

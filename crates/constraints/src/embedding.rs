@@ -102,7 +102,8 @@ impl<Q: Embedding<S, N>, E: Energy<N>, const S: usize, const N: usize> Reduced<Q
     /// The pulled-back metric Dq^T M Dq at reduced coordinates. Takes memory.
     ///
     /// # Errors
-    /// [`ConstraintError::SingularCoordinates`] where the differential has not full rank.
+    /// [`ConstraintError::SingularCoordinates`] where the differential has not full rank, and
+    /// [`ConstraintError::NonFinite`] where it is not finite.
     pub fn metric(&self, s: [f64; S]) -> Result<DenseMetric, ConstraintError> {
         let d = self.differential(s);
         let rooted = DMatrix::from_fn(N, S, |i, j| self.masses[i].sqrt() * d[(i, j)]);

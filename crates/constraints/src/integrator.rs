@@ -19,6 +19,11 @@ pub trait ConstrainedIntegrator<C> {
     fn facts(&self) -> Facts;
 
     /// Moves `state` forward by `h` seconds. On an error the state is as it was.
+    ///
+    /// # Errors
+    /// A step that is not positive and finite; sizes that differ; numbers that are not finite; a
+    /// configuration that is not feasible, or from which none is found; equations that depend on
+    /// each other; a step without constraints inside that fails, as [`ConstraintError::Step`].
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError>;
 
     /// The multipliers of the last step: those of its mean force, zero before the first.

@@ -39,6 +39,11 @@ pub trait Multipliers: Clone {
     fn numbers(&self) -> Self::Numbers;
 
     /// Evaluates J at `(t, q)`, prepares solving, and examines the rank.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the constraint reads; another number of equations,
+    /// or other entries, than were analysed; entries that are not finite; rows that vanish or
+    /// depend on each other, where the solver refuses them.
     fn prepare(
         &mut self,
         metric: &impl Metric,
@@ -54,6 +59,10 @@ pub trait Multipliers: Clone {
     }
 
     /// Replaces `b` by `S^-1 b`.
+    ///
+    /// # Errors
+    /// A solution that cannot be trusted, or an iteration for shared forces that does not settle. A
+    /// solver that eliminates directly has none.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError>;
 
     /// Adds `scale J^T lambda` to a covector.
@@ -69,6 +78,11 @@ pub trait Solver<C> {
     type Multipliers: Multipliers;
 
     /// The solver for a constraint with its memory; J at `(t, q)` is not yet in it.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the constraint reads; a storage of another size than
+    /// the system's; [`ConstraintError::TooMany`] or [`ConstraintError::Coupled`] for what the
+    /// solver is not made for; a matrix that cannot be assembled or does not fit into memory.
     fn analyse<M: Metric, K: Constraint>(
         &self,
         metric: &M,

@@ -70,7 +70,8 @@ impl<const D: usize> Rods<D> {
     ///
     /// # Errors
     /// A rod without a length, or with a strength that is not positive; the same vertices twice;
-    /// both ends on one vertex or on hooks; a vertex that is not there.
+    /// both ends on one vertex or on hooks; a vertex that is not there; a hook at a place that is
+    /// not finite.
     pub fn new(free: usize, fixed: Vec<[f64; D]>, rods: Vec<Rod>) -> Result<Self, ConstraintError> {
         let vertices = free + fixed.len();
         for (index, rod) in rods.iter().enumerate() {

@@ -48,7 +48,7 @@ where
     ///
     /// # Errors
     /// Sizes that differ, numbers that are not finite, a configuration or a velocity that is not
-    /// feasible.
+    /// feasible, a constraint without full rank there.
     pub fn new(
         integrator: I,
         system: &'s System<M, P, S>,

@@ -10,6 +10,9 @@ use stationary_mesh::{Mesh, QuadraticSegments, QuadraticTriangles};
 use crate::ElasticityError;
 
 /// The boundary of a curved sheet, counterclockwise around it, over the nodes of the sheet.
+///
+/// # Errors
+/// None of a valid sheet; [`ElasticityError::Mesh`] would say what is wrong with it.
 pub fn curved_boundary<const D: usize>(
     sheet: &QuadraticTriangles<D>,
 ) -> Result<QuadraticSegments<D>, ElasticityError> {
@@ -28,6 +31,9 @@ pub fn curved_boundary<const D: usize>(
 }
 
 /// The straight boundary of a sheet, counterclockwise around it, over the vertices of the sheet.
+///
+/// # Errors
+/// None of a valid mesh: its edges name vertices that are there, each once.
 pub fn straight_boundary<const D: usize>(
     sheet: &Mesh<D, 3>,
 ) -> Result<Mesh<D, 2>, ElasticityError> {

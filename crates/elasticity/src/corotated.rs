@@ -30,6 +30,9 @@ pub struct FixedCorotated<const D: usize> {
 
 impl<const D: usize> FixedCorotated<D> {
     /// The material of a pair.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Corotated`] for a pair with a negative lambda.
     pub fn new(lame: Lame<D>) -> Result<Self, ElasticityError> {
         if lame.lambda() < 0.0 {
             return Err(ElasticityError::Corotated { poisson: lame.poisson() });

@@ -24,6 +24,10 @@ pub struct Damper {
 
 impl Damper {
     /// A damper of viscosity c, N s/m.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Spring`] where both ends are one vertex; [`ElasticityError::Damping`] for
+    /// a viscosity that is negative or not finite.
     pub fn new(vertices: [usize; 2], viscosity: f64) -> Result<Self, ElasticityError> {
         if vertices[0] == vertices[1] {
             return Err(SpringError::Loop(vertices[0]).into());
@@ -45,6 +49,9 @@ pub struct Dampers<const D: usize> {
 
 impl<const D: usize> Dampers<D> {
     /// Dampers over `free` moving vertices, numbered from 0, and the fixed ones after them.
+    ///
+    /// # Errors
+    /// [`UnknownVertex`] for the first damper that names a vertex which is neither free nor fixed.
     pub fn new(
         free: usize,
         fixed: Vec<[f64; D]>,

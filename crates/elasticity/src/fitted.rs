@@ -28,6 +28,9 @@ pub trait Fitted<const D: usize, const R: usize, const K: usize>: Material<D, R>
 
 impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M, N, D, R, Q> {
     /// The derivative of the energy by each parameter of the material.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Freedoms`] unless `q` has a number for each freedom.
     pub fn energy_by_parameters<const K: usize>(
         &self,
         q: &[f64],
@@ -51,6 +54,9 @@ impl<M, const N: usize, const D: usize, const R: usize, const Q: usize> Solid<M,
 
     /// The derivative by each parameter of the differential along a displacement `v`, of which held
     /// coordinates have none.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Freedoms`] unless `q` and `v` have a number for each freedom.
     pub fn differential_by_parameters<const K: usize>(
         &self,
         q: &[f64],

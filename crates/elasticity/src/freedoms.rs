@@ -53,6 +53,11 @@ enum Coordinate {
 
 impl<const D: usize> Freedoms<D> {
     /// Vertices of which some coordinates are held.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Held`] for a coordinate that does not exist, is held twice or at a place
+    /// that is not finite; [`ElasticityError::TooMany`] for more vertices than 32-bit indices can
+    /// tell apart.
     pub fn new(vertices: usize, held: &[Held]) -> Result<Self, ElasticityError> {
         if vertices >= u32::MAX as usize / (2 * D) {
             return Err(ElasticityError::TooMany { vertices });
@@ -91,6 +96,9 @@ impl<const D: usize> Freedoms<D> {
     }
 
     /// Vertices that are all free.
+    ///
+    /// # Errors
+    /// [`ElasticityError::TooMany`] for more vertices than 32-bit indices can tell apart.
     pub fn free(vertices: usize) -> Result<Self, ElasticityError> {
         Freedoms::new(vertices, &[])
     }
@@ -116,6 +124,10 @@ impl<const D: usize> Freedoms<D> {
     }
 
     /// Moves the held coordinates, all of them, in their order.
+    ///
+    /// # Errors
+    /// [`ElasticityError::HeldPlaces`] for another number of places; [`ElasticityError::Held`] for
+    /// the first one that is not finite. All are then where they were.
     pub fn hold_at(&mut self, places: &[f64]) -> Result<(), ElasticityError> {
         let (expected, got) = (self.places.len(), places.len());
         if expected != got {
@@ -149,6 +161,9 @@ impl<const D: usize> Freedoms<D> {
     }
 
     /// The free coordinates out of all of them.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Vertices`] for another number of positions.
     pub fn gathered(&self, positions: &[[f64; D]]) -> Result<Vec<f64>, ElasticityError> {
         self.check_vertices(positions.len())?;
         let mut q = vec![0.0; self.free];
@@ -163,6 +178,9 @@ impl<const D: usize> Freedoms<D> {
     }
 
     /// All coordinates of all vertices, from the free ones.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Freedoms`] unless `q` has a number for each freedom.
     pub fn positions(&self, q: &[f64]) -> Result<Vec<[f64; D]>, ElasticityError> {
         self.check(q.len())?;
         Ok(self.numbering.starts.iter().map(|&start| self.position(start, q)).collect())

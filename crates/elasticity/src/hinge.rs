@@ -102,6 +102,10 @@ impl Hinge {
 }
 
 /// A hinge at every inner edge of a sheet, at rest as the sheet is.
+///
+/// # Errors
+/// [`ElasticityError::Mesh`] for a sheet with an edge of more than two triangles; those of
+/// [`Hinge::new`].
 pub fn hinges(sheet: &Mesh<3, 3>, stiffness: f64) -> Result<Vec<Hinge>, ElasticityError> {
     let neighbours = sheet.neighbours()?;
     let place = |vertex: usize| -> [f64; 3] { sheet.vertices()[vertex].into() };

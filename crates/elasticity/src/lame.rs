@@ -50,6 +50,10 @@ impl<const DIM: usize> Lame<DIM> {
 
     /// Young's modulus (Pa) and Poisson's ratio, `-1 < nu < 1/(d - 1)`; without a bound above on a
     /// line.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Poisson`] and [`ElasticityError::Young`] out of their bounds; those of
+    /// [`Lame::new`] where the pair leaves its range.
     pub fn from_young_poisson(young: f64, poisson: f64) -> Result<Self, ElasticityError> {
         let bound = 1.0 / (Self::D - 1.0);
         if !(poisson > -1.0 && poisson < bound && poisson.is_finite()) {
@@ -63,6 +67,9 @@ impl<const DIM: usize> Lame<DIM> {
     }
 
     /// The bulk and the shear modulus, Pa.
+    ///
+    /// # Errors
+    /// Those of [`Lame::new`].
     pub fn from_bulk_shear(bulk: f64, shear: f64) -> Result<Self, ElasticityError> {
         Lame::new(bulk - 2.0 * shear / Self::D, shear)
     }

@@ -36,6 +36,11 @@ impl<const D: usize> DeadLoad<D> {
     }
 
     /// A force per volume at each place of the body at rest, N/m^3.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Section`]
+    /// unless that is positive and finite; [`ElasticityError::Mesh`] for elements that are flat or
+    /// inside out; [`ElasticityError::Load`] for a force that is not finite.
     pub fn body<F, const N: usize, const R: usize, const Q: usize, const G: usize>(
         _family: F,
         mesh: &impl Elements<G, N>,
@@ -52,6 +57,11 @@ impl<const D: usize> DeadLoad<D> {
     /// A traction at each place of a boundary at rest, N/m^2: the function gets the place and the
     /// unit normal, which points to the right of a segment and to where a triangle runs
     /// counterclockwise.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Section`]
+    /// unless that is positive and finite; [`ElasticityError::Mesh`] for pieces that are flat;
+    /// [`ElasticityError::Load`] for a force that is not finite.
     pub fn traction<F, const N: usize, const R: usize, const Q: usize>(
         _family: F,
         boundary: &impl Elements<D, N>,
@@ -121,6 +131,10 @@ impl<const D: usize> DeadLoad<D> {
     }
 
     /// The sum of two loads on the same vertices.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Vertices`] for loads on different numbers of vertices;
+    /// [`ElasticityError::Load`] where the sum is not finite.
     pub fn plus(&self, other: &Self) -> Result<Self, ElasticityError> {
         self.freedoms.check_vertices(other.forces.len())?;
         let sum = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|c| a[c] + b[c]);

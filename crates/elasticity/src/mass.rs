@@ -22,6 +22,12 @@ use crate::shape::{Point, visit_points};
 use crate::{ElasticityError, Elements, Freedoms, Reference};
 
 /// The consistent mass: sparse.
+///
+/// # Errors
+/// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Density`] and
+/// [`ElasticityError::Section`] unless they are positive and finite; [`ElasticityError::Massless`];
+/// [`ElasticityError::Mesh`] for elements that are flat or inside out; [`ElasticityError::Sparse`]
+/// for a matrix that cannot be factored.
 pub fn galerkin_mass<
     F,
     const N: usize,
@@ -57,6 +63,12 @@ where
 }
 
 /// The lumped mass: a number for each coordinate.
+///
+/// # Errors
+/// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Density`] and
+/// [`ElasticityError::Section`] unless they are positive and finite; [`ElasticityError::Massless`];
+/// [`ElasticityError::Mesh`] for elements that are flat or inside out; [`ElasticityError::Metric`]
+/// where a lumped mass overflows or vanishes.
 pub fn lumped_mass<
     F,
     const N: usize,

@@ -41,6 +41,10 @@ pub struct Orthotropic {
 
 impl Orthotropic {
     /// The material of a weave.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Weave`] for moduli that are not positive and finite, that give energy
+    /// away for some strain or whose stresses overflow, and for an angle that is not finite.
     pub fn new(weave: Weave) -> Result<Self, ElasticityError> {
         let Weave { warp, weft, poisson, shear, angle } = weave;
         let one = 1.0 - poisson * poisson * weft / warp;

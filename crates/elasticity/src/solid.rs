@@ -122,6 +122,9 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     /// Moves the held coordinates, all of them, in their order.
+    ///
+    /// # Errors
+    /// Those of [`Freedoms::hold_at`]; the body is then as it was.
     pub fn hold_at(&mut self, places: &[f64]) -> Result<(), ElasticityError> {
         self.freedoms.hold_at(places)
     }
@@ -133,6 +136,9 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
 
     /// The differential at the held coordinates, in their order: what the supports push against but
     /// for the loads, newtons.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Freedoms`] unless `q` has a number for each freedom.
     pub fn held_differential(&self, q: &[f64]) -> Result<Vec<f64>, ElasticityError> {
         self.freedoms.check(q.len())?;
         let mut held = vec![0.0; self.freedoms.places().len()];

@@ -42,6 +42,9 @@ pub struct Spring {
 
 impl Spring {
     /// A spring of rest length L in metres and stiffness k in N/m.
+    ///
+    /// # Errors
+    /// [`SpringError::Loop`], [`SpringError::Stiffness`] and [`SpringError::RestLength`].
     pub fn new(
         vertices: [usize; 2],
         rest_length: f64,

@@ -37,6 +37,9 @@ pub struct StrainRate<const N: usize, const D: usize, const R: usize, const Q: u
 
 impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<N, D, R, Q> {
     /// The viscosity of a body of the same elements: `zeta` and `eta` of [`Lame`]'s pair, Pa s.
+    ///
+    /// # Errors
+    /// None: every pair damps every body.
     pub fn new<M: Material<D, R>>(
         body: &Solid<M, N, D, R, Q>,
         viscosity: Lame<R>,
@@ -46,6 +49,9 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<
     }
 
     /// Moves the held coordinates, all of them, in their order.
+    ///
+    /// # Errors
+    /// Those of [`Freedoms::hold_at`]; the viscosity is then as it was.
     pub fn hold_at(&mut self, places: &[f64]) -> Result<(), ElasticityError> {
         self.body.hold_at(places)
     }
@@ -166,6 +172,10 @@ pub struct Rayleigh<M, P> {
 
 impl<M: Metric, P: Potential> Rayleigh<M, P> {
     /// `alpha` in 1/s times the mass, `beta` in s times the Hessian of a potential.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Damping`] for a part that is negative or not finite;
+    /// [`ElasticityError::Freedoms`] unless metric and potential have the same number.
     pub fn new([alpha, beta]: [f64; 2], metric: M, stiffness: P) -> Result<Self, ElasticityError> {
         for damping in [alpha, beta] {
             if !(damping >= 0.0 && damping.is_finite()) {

@@ -44,6 +44,9 @@ impl<L> Action<L> {
     }
 
     /// The action of a path, which has one point more than there are steps.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the path has one point more than there are steps.
     pub fn of<const N: usize>(&self, path: &[[f64; N]]) -> Result<f64, SizeError>
     where
         L: DiscreteLagrangian<N>,
@@ -54,6 +57,9 @@ impl<L> Action<L> {
     }
 
     /// The differential by the interior points, in their order.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless the path has one point more than there are steps.
     pub fn differential<const N: usize>(
         &self,
         path: &[[f64; N]],

@@ -32,6 +32,9 @@ pub struct Composition<'s, M, P, C> {
 
 impl<'s, M: Metric, P: Potential, C: Storage> Composition<'s, M, P, C> {
     /// The composition on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>, scheme: Scheme) -> Result<Self, SizeError> {
         let (first, times) = scheme.times();
         Ok(Composition { splitting: Splitting::new(system)?, scheme, first, times })

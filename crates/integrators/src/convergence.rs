@@ -26,6 +26,9 @@ pub struct Delivered {
 }
 
 /// Runs an integrator over a problem's horizon in this many steps.
+///
+/// # Errors
+/// Those of [`simulate`].
 pub fn deliver<M: Metric, P: Potential, C: Storage>(
     problem: &Problem<M, P, C>,
     integrator: &mut (impl Integrator<C> + ?Sized),
@@ -73,7 +76,8 @@ impl Convergence {
     /// Runs a method on a problem at each of these numbers of steps.
     ///
     /// # Errors
-    /// Where the problem's storage is not of its size.
+    /// Where the problem's storage is not of its size, or its horizon is not that many steps. A run
+    /// that fails is a row.
     pub fn measure<M: Metric, P: Potential, C: Storage>(
         problem: &Problem<M, P, C>,
         method: Method,

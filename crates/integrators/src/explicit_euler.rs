@@ -40,6 +40,9 @@ pub struct ExplicitEuler<'s, M, P, C>(Splitting<'s, M, P, C>);
 
 impl<'s, M: Metric, P: Potential, C: Storage> ExplicitEuler<'s, M, P, C> {
     /// The method on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
         Ok(ExplicitEuler(Splitting::new(system)?))
     }

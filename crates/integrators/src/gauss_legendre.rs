@@ -70,6 +70,9 @@ const NEARLY: f64 = 1e-9;
 
 impl<'s, M: Metric, P: Potential, C: Storage> GaussLegendre<'s, M, P, C, DenseSolver<C>> {
     /// The method on a system of few freedoms: each step factors a dense matrix.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>, nodes: Nodes) -> Result<Self, SizeError> {
         let n = system.dim();
         let got = zeros::<C>(n)?.as_ref().len();

@@ -130,6 +130,11 @@ const ROUNDING: f64 = 1e-13;
 
 impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
     /// The method on a system whose own potential is soft, beside the stiffness K (N/m).
+    ///
+    /// # Errors
+    /// [`StiffnessError::Size`] for a storage or a stiffness of another size than the system's;
+    /// [`StiffnessError::Eigen`] for a stiffness that is not finite or not symmetric, and for modes
+    /// that were not found; [`StiffnessError::Negative`].
     pub fn new(
         system: &'s System<M, P>,
         stiffness: &BilinearForm,

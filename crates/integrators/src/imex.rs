@@ -35,6 +35,9 @@ pub struct Imex<'s, M, P, Q, C, L = DenseSolver<C>> {
 
 impl<'s, M: Metric, P: Potential, Q: Potential, C: Storage> Imex<'s, M, P, Q, C> {
     /// The method on a system whose own potential is stiff, and a soft potential beside it.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage or a soft potential of another size than the system's.
     pub fn new(system: &'s System<M, P>, soft: Q) -> Result<Self, SizeError> {
         Imex::around(ImplicitMidpoint::new(system)?, system.dim(), soft)
     }

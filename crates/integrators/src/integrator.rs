@@ -18,6 +18,13 @@ pub trait Integrator<C> {
     fn facts(&self) -> Facts;
 
     /// Moves `state` forward by `h` seconds. On an error the state is as it was.
+    ///
+    /// # Errors
+    /// [`StepError::Step`] unless `h` is positive and finite; [`StepError::Size`] for a state of
+    /// another size; [`StepError::NonFiniteConfiguration`] and [`StepError::NonFiniteMomentum`]
+    /// where the step leads there; of implicit methods [`StepError::Newton`] or
+    /// [`StepError::SingularLegendreTransform`]; of methods for bodies [`StepError::Time`] and
+    /// [`StepError::Configuration`].
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError>;
 
     /// Everything on which the next steps depend beside the state: nothing, of a method that does not

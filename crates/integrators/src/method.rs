@@ -124,6 +124,9 @@ impl Method {
     }
 
     /// The method on a system; an implicit one factors dense matrices.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn integrator<'s, M: Metric, P: Potential, C: Storage + 's>(
         self,
         system: &'s System<M, P>,
@@ -147,6 +150,10 @@ impl Method {
 
     /// The method on a system of many freedoms; an implicit one uses the caller's solver, an
     /// explicit one needs none.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's, and of an implicit method for
+    /// a solver that was made for another.
     pub fn integrator_with<'s, M: Metric, P: Potential, C: Storage + 's, L: HessianSolver + 's>(
         self,
         system: &'s System<M, P>,

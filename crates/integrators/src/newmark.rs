@@ -54,6 +54,9 @@ pub struct Newmark<'s, M, P, C, F = (), L = DenseSolver<C>> {
 
 impl<'s, M: Metric, P: Potential, C: Storage> Newmark<'s, M, P, C> {
     /// The method on a system of few freedoms: each Newton step factors a dense matrix.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>, weights: NewmarkWeights) -> Result<Self, SizeError> {
         Newmark::assembled(system, weights, None, dense(system.dim())?)
     }
@@ -61,6 +64,9 @@ impl<'s, M: Metric, P: Potential, C: Storage> Newmark<'s, M, P, C> {
 
 impl<'s, M: Metric, P: Potential, C: Storage, F: Force> Newmark<'s, M, P, C, F> {
     /// The method on a system of few freedoms with a force beside its potential.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage or a force of another size than the system's.
     pub fn with_force(
         system: &'s System<M, P>,
         weights: NewmarkWeights,
@@ -94,6 +100,9 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
 {
     /// The method on a system with a force beside its potential, with the caller's solver: a sparse
     /// one is analysed with a [`DampedPattern`](crate::DampedPattern).
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage, a force or a solver of another size than the system's.
     pub fn with_force_and_solver(
         system: &'s System<M, P>,
         weights: NewmarkWeights,
@@ -131,6 +140,9 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
 
     /// The same method with other bounds on Newton's method. The tolerance is in kg^1/2 m: the size
     /// of an error of x in the metric.
+    ///
+    /// # Errors
+    /// [`SizeError`] where there is no memory for it. The bounds are checked by each step.
     pub fn with_newton(self, newton: Newton) -> Result<Self, SizeError> {
         let (n, got) = (self.equation.system.dim(), self.next.q.as_ref().len());
         let missing = SizeError { what: "the storage's numbers", expected: n, got };

@@ -51,6 +51,9 @@ impl NewmarkWeights {
         NewmarkWeights { beta: 0.25, gamma: 0.5, old_inertia: 0.0, old_force: 0.0, facts: FACTS };
 
     /// Newmark's weights: `beta` in (0, 1], `gamma` in [1/2, 1].
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a weight outside of its range.
     pub fn newmark(beta: f64, gamma: f64) -> Result<Self, ParameterError> {
         ParameterError::check("beta", beta, "(0, 1]", beta > 0.0 && beta <= 1.0)?;
         ParameterError::check("gamma", gamma, "[1/2, 1]", (0.5..=1.0).contains(&gamma))?;
@@ -78,6 +81,9 @@ impl NewmarkWeights {
 
     /// The generalized-alpha weights that leave the part `radius` in [0, 1] of the fastest
     /// oscillations after each step: 0 damps them most, 1 is the implicit midpoint rule.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a radius outside of [0, 1].
     pub fn generalized_alpha(radius: f64) -> Result<Self, ParameterError> {
         let inside = (0.0..=1.0).contains(&radius);
         ParameterError::check("the spectral radius", radius, "[0, 1]", inside)?;

@@ -49,6 +49,9 @@ pub struct Nystrom4<'s, M, P, C> {
 
 impl<'s, M: Metric, P: Potential, C: Storage> Nystrom4<'s, M, P, C> {
     /// The method on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
         let n = system.dim();
         Ok(Nystrom4 {

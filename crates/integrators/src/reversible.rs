@@ -84,6 +84,9 @@ impl<'s, M: Metric, P: Potential, C: Storage, I: Integrator<C>, D: StepDensity>
     ReversibleSteps<'s, M, P, C, I, D>
 {
     /// A symmetric method on a system, and the density of its steps.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage or a density of another size than the system's.
     pub fn new(system: &'s System<M, P>, method: I, density: D) -> Result<Self, SizeError> {
         let n = system.dim();
         SizeError::check("the density's freedoms", n, density.dim())?;
@@ -111,6 +114,10 @@ impl<'s, M: Metric, P: Potential, C: Storage, I: Integrator<C>, D: StepDensity>
 
     /// Moves `state` forward by one step, whose length is that of the time that passed. On an error
     /// the state is as it was.
+    ///
+    /// # Errors
+    /// [`StepError::Size`] for a state of another size; [`StepError::Density`] for a density that
+    /// is not positive or moves no time; those of the method's own step.
     pub fn advance(&mut self, state: &mut State<C>) -> Result<StepReport, StepError> {
         SizeError::check("the configuration's numbers", self.system.dim(), state.q.as_ref().len())?;
         SizeError::check(

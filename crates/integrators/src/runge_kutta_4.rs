@@ -48,6 +48,9 @@ pub struct RungeKutta4<'s, M, P, C> {
 
 impl<'s, M: Metric, P: Potential, C: Storage> RungeKutta4<'s, M, P, C> {
     /// The method on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
         let n = system.dim();
         Ok(RungeKutta4 {

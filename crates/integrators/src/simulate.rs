@@ -27,6 +27,11 @@ const COUNTABLE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl Horizon {
     /// Steps of `step` seconds up to `duration` seconds, which must be a whole number of them.
+    ///
+    /// # Errors
+    /// [`HorizonError::Step`] and [`HorizonError::Duration`] unless they are positive and finite;
+    /// [`HorizonError::TooMany`] for more than 2^53 steps; [`HorizonError::NotWhole`] for a number
+    /// of steps that is off a whole one by more than 1e-9 of it.
     pub fn new(duration: f64, step: f64) -> Result<Self, HorizonError> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(HorizonError::Step(step));
@@ -46,6 +51,11 @@ impl Horizon {
     }
 
     /// The duration in this many equal steps, at least one.
+    ///
+    /// # Errors
+    /// [`HorizonError::Step`] for a duration that is not positive and finite, or so short that a
+    /// step is zero; [`HorizonError::TooMany`] for more than 2^53 steps; [`HorizonError::NotWhole`]
+    /// where a step is so short that it is rounded.
     pub fn divided(duration: f64, steps: u64) -> Result<Self, HorizonError> {
         Horizon::new(duration, duration / steps.max(1) as f64)
     }
@@ -120,6 +130,10 @@ pub struct Observation<'a, C> {
 
 /// Steps `state` to the horizon, or until the observer breaks off. The horizon sets the state's time.
 /// On an error the state is that after the last good step.
+///
+/// # Errors
+/// [`SimulationError`] with the step that failed and why, one of [`Integrator::step`]'s reasons;
+/// [`StepError::Time`] before the first step of a horizon whose times are not finite.
 pub fn simulate<C, I: Integrator<C> + ?Sized>(
     integrator: &mut I,
     state: &mut State<C>,

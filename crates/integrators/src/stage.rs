@@ -158,6 +158,9 @@ macro_rules! implicit_method {
     ($name:ident) => {
         impl<'s, M: Metric, P: Potential, C: Storage> $name<'s, M, P, C, DenseSolver<C>> {
             /// The method on a system of few freedoms: each Newton step factors a dense matrix.
+            ///
+            /// # Errors
+            /// [`SizeError`] for a storage of another size than the system's.
             pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
                 let n = system.dim();
                 let solver = DenseSolver::new(n).ok_or(SizeError {
@@ -187,6 +190,9 @@ macro_rules! implicit_method {
 
             /// The same method with other bounds on Newton's method. The tolerance is in
             /// kg^1/2 m: the size of an error of x in the metric.
+            ///
+            /// # Errors
+            /// [`SizeError`] where there is no memory for it. The bounds are checked by each step.
             pub fn with_newton(mut self, newton: Newton) -> Result<Self, SizeError> {
                 self.stage = self.stage.with_newton(newton)?;
                 Ok(self)

@@ -48,6 +48,9 @@ pub struct SymplecticEulerDriftKick<'s, M, P, C>(Splitting<'s, M, P, C>);
 
 impl<'s, M: Metric, P: Potential, C: Storage> SymplecticEulerDriftKick<'s, M, P, C> {
     /// The method on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
         Ok(SymplecticEulerDriftKick(Splitting::new(system)?))
     }
@@ -73,6 +76,9 @@ pub struct SymplecticEulerKickDrift<'s, M, P, C>(Splitting<'s, M, P, C>);
 
 impl<'s, M: Metric, P: Potential, C: Storage> SymplecticEulerKickDrift<'s, M, P, C> {
     /// The method on a system.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a storage of another size than the system's.
     pub fn new(system: &'s System<M, P>) -> Result<Self, SizeError> {
         Ok(SymplecticEulerKickDrift(Splitting::new(system)?))
     }

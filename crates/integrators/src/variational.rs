@@ -52,6 +52,9 @@ struct StepEquation<L, F, const N: usize> {
 
 impl<L: DiscreteLagrangian<N>, const N: usize> Variational<L, N> {
     /// The integrator of a discrete Lagrangian.
+    ///
+    /// # Errors
+    /// None: an array of N numbers has the size of every N.
     pub fn new(lagrangian: L) -> Result<Self, SizeError> {
         Variational::solving(lagrangian, ())
     }
@@ -85,6 +88,9 @@ impl<L: DiscreteLagrangian<N>, const N: usize, F: Force> Variational<L, N, F> {
 
     /// The same integrator with other bounds on Newton's method. The tolerance is in units of
     /// momentum.
+    ///
+    /// # Errors
+    /// None: an array of N numbers has the size of every N. The bounds are checked by each step.
     pub fn with_newton(self, newton: Newton) -> Result<Self, SizeError> {
         Ok(Variational { newton, memory: newton_memory(N, newton)?, ..self })
     }

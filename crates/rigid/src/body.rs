@@ -123,6 +123,10 @@ impl PrincipalFrame {
     ///
     /// Where two moments agree to rounding, any axes in their plane will do, and these are what the
     /// tensor's rounding made of them.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for a tensor or moments that are not; [`RigidError::NotSymmetric`]
+    /// for mirror entries that differ by more than rounding.
     pub fn of(tensor: &Matrix3<f64>) -> Result<Self, RigidError> {
         check_finite("the inertia tensor", tensor.as_slice())?;
         for (row, column) in [(1, 0), (2, 0), (2, 1)] {

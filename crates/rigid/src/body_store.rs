@@ -219,6 +219,9 @@ impl BodyStore {
     }
 
     /// An error that names the first body, as six freedoms each, whose motion is not finite.
+    ///
+    /// # Errors
+    /// [`StepError::NonFiniteConfiguration`] and [`StepError::NonFiniteMomentum`] with the freedom.
     pub fn check(&self) -> Result<(), StepError> {
         for index in 0..self.len() {
             let Some(motion) = self.motion(index) else { continue };

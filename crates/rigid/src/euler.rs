@@ -28,6 +28,9 @@ const LOCK: f64 = 1e-8;
 
 impl EulerAngles {
     /// The rotation that the angles describe.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for an angle that is not finite.
     pub fn rotation(&self) -> Result<Rotation, RigidError> {
         check_finite("the Euler angles", &[self.roll, self.pitch, self.yaw])?;
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
@@ -36,6 +39,9 @@ impl EulerAngles {
     }
 
     /// The angles of a rotation, or gimbal lock.
+    ///
+    /// # Errors
+    /// [`RigidError::GimbalLock`] where the cosine of the pitch is below 1e-8.
     pub fn of(rotation: &Rotation) -> Result<Self, RigidError> {
         let r = rotation.matrix();
         let cosine = r[(0, 0)].hypot(r[(1, 0)]);

@@ -93,6 +93,9 @@ impl FourBar {
     }
 
     /// The pins at both hooks and at both ends of the coupler.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for a length that is not finite.
     pub fn joints(&self) -> Result<Vec<PlanarJoint>, RigidError> {
         let [a, b, c, d] = self.lengths.map(|length| Vector2::x() * length);
         let body = |bar, point: Vector2<f64>| PlanarAttachment::Body(bar, point / 2.0);
@@ -106,6 +109,10 @@ impl FourBar {
     }
 
     /// The metric of the bars' freedoms.
+    ///
+    /// # Errors
+    /// [`MetricError::NotAMass`](stationary_calculus::MetricError::NotAMass) for a mass or a moment
+    /// that is not positive and finite.
     pub fn metric(&self) -> Result<DiagonalMetric<Vec<f64>>, stationary_calculus::MetricError> {
         let bars = self.masses().into_iter().zip(self.moments());
         DiagonalMetric::new(bars.flat_map(|(mass, moment)| [mass, mass, moment]).collect())

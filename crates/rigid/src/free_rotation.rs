@@ -34,6 +34,10 @@ pub trait FreeRotation {
     const FACTS: Facts;
 
     /// Turns `body`, at `rotation` with angular momentum `momentum` (body axes), for `h` seconds.
+    ///
+    /// # Errors
+    /// [`StepError::Newton`] where the map solves an equation and does not find the turn; of
+    /// explicit maps none.
     fn turn(
         body: &Body,
         rotation: Rotation,

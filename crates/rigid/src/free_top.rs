@@ -73,6 +73,9 @@ struct Tumble {
 
 impl FreeTop {
     /// The body at orientation `start` with angular velocity `w` (rad/s, body axes) at time zero.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for an angular velocity or momentum that is not finite.
     pub fn new(body: Body, start: Rotation, w: Vector3<f64>) -> Result<Self, RigidError> {
         check_finite("the angular velocity", w.as_slice())?;
         let momentum = body.angular_momentum(&w);

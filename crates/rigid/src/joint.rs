@@ -86,6 +86,10 @@ impl Attachment {
 
 impl<S: BodySpace> Joint<S> {
     /// Two points that stay together, among `bodies` bodies.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for a point that is not finite; [`RigidError::NoSuchBody`];
+    /// [`RigidError::JoinedToItself`] for two ends on one body, or on the world.
     pub fn ball(space: S, bodies: usize, ends: [Attachment; 2]) -> Result<Self, RigidError> {
         for end in &ends {
             check_finite("the joint's point", end.vector().as_slice())?;
@@ -98,6 +102,10 @@ impl<S: BodySpace> Joint<S> {
     }
 
     /// A ball joint whose two axes, one in the axes of each end, stay parallel.
+    ///
+    /// # Errors
+    /// Those of [`Joint::ball`]; [`RigidError::NonFinite`] and [`RigidError::NoAxis`] for an axis
+    /// that is not finite or zero.
     pub fn hinge(
         space: S,
         bodies: usize,
@@ -113,6 +121,9 @@ impl<S: BodySpace> Joint<S> {
 
     /// A ball joint whose ends do not turn against each other, either: `frames` turns vectors in
     /// the joint's axes into those of each end.
+    ///
+    /// # Errors
+    /// Those of [`Joint::ball`].
     pub fn fixed(
         space: S,
         bodies: usize,

@@ -23,6 +23,9 @@ pub struct KovalevskayaTop {
 
 impl KovalevskayaTop {
     /// The body, of a mass that does not matter to it.
+    ///
+    /// # Errors
+    /// [`RigidError::Moment`] for a moment that is not positive and finite, with its reciprocal.
     pub fn body(&self) -> Result<Body, RigidError> {
         Body::new(1.0, [2.0 * self.along, 2.0 * self.along, self.along])
     }

@@ -42,6 +42,9 @@ pub struct LieVerlet<'s, P, S, R> {
 
 impl<'s, P: Potential, S: BodySpace, R: FreeRotation> LieVerlet<'s, P, S, R> {
     /// The method on a system of bodies.
+    ///
+    /// # Errors
+    /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
         let n = system.dim();
         let stored = system.space().stored(n);

@@ -68,6 +68,10 @@ impl PlanarMass {
 
     /// The metric of the body's freedoms (tx, ty, theta) about its centre: constant, so that the
     /// methods of flat space apply, 7.4's explicit update among them.
+    ///
+    /// # Errors
+    /// [`MetricError::NotAMass`](stationary_calculus::MetricError::NotAMass) for a mass or an
+    /// inertia that is not positive and finite.
     pub fn metric(&self) -> Result<DiagonalMetric<[f64; 3]>, stationary_calculus::MetricError> {
         DiagonalMetric::new([self.mass, self.mass, self.inertia])
     }

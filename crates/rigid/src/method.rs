@@ -49,6 +49,9 @@ impl BodyMethod {
     }
 
     /// The method on a system of bodies.
+    ///
+    /// # Errors
+    /// None: vectors hold every system of bodies.
     pub fn integrator<'s, P: Potential, S: BodySpace>(
         self,
         system: &'s System<BodyMetric<S>, P, S>,

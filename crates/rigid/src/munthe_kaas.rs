@@ -54,6 +54,9 @@ pub struct MuntheKaas4<'s, P, S> {
 
 impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
     /// The method on a system of bodies.
+    ///
+    /// # Errors
+    /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
         let n = system.dim();
         let state = State::new(vec![0.0; system.space().stored(n)], Covector(vec![0.0; n]));

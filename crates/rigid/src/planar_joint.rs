@@ -75,6 +75,10 @@ impl PlanarAttachment {
 
 impl PlanarJoint {
     /// Two points that stay together, among `bodies` bodies.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for a point that is not finite; [`RigidError::NoSuchBody`];
+    /// [`RigidError::JoinedToItself`] for two ends on one body, or on the world.
     pub fn pin(bodies: usize, ends: [PlanarAttachment; 2]) -> Result<Self, RigidError> {
         for end in &ends {
             check_finite("the joint's point", end.vector().as_slice())?;
@@ -90,6 +94,9 @@ impl PlanarJoint {
 
     /// A pin whose ends do not turn against each other, either: the first end's body is ahead by
     /// `angle` radians.
+    ///
+    /// # Errors
+    /// Those of [`PlanarJoint::pin`]; [`RigidError::NonFinite`] for an angle that is not finite.
     pub fn weld(
         bodies: usize,
         ends: [PlanarAttachment; 2],

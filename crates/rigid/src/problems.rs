@@ -74,6 +74,9 @@ fn spinning(rotation: Rotation, angular_velocity: Vector3<f64>) -> BodyMotion {
 }
 
 /// A box of half sizes 0.1, 0.2 and 0.3 m and 1 kg that turns at (1, 2, 3) rad/s, free, for 5 s.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn tumbling_box() -> Result<BodyProblem<Free, Poses>, RigidError> {
     let body = Body::solid_box(1.0, [0.1, 0.2, 0.3])?;
     let motion = spinning(Rotation::identity(), Vector3::new(1.0, 2.0, 3.0));
@@ -82,6 +85,9 @@ pub fn tumbling_box() -> Result<BodyProblem<Free, Poses>, RigidError> {
 
 /// A racket's moments (in the ratio 1 : 6 : 7), spun at 10 rad/s about the middle axis, off by a
 /// thousandth; free, for 5 s.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn thrown_racket() -> Result<BodyProblem<Free, Orientations>, RigidError> {
     let body = Body::new(0.3, [0.002, 0.012, 0.014])?;
     let motion = spinning(Rotation::identity(), Vector3::new(0.01, 10.0, 0.0));
@@ -114,11 +120,17 @@ fn top(
 }
 
 /// A spinning top let go at a tilt of 0.5 rad: its axis falls, and comes back.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn nodding_top() -> Result<BodyProblem<Weight<Orientations>, Orientations>, RigidError> {
     top("nodding-top", 0.0)
 }
 
 /// The same top with the slow rate of steady precession: its axis keeps its tilt.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn precessing_top() -> Result<BodyProblem<Weight<Orientations>, Orientations>, RigidError> {
     let rates = TOP.steady_precession(TILT, SPIN);
     top("precessing-top", rates.map_or(f64::NAN, |[slow, _]| slow))
@@ -128,6 +140,9 @@ pub fn precessing_top() -> Result<BodyProblem<Weight<Orientations>, Orientations
 pub const KOVALEVSKAYA: KovalevskayaTop = KovalevskayaTop { along: 0.01, weight_moment: 0.1 };
 
 /// Kovalevskaya's top, thrown so that it tumbles.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn kovalevskaya_top() -> Result<BodyProblem<Weight<Orientations>, Orientations>, RigidError> {
     let rotation = Rotation::exp(Vector3::new(0.4, 1.1, -0.3));
     let motion = spinning(rotation, Vector3::new(2.0, -1.0, 4.0));
@@ -159,6 +174,10 @@ impl<P: Potential> JointedProblem<P> {
 
 /// A body held at its point `point` (body axes) by a ball joint at the origin, at an orientation
 /// and an angular velocity (body axes), under a uniform gravity, for 5 s.
+///
+/// # Errors
+/// [`RigidError::NonFinite`] for a point or an angular velocity that is not finite. Gravity is not
+/// looked at.
 pub fn held_at_a_point(
     body: Body,
     point: Vector3<f64>,
@@ -182,6 +201,9 @@ pub fn held_at_a_point(
 
 /// The top of [`nodding_top`] as a body of 1 kg with its tip on a ball joint, its axis let go with
 /// the rate `rate` of precession, rad/s.
+///
+/// # Errors
+/// [`RigidError::NonFinite`] for a rate that is not finite.
 pub fn top_on_its_tip(rate: f64) -> Result<JointedProblem<Weight<Poses>>, RigidError> {
     const GRAVITY: f64 = 9.81;
     let (mass, tip) = (1.0, -Vector3::z() * (TOP.weight_moment / GRAVITY));
@@ -197,6 +219,9 @@ pub fn top_on_its_tip(rate: f64) -> Result<JointedProblem<Weight<Poses>>, RigidE
 
 /// Three boxes of unequal sides in a row, the first two on a ball joint and the last two on a hinge,
 /// thrown so that they tumble and fold, their common centre at rest; free, for 10 s.
+///
+/// # Errors
+/// None: its numbers are given.
 pub fn thrown_boxes() -> Result<JointedProblem<Free>, RigidError> {
     let boxes = [[0.1, 0.2, 0.3], [0.2, 0.1, 0.15], [0.15, 0.25, 0.1]];
     let bodies = boxes.iter().zip([1.0, 0.7, 1.3]).map(|(&half, mass)| Body::solid_box(mass, half));

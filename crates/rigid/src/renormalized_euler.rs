@@ -47,6 +47,9 @@ pub struct RenormalizedEuler<'s, P, S> {
 
 impl<'s, P: Potential, S: BodySpace> RenormalizedEuler<'s, P, S> {
     /// The method on a system of bodies.
+    ///
+    /// # Errors
+    /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
         let n = system.dim();
         Ok(RenormalizedEuler {

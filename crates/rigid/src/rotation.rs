@@ -37,6 +37,10 @@ const UNIT: f64 = 1e-9;
 
 impl Rotation {
     /// The rotation of a quaternion (scalar first) of length 1, up to what printed digits lose.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`]; [`RigidError::NotUnit`] for a length that is off 1 by more than
+    /// 1e-9.
     pub fn from_quaternion(q: [f64; 4]) -> Result<Self, RigidError> {
         check_finite("the quaternion", &q)?;
         let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -47,6 +51,10 @@ impl Rotation {
     }
 
     /// The turn by `angle` radians about `axis`, whose length does not matter.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for an axis or an angle that is not finite; [`RigidError::NoAxis`]
+    /// for an axis that is zero.
     pub fn about(axis: Vector3<f64>, angle: f64) -> Result<Self, RigidError> {
         check_finite("the axis", axis.as_slice())?;
         check_finite("the angle", &[angle])?;

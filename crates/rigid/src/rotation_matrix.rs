@@ -18,6 +18,10 @@ const ORTHOGONAL: f64 = 1e-9;
 
 impl Rotation {
     /// The rotation of an orthogonal matrix of determinant 1.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`]; [`RigidError::NotOrthogonal`] where an entry of `R^T R` is off
+    /// the identity's by more than 1e-9; [`RigidError::Reflection`] for a negative determinant.
     pub fn from_matrix(r: &Matrix3<f64>) -> Result<Self, RigidError> {
         check_finite("the rotation matrix", r.as_slice())?;
         let defect = (r.transpose() * r - Matrix3::identity()).amax();

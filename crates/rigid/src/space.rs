@@ -61,6 +61,11 @@ pub trait BodySpace: Curved + Copy {
     }
 
     /// An error unless every pose is finite and its quaternion of length 1.
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`]; [`RigidError::Size`] for numbers that are not whole poses;
+    /// [`RigidError::Pose`] with the first body whose quaternion's length is off 1 by more than
+    /// 1e-9.
     fn check(q: &[f64]) -> Result<(), RigidError> {
         crate::error::check_finite("the pose", q)?;
         let whole = q.len() / Self::STORED * Self::STORED;

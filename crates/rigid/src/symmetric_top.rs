@@ -53,6 +53,11 @@ impl SymmetricTop {
     }
 
     /// The body, of a mass that does not matter to it.
+    ///
+    /// # Errors
+    /// [`RigidError::Moment`](crate::RigidError::Moment) for a moment that is not positive and
+    /// finite, [`RigidError::TriangleInequality`](crate::RigidError::TriangleInequality) where
+    /// `along` exceeds twice `across`.
     pub fn body(&self) -> Result<Body, crate::RigidError> {
         Body::new(1.0, [self.across, self.across, self.along])
     }

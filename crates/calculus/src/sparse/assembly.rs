@@ -29,6 +29,11 @@ pub struct SymmetricMatrix {
 
 impl SymmetricMatrix {
     /// The zero matrix of size n with the pattern of the blocks that `visit` brings.
+    ///
+    /// # Errors
+    /// [`SparseError::UnknownFreedom`], [`SparseError::RepeatedFreedom`] and
+    /// [`SparseError::BlockSize`] for the first such block; [`SparseError::TooLarge`] for more
+    /// freedoms or entries than 32-bit indices can tell apart.
     pub fn analyse(n: usize, visit: impl FnOnce(&mut PatternSink)) -> Result<Self, SparseError> {
         let mut sink = PatternSink::new(n)?;
         visit(&mut sink);
@@ -38,6 +43,9 @@ impl SymmetricMatrix {
     }
 
     /// The sum of blocks: of each its freedoms and its symmetric entries by columns.
+    ///
+    /// # Errors
+    /// Those of [`SymmetricMatrix::analyse`].
     pub fn from_blocks<F: AsRef<[usize]>, B: AsRef<[f64]>>(
         n: usize,
         blocks: &[(F, B)],
@@ -61,6 +69,10 @@ impl SymmetricMatrix {
     }
 
     /// The mass matrix of a metric.
+    ///
+    /// # Errors
+    /// Those of [`SymmetricMatrix::analyse`]; [`SparseError::PatternChanged`] where the metric
+    /// brings other blocks when it is visited again.
     pub fn mass(metric: &impl Metric) -> Result<Self, SparseError> {
         let mut matrix = SymmetricMatrix::analyse(metric.dim(), |sink| metric.add_matrix(sink))?;
         matrix.refill(|sink| metric.add_matrix(sink))?;
@@ -69,6 +81,9 @@ impl SymmetricMatrix {
 
     /// Sets the values to the sum of the blocks that `visit` brings: those that were analysed, in
     /// the same order. After an error the values are not to be used.
+    ///
+    /// # Errors
+    /// [`SparseError::PatternChanged`] for the first block that differs, is missing or is too many.
     #[inline]
     pub fn refill(&mut self, visit: impl FnOnce(&mut RefillSink)) -> Result<(), SparseError> {
         self.values.fill(0.0);
@@ -118,6 +133,9 @@ impl SymmetricMatrix {
     }
 
     /// Adds the product with a vector: `y += scale A x`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless both vectors have n components; y is then as it was.
     pub fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) -> Result<(), SizeError> {
         self.pattern.check_vector(x)?;
         self.pattern.check_vector(y)?;

@@ -63,11 +63,18 @@ pub(crate) fn analysis_error(n: usize, error: FaerError) -> SparseError {
 
 impl SparseCholesky {
     /// Finds the order of elimination and takes all memory, from the pattern of `matrix`.
+    ///
+    /// # Errors
+    /// [`SparseError::OutOfMemory`] and [`SparseError::TooLarge`] for a factor that does not fit
+    /// into memory or into 32-bit indices.
     pub fn analyse(matrix: &SymmetricMatrix) -> Result<Self, SparseError> {
         SparseCholesky::analyse_by(matrix, Ordering::default())
     }
 
     /// The same with a choice of how the order is found.
+    ///
+    /// # Errors
+    /// Those of [`SparseCholesky::analyse`].
     pub fn analyse_by(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Self, SparseError> {
         let n = matrix.dim();
         let symbolic = match ordering {
@@ -96,6 +103,10 @@ impl SparseCholesky {
     }
 
     /// Factors a matrix of the analysed pattern.
+    ///
+    /// # Errors
+    /// [`SparseError::OtherPattern`] for a matrix of another analysis, even of the same places;
+    /// [`SparseError::NonFinite`]; [`SparseError::NotPositiveDefinite`] with the freedom.
     pub fn factor(&mut self, matrix: &SymmetricMatrix) -> Result<(), SparseError> {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);

@@ -79,6 +79,10 @@ pub struct SparseIndefinite {
 impl SparseIndefinite {
     /// Finds the order of elimination and takes the memory of `L B L^T`, from the pattern of
     /// `matrix`. The memory of `L U` is taken when it is first needed.
+    ///
+    /// # Errors
+    /// [`SparseError::OutOfMemory`] and [`SparseError::TooLarge`] for a factor that does not fit
+    /// into memory or into 32-bit indices.
     pub fn analyse(matrix: &SymmetricMatrix) -> Result<Self, SparseError> {
         let n = matrix.dim();
         Ok(SparseIndefinite {
@@ -96,6 +100,11 @@ impl SparseIndefinite {
     }
 
     /// Factors a matrix of the analysed pattern, and says which factors can be trusted.
+    ///
+    /// # Errors
+    /// [`SparseError::OtherPattern`] for a matrix of another analysis; [`SparseError::NonFinite`]
+    /// for an entry; [`SparseError::Singular`] where neither factors find a known vector again;
+    /// those of [`SparseIndefinite::analyse`] where `L U` needs its memory.
     pub fn factor(&mut self, matrix: &SymmetricMatrix) -> Result<Pivoting, SparseError> {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);
@@ -128,6 +137,11 @@ impl SparseIndefinite {
     }
 
     /// Solves `A x = b` in place, with the matrix factored last. After an error b is as it was.
+    ///
+    /// # Errors
+    /// [`SparseError::Size`] unless b has n components; [`SparseError::NotFactored`] unless the
+    /// last factorization succeeded; [`SparseError::Untrusted`] for a relative residual above 1e-8,
+    /// also where b is not finite.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,

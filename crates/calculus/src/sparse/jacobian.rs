@@ -78,6 +78,11 @@ impl JacobianEntries<'_> {
 
 impl SparseJacobian {
     /// The zero matrix of `rows` x `columns` with the pattern of the entries that `visit` brings.
+    ///
+    /// # Errors
+    /// [`SparseError::UnknownFreedom`] for an entry outside of the matrix, whose number is then
+    /// that of the block; [`SparseError::TooLarge`] for more rows, columns or entries than 32-bit
+    /// indices can tell apart.
     pub fn analyse(
         rows: usize,
         columns: usize,
@@ -123,6 +128,9 @@ impl SparseJacobian {
 
     /// Sets the values to the sums of the entries that `visit` brings: those that were analysed, in
     /// the same order. After an error the values are not to be used.
+    ///
+    /// # Errors
+    /// [`SparseError::PatternChanged`] for the first entry that differs, is missing or is too many.
     pub fn refill(&mut self, visit: impl FnOnce(&mut JacobianEntries)) -> Result<(), SparseError> {
         self.values.fill(0.0);
         let mut entries = JacobianEntries(Visit::Later {
@@ -161,6 +169,9 @@ impl SparseJacobian {
     }
 
     /// Adds the product with a vector: `y += scale J x`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless x has n components and y has m; y is then as it was.
     pub fn add_product(&self, scale: f64, x: &[f64], y: &mut [f64]) -> Result<(), SizeError> {
         SizeError::check("the vector's components", self.columns(), x.len())?;
         SizeError::check("the product's components", self.rows(), y.len())?;
@@ -171,6 +182,9 @@ impl SparseJacobian {
     }
 
     /// Adds the product with a covector: `y += scale J^T x`.
+    ///
+    /// # Errors
+    /// [`SizeError`] unless x has m components and y has n; y is then as it was.
     pub fn add_transposed_product(
         &self,
         scale: f64,
@@ -199,6 +213,10 @@ pub struct SparseEquation<F, D> {
 impl<F: FnMut(&[f64], &mut [f64]), D: FnMut(&[f64], &mut JacobianEntries)> SparseEquation<F, D> {
     /// An equation whose Jacobian has at every x the pattern that it has at this one. `f` writes n
     /// numbers, `df` brings the Jacobian's entries, always in the same order.
+    ///
+    /// # Errors
+    /// Those of [`SparseJacobian::analyse`]; [`SparseError::OutOfMemory`] and
+    /// [`SparseError::TooLarge`] for factors that do not fit.
     pub fn new(x: &[f64], f: F, df: D) -> Result<Self, SparseError> {
         let (n, mut df) = (x.len(), df);
         let jacobian = SparseJacobian::analyse(n, n, |entries| df(x, entries))?;

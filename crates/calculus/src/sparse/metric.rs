@@ -25,6 +25,10 @@ pub struct SparseMetric {
 
 impl SparseMetric {
     /// Factors a mass matrix; an error that names the freedom if it is not positive definite.
+    ///
+    /// # Errors
+    /// [`SparseError::NotPositiveDefinite`] with the freedom; [`SparseError::NonFinite`];
+    /// [`SparseError::OutOfMemory`] and [`SparseError::TooLarge`] for a factor that does not fit.
     pub fn new(matrix: SymmetricMatrix) -> Result<Self, SparseError> {
         let matrix = without_zeros(&matrix)?;
         let mut factor = SparseCholesky::analyse(&matrix)?;

@@ -13,6 +13,9 @@ fn rods(n: usize) -> Result<Rods<2>, ConstraintError> {
 
 /// A chain of `n` links that hangs and sways: each link moves sideways with the speed `sway` times
 /// its depth over n.
+///
+/// # Errors
+/// None: the rods are well formed for every `n`, and `sway` is not looked at.
 pub fn chain(n: usize, sway: f64) -> Result<Chain, ConstraintError> {
     let depth = |i: usize| (i + 1) as f64;
     let q = (0..n).flat_map(|i| [0.0, -depth(i)]).collect();
@@ -22,6 +25,9 @@ pub fn chain(n: usize, sway: f64) -> Result<Chain, ConstraintError> {
 
 /// A chain of `n` links that is let go from rest with its links to the right and down in turn, like
 /// stairs.
+///
+/// # Errors
+/// None: the rods are well formed for every `n`.
 pub fn folded_chain(n: usize) -> Result<Chain, ConstraintError> {
     let q = (0..n).flat_map(|i| [(i / 2 + 1) as f64, -(i.div_ceil(2) as f64)]).collect();
     hanging(q, vec![0.0; 2 * n], 1.0, rods(n)?)
@@ -29,6 +35,9 @@ pub fn folded_chain(n: usize) -> Result<Chain, ConstraintError> {
 
 /// A chain of `n` links that writhes: their angles from hanging are `0.5 sin(0.7 i)`, and each
 /// turns at up to `rate` radians a second, neighbours differently.
+///
+/// # Errors
+/// None: the rods are well formed for every `n`, and `rate` is not looked at.
 pub fn writhing_chain(n: usize, rate: f64) -> Result<Chain, ConstraintError> {
     let (mut x, mut v) = ([0.0; 2], [0.0; 2]);
     let (mut q, mut p) = (Vec::with_capacity(2 * n), Vec::with_capacity(2 * n));

@@ -35,6 +35,9 @@ impl Embedding<1, 4> for Crank {
 }
 
 /// The linkage with its crank at an angle, radians, turning at a rate, radians a second.
+///
+/// # Errors
+/// None: the rods are well formed, and neither number is looked at.
 pub fn four_bar(angle: f64, rate: f64) -> Result<FourBar, ConstraintError> {
     let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 2.0), Rod::new([1, 3], 2.0)];
     let rods = Rods::new(2, vec![[0.0, 0.0], [2.0, 0.0]], rods)?;

@@ -26,6 +26,9 @@ pub struct Pendulum {
 
 /// The pendulum that passes the bottom with a speed, positive and not 2, where it would take
 /// forever to reach the top.
+///
+/// # Errors
+/// [`ConstraintError::Parameter`] for a speed that is not positive and finite, or within 1e-6 of 2.
 pub fn pendulum(speed: f64) -> Result<Pendulum, ConstraintError> {
     if !(speed > 0.0 && speed.is_finite() && (speed - 2.0).abs() > 1e-6) {
         let range = "positive, finite and not 2";

@@ -37,6 +37,9 @@ impl Embedding<1, 4> for Piston {
 }
 
 /// The machine with its crank at an angle, radians, turning at a rate, radians a second.
+///
+/// # Errors
+/// None: rods and line are well formed, and neither number is looked at.
 pub fn slider_crank(angle: f64, rate: f64) -> Result<SliderCrank, ConstraintError> {
     let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 3.0)];
     let rods = Rods::new(2, vec![[0.0, 0.0]], rods)?;

@@ -10,6 +10,9 @@ pub type Square = RodProblem<[f64; 8]>;
 
 /// A square of unit side about the origin, with one or two diagonals, spinning at the rate `spin`,
 /// radians a second, and drifting with the velocity `drift`.
+///
+/// # Errors
+/// None: of the diagonals asked for at most two are there, and other numbers are not looked at.
 pub fn square(diagonals: usize, spin: f64, drift: [f64; 2]) -> Result<Square, ConstraintError> {
     let q: [f64; 8] = [-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5];
     let p = std::array::from_fn(|i| {

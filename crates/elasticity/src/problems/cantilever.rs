@@ -60,6 +60,10 @@ impl Beam {
     }
 
     /// The deflection of the middle of the tip by elements, m.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Mesh`] for sizes and cells that make no sheet; [`ElasticityError::Load`]
+    /// for a push that is not finite; [`ElasticityError::Statics`] where no rest is found.
     pub fn solved(&self, family: SheetFamily, cells: [usize; 2]) -> Result<Sheet, ElasticityError> {
         let mesh = rectangle(self.size, cells, self.diagonals)?;
         match family {

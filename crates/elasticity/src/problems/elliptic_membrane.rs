@@ -25,6 +25,10 @@ const PRESSURE: f64 = 10e6;
 const THICKNESS: f64 = 0.1;
 
 /// Freedoms, and the stress sigma_yy (Pa) at (2, 0), of cells outward and around.
+///
+/// # Errors
+/// [`ElasticityError::Mesh`] for cells that make no sheet; [`ElasticityError::Statics`] where no
+/// rest is found.
 pub fn elliptic_membrane_stress(
     family: SheetFamily,
     cells: [usize; 2],

@@ -67,6 +67,10 @@ pub struct Errors {
 }
 
 /// The errors of elements on a mesh of the unit line, square or cube.
+///
+/// # Errors
+/// Those of [`Freedoms::new`], [`Solid::new`], [`DeadLoad::body`], [`lumped_mass`] and
+/// [`Statics::solve`]; [`ElasticityError::Mesh`] where an integral is not finite.
 pub fn manufactured_errors<F, const N: usize, const D: usize, const Q: usize>(
     family: F,
     mesh: &impl Elements<D, N>,

@@ -100,11 +100,19 @@ pub struct BackwardDifferences<F, C> {
 
 impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
     /// All five orders on a field, starting from a moment.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::Size`] unless storage, tolerances, mass matrix and state have the field's
+    /// size; [`AdaptiveError::NonFinite`] for the mass matrix, the time, the state or f there.
     pub fn new(field: F, control: StepControl, start: Moment<C>) -> Result<Self, AdaptiveError> {
         Self::of_order_at_most(HIGHEST, field, control, start)
     }
 
     /// Orders up to `highest` only: 2 for the L-stable formula with variable steps.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::Order`] unless `highest` is from 1 to 5; those of
+    /// [`BackwardDifferences::new`].
     pub fn of_order_at_most(
         highest: usize,
         field: F,

@@ -92,6 +92,11 @@ pub struct DormandPrince853<F, C> {
 
 impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
     /// The method on a field, starting from a moment.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::MassMatrix`] for a field that has one; [`AdaptiveError::Size`] unless
+    /// storage, tolerances and state have the field's size; [`AdaptiveError::NonFinite`] for the
+    /// time, the state or f there.
     pub fn new(field: F, control: StepControl, start: Moment<C>) -> Result<Self, AdaptiveError> {
         let n = field.dim();
         if field.mass().is_some() {

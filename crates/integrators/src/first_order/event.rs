@@ -94,6 +94,10 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
     }
 
     /// Whether the step has a crossing: the first one then stands in [`Event::moment`].
+    ///
+    /// # Errors
+    /// [`AdaptiveError::EventValue`] where the function is NaN; those of
+    /// [`AcceptedStep::interpolate`].
     pub fn crossing<A: AdaptiveMethod<C> + ?Sized>(
         &mut self,
         step: &mut AcceptedStep<'_, C, A>,

@@ -39,6 +39,10 @@ impl<C: Storage, A: AdaptiveMethod<C> + ?Sized> AcceptedStep<'_, C, A> {
     }
 
     /// Writes the state at a time within the step.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::OutsideStep`] for a time before the step or after it; those of
+    /// [`AdaptiveMethod::interpolate`].
     pub fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
         let (from, to) = (self.from, self.to());
         if !(from <= t && t <= to) {
@@ -58,6 +62,9 @@ pub enum Outcome {
 }
 
 /// Steps to `end` seconds, or until the observer breaks off.
+///
+/// # Errors
+/// Those of [`AdaptiveMethod::step`], as for an end that does not lie ahead.
 pub fn integrate<C: Storage, A: AdaptiveMethod<C> + ?Sized>(
     method: &mut A,
     end: f64,
@@ -79,7 +86,8 @@ pub fn integrate<C: Storage, A: AdaptiveMethod<C> + ?Sized>(
 /// The observer cannot break off; the last step that it sees ends at the event.
 ///
 /// # Errors
-/// [`AdaptiveError::NoEvent`] where the function does not cross zero in the event's direction.
+/// [`AdaptiveError::NoEvent`] where the function does not cross zero in the event's direction; those
+/// of [`AdaptiveMethod::step`], [`AdaptiveMethod::restart`] and [`Event::crossing`].
 pub fn integrate_to_event<C, A, G>(
     method: &mut A,
     end: f64,

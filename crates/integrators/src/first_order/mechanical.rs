@@ -32,6 +32,9 @@ impl<'s, M: Metric, P: Potential> MechanicalField<'s, M, P> {
 
 impl<'s, M: Metric, P: Potential, F: Force> MechanicalField<'s, M, P, F> {
     /// The field of a system under a force, which may be none: an option of a force, or `()`.
+    ///
+    /// # Errors
+    /// [`SizeError`] for a force that has freedoms, but not as many as the system.
     pub fn forced(system: &'s System<M, P>, force: F) -> Result<Self, SizeError> {
         if force.dim() > 0 {
             SizeError::check("the force's freedoms", system.dim(), force.dim())?;

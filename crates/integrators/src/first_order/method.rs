@@ -103,6 +103,11 @@ pub trait AdaptiveMethod<C: Storage> {
     fn work(&self) -> &Work;
 
     /// Takes one step that does not lead beyond `end`, and meets `end` exactly where it can.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::End`] unless `end` is finite and lies ahead;
+    /// [`AdaptiveError::TooManySteps`]; [`AdaptiveError::StepTooSmall`] where no step that the
+    /// clock resolves is accepted.
     fn step(&mut self, end: f64) -> Result<(), AdaptiveError>;
 
     /// The beginning of the last step, or `None` before the first one and after a restart.
@@ -130,12 +135,20 @@ pub trait AdaptiveMethod<C: Storage> {
     fn write_inside(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError>;
 
     /// Goes on from another moment: after an impulse, a switch, an event.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::Size`] for a state of another size; [`AdaptiveError::NonFinite`] for a
+    /// time, a state or f there.
     fn restart(&mut self, moment: &Moment<C>) -> Result<(), AdaptiveError>;
 
     /// Visits, in a fixed order, every number on which the next steps depend.
     fn visit(&mut self, visit: &mut dyn FnMut(&mut f64));
 
     /// Checks the numbers after a visit that changed them, and recomputes what follows from them.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::NonFinite`] and [`AdaptiveError::Saved`] for numbers that no run leaves
+    /// behind.
     fn settle(&mut self) -> Result<(), AdaptiveError>;
 
     /// Everything on which the next steps depend.

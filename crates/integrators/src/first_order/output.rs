@@ -14,6 +14,10 @@ pub struct OutputTimes<'a, C> {
 
 impl<'a, C: Storage> OutputTimes<'a, C> {
     /// Times in ascending order, for a state of `n` numbers.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::OutputTimes`] for the first time that is not finite or does not ascend;
+    /// [`AdaptiveError::Size`] for a storage of another size than `n`.
     pub fn new(n: usize, times: &'a [f64]) -> Result<Self, AdaptiveError> {
         for (place, &t) in times.iter().enumerate() {
             let ascends = place == 0 || times[place - 1] < t;
@@ -31,6 +35,9 @@ impl<'a, C: Storage> OutputTimes<'a, C> {
 
     /// Hands out the state at every time that the step passes over or ends at. Times before the
     /// step are skipped.
+    ///
+    /// # Errors
+    /// Those of [`AcceptedStep::interpolate`]; the time at which it failed is then still ahead.
     pub fn within<A: AdaptiveMethod<C> + ?Sized>(
         &mut self,
         step: &mut AcceptedStep<'_, C, A>,

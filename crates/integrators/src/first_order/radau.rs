@@ -115,6 +115,10 @@ fn stricter(tolerance: &Tolerance) -> Tolerance {
 
 impl<F: VectorField, C: Storage> RadauIia5<F, C> {
     /// The method on a field, starting from a moment.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::Size`] unless storage, tolerances, mass matrix and state have the field's
+    /// size; [`AdaptiveError::NonFinite`] for the mass matrix, the time, the state or f there.
     pub fn new(field: F, control: StepControl, start: Moment<C>) -> Result<Self, AdaptiveError> {
         let n = field.dim();
         check_mass(&field)?;

@@ -25,11 +25,18 @@ const ROUNDING: f64 = 1e-14;
 
 impl Tolerance {
     /// The same absolute tolerance for every component.
+    ///
+    /// # Errors
+    /// Those of [`Tolerance::componentwise`].
     pub fn new(relative: f64, absolute: f64) -> Result<Self, ControlError> {
         Tolerance::componentwise(relative, vec![absolute])
     }
 
     /// An absolute tolerance for each component, in its own unit.
+    ///
+    /// # Errors
+    /// [`ControlError::Relative`] unless that is at least 1e-14 and below 1;
+    /// [`ControlError::Absolute`] for the first one that is not positive and finite.
     pub fn componentwise(relative: f64, absolute: Vec<f64>) -> Result<Self, ControlError> {
         if !(ROUNDING..1.0).contains(&relative) {
             return Err(ControlError::Relative(relative));
@@ -88,22 +95,34 @@ impl From<Tolerance> for StepControl {
 
 impl StepControl {
     /// Starts with a step of `h` seconds instead of one guessed from f.
+    ///
+    /// # Errors
+    /// [`ControlError::Step`] unless `h` is positive and finite.
     pub fn first_step(self, h: f64) -> Result<Self, ControlError> {
         Ok(StepControl { first: Some(positive(h)?), ..self })
     }
 
     /// Takes no step longer than `h` seconds.
+    ///
+    /// # Errors
+    /// [`ControlError::Step`] unless `h` is positive and finite.
     pub fn longest_step(self, h: f64) -> Result<Self, ControlError> {
         Ok(StepControl { longest: positive(h)?, ..self })
     }
 
     /// Takes every step `h` seconds long, whatever its error, unless its equation has no solution.
     /// The tolerance still governs the solution of implicit steps.
+    ///
+    /// # Errors
+    /// [`ControlError::Step`] unless `h` is positive and finite.
     pub fn constant_step(self, h: f64) -> Result<Self, ControlError> {
         Ok(StepControl { constant: Some(positive(h)?), ..self })
     }
 
     /// Gives up after this many accepted and rejected steps.
+    ///
+    /// # Errors
+    /// [`ControlError::NoSteps`] for none.
     pub fn most_steps(self, steps: u64) -> Result<Self, ControlError> {
         match steps {
             0 => Err(ControlError::NoSteps),

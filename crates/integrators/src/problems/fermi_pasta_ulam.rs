@@ -81,6 +81,9 @@ impl Potential for AlternatingSprings {
 }
 
 /// The chain whose stiff springs have this frequency (positive), until they have shared energy.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for a frequency outside of (1e-50, 1e50).
 pub fn fermi_pasta_ulam(
     frequency: f64,
 ) -> Result<SmallProblem<AlternatingSprings, 6>, ProblemError> {

@@ -44,6 +44,9 @@ impl Potential for HenonHeilesPotential {
 }
 
 /// The star of this energy in (0, 1/6), over about thirty turns.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for another energy.
 pub fn henon_heiles(energy: f64) -> Result<SmallProblem<HenonHeilesPotential, 2>, ProblemError> {
     within("the energy", energy, "(0, 1/6)", 0.0..1.0 / 6.0)?;
     let speed = (2.0 * energy).sqrt();

@@ -14,6 +14,9 @@ use super::{Problem, ProblemError, SmallProblem, within};
 use crate::{CentralGravity, State};
 
 /// The planet of eccentricity `e` in [0, 1) over ten of its years.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for another eccentricity.
 pub fn kepler(e: f64) -> Result<SmallProblem<CentralGravity<2>, 2>, ProblemError> {
     let minor = ((1.0 - e) * (1.0 + e)).sqrt();
     within("e", e, "[0, 1)", -f64::MIN_POSITIVE..1.0)?;

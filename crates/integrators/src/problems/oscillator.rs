@@ -45,6 +45,9 @@ impl<const N: usize> Potential for Linear<N> {
 }
 
 /// An oscillator of angular frequency `omega` (rad/s, positive) that starts at rest at q = 1.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for a frequency outside of (1e-100, 1e100).
 pub fn oscillator(omega: f64) -> Result<SmallProblem<Linear<1>, 1>, ProblemError> {
     within("omega", omega, "(1e-100, 1e100)", 1e-100..1e100)?;
     Ok(Problem {

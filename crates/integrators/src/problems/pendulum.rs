@@ -39,6 +39,9 @@ impl Potential for PendulumPotential {
 }
 
 /// The pendulum released at rest from the angle `theta` in (0, pi), radians, for ten periods.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for another angle.
 pub fn pendulum(theta: f64) -> Result<SmallProblem<PendulumPotential, 1>, ProblemError> {
     let k = (0.5 * theta).sin();
     let scale = AgmScale::new(k);

@@ -37,6 +37,9 @@ const AT_THREE: [[f64; 2]; 7] = [
 ];
 
 /// The seven stars, over three units of time.
+///
+/// # Errors
+/// None: all its numbers are given.
 pub fn pleiades() -> Result<SmallProblem<NewtonianGravity<2>, 14>, ProblemError> {
     let masses: [f64; 14] = std::array::from_fn(|freedom| MASSES[freedom / 2]);
     let velocities = VELOCITIES.as_flattened();

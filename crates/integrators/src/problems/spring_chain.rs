@@ -86,6 +86,10 @@ impl Potential for SpringChain {
 
 /// The row of this many masses, at least two, with springs of stiffness `k` (positive), over one
 /// turn of the slowest mode.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for fewer than two masses, or 2^31 and more, and for a stiffness
+/// outside of (1e-100, 1e100).
 pub fn spring_chain(masses: usize, k: f64) -> Result<LargeProblem<SpringChain>, ProblemError> {
     within("the number of masses", masses as f64, "[2, 2^31)", 1.0..2_f64.powi(31))?;
     within("k", k, "(1e-100, 1e100)", 1e-100..1e100)?;

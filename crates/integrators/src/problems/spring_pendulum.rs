@@ -51,6 +51,9 @@ impl Potential for TetherPotential {
 }
 
 /// The swinging mass on a spring of stiffness `k` (positive), over one swing of a rigid pendulum.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for a stiffness outside of (1e-100, 1e100).
 pub fn spring_pendulum(k: f64) -> Result<SmallProblem<TetherPotential, 2>, ProblemError> {
     within("k", k, "(1e-100, 1e100)", 1e-100..1e100)?;
     Ok(Problem {

@@ -13,6 +13,9 @@ use super::{Problem, ProblemError, SmallProblem};
 use crate::{NewtonianGravity, State};
 
 /// Masses 1, 0.02 and 0.01 at distances 1 and 2.5, over about ten turns of the inner planet.
+///
+/// # Errors
+/// None: all its numbers are given.
 pub fn three_bodies() -> Result<SmallProblem<NewtonianGravity<2>, 6>, ProblemError> {
     let [sun, inner, outer] = [1.0, 0.02, 0.01];
     let gravity = NewtonianGravity { constant: 1.0, masses: vec![sun, inner, outer] };

@@ -40,6 +40,9 @@ impl VectorField for VanDerPolField {
 }
 
 /// From (2, 0) over 2 mu seconds, a little more than a period.
+///
+/// # Errors
+/// [`ProblemError::Parameter`] for a damping outside of (1e-100, 1e100).
 pub fn van_der_pol(mu: f64) -> Result<StiffProblem<VanDerPolField, 2>, ProblemError> {
     within("mu", mu, "(1e-100, 1e100)", 1e-100..1e100)?;
     let known = [0.170_616_773_217_046_9e1, -0.892_809_701_024_812_5e-3];
