@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::env;
 use std::fs;
 use std::io;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::cargo::{CargoError, cargo};
 use crate::layers::{LayerError, Metadata, Package};
 use crate::report::aligned;
 
@@ -60,22 +60,9 @@ pub enum CostError {
     /// The workspace cannot be read.
     #[error(transparent)]
     Metadata(#[from] LayerError),
-    /// cargo or a folder for its output is not to be had.
-    #[error("{what}: {source}")]
-    System {
-        /// What was tried.
-        what: String,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// cargo says no.
-    #[error("{what}: {complaint}")]
-    Cargo {
-        /// The command.
-        what: String,
-        /// What cargo says.
-        complaint: String,
-    },
+    /// A crate cannot be built, or a folder for it not be cleared.
+    #[error(transparent)]
+    Cargo(#[from] CargoError),
 }
 
 /// The cost of every library crate, and of those with a feature `sparse` a second time with it.
@@ -138,7 +125,7 @@ fn clean_build(selection: &[&str]) -> Result<Duration, CostError> {
     let folder = target.display().to_string();
     let clear = || match fs::remove_dir_all(&target) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(CostError::System { what: folder.clone(), source })
+            Err(CargoError::System { what: folder.clone(), source })
         }
         _ => Ok(()),
     };
@@ -148,22 +135,6 @@ fn clean_build(selection: &[&str]) -> Result<Duration, CostError> {
     let wall = start.elapsed();
     clear()?;
     Ok(wall)
-}
-
-/// What cargo prints.
-fn cargo(arguments: &[&str]) -> Result<String, CostError> {
-    let what = format!("cargo {}", arguments.join(" "));
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|source| CostError::System { what: what.clone(), source })?;
-    if !output.status.success() {
-        let complaint = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        return Err(CostError::Cargo { what, complaint });
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 #[cfg(test)]

@@ -5,20 +5,26 @@
 //! - [`run`]: a scene file to a trajectory.
 //! - [`choose`]: the cheapest way to run a scene within a tolerance.
 //! - [`layers`]: which crate may depend on what.
+//! - [`readme`]: the README of each crate from its front page.
 //! - [`licenses`]: what the dependencies ask of whoever uses the crates.
 //! - [`cost`]: how many packages each crate pulls in, and how long it takes to build.
+//! - [`kernels`]: what the hot kernels take as Cargo's own release profile builds them.
+//! - [`cargo`]: how these ask cargo.
 //!
 //! A study is a [`study::Study`]: a table, its [`chart`]s and its claims; the list of them is
 //! [`studies::STUDIES`]. All but that list knows nothing of physics.
 
 #![allow(clippy::missing_errors_doc, reason = "an unpublished tool: its errors end in a message")]
 
+pub mod cargo;
 pub mod chart;
 pub mod check_page;
 pub mod choose;
 pub mod cost;
+pub mod kernels;
 pub mod layers;
 pub mod licenses;
+pub mod readme;
 pub mod report;
 pub mod run;
 pub mod studies;

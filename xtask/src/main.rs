@@ -12,8 +12,10 @@ use stationary_scene::Scene;
 use xtask::check_page::check_page;
 use xtask::choose::{Question, Verdict, choose, emit, emitted, picture, time};
 use xtask::cost::{Build, Cost, cost, table};
+use xtask::kernels::kernels;
 use xtask::layers::{Metadata, check, check_tree};
 use xtask::licenses::unlicensed;
+use xtask::readme::readmes;
 use xtask::report::{
     Outcome, Plan, Progress, Shard, catalogue, merge, report, select, shard, summary,
 };
@@ -70,12 +72,16 @@ enum Task {
     Licenses,
     /// Checks which crate depends on what, and that the docs name what exists.
     Layers,
+    /// Writes the README of each crate from the front page of its source.
+    Readmes,
     /// Counts the packages that each crate pulls in, and times its clean release build.
     Cost {
         /// Counts only.
         #[arg(long)]
         no_build: bool,
     },
+    /// Times the hot kernels as this workspace tunes its benches and as Cargo's own profile builds them.
+    Kernels,
     /// Opens a page in headless Chromium and complains about what a reader would.
     CheckPage {
         /// The page, or a folder with index.html.
@@ -148,7 +154,14 @@ fn main() -> ExitCode {
         Task::Trials(arguments) => run_trials(&arguments),
         Task::Licenses => run_licenses(),
         Task::Layers => run_layers(),
+        Task::Readmes => run_readmes(),
         Task::Cost { no_build } => run_cost(if no_build { Build::Skipped } else { Build::Timed }),
+        Task::Kernels => kernels()
+            .map(|kernels| {
+                print!("{}", kernels.table());
+                ExitCode::SUCCESS
+            })
+            .map_err(Failure::from),
         Task::CheckPage { page } => run_check_page(&page),
     };
     done.unwrap_or_else(|error| {
@@ -261,6 +274,13 @@ fn run_layers() -> Result<ExitCode, Failure> {
     let metadata = Metadata::read()?;
     let violations = check(&metadata).into_iter().chain(check_tree(&metadata)?);
     Ok(verdict(violations.map(|violation| violation.to_string())))
+}
+
+fn run_readmes() -> Result<ExitCode, Failure> {
+    for readme in readmes()? {
+        std::fs::write(&readme.path, &readme.text)?;
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn run_cost(build: Build) -> Result<ExitCode, Failure> {

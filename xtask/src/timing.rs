@@ -4,7 +4,10 @@ use std::time::{Duration, Instant};
 
 /// Below this a clock does not resolve a call well; the call is repeated inside one measurement.
 const RESOLVED: Duration = Duration::from_millis(1);
-const FEWEST_RUNS: usize = 5;
+const RUNS: usize = 5;
+/// A call that takes longer is run less often.
+const LONG: Duration = Duration::from_millis(100);
+const LONG_RUNS: usize = 3;
 
 /// Wall time of one call, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,22 +20,19 @@ pub struct Wall {
     pub max: f64,
 }
 
-/// Times `call`: one warm-up, then the median of `runs` runs, at least five. A call shorter than a
-/// millisecond is repeated within a run, and its share is reported.
-pub fn median_wall(runs: usize, mut call: impl FnMut()) -> Wall {
-    call();
-    let repeats = repeats_to_resolve(&mut call);
-    let mut walls: Vec<f64> = (0..runs.max(FEWEST_RUNS))
-        .map(|_| elapsed(repeats, &mut call).as_secs_f64() / repeats as f64)
-        .collect();
-    walls.sort_by(f64::total_cmp);
-    let middle = walls.len() / 2;
-    let median = if walls.len() % 2 == 1 {
-        walls[middle]
-    } else {
-        0.5 * (walls[middle - 1] + walls[middle])
+/// Times `call`: one warm-up, then the median of five runs, or of three where one takes longer than a
+/// tenth of a second: what is long is disturbed less. A call shorter than a millisecond is
+/// repeated within a run, and its share is reported.
+pub fn median_wall(mut call: impl FnMut()) -> Wall {
+    let warm_up = elapsed(1, &mut call);
+    let (repeats, runs) = match warm_up {
+        long if long > LONG => (1, LONG_RUNS),
+        _ => (repeats_to_resolve(&mut call), RUNS),
     };
-    Wall { median, min: walls[0], max: walls[walls.len() - 1] }
+    let mut walls: Vec<f64> =
+        (0..runs).map(|_| elapsed(repeats, &mut call).as_secs_f64() / repeats as f64).collect();
+    walls.sort_by(f64::total_cmp);
+    Wall { median: walls[runs / 2], min: walls[0], max: walls[runs - 1] }
 }
 
 fn repeats_to_resolve(call: &mut impl FnMut()) -> u32 {
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn the_median_lies_between_the_fastest_and_the_slowest_run() {
-        let wall = median_wall(6, || {
+        let wall = median_wall(|| {
             black_box((0..1000_u64).map(black_box).sum::<u64>());
         });
         assert!(wall.min <= wall.median && wall.median <= wall.max);
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_call_too_short_for_the_clock_still_has_a_time() {
-        let wall = median_wall(5, || {
+        let wall = median_wall(|| {
             black_box(black_box(1.0_f64).sqrt());
         });
         assert!(wall.min > 0.0 && wall.median < 1e-4);
@@ -76,10 +76,10 @@ mod tests {
     #[test]
     fn a_call_is_run_at_least_five_times_after_its_warm_up() {
         let mut calls = 0;
-        median_wall(0, || {
+        median_wall(|| {
             calls += 1;
             std::thread::sleep(Duration::from_millis(2));
         });
-        assert!(calls > FEWEST_RUNS);
+        assert!(calls > RUNS);
     }
 }

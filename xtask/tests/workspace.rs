@@ -1,6 +1,10 @@
 //! The real workspace keeps its own rules.
 
+use std::collections::BTreeMap;
+
+use xtask::cargo::cargo;
 use xtask::layers::{Metadata, check, check_tree};
+use xtask::readme::readmes;
 
 #[test]
 fn the_workspace_breaks_no_rule() {
@@ -11,4 +15,32 @@ fn the_workspace_breaks_no_rule() {
         .map(ToString::to_string)
         .collect();
     assert!(violations.is_empty(), "\n{}", violations.join("\n"));
+}
+
+#[test]
+fn the_readme_of_each_crate_is_its_front_page() {
+    let stale: Vec<String> = readmes()
+        .unwrap()
+        .iter()
+        .filter(|readme| !readme.is_written())
+        .map(|readme| format!("{}: run `cargo xtask readmes`", readme.path.display()))
+        .collect();
+    assert!(stale.is_empty(), "\n{}", stale.join("\n"));
+}
+
+/// The features of every package that is compiled for a choice of packages.
+fn features(selection: &[&str]) -> BTreeMap<String, String> {
+    let tree = [&["tree", "--prefix", "none", "--format", "{p}|{f}"], selection].concat();
+    let tree = cargo(&tree).unwrap();
+    let packages = tree.lines().filter_map(|line| line.trim_end_matches(" (*)").split_once('|'));
+    packages.map(|(package, features)| (package.to_owned(), features.to_owned())).collect()
+}
+
+#[test]
+fn the_tests_compile_nothing_of_the_report_again() {
+    let report = features(&["--package", "xtask", "--edges", "normal,build"]);
+    let tests = features(&["--workspace", "--edges", "normal,build,dev"]);
+    let other: Vec<_> =
+        report.iter().filter(|(package, f)| tests.get(*package) != Some(*f)).collect();
+    assert!(other.is_empty(), "give xtask the features that tests have: {other:#?}");
 }

@@ -92,6 +92,17 @@ impl Samples {
             .or_else(|| last("angular momentum", self.angular.last()?))
             .or_else(|| last("heat", &tail(&self.heat)))
             .or_else(|| {
+                let sample = scene.particles.len() * scene.dimension;
+                let positions = &self.positions[self.positions.len().saturating_sub(sample)..];
+                let number = first_non_finite(positions)?;
+                let name = &scene.particles[number / scene.dimension].name;
+                Some((format!("the position of `{name}`"), positions[number]))
+            })
+            .or_else(|| {
+                let vertices = self.temperatures.len().checked_div(self.times.len())?;
+                last("a temperature", &self.temperatures[self.temperatures.len() - vertices..])
+            })
+            .or_else(|| {
                 let column = first_non_finite(self.last_observed())?;
                 let heading =
                     scene.observables.iter().flat_map(|o| o.headings(scene)).nth(column)?;

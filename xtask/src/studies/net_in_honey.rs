@@ -127,7 +127,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
             let scene = net(&stepping, steps).map_err(StudyError::at("the net"))?;
             let run = scene.run().map_err(StudyError::at(contender.name))?;
             let (error, cost) = (error(&run, &truth), run.cost());
-            let wall = median_wall(5, || {
+            let wall = median_wall(|| {
                 std::hint::black_box(scene.run().is_ok());
             });
             by_count.push(((cost.differentials + cost.hessians) as f64, error));

@@ -185,7 +185,7 @@ impl Page {
         let outcome = run();
         let error = outcome.as_ref().and_then(|(end, _)| problem.error(end.t, &end.q));
         if let (Some((_, evaluations)), Some(error)) = (outcome, error) {
-            let wall = median_wall(5, || {
+            let wall = median_wall(|| {
                 black_box(run());
             });
             runs.counted.points.push((evaluations as f64, error));

@@ -132,7 +132,7 @@ fn part<F: VectorField, const N: usize>(
                         table.push(cells);
                         continue;
                     }
-                    let wall = median_wall(5, || {
+                    let wall = median_wall(|| {
                         let method = stiff.on(problem, control.clone());
                         black_box(method.is_ok_and(|mut method| {
                             let observe = |_: stationary_integrators::AcceptedStep<'_, _, _>| {

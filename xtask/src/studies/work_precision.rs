@@ -115,7 +115,7 @@ pub(super) fn run<M: Metric, P: Potential, C: Storage>(
             if once > longest {
                 return (delivered, Wall { median: once, min: once, max: once });
             }
-            let wall = median_wall(5, || {
+            let wall = median_wall(|| {
                 let mut state = problem.initial.clone();
                 let run =
                     simulate(&mut *integrator, &mut state, horizon, |_| ControlFlow::Continue(()));

@@ -405,6 +405,15 @@ fn a_run_whose_energy_exceeds_the_range_of_doubles_is_an_error_that_says_so() {
 }
 
 #[test]
+fn a_point_of_a_body_that_leaves_the_range_of_doubles_is_an_error_that_names_it() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/thrown-racket.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let far = text.replace("[0.22, 0.12, 0]", "[1.7e308, 0, 1.7e308]");
+    let error = Scene::parse(path, &far).unwrap().run().unwrap_err().to_string();
+    assert!(error.contains("the position of `") && error.contains("is not finite"), "{error}");
+}
+
+#[test]
 fn a_method_whose_number_is_out_of_range_and_rods_of_another_dimension_are_refused() {
     let scene = Scene::parse(
         "falling.toml",

@@ -48,7 +48,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         let mut failure = None;
         let mut count = 0_u64;
         // To and fro: RATTLE undoes its steps, and the motion stays as lively as it is.
-        let wall = median_wall(5, || {
+        let wall = median_wall(|| {
             count += 1;
             if count.is_multiple_of(4) {
                 state.p.0.iter_mut().for_each(|p| *p = -*p);

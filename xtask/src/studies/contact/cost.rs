@@ -47,7 +47,7 @@ fn measure<G: Dimension>(
     let contacts = detector.detect(&q, 0.0)?.len();
     let pairs = detector.candidates().len();
     let mut failed = None;
-    let wall = median_wall(5, || {
+    let wall = median_wall(|| {
         // A step: everything moves by a hundredth of a radius.
         q.chunks_exact_mut(G::STORED).for_each(|q| {
             q[..G::TRANSLATION].iter_mut().for_each(|x| *x += 0.01 * RADIUS * random.symmetric());
