@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("\n{:>8} {:>28} {:>34}", "t [s]", "angular velocity [rad/s]", "quaternion");
     for tenth in 0..=20 {
         let t = 0.1 * f64::from(tenth);
-        let w = thrown.angular_velocity(t);
-        let q = thrown.orientation(t).quaternion();
+        let w = thrown.angular_velocity(t)?;
+        let q = thrown.orientation(t)?.quaternion();
         println!("{t:8.1} {:8.3} {:9.3} {:9.3} {q:8.4?}", w.x, w.y, w.z);
     }
     Ok(())

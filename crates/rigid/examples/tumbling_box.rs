@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for _ in 0..3_000 {
             integrator.step(&mut state, 0.01)?;
         }
-        let attitude = Poses::pose_at(&state.q, 0).rotation.direction_to(&truth.orientation(30.0));
+        let exact = truth.orientation(30.0)?;
+        let attitude = Poses::pose_at(&state.q, 0).rotation.direction_to(&exact);
         let moved = spatial_angular_momentum::<Poses>(&state)? - momentum;
         println!(
             "{:22} {:10.1e} {:18.1e} {:14.1e}",

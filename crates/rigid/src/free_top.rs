@@ -93,26 +93,46 @@ impl FreeTop {
     }
 
     /// The angular momentum in body axes after `t` seconds.
-    pub fn momentum(&self, t: f64) -> Vector3<f64> {
-        match &self.motion {
+    ///
+    /// # Errors
+    /// [`RigidError::NonFinite`] for a time that is not finite, or after which the turn is not.
+    pub fn momentum(&self, t: f64) -> Result<Vector3<f64>, RigidError> {
+        self.check_turn(t)?;
+        Ok(match &self.motion {
             Motion::Steady => self.momentum,
             Motion::Tumbling(tumble) => tumble.momentum(t),
-        }
+        })
     }
 
     /// The angular velocity in body axes after `t` seconds, rad/s.
-    pub fn angular_velocity(&self, t: f64) -> Vector3<f64> {
-        self.body.angular_velocity(&self.momentum(t))
+    ///
+    /// # Errors
+    /// Those of [`FreeTop::momentum`].
+    pub fn angular_velocity(&self, t: f64) -> Result<Vector3<f64>, RigidError> {
+        Ok(self.body.angular_velocity(&self.momentum(t)?))
     }
 
     /// The orientation after `t` seconds.
-    pub fn orientation(&self, t: f64) -> Rotation {
-        match &self.motion {
+    ///
+    /// # Errors
+    /// Those of [`FreeTop::momentum`].
+    pub fn orientation(&self, t: f64) -> Result<Rotation, RigidError> {
+        self.check_turn(t)?;
+        Ok(match &self.motion {
             Motion::Steady => self.start.walk(self.body.angular_velocity(&self.momentum) * t),
             Motion::Tumbling(tumble) => {
                 tumble.orientation(t, length(&self.momentum), self.body.moments())
             }
-        }
+        })
+    }
+
+    fn check_turn(&self, t: f64) -> Result<(), RigidError> {
+        check_finite("the time", &[t])?;
+        let turn = match &self.motion {
+            Motion::Steady => self.body.angular_velocity(&self.momentum).norm() * t,
+            Motion::Tumbling(tumble) => tumble.phase + tumble.rate * t,
+        };
+        check_finite("the turn", &[turn])
     }
 
     /// The time after which the angular velocity comes back, seconds; `None` where it is steady or

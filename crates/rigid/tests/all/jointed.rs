@@ -66,7 +66,7 @@ fn a_box_held_at_its_centre_turns_as_the_free_top() {
         let end = run::<_, _, 3>(map, problem, (4.0 / f64::from(steps), steps), |_, lambda| {
             assert!(lambda.iter().all(|f| f.abs() < 1e-12), "no force holds it: {lambda:?}");
         });
-        attitude(&end).direction_to(&top.orientation(4.0)).norm()
+        attitude(&end).direction_to(&top.orientation(4.0).unwrap()).norm()
     }
     let order = |error: &dyn Fn(u32) -> f64| (error(2_000) / error(4_000)).log2();
     let variational = order(&|steps| error(ConstantVelocity, &problem, &top, steps));

@@ -210,7 +210,7 @@ fn along_straight_motions_bodies_of_unequal_moments_would_lose_their_gyroscopic_
     let off = |rattle: &mut dyn ConstrainedIntegrator<Vec<f64>>| {
         let mut state = initial.clone();
         (0..1_000).for_each(|_| _ = rattle.step(&mut state, 1e-3).unwrap());
-        Poses::pose_at(&state.q, 0).rotation.direction_to(&top.orientation(1.0)).norm()
+        Poses::pose_at(&state.q, 0).rotation.direction_to(&top.orientation(1.0).unwrap()).norm()
     };
     let mut careless = Rattle::along(Careless, &system, joint.clone(), &initial, few()).unwrap();
     assert!(off(&mut careless) > 0.1);

@@ -44,7 +44,7 @@ fn the_shipped_racket_turns_over_when_the_closed_form_says() {
     let last = run.times().len() - 1;
     let t = run.times()[last];
     let point = Vector3::from(body.points[0]);
-    let place = top.orientation(t).rotate(&point) + Vector3::x() * (0.3 * t);
+    let place = top.orientation(t).unwrap().rotate(&point) + Vector3::x() * (0.3 * t);
     let shown = Vector3::from_column_slice(&run.positions(last)[3..6]);
     assert!((place - shown).norm() < 2e-3, "{place} {shown}");
 }

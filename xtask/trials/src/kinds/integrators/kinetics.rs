@@ -109,17 +109,16 @@ pub fn catalysis(draw: &mut Draw) -> InitialValue {
     mass_action(reactions, vec![1.0, 0.0, 0.0], end, vec![1.0, 1e-4, 1.0])
 }
 
-/// Eight reactions in the pattern of the response of plants to light, at rates of their own.
+/// Twelve changes of seven kinds into each other, and a binding of two of eight that is undone three
+/// ways, at any rates.
 pub fn response(draw: &mut Draw) -> InitialValue {
-    let spread = draw.uniform(0.0, 0.5);
-    let mut rate = |k: f64| k * draw.symmetric().mul_add(spread, 0.0).exp();
-    let k: [f64; 9] = [1.71, 0.43, 8.32, 0.69, 0.035, 8.32, 1.71, 1.71, 0.69].map(&mut rate);
-    let binding = rate(280.0);
-    let feed = rate(7e-4);
+    let mut rate = |from: f64, to: f64| draw.log_uniform(from, to);
+    let k: [f64; 9] = std::array::from_fn(|_| rate(0.02, 20.0));
+    let (binding, feed, free) = (rate(1.0, 1e4), rate(1e-5, 1e-2), rate(1e-3, 1e-1));
     let (chosen, part) = (draw.chance(0.3), draw.uniform(0.1, 0.9));
     let latest = draw.log_uniform(3000.0, 100.0);
     draw.note(format!(
-        "response at {k:?}, binding {binding}, feed {feed}, latest {latest}, {chosen}, {part}"
+        "response at {k:?}, binding {binding}, feed {feed}, {free} free, latest {latest}, {chosen}, {part}"
     ));
     // Linear rates as (from, to, rate): what leaves `from` arrives at `to`.
     let linear = [
@@ -165,7 +164,7 @@ pub fn response(draw: &mut Draw) -> InitialValue {
                 df[row + 8 * 7] += sign * binding * y[5];
             }
         }),
-        start: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057],
+        start: vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, free],
         end: latest,
         sizes: vec![0.01; 8],
         truth: None,

@@ -171,8 +171,12 @@ fn trial(draw: &mut Draw) -> Verdict {
     let (attitude, momentum) = spread([1.0, -1.0, 1.0]);
     let rounding = 2e-14 * (1.0 + angle);
     let expected = start.compose(&exact.rotation());
-    let off = expected.direction_to(&top.orientation(t)).norm();
+    let (orientation, momentum_then) = match (top.orientation(t), top.momentum(t)) {
+        (Ok(orientation), Ok(momentum)) => (orientation, momentum),
+        (Err(error), _) | (_, Err(error)) => return Verdict::refused(error),
+    };
+    let off = expected.direction_to(&orientation).norm();
     let verdict = Verdict::of(off, rounding + 10.0 * attitude, "the attitude");
-    let off = (top.momentum(t) - exact.momentum()).norm() / m.norm();
+    let off = (momentum_then - exact.momentum()).norm() / m.norm();
     verdict.and(Verdict::of(off, rounding + 10.0 * momentum, "the momentum"))
 }

@@ -25,7 +25,8 @@ pub(super) fn fixed_step(draw: &mut Draw) -> Verdict {
     if answer.is_err() && format!("{now:?}") != before {
         return Verdict::wrong("an error changed the state");
     }
-    judge("step", answer.map(|_| now.q.iter().chain(now.p.components()).copied().collect()))
+    let numbers = || now.q.iter().chain(now.p.components()).copied().chain([now.t]).collect();
+    judge("step", answer.map(|_| numbers()))
 }
 
 pub(super) fn horizons(draw: &mut Draw) -> Verdict {

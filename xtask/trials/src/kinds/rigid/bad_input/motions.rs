@@ -160,13 +160,13 @@ pub(super) fn tops(draw: &mut Draw) -> Verdict {
     let body = box_of_one();
     match FreeTop::new(body, Rotation::identity(), w) {
         Ok(top) => {
-            let (q, m) = (top.orientation(t).quaternion(), top.momentum(t));
             let _ = top.period();
-            // Turns that double precision can count.
-            let counted = t.is_finite() && (t * w.amax()).abs() < 1e6;
-            match counted && !(finite(&q) && unit(&q) && finite(m.as_slice())) {
-                true => Verdict::wrong("a top that is nowhere"),
-                false => Verdict::due(),
+            match (top.orientation(t), top.momentum(t)) {
+                (Ok(turn), Ok(m)) if !(unit(&turn.quaternion()) && finite(m.as_slice())) => {
+                    Verdict::wrong("a top that is nowhere")
+                }
+                (Ok(_), Ok(_)) if !t.is_finite() => Verdict::wrong("a top at no time"),
+                _ => Verdict::due(),
             }
         }
         Err(_) => Verdict::due(),
