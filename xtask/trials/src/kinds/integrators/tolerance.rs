@@ -253,7 +253,7 @@ fn promised(setting: &Setting, amplified: f64) -> f64 {
     let tolerance = setting.relative;
     match setting.method {
         Adaptive::BackwardDifferences(k @ (1 | 2)) => {
-            (100.0 * tolerance.powf(k as f64 / (k + 1) as f64) * amplified).min(0.1)
+            100.0 * tolerance.powf(k as f64 / (k + 1) as f64) * amplified
         }
         _ => (100.0 * tolerance * amplified).min(0.1),
     }
