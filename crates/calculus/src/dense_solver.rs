@@ -23,7 +23,17 @@ impl<C: Storage> DenseSolver<C> {
     /// A solver for `n` freedoms; `None` where C holds another number.
     pub fn new(n: usize) -> Option<Self> {
         let mass = C::zeros(n)?;
-        Some(DenseSolver { columns: C::columns(n)?, mass })
+        let mut solver = DenseSolver { columns: C::columns(n)?, mass };
+        solver.forget();
+        Some(solver)
+    }
+
+    /// Leaves no factor: what is solved for with it is NaN.
+    #[cold]
+    fn forget(&mut self) {
+        for column in self.columns.as_mut() {
+            column.as_mut().fill(f64::NAN);
+        }
     }
 
     fn assemble<M: Metric, P: Potential>(
@@ -55,6 +65,7 @@ impl<C: Storage> DenseSolver<C> {
         self.assemble(m, metric, a, potential, q);
         let scale = self.shift_scale();
         if !scale.is_finite() {
+            self.forget();
             return Err(Unsolvable::NonFinite);
         }
         for tries in 1..=SHIFTS {
@@ -63,6 +74,7 @@ impl<C: Storage> DenseSolver<C> {
                 return Ok(Rung::Shifted { tries });
             }
         }
+        self.forget();
         Err(Unsolvable::Singular)
     }
 
@@ -176,7 +188,9 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
     #[inline]
     fn solve(&mut self, r: &mut [f64]) {
         let n = self.mass.as_ref().len();
-        let r = &mut r[..n];
+        if r.len() != n {
+            return r.fill(f64::NAN);
+        }
         substitute(&self.columns.as_ref()[..n], r);
         // Zero times a number that is not finite is NaN.
         if r.iter().map(|x| 0.0 * x).sum::<f64>().is_nan() {
@@ -236,6 +250,24 @@ mod tests {
             let freedoms: Vec<usize> = (0..self.dim()).collect();
             hessian.add_symmetric(&freedoms, self.0.as_slice());
         }
+    }
+
+    #[test]
+    fn what_is_solved_for_without_a_factor_is_nan() {
+        let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+        let mut solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
+        let solved = |solver: &mut DenseSolver<[f64; 2]>| {
+            let mut r = [1.0, 2.0];
+            solver.solve(&mut r);
+            r
+        };
+        assert!(solved(&mut solver).iter().all(|x| x.is_nan()));
+        let stiff = Quadratic(dmatrix![1.0, 0.0; 0.0, 1.0]);
+        solver.factor(&metric, &stiff, &[0.0; 2], 1.0).unwrap();
+        assert!(solved(&mut solver).iter().all(|x| x.is_finite()));
+        let broken = Quadratic(dmatrix![1.0, f64::NAN; f64::NAN, 1.0]);
+        solver.factor(&metric, &broken, &[0.0; 2], 1.0).unwrap_err();
+        assert!(solved(&mut solver).iter().all(|x| x.is_nan()));
     }
 
     fn matrix_of(metric: &impl Metric, m: f64, a: f64, k: &Quadratic) -> DMatrix<f64> {

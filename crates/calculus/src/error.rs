@@ -25,8 +25,11 @@ impl SizeError {
 /// A mass that is no metric.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricError {
-    /// A mass must be positive and finite.
-    #[error("the mass of freedom {freedom} is {mass}; it must be positive and finite")]
+    /// A mass must be positive and finite, and so must be its inverse.
+    #[error(
+        "the mass of freedom {freedom} is {mass:?}; it must be positive and finite, and at least \
+         5.6e-309, below which its inverse overflows"
+    )]
     NotAMass {
         /// The freedom.
         freedom: usize,

@@ -77,9 +77,9 @@ pub trait HessianSolver {
         self.factor_weighted(1.0, metric, a, potential, q)
     }
 
-    /// Replaces r by x, with the matrix factored last. Where that matrix is indefinite and no x
-    /// passes the check of its residual, and where x is too large for a number, every component of x is
-    /// NaN.
+    /// Replaces r by x, with the matrix factored last. Where none is, where r has another number of components than
+    /// that matrix has rows, where it is indefinite and no x passes the check of its residual, and
+    /// where x is too large for a number, every component of x is NaN.
     fn solve(&mut self, r: &mut [f64]);
 }
 

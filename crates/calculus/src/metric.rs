@@ -250,6 +250,18 @@ mod tests {
             let error = DiagonalMetric::new([1.0, mass]).unwrap_err();
             assert!(matches!(error, MetricError::NotAMass { freedom: 1, .. }), "{error}");
         }
+    }
+
+    #[test]
+    fn a_positive_mass_whose_inverse_overflows_is_refused_for_that() {
+        let error = DiagonalMetric::new([5.5e-309]).unwrap_err();
+        let said = error.to_string();
+        assert!(said.contains("5.5e-309") && said.contains("its inverse overflows"), "{said}");
+        assert!(DiagonalMetric::new([5.6e-309]).is_ok());
+    }
+
+    #[test]
+    fn a_mass_matrix_that_is_none_is_refused_by_name() {
         let error = DenseMetric::new(dmatrix![1.0, 2.0; 2.0, 1.0]).unwrap_err();
         assert_eq!(error, MetricError::NotPositiveDefinite);
         let error = DenseMetric::new(dmatrix![1.0, 0.5; 0.4, 1.0]).unwrap_err();

@@ -17,9 +17,8 @@ use stationary_calculus::{
     SizeError, least_norm,
 };
 
-use crate::keeper::check_entries;
 use crate::multipliers::DEPENDENT;
-use crate::rows::add_pulled_back;
+use crate::rows::{add_pulled_back, check_entries};
 use crate::{Constraint, ConstraintError, Rows};
 
 /// What a function does on the surface about a critical point.

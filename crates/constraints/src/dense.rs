@@ -17,7 +17,8 @@ use std::array::from_fn;
 
 use stationary_calculus::{Covector, Metric, SizeError, Storage, Vector, first_non_finite};
 
-use crate::multipliers::{DEPENDENT, Normal};
+use crate::multipliers::{DEPENDENT, Normal, check_solve};
+use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
 
 /// Rounds over all pairs of rows; a handful are the rule.
@@ -31,6 +32,8 @@ const ROUNDING: f64 = 1e-13;
 #[derive(Clone, Debug)]
 pub struct DenseMultipliers<C, const M: usize> {
     count: usize,
+    freedoms: usize,
+    prepared: bool,
     redundancy: Redundancy,
     /// One over the slope of each equation.
     inverse_slope: [f64; M],
@@ -60,6 +63,7 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
         q: &[f64],
     ) -> Result<DenseMultipliers<C, M>, ConstraintError> {
         let (n, count) = (metric.dim(), constraint.count());
+        check_entries(constraint, n, t, q)?;
         if count > M {
             return Err(ConstraintError::TooMany { room: M, count });
         }
@@ -68,6 +72,8 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
         let zeros = C::zeros(n).ok_or(SizeError { what, expected: n, got })?;
         Ok(DenseMultipliers {
             count,
+            freedoms: n,
+            prepared: false,
             redundancy: self.0,
             inverse_slope: from_fn(|row| {
                 if row < count { constraint.scale(row).slope.recip() } else { 0.0 }
@@ -104,13 +110,22 @@ impl<const M: usize> AsMut<[f64]> for Room<M> {
     }
 }
 
-/// Adds entries to the rows.
-struct Fill<'a, C>(&'a mut [Covector<C>]);
+/// Adds entries to the rows, and finds the first that is in none.
+struct Fill<'a, C> {
+    rows: &'a mut [Covector<C>],
+    outside: Option<(usize, usize)>,
+}
 
 impl<C: Storage> Rows for Fill<'_, C> {
     #[inline]
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        self.0[row].components_mut()[freedom] += value;
+        let place = self.rows.get_mut(row).and_then(|row| row.components_mut().get_mut(freedom));
+        match place {
+            Some(entry) => *entry += value,
+            None => {
+                self.outside.get_or_insert((row, freedom));
+            }
+        }
     }
 }
 
@@ -128,9 +143,16 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
-        SizeError::check("the constraint's equations", self.count, constraint.count())?;
+        self.prepared = false;
+        let (rows, freedoms) = (self.count, self.freedoms);
+        SizeError::check("the constraint's equations", rows, constraint.count())?;
+        SizeError::check("the metric's freedoms", freedoms, metric.dim())?;
         self.rows.iter_mut().for_each(Covector::clear);
-        constraint.differential(t, q, &mut Fill(&mut self.rows))?;
+        let mut fill = Fill { rows: &mut self.rows[..rows], outside: None };
+        constraint.differential(t, q, &mut fill)?;
+        if let Some((row, freedom)) = fill.outside {
+            return Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms });
+        }
         for row in 0..self.count {
             self.turned[row].clear();
             self.turned[row].add_scaled(self.inverse_slope[row], self.rows[row].view());
@@ -143,10 +165,13 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
         if !self.orthogonalize() {
             return Err(ConstraintError::NonFinite { what: DIFFERENTIAL, index: 0 });
         }
-        self.examine()
+        self.examine()?;
+        self.prepared = true;
+        Ok(())
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        check_solve(self.prepared, self.count, b)?;
         let (count, slopes) = (self.count, &self.inverse_slope);
         let mut along = [0.0; M];
         let turned = self.rotation.iter().zip(&self.inverse_square).take(count);
@@ -227,7 +252,9 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
 
     /// The length of a turned row; of what rounding leaves of a dependent one, zero.
     fn length(&self, row: usize) -> f64 {
-        self.turned[row].apply(&self.raised[row]).max(0.0).sqrt()
+        let square = self.turned[row].apply(&self.raised[row]);
+        // Not `max`, which makes zero of what is not a number.
+        if square < 0.0 { 0.0 } else { square.sqrt() }
     }
 
     /// Judges the singular values.
@@ -237,6 +264,9 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
             *sigma = self.length(i);
         }
         let sigma = &sigma[..self.count];
+        if let Some(index) = first_non_finite(sigma) {
+            return Err(ConstraintError::NonFinite { what: "size of an equation", index });
+        }
         let largest = sigma.iter().fold(self.normal, |a, &b| a.max(b));
         let smallest = (0..self.count).min_by(|&i, &j| sigma[i].total_cmp(&sigma[j]));
         self.regularity = smallest.map_or(1.0, |i| sigma[i] / largest);

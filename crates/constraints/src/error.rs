@@ -174,6 +174,9 @@ pub enum ConstraintError {
         /// The equation at which it was noticed, where that is known, counted from 0.
         row: Option<usize>,
     },
+    /// Multipliers are solved for only after their matrix was prepared.
+    #[error("the multipliers' matrix was not prepared, or could not be; call `prepare` first")]
+    NotPrepared,
     /// There are more equations than the solver has room for.
     #[error("the solver has room for {room} equations, not for {count}")]
     TooMany {

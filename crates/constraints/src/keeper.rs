@@ -100,24 +100,6 @@ pub(crate) fn check_configuration(space: &impl Space, q: &[f64]) -> Result<(), C
     }
 }
 
-pub(crate) fn check_entries(
-    constraint: &impl Constraint,
-    n: usize,
-    t: f64,
-    q: &[f64],
-) -> Result<(), ConstraintError> {
-    let rows = constraint.count();
-    if constraint.dim() > n {
-        return Err(ConstraintError::Freedoms { needed: constraint.dim(), freedoms: n });
-    }
-    match crate::rows::outside(constraint, t, q, n)? {
-        Some((row, freedom)) => {
-            Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms: n })
-        }
-        None => Ok(()),
-    }
-}
-
 impl<'s, M, P, S, K, C, X, F> Keeper<'s, M, P, S, K, C, X, F>
 where
     M: Metric,
@@ -138,7 +120,6 @@ where
         check_sizes(system, state)?;
         check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
-        check_entries(&constraint, n, state.t, state.q.as_ref())?;
         let scales = Scales::new(&constraint)?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         let numbers = solver.numbers();

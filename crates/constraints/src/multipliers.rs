@@ -12,9 +12,9 @@
 //! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
 //! for many with a metric that couples freedoms. Knows nothing of time steps.
 
-use stationary_calculus::{Covector, Metric, Sink, SizeError, Vector};
+use stationary_calculus::{Covector, FIXED, Metric, Sink, SizeError, Vector};
 
-use crate::{Constraint, ConstraintError};
+use crate::{Constraint, ConstraintError, check_multipliers};
 
 /// What to do where equations depend on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,9 +41,10 @@ pub trait Multipliers: Clone {
     /// Evaluates J at `(t, q)`, prepares solving, and examines the rank.
     ///
     /// # Errors
-    /// A configuration with fewer numbers than the constraint reads; another number of equations,
-    /// or other entries, than were analysed; entries that are not finite; rows that vanish or
-    /// depend on each other, where the solver refuses them.
+    /// A configuration with fewer numbers than the constraint reads; another number of equations or
+    /// of freedoms, or other entries, than were analysed; entries that are not finite; rows that
+    /// vanish or depend on each other, where the solver refuses them. Nothing is solved until it
+    /// succeeds again.
     fn prepare(
         &mut self,
         metric: &impl Metric,
@@ -61,8 +62,9 @@ pub trait Multipliers: Clone {
     /// Replaces `b` by `S^-1 b`.
     ///
     /// # Errors
-    /// A solution that cannot be trusted, or an iteration for shared forces that does not settle. A
-    /// solver that eliminates directly has none.
+    /// [`ConstraintError::NotPrepared`] unless the last preparation succeeded;
+    /// [`ConstraintError::Size`] for another number of components than of equations; a solution that
+    /// cannot be trusted, or an iteration for shared forces that does not settle.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError>;
 
     /// Adds `scale J^T lambda` to a covector.
@@ -80,7 +82,9 @@ pub trait Solver<C> {
     /// The solver for a constraint with its memory; J at `(t, q)` is not yet in it.
     ///
     /// # Errors
-    /// A configuration with fewer numbers than the constraint reads; a storage of another size than
+    /// [`ConstraintError::Freedoms`] for a constraint that needs more freedoms than the metric has, and
+    /// [`ConstraintError::UnknownFreedom`] for one that brings an entry outside of its matrix; a
+    /// configuration with fewer numbers than the constraint reads; a storage of another size than
     /// the system's; [`ConstraintError::TooMany`] or [`ConstraintError::Coupled`] for what the
     /// solver is not made for; a matrix that cannot be assembled or does not fit into memory.
     fn analyse<M: Metric, K: Constraint>(
@@ -90,6 +94,19 @@ pub trait Solver<C> {
         t: f64,
         q: &[f64],
     ) -> Result<Self::Multipliers, ConstraintError>;
+}
+
+/// An error unless the multipliers are prepared, and as many as equations.
+#[inline]
+pub(crate) fn check_solve(
+    prepared: bool,
+    count: usize,
+    numbers: &[f64],
+) -> Result<(), ConstraintError> {
+    if !prepared {
+        return Err(ConstraintError::NotPrepared);
+    }
+    Ok(check_multipliers(count, numbers)?)
 }
 
 /// The masses on the diagonal of a metric, and the first freedom with another entry.
@@ -108,8 +125,11 @@ impl Diagonal {
 
 impl Sink for Diagonal {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             for (&i, &entry) in freedoms.iter().zip(column) {
+                if i == FIXED || j == FIXED {
+                    continue;
+                }
                 if i == j {
                     self.mass[i] += entry;
                 } else if entry != 0.0 {
@@ -158,5 +178,20 @@ impl Normal<'_> {
     ) -> Result<f64, SizeError> {
         let squares = Normal::squares(metric, constraint, t, q)?;
         Ok(squares.into_iter().fold(0.0, f64::max).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_of_fixed_freedoms_belong_to_no_mass() {
+        let mut diagonal = Diagonal { mass: vec![0.0; 2], coupled: None };
+        diagonal.add_symmetric(&[1, FIXED], &[2.0, 0.5, 0.5, 2.0]);
+        diagonal.add_symmetric(&[], &[]);
+        assert_eq!((diagonal.mass.as_slice(), diagonal.coupled), (&[0.0, 2.0][..], None));
+        diagonal.add_symmetric(&[0, 1], &[1.0, 0.5, 0.5, 1.0]);
+        assert!(diagonal.coupled.is_some());
     }
 }

@@ -17,7 +17,7 @@ mod revolution;
 mod slider_crank;
 mod square;
 
-use stationary_calculus::{Covector, DiagonalMetric, Storage, System};
+use stationary_calculus::{Covector, DiagonalMetric, Storage, System, first_non_finite};
 use stationary_integrators::{State, UniformGravity};
 
 use crate::{ConstraintError, Rods};
@@ -43,7 +43,14 @@ pub struct RodProblem<C> {
     pub initial: State<C>,
 }
 
-/// Unit masses at places with velocities, under gravity `g` downward.
+/// An error unless a parameter is finite.
+fn check_finite(what: &'static str, value: f64) -> Result<(), ConstraintError> {
+    let range = "finite";
+    if value.is_finite() { Ok(()) } else { Err(ConstraintError::Parameter { what, value, range }) }
+}
+
+/// Unit masses at places with velocities, under gravity `g` downward. Velocities that overflow are an
+/// error.
 fn hanging<C: Storage>(
     q: C,
     p: C,
@@ -51,6 +58,11 @@ fn hanging<C: Storage>(
     rods: Rods<2>,
 ) -> Result<RodProblem<C>, ConstraintError> {
     let n = q.as_ref().len();
+    for (what, numbers) in [("configuration", q.as_ref()), ("momentum", p.as_ref())] {
+        if let Some(index) = first_non_finite(numbers) {
+            return Err(ConstraintError::NonFinite { what, index });
+        }
+    }
     let mut mass = q.clone();
     mass.as_mut().fill(1.0);
     let metric = DiagonalMetric::new(mass)

@@ -18,7 +18,7 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage
 use stationary_integrators::State;
 
 use crate::feasible::{Flight, Scales, largest, rounding};
-use crate::keeper::{check_entries, check_sizes, check_state, zeros};
+use crate::keeper::{check_sizes, check_state, zeros};
 use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.
@@ -77,7 +77,6 @@ where
         check_sizes(system, state)?;
         check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
-        check_entries(&constraint, n, state.t, state.q.as_ref())?;
         let scales = Scales::new(&constraint)?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         Ok(Projection {

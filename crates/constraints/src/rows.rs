@@ -8,7 +8,7 @@
 
 use stationary_calculus::{Covector, SizeError};
 
-use crate::{Constraint, Rows, check_multipliers};
+use crate::{Constraint, ConstraintError, Rows, check_multipliers};
 
 /// Adds s J^T lambda to a covector.
 struct Pulled<'a> {
@@ -55,7 +55,7 @@ impl Rows for Outside {
 }
 
 /// The first entry (row, freedom) that is not in a matrix of `count` rows and `dim` columns.
-pub(crate) fn outside(
+fn outside(
     constraint: &impl Constraint,
     t: f64,
     q: &[f64],
@@ -64,4 +64,24 @@ pub(crate) fn outside(
     let mut outside = Outside { count: constraint.count(), dim, found: None };
     constraint.differential(t, q, &mut outside)?;
     Ok(outside.found)
+}
+
+/// An error where a constraint needs more than the `n` freedoms there are, or brings an entry that lies
+/// outside of its matrix.
+pub(crate) fn check_entries(
+    constraint: &impl Constraint,
+    n: usize,
+    t: f64,
+    q: &[f64],
+) -> Result<(), ConstraintError> {
+    let rows = constraint.count();
+    if constraint.dim() > n {
+        return Err(ConstraintError::Freedoms { needed: constraint.dim(), freedoms: n });
+    }
+    match outside(constraint, t, q, n)? {
+        Some((row, freedom)) => {
+            Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms: n })
+        }
+        None => Ok(()),
+    }
 }

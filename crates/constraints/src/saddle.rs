@@ -22,7 +22,8 @@ use stationary_calculus::{
 };
 
 use crate::entries::Entries;
-use crate::multipliers::Diagonal;
+use crate::multipliers::{Diagonal, check_solve};
+use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Solver};
 
 /// A known vector that is found again no better than this shows equations that depend on each other:
@@ -38,6 +39,7 @@ pub struct Coupled;
 pub struct SaddleMultipliers {
     freedoms: usize,
     count: usize,
+    prepared: bool,
     entries: Entries,
     matrix: SymmetricMatrix,
     solver: SparseIndefinite,
@@ -115,6 +117,7 @@ impl<C> Solver<C> for Coupled {
         q: &[f64],
     ) -> Result<SaddleMultipliers, ConstraintError> {
         let (n, count) = (metric.dim(), constraint.count());
+        check_entries(constraint, n, t, q)?;
         let entries = Entries::find(constraint, t, q)?;
         let mut scaling = Scaling::of(&Diagonal::of(metric).mass, constraint, &entries);
         let matrix = SymmetricMatrix::analyse(n + count, |sink| {
@@ -123,6 +126,7 @@ impl<C> Solver<C> for Coupled {
         Ok(SaddleMultipliers {
             freedoms: n,
             count,
+            prepared: false,
             entries,
             solver: SparseIndefinite::analyse(&matrix)?,
             matrix,
@@ -146,17 +150,22 @@ impl Multipliers for SaddleMultipliers {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
+        self.prepared = false;
         self.entries.write(constraint, t, q)?;
         let SaddleMultipliers { entries, matrix, scaling, .. } = self;
         matrix.refill(|sink| scaling.visit(metric, entries, sink))?;
         match self.solver.factor(&self.matrix) {
-            Ok(_) if self.solver.known_vector_error() <= DEPENDENT => Ok(()),
+            Ok(_) if self.solver.known_vector_error() <= DEPENDENT => {
+                self.prepared = true;
+                Ok(())
+            }
             Ok(_) | Err(SparseError::Singular) => Err(ConstraintError::Dependent { row: None }),
             Err(other) => Err(other.into()),
         }
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        check_solve(self.prepared, self.count, b)?;
         let (above, below) = self.right.split_at_mut(self.freedoms);
         let factors = &self.scaling.equations;
         above.fill(0.0);

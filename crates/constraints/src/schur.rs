@@ -29,7 +29,8 @@ use stationary_calculus::{
 };
 
 use crate::entries::Entries;
-use crate::multipliers::{DEPENDENT, Diagonal, Normal};
+use crate::multipliers::{DEPENDENT, Diagonal, Normal, check_solve};
+use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Solver};
 
 /// The choice of [`SchurMultipliers`]: many equations, a diagonal metric.
@@ -60,6 +61,7 @@ struct Columns {
 #[derive(Clone, Debug)]
 pub struct SchurMultipliers {
     count: usize,
+    prepared: bool,
     entries: Entries,
     columns: Columns,
     /// The smallest diagonal entry of S that is not taken for zero.
@@ -89,6 +91,7 @@ impl<C> Solver<C> for Many {
         t: f64,
         q: &[f64],
     ) -> Result<SchurMultipliers, ConstraintError> {
+        check_entries(constraint, metric.dim(), t, q)?;
         let count = constraint.count();
         let masses = Diagonal::of(metric);
         if let Some(freedom) = masses.coupled {
@@ -113,6 +116,7 @@ impl<C> Solver<C> for Many {
         })?;
         Ok(SchurMultipliers {
             count,
+            prepared: false,
             smallest: squares(DEPENDENT),
             sharing,
             cholesky: SparseCholesky::analyse(&matrix)?,
@@ -310,6 +314,7 @@ impl Multipliers for SchurMultipliers {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
+        self.prepared = false;
         self.entries.write(constraint, t, q)?;
         let SchurMultipliers { entries, columns, matrix, sharing, .. } = self;
         matrix.refill(|sink| {
@@ -322,10 +327,13 @@ impl Multipliers for SchurMultipliers {
                 ConstraintError::Dependent { row: Some(freedom) }
             }
             other => other.into(),
-        })
+        })?;
+        self.prepared = true;
+        Ok(())
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        check_solve(self.prepared, self.count, b)?;
         match &mut self.sharing {
             Some(sharing) => sharing.solve(&self.matrix, &mut self.cholesky, b),
             None => {

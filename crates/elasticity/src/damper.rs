@@ -6,10 +6,17 @@
 //! -dF/dv = c u u^T (x) [1 -1; -1 1]          positive semidefinite
 //! ```
 //! `u` the unit vector from end 0 to end 1, `v` the ends' velocities, `c` in N s/m. Moving and turning
-//! as a whole changes no length and is not felt, so that momentum and spin are kept. Where the ends meet
-//! there is no direction and the force is NaN, as at the spike of a spring with a rest length. Vertices
-//! past the free ones are fixed, as those of [`Stencils`](stationary_calculus::Stencils). Source: notes
-//! 10.1.1.
+//! as a whole changes no length and is not felt, so that momentum and spin are kept. Vertices past the
+//! free ones are fixed, as those of [`Stencils`](stationary_calculus::Stencils).
+//!
+//! Where the ends meet, the line between them has no direction, and the force has no limit that holds
+//! for every way there. The ends are then taken to lie along their own relative velocity, as a moment
+//! before and after on their way through each other:
+//!
+//! ```text
+//! F_1 = -c (v_1 - v_0) = -F_0,    -dF/dv = c 1 (x) [1 -1; -1 1]      where the ends meet
+//! ```
+//! which on a line is what it is everywhere else. Source: notes 10.1.1.
 
 use stationary_calculus::{Covector, FIXED, Force, Sink, UnknownVertex, Vector};
 
@@ -66,14 +73,33 @@ impl<const D: usize> Dampers<D> {
         Ok(Dampers { free, fixed, dampers })
     }
 
-    /// The unit vector from one end to the other.
-    fn direction(&self, damper: &Damper, q: &[[f64; D]]) -> [f64; D] {
+    /// The unit vector from one end to the other, unless they meet.
+    fn direction(&self, damper: &Damper, q: &[[f64; D]]) -> Option<[f64; D]> {
         let [from, to] =
             damper.vertices.map(|v| if v < self.free { q[v] } else { self.fixed[v - self.free] });
         let apart: [f64; D] = std::array::from_fn(|c| to[c] - from[c]);
-        let length = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
-        apart.map(|x| x / length)
+        let square = apart.iter().map(|x| x * x).sum::<f64>();
+        if !(SMALLEST_SQUARE..f64::INFINITY).contains(&square) {
+            return far_from_one(apart);
+        }
+        let length = square.sqrt();
+        Some(apart.map(|x| x / length))
     }
+}
+
+/// Below this the square of a length loses digits.
+const SMALLEST_SQUARE: f64 = 1e-280;
+
+/// The direction of a vector whose square is out of range, unless it is zero.
+#[cold]
+fn far_from_one<const D: usize>(apart: [f64; D]) -> Option<[f64; D]> {
+    if apart.iter().all(|&x| x == 0.0) {
+        return None;
+    }
+    let largest = apart.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let scaled = apart.map(|x| x / largest);
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Some(scaled.map(|x| x / length))
 }
 
 impl<const D: usize> Force for Dampers<D> {
@@ -91,11 +117,18 @@ impl<const D: usize> Force for Dampers<D> {
         for damper in &self.dampers {
             let u = self.direction(damper, q);
             let [from, to] = damper.vertices.map(|a| if a < self.free { v[a] } else { [0.0; D] });
-            let rate: f64 = (0..D).map(|c| u[c] * (to[c] - from[c])).sum();
+            let apart: [f64; D] = std::array::from_fn(|c| to[c] - from[c]);
+            let along = match u {
+                Some(u) => {
+                    let rate: f64 = u.iter().zip(&apart).map(|(u, v)| u * v).sum();
+                    u.map(|u| rate * u)
+                }
+                None => apart,
+            };
             for (&vertex, sign) in damper.vertices.iter().zip([1.0, -1.0]) {
                 if vertex < self.free {
                     for c in 0..D {
-                        f[vertex][c] += sign * damper.viscosity * rate * u[c];
+                        f[vertex][c] += sign * damper.viscosity * along[c];
                     }
                 }
             }
@@ -119,7 +152,10 @@ impl<const D: usize> Force for Dampers<D> {
                 for (d, column) in columns.iter_mut().enumerate() {
                     for (a, rows) in column.iter_mut().enumerate() {
                         let c = if a == b { damper.viscosity } else { -damper.viscosity };
-                        *rows = u.map(|entry| c * entry * u[d]);
+                        *rows = match u {
+                            Some(u) => u.map(|entry| c * entry * u[d]),
+                            None => std::array::from_fn(|row| if row == d { c } else { 0.0 }),
+                        };
                     }
                 }
             }
@@ -185,9 +221,36 @@ mod tests {
         let stray = Damper::new([0, 2], 1.0).unwrap();
         let error = Dampers::<3>::new(1, vec![[0.0; 3]], vec![stray]).unwrap_err();
         assert_eq!(error, UnknownVertex { stencil: 0, vertex: 2, vertices: 2 });
-        let pair = Dampers::<1>::new(2, vec![], vec![Damper::new([0, 1], 1.0).unwrap()]).unwrap();
-        let mut f = [0.0; 2];
-        pair.add_force(0.0, &[1.0, 1.0], Vector(&[0.0, 1.0]), Covector(&mut f));
-        assert!(f[0].is_nan(), "no direction where the ends meet");
+    }
+
+    #[test]
+    fn ends_that_meet_feel_their_whole_relative_velocity_and_no_force_is_nan() {
+        let pair = Dampers::<2>::new(2, vec![], vec![Damper::new([0, 1], 2.0).unwrap()]).unwrap();
+        let v = [0.5, -1.0, 1.5, 3.0];
+        let met = force(&pair, &[0.3, 0.7, 0.3, 0.7], &v);
+        assert_eq!(met, [2.0, 8.0, -2.0, -8.0]);
+        // A moment before and after, on their way through each other.
+        for t in [-1e-3, 1e-3] {
+            let q = [0.3 + t * v[0], 0.7 + t * v[1], 0.3 + t * v[2], 0.7 + t * v[3]];
+            let near = force(&pair, &q, &v);
+            assert!(near.iter().zip(&met).all(|(a, b)| (a - b).abs() < 1e-12), "{near:?}");
+        }
+        let mut product = [0.0; 4];
+        let mut sink = ProductSink::new(1.0, &v, &mut product).unwrap();
+        pair.add_damping(0.0, &[0.3, 0.7, 0.3, 0.7], Vector(&v), &mut sink);
+        assert_eq!(product, [-2.0, -8.0, 2.0, 8.0]);
+    }
+
+    #[test]
+    fn the_direction_is_right_at_every_length() {
+        let pair = Dampers::<2>::new(2, vec![], vec![Damper::new([0, 1], 2.0).unwrap()]).unwrap();
+        for size in [1e-323, 1e-310, 1e-200, 1e-150, 1.0, 1e150, 1e200, 3e307] {
+            let f = force(&pair, &[0.0, 0.0, size, 0.0], &[0.0, 0.0, 1.0, 1.0]);
+            let off = [2.0, 0.0, -2.0, 0.0].iter().zip(&f).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-15, "{size:e}: {f:?}");
+            let f = force(&pair, &[0.0, 0.0, 3.0 * size, 4.0 * size], &[0.0, 0.0, 1.0, 1.0]);
+            let off = [1.68, 2.24].iter().zip(&f).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-14, "{size:e}: {f:?}");
+        }
     }
 }

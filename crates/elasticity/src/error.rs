@@ -167,6 +167,17 @@ pub enum ElasticityError {
     /// An angle at rest that is not finite.
     #[error("the angle of a hinge at rest is {0}; it must be finite")]
     Angle(f64),
+    /// Errors are told relative to a displacement that is known; nothing is known of none.
+    #[error(
+        "the squared {what}, integrated, is {value:e}; it must be finite, and that of a known \
+         displacement at least 1e-200"
+    )]
+    Integral {
+        /// What is squared.
+        what: &'static str,
+        /// Its integral.
+        value: f64,
+    },
     /// A tolerance must not be negative, nor NaN.
     #[error("the tolerance of Newton's method is {0} kg^1/2 m/s^2; it must be zero or positive")]
     Tolerance(f64),

@@ -38,8 +38,8 @@ pub enum StepError {
     /// The equation of an implicit step was not solved.
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),
-    /// A step starts at a time.
-    #[error("the state's time is {0} s; it must be finite")]
+    /// A step starts and ends at a time.
+    #[error("a step would start or end at the time {0} s; it must be finite")]
     Time(f64),
     /// A step starts at a configuration of the system's space.
     #[error(

@@ -21,10 +21,9 @@ pub trait Integrator<C> {
     ///
     /// # Errors
     /// [`StepError::Step`] unless `h` is positive and finite; [`StepError::Size`] for a state of
-    /// another size; [`StepError::NonFiniteConfiguration`] and [`StepError::NonFiniteMomentum`]
-    /// where the step leads there; of implicit methods [`StepError::Newton`] or
-    /// [`StepError::SingularLegendreTransform`]; of methods for bodies [`StepError::Time`] and
-    /// [`StepError::Configuration`].
+    /// another size; [`StepError::NonFiniteConfiguration`], [`StepError::NonFiniteMomentum`] and
+    /// [`StepError::Time`] where the step leads there; of implicit methods [`StepError::Newton`] or
+    /// [`StepError::SingularLegendreTransform`]; of methods for bodies [`StepError::Configuration`].
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError>;
 
     /// Everything on which the next steps depend beside the state: nothing, of a method that does not

@@ -36,9 +36,7 @@ impl Horizon {
         if !(step > 0.0 && step.is_finite()) {
             return Err(HorizonError::Step(step));
         }
-        if !(duration > 0.0 && duration.is_finite()) {
-            return Err(HorizonError::Duration(duration));
-        }
+        check_duration(duration)?;
         let steps = duration / step;
         let whole = steps.round();
         if whole > COUNTABLE {
@@ -53,10 +51,11 @@ impl Horizon {
     /// The duration in this many equal steps, at least one.
     ///
     /// # Errors
-    /// [`HorizonError::Step`] for a duration that is not positive and finite, or so short that a
-    /// step is zero; [`HorizonError::TooMany`] for more than 2^53 steps; [`HorizonError::NotWhole`]
-    /// where a step is so short that it is rounded.
+    /// [`HorizonError::Duration`] for a duration that is not positive and finite;
+    /// [`HorizonError::Step`] where it is so short that a step is zero; [`HorizonError::TooMany`] for
+    /// more than 2^53 steps; [`HorizonError::NotWhole`] where a step is so short that it is rounded.
     pub fn divided(duration: f64, steps: u64) -> Result<Self, HorizonError> {
+        check_duration(duration)?;
         Horizon::new(duration, duration / steps.max(1) as f64)
     }
 
@@ -89,6 +88,11 @@ impl Horizon {
     pub fn steps(&self) -> u64 {
         self.steps
     }
+}
+
+fn check_duration(duration: f64) -> Result<(), HorizonError> {
+    let positive = duration > 0.0 && duration.is_finite();
+    if positive { Ok(()) } else { Err(HorizonError::Duration(duration)) }
 }
 
 /// What a simulation cost.
@@ -133,7 +137,8 @@ pub struct Observation<'a, C> {
 ///
 /// # Errors
 /// [`SimulationError`] with the step that failed and why, one of [`Integrator::step`]'s reasons;
-/// [`StepError::Time`] before the first step of a horizon whose times are not finite.
+/// [`StepError::Time`] before the first step of a horizon whose times are not finite, with the first
+/// that is not: the start or the end.
 pub fn simulate<C, I: Integrator<C> + ?Sized>(
     integrator: &mut I,
     state: &mut State<C>,
@@ -142,8 +147,8 @@ pub fn simulate<C, I: Integrator<C> + ?Sized>(
 ) -> Result<Cost, SimulationError> {
     let mut cost = Cost::default();
     let (start, end) = horizon.span();
-    if !(start.is_finite() && end.is_finite()) {
-        let (step, source) = (horizon.done + 1, StepError::Time(horizon.start));
+    if let Some(&time) = [start, end].iter().find(|time| !time.is_finite()) {
+        let (step, source) = (horizon.done + 1, StepError::Time(time));
         return Err(SimulationError { step, time: state.t, source });
     }
     state.t = start;
@@ -201,6 +206,27 @@ mod tests {
             assert!(matches!(run.unwrap_err().source, StepError::Time(_)));
             assert_eq!(state, planet.initial);
         }
+    }
+
+    #[test]
+    fn a_horizon_whose_end_alone_overflows_is_refused_with_its_end() {
+        let planet = kepler(0.6).unwrap();
+        let horizon = Horizon::new(1e308, 1e307).unwrap().starting(1e308);
+        let mut verlet = StormerVerlet::new(&planet.system).unwrap();
+        let mut state = planet.initial.clone();
+        let run = simulate(&mut verlet, &mut state, horizon, |_| ControlFlow::Continue(()));
+        assert_eq!(run.unwrap_err().source, StepError::Time(f64::INFINITY));
+        assert_eq!(state, planet.initial);
+    }
+
+    #[test]
+    fn a_bad_duration_is_named_however_it_is_divided() {
+        for bad in [-1.0, 0.0, f64::INFINITY] {
+            assert_eq!(Horizon::divided(bad, 10), Err(HorizonError::Duration(bad)));
+            assert_eq!(Horizon::new(bad, 0.1), Err(HorizonError::Duration(bad)));
+        }
+        assert!(matches!(Horizon::divided(f64::NAN, 10), Err(HorizonError::Duration(_))));
+        assert_eq!(Horizon::divided(5e-324, 10), Err(HorizonError::Step(0.0)));
     }
 
     #[test]

@@ -93,6 +93,9 @@ impl<C: AsRef<[f64]>> State<C> {
     pub(crate) fn accept(&mut self, next: &mut Self, h: f64) -> Result<(), StepError> {
         next.check_finite()?;
         next.t = self.t + h;
+        if !next.t.is_finite() {
+            return Err(StepError::Time(next.t));
+        }
         std::mem::swap(self, next);
         Ok(())
     }

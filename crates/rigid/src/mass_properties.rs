@@ -34,10 +34,14 @@ impl PlanarMass {
     /// A shape of the plane, known by its moments, made of a plate of this density (kg/m^2).
     ///
     /// # Errors
-    /// [`RigidError::Density`] and [`RigidError::NoMeasure`].
+    /// [`RigidError::Density`] and [`RigidError::NoMeasure`]; [`RigidError::Mass`] for a mass that
+    /// overflows or rounds to zero; [`RigidError::NonFinite`] for a centre or an inertia.
     pub fn of(density: f64, shape: &Moments<2>) -> Result<Self, RigidError> {
         let central = central(density, shape)?;
-        let (mass, inertia) = (density * central.measure, density * central.polar());
+        let mass = total([density * central.measure].into_iter())?;
+        let inertia = density * central.polar();
+        check_finite("the centre", central.about.as_slice())?;
+        check_finite("the inertia", &[inertia])?;
         Ok(PlanarMass { mass, centre: central.about, inertia })
     }
 
@@ -92,10 +96,14 @@ impl SpatialMass {
     /// A solid, known by its moments, made of a material of this density (kg/m^3).
     ///
     /// # Errors
-    /// [`RigidError::Density`] and [`RigidError::NoMeasure`].
+    /// [`RigidError::Density`] and [`RigidError::NoMeasure`]; [`RigidError::Mass`] for a mass that
+    /// overflows or rounds to zero; [`RigidError::NonFinite`] for a centre or an inertia.
     pub fn of(density: f64, shape: &Moments<3>) -> Result<Self, RigidError> {
         let central = central(density, shape)?;
-        let (mass, inertia) = (density * central.measure, central.inertia() * density);
+        let mass = total([density * central.measure].into_iter())?;
+        let inertia = central.inertia() * density;
+        check_finite("the centre", central.about.as_slice())?;
+        check_finite("the inertia", inertia.as_slice())?;
         Ok(SpatialMass { mass, centre: central.about, inertia })
     }
 

@@ -22,6 +22,7 @@ use stationary_integrators::State;
 
 pub use references::{LOGARITHMS, Logarithm, REFERENCES, Reference};
 
+use crate::error::check_finite;
 use crate::{
     Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, KovalevskayaTop, LieGroup,
     Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, SymmetricTop, Weight,
@@ -176,8 +177,7 @@ impl<P: Potential> JointedProblem<P> {
 /// and an angular velocity (body axes), under a uniform gravity, for 5 s.
 ///
 /// # Errors
-/// [`RigidError::NonFinite`] for a point or an angular velocity that is not finite. Gravity is not
-/// looked at.
+/// [`RigidError::NonFinite`] for a point, an angular velocity or a gravity that is not finite.
 pub fn held_at_a_point(
     body: Body,
     point: Vector3<f64>,
@@ -185,6 +185,7 @@ pub fn held_at_a_point(
     w: Vector3<f64>,
     gravity: Vector3<f64>,
 ) -> Result<JointedProblem<Weight<Poses>>, RigidError> {
+    check_finite("the gravity", gravity.as_slice())?;
     let metric = BodyMetric::new(vec![body]);
     let motion = BodyMotion {
         pose: RigidMotion { translation: -rotation.rotate(&point), rotation },

@@ -19,7 +19,7 @@ pub(crate) fn check_step<S: BodySpace>(
     SizeError::check("the configuration's numbers", stored, state.q.len())?;
     SizeError::check("the momentum's components", freedoms, state.p.components().len())?;
     if !(state.t + h).is_finite() {
-        return Err(StepError::Time(state.t));
+        return Err(StepError::Time(state.t + h));
     }
     match S::SPACE.first_misfit(&state.q) {
         Some(number) => Err(StepError::Configuration { number }),

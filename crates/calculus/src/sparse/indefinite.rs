@@ -139,7 +139,8 @@ impl SparseIndefinite {
     /// Solves `A x = b` in place, with the matrix factored last. After an error b is as it was.
     ///
     /// # Errors
-    /// [`SparseError::Size`] unless b has n components; [`SparseError::NotFactored`] unless the
+    /// [`SparseError::OtherPattern`] for a matrix of another analysis; [`SparseError::Size`] unless b
+    /// has n components; [`SparseError::NotFactored`] unless the
     /// last factorization succeeded; [`SparseError::Untrusted`] for a relative residual above 1e-8,
     /// also where b is not finite.
     pub fn solve(
@@ -147,7 +148,10 @@ impl SparseIndefinite {
         matrix: &SymmetricMatrix,
         b: &mut [f64],
     ) -> Result<Refined, SparseError> {
-        matrix.pattern().check_vector(b)?;
+        if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
+            return Err(SparseError::OtherPattern);
+        }
+        self.pattern.check_vector(b)?;
         let pivoting = self.pivoting.ok_or(SparseError::NotFactored)?;
         self.given.copy_from_slice(b);
         let scale = largest_or_nan(b.iter().map(|b| b.abs()));

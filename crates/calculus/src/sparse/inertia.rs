@@ -48,7 +48,8 @@ impl SparseCholesky {
     /// the factor's memory: what was factored before is lost.
     ///
     /// # Errors
-    /// [`SparseError::Singular`] where the matrix is too close to a singular one for a count.
+    /// [`SparseError::OtherPattern`] for a matrix of another analysis; [`SparseError::NonFinite`] for
+    /// an entry; [`SparseError::OutOfMemory`]; [`SparseError::Singular`] where the matrix is too close to a singular one for a count.
     pub fn inertia(&mut self, matrix: &SymmetricMatrix) -> Result<Inertia, SparseError> {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);

@@ -13,7 +13,7 @@ use crate::sparse::conjugate_gradient::Product;
 use crate::sparse::scratch::Scratch;
 use crate::sparse::solver::check_sizes;
 use crate::sparse::{ConjugateGradient, ConjugateGradientReport, SparseError, SymmetricMatrix};
-use crate::{HessianSolver, Metric, Potential, Rung, Unsolvable};
+use crate::{HessianSolver, Metric, Potential, Rung, SizeError, Unsolvable};
 
 /// A sparse matrix, its preconditioner, and when to stop.
 #[derive(Clone, Debug)]
@@ -97,6 +97,12 @@ impl HessianSolver for IterativeSolver {
     }
 
     fn solve(&mut self, r: &mut [f64]) {
+        if let Err(error) =
+            SizeError::check("the right-hand side's components", self.x.len(), r.len())
+        {
+            self.last = Some(Err(error.into()));
+            return r.fill(f64::NAN);
+        }
         self.x.fill(0.0);
         let system = (&*r, &mut self.x[..]);
         let end = self.method.iterate(&self.jacobi, &self.matrix, system, &mut self.scratch);
@@ -111,8 +117,37 @@ impl HessianSolver for IterativeSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SparseSolver;
     use crate::sparse::conjugate_gradient::tests::row;
+    use crate::{DenseSolver, SparseSolver};
+
+    #[test]
+    fn a_right_hand_side_of_another_size_becomes_nan_in_every_solver() {
+        let (metric, springs, r) = row(10);
+        let method = ConjugateGradient { tolerance: 1e-13, iterations: 300 };
+        let mut iterative = IterativeSolver::new(method, &metric, &springs, &[0.0; 10]).unwrap();
+        let mut direct = SparseSolver::new(&metric, &springs, &[0.0; 10]).unwrap();
+        let mut dense = DenseSolver::<Vec<f64>>::new(10).unwrap();
+        fn solved(
+            solver: &mut impl HessianSolver,
+            system: (&impl Metric, &impl Potential),
+            r: &[f64],
+        ) -> Vec<f64> {
+            solver.factor(system.0, system.1, &[0.0; 10], 1.0).unwrap();
+            let mut x = r.to_vec();
+            solver.solve(&mut x);
+            x
+        }
+        let system = (&metric, &springs);
+        for n in [9, 11, 20] {
+            let r = vec![1.0; n];
+            let none = |x: Vec<f64>| x.len() == n && x.iter().all(|x| x.is_nan());
+            assert!(none(solved(&mut iterative, system, &r)), "{n}");
+            assert!(matches!(iterative.last(), Some(Err(SparseError::Size(_)))));
+            assert!(none(solved(&mut direct, system, &r)), "{n}");
+            assert!(none(solved(&mut dense, system, &r)), "{n}");
+        }
+        assert!(solved(&mut dense, system, &r).iter().all(|x| x.is_finite()));
+    }
 
     #[test]
     fn the_iteration_solves_what_the_factor_solves() {

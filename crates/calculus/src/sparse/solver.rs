@@ -197,6 +197,9 @@ impl HessianSolver for SparseSolver {
     }
 
     fn solve(&mut self, r: &mut [f64]) {
+        if r.len() != self.mass.len() {
+            return r.fill(f64::NAN);
+        }
         match (self.rung, &mut self.indefinite) {
             (Rung::Indefinite, Some(indefinite)) => {
                 if indefinite.solve(&self.matrix, r).is_err() {

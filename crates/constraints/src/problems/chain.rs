@@ -1,6 +1,6 @@
 //! A chain of n unit masses on n unit rods, hung from one end.
 
-use super::{RodProblem, hanging};
+use super::{RodProblem, check_finite, hanging};
 use crate::{ConstraintError, Rod, Rods};
 
 /// A chain with as many links as it is asked for.
@@ -15,8 +15,10 @@ fn rods(n: usize) -> Result<Rods<2>, ConstraintError> {
 /// its depth over n.
 ///
 /// # Errors
-/// None: the rods are well formed for every `n`, and `sway` is not looked at.
+/// [`ConstraintError::Parameter`] for a `sway` that is not finite; [`ConstraintError::NonFinite`] for one
+/// that overflows times `n`.
 pub fn chain(n: usize, sway: f64) -> Result<Chain, ConstraintError> {
+    check_finite("sway", sway)?;
     let depth = |i: usize| (i + 1) as f64;
     let q = (0..n).flat_map(|i| [0.0, -depth(i)]).collect();
     let p = (0..n).flat_map(|i| [sway * depth(i) / n as f64, 0.0]).collect();
@@ -37,8 +39,10 @@ pub fn folded_chain(n: usize) -> Result<Chain, ConstraintError> {
 /// turns at up to `rate` radians a second, neighbours differently.
 ///
 /// # Errors
-/// None: the rods are well formed for every `n`, and `rate` is not looked at.
+/// [`ConstraintError::Parameter`] for a `rate` that is not finite; [`ConstraintError::NonFinite`] where
+/// a link's speed overflows.
 pub fn writhing_chain(n: usize, rate: f64) -> Result<Chain, ConstraintError> {
+    check_finite("rate", rate)?;
     let (mut x, mut v) = ([0.0; 2], [0.0; 2]);
     let (mut q, mut p) = (Vec::with_capacity(2 * n), Vec::with_capacity(2 * n));
     for i in 0..n {

@@ -7,7 +7,7 @@
 
 use stationary_calculus::{Number, Vector, directional_derivative};
 
-use super::{RodProblem, hanging, revolution};
+use super::{RodProblem, check_finite, hanging, revolution};
 use crate::{ConstraintError, Embedding, Rod, Rods};
 
 /// A four-bar linkage.
@@ -37,8 +37,11 @@ impl Embedding<1, 4> for Crank {
 /// The linkage with its crank at an angle, radians, turning at a rate, radians a second.
 ///
 /// # Errors
-/// None: the rods are well formed, and neither number is looked at.
+/// [`ConstraintError::Parameter`] for an angle or a rate that is not finite;
+/// [`ConstraintError::NonFinite`] where a point's speed overflows.
 pub fn four_bar(angle: f64, rate: f64) -> Result<FourBar, ConstraintError> {
+    check_finite("angle", angle)?;
+    check_finite("rate", rate)?;
     let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 2.0), Rod::new([1, 3], 2.0)];
     let rods = Rods::new(2, vec![[0.0, 0.0], [2.0, 0.0]], rods)?;
     let places = Crank.places([angle]);

@@ -9,7 +9,7 @@
 use stationary_calculus::{Number, Vector, directional_derivative};
 use stationary_integrators::State;
 
-use super::{Hanging, hanging, revolution};
+use super::{Hanging, check_finite, hanging, revolution};
 use crate::{ConstraintError, Embedding, Linear, Rod, Rods};
 
 /// A slider-crank.
@@ -39,8 +39,11 @@ impl Embedding<1, 4> for Piston {
 /// The machine with its crank at an angle, radians, turning at a rate, radians a second.
 ///
 /// # Errors
-/// None: rods and line are well formed, and neither number is looked at.
+/// [`ConstraintError::Parameter`] for an angle or a rate that is not finite;
+/// [`ConstraintError::NonFinite`] where a point's speed overflows.
 pub fn slider_crank(angle: f64, rate: f64) -> Result<SliderCrank, ConstraintError> {
+    check_finite("angle", angle)?;
+    check_finite("rate", rate)?;
     let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 3.0)];
     let rods = Rods::new(2, vec![[0.0, 0.0]], rods)?;
     let places = Piston.places([angle]);

@@ -2,7 +2,7 @@
 //!
 //! One diagonal makes it rigid; the second adds nothing but a redundant equation.
 
-use super::{RodProblem, hanging};
+use super::{RodProblem, check_finite, hanging};
 use crate::{ConstraintError, Rod, Rods};
 
 /// A square with its five or six rods.
@@ -12,8 +12,15 @@ pub type Square = RodProblem<[f64; 8]>;
 /// radians a second, and drifting with the velocity `drift`.
 ///
 /// # Errors
-/// None: of the diagonals asked for at most two are there, and other numbers are not looked at.
+/// [`ConstraintError::Parameter`] for another number of diagonals, and for a spin or a drift that is
+/// not finite; [`ConstraintError::NonFinite`] where a mass's speed overflows.
 pub fn square(diagonals: usize, spin: f64, drift: [f64; 2]) -> Result<Square, ConstraintError> {
+    if !(1..=2).contains(&diagonals) {
+        let (what, value) = ("the number of diagonals", diagonals as f64);
+        return Err(ConstraintError::Parameter { what, value, range: "1 or 2" });
+    }
+    check_finite("spin", spin)?;
+    drift.into_iter().try_for_each(|component| check_finite("drift", component))?;
     let q: [f64; 8] = [-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5];
     let p = std::array::from_fn(|i| {
         let (x, y) = (q[i - i % 2], q[i - i % 2 + 1]);

@@ -1,7 +1,9 @@
 //! Bad input is refused by name, and leaves the state as it was.
 
 use stationary_calculus::{Covector, DiagonalMetric, Number, Sink, SizeError, System};
-use stationary_constraints::problems::{RodProblem, four_bar, pendulum};
+use stationary_constraints::problems::{
+    RodProblem, chain, four_bar, pendulum, slider_crank, square, writhing_chain,
+};
 use stationary_constraints::{
     ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
     Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
@@ -23,6 +25,50 @@ fn steps_that_do_not_go_forward_are_refused() {
             assert!(matches!(error, ConstraintError::Step(StepError::Step(_))), "{error}");
         }
         assert_eq!(state, initial);
+    }
+}
+
+#[test]
+fn problems_refuse_numbers_that_are_not_finite_and_speeds_that_overflow() {
+    let made = |x: f64| {
+        [
+            ("sway", chain(3, x).map(drop)),
+            ("rate", writhing_chain(3, x).map(drop)),
+            ("angle", four_bar(x, 1.0).map(drop)),
+            ("rate", four_bar(1.0, x).map(drop)),
+            ("angle", slider_crank(x, 1.0).map(drop)),
+            ("rate", slider_crank(1.0, x).map(drop)),
+            ("spin", square(1, x, [0.0; 2]).map(drop)),
+            ("drift", square(1, 1.0, [0.0, x]).map(drop)),
+            ("speed", pendulum(x).map(drop)),
+        ]
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for (name, made) in made(bad) {
+            let Err(ConstraintError::Parameter { what, value, .. }) = made else {
+                panic!("{name}: {made:?}")
+            };
+            assert!(what == name && value.to_bits() == bad.to_bits(), "{name}: {made:?}");
+        }
+    }
+    assert!(made(0.5).iter().all(|(_, made)| made.is_ok()));
+    let what = "momentum";
+    assert_eq!(chain(3, f64::MAX).err(), Some(ConstraintError::NonFinite { what, index: 2 }));
+    let drift = square(1, f64::MAX, [f64::MAX; 2]);
+    assert_eq!(drift.err(), Some(ConstraintError::NonFinite { what, index: 0 }));
+}
+
+#[test]
+fn a_square_has_one_or_two_diagonals() {
+    for diagonals in [0, 3, usize::MAX] {
+        let error = square(diagonals, 1.0, [0.0; 2]).unwrap_err();
+        let value = diagonals as f64;
+        let expected =
+            ConstraintError::Parameter { what: "the number of diagonals", value, range: "1 or 2" };
+        assert_eq!(error, expected);
+    }
+    for diagonals in [1, 2] {
+        assert_eq!(square(diagonals, 1.0, [0.0; 2]).unwrap().rods.count(), 4 + diagonals);
     }
 }
 

@@ -1,12 +1,14 @@
 //! Many equations: the sparse solvers against the dense one, and the work of a chain.
 
-use stationary_calculus::{Covector, SparseMetric, SymmetricMatrix, System};
+use stationary_calculus::{
+    Covector, DiagonalMetric, Sink, SizeError, SparseMetric, SymmetricMatrix, System,
+};
 use stationary_constraints::problems::{
     RodProblem, chain, folded_chain, four_bar, square, writhing_chain,
 };
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Coupled, Few, Many, Rattle, Redundancy, Rod, Rods,
-    Solver,
+    ConstrainedIntegrator, Constraint, ConstraintError, Coupled, Few, Many, Multipliers, Rattle,
+    Redundancy, Rod, Rods, Rows, Solver,
 };
 use stationary_integrators::{State, UniformGravity};
 
@@ -31,6 +33,125 @@ fn the_sparse_solvers_do_what_the_dense_one_does() {
         assert!(state.q.iter().zip(&states[0].q).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(others.iter().zip(tensions).all(|(a, b)| (a - b).abs() < 1e-9));
     }
+}
+
+/// A constraint that says that it needs two freedoms and has one equation, and brings another entry.
+struct Stray {
+    row: usize,
+    freedom: usize,
+}
+
+impl Constraint for Stray {
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn value(&self, _: f64, _: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        g.fill(0.0);
+        Ok(())
+    }
+
+    fn differential(&self, _: f64, _: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        rows.add(0, 0, 1.0);
+        rows.add(self.row, self.freedom, 1.0);
+        Ok(())
+    }
+
+    fn add_hessian(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: &[f64],
+        _: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        Ok(())
+    }
+}
+
+/// What the three solvers say to a constraint under unit masses.
+fn analysed(constraint: &impl Constraint, masses: usize, q: &[f64]) -> [ConstraintError; 3] {
+    fn error(
+        solver: impl Solver<Vec<f64>>,
+        constraint: &impl Constraint,
+        masses: usize,
+        q: &[f64],
+    ) -> ConstraintError {
+        let metric = DiagonalMetric::new(vec![1.0; masses]).unwrap();
+        solver.analyse(&metric, constraint, 0.0, q).map(drop).unwrap_err()
+    }
+    [
+        error(Few::<4>(REFUSE), constraint, masses, q),
+        error(Many::default(), constraint, masses, q),
+        error(Coupled, constraint, masses, q),
+    ]
+}
+
+#[test]
+fn a_constraint_that_reads_more_freedoms_than_the_metric_has_is_refused_by_every_solver() {
+    let rods = Rods::new(2, vec![[0.0; 2]], vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 1.0)]);
+    for error in analysed(&rods.unwrap(), 2, &[0.0, -1.0, 0.0, -2.0]) {
+        assert_eq!(error, ConstraintError::Freedoms { needed: 4, freedoms: 2 });
+    }
+    for (row, freedom) in [(0, 2), (1, 0), (5, 1), (0, usize::MAX)] {
+        let expected = ConstraintError::UnknownFreedom { row, freedom, rows: 1, freedoms: 2 };
+        for error in analysed(&Stray { row, freedom }, 2, &[0.0; 2]) {
+            assert_eq!(error, expected);
+        }
+    }
+}
+
+#[test]
+fn a_solver_refuses_until_it_is_prepared_and_after_a_preparation_that_failed() {
+    // All points on a line, where the rods depend on each other; no places; too few.
+    let line = [1.0, 0.0, 3.0, 0.0];
+    let bad = [&line[..], &[f64::NAN; 4], &line[..3]];
+    fn refuses(solver: impl Solver<Vec<f64>>, bad: &[&[f64]]) {
+        let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
+        let (metric, q) = (system.metric(), initial.q);
+        let mut solver = solver.analyse(metric, &rods, 0.0, &q).unwrap();
+        let mut numbers = [0.3, -0.2, 0.5];
+        assert_eq!(solver.solve(&mut numbers), Err(ConstraintError::NotPrepared));
+        assert_eq!(numbers, [0.3, -0.2, 0.5]);
+        solver.prepare(metric, &rods, 0.0, &q).unwrap();
+        assert!(solver.solve(&mut [1.0; 2]).is_err() && solver.solve(&mut [1.0; 4]).is_err());
+        solver.solve(&mut numbers).unwrap();
+        for bad in bad {
+            solver.prepare(metric, &rods, 0.0, bad).unwrap_err();
+            assert_eq!(solver.solve(&mut numbers), Err(ConstraintError::NotPrepared));
+            solver.prepare(metric, &rods, 0.0, &q).unwrap();
+            solver.solve(&mut numbers).unwrap();
+        }
+        let other = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+        let stray = Stray { row: 0, freedom: 7 };
+        assert!(solver.prepare(&other, &stray, 0.0, &q).is_err());
+        assert_eq!(solver.solve(&mut numbers), Err(ConstraintError::NotPrepared));
+    }
+    refuses(Few::<4>(REFUSE), &bad);
+    refuses(Many::default(), &bad);
+    refuses(Coupled, &bad);
+    // Dependent rods share their force.
+    refuses(Few::<4>(Redundancy::LeastNorm), &bad[1..]);
+    refuses(Many(Redundancy::LeastNorm), &bad[1..]);
+}
+
+#[test]
+fn a_few_equations_that_change_their_entries_are_refused_without_a_panic() {
+    let metric = DiagonalMetric::new(vec![1.0; 2]).unwrap();
+    let analyse = |freedom| {
+        let solver = Few::<4>(REFUSE);
+        Solver::<Vec<f64>>::analyse(&solver, &metric, &Stray { row: 0, freedom }, 0.0, &[0.0; 2])
+    };
+    let mut few = analyse(1).unwrap();
+    for (row, freedom) in [(0, 2), (1, 0), (4, 0)] {
+        let error = few.prepare(&metric, &Stray { row, freedom }, 0.0, &[0.0; 2]).unwrap_err();
+        assert_eq!(error, ConstraintError::UnknownFreedom { row, freedom, rows: 1, freedoms: 2 });
+    }
+    let other = DiagonalMetric::new(vec![1.0; 3]).unwrap();
+    assert!(few.prepare(&other, &Stray { row: 0, freedom: 1 }, 0.0, &[0.0; 2]).is_err());
 }
 
 #[test]

@@ -5,8 +5,8 @@ use stationary_elasticity::problems::{
     manufactured_errors,
 };
 use stationary_elasticity::{
-    Lame, LinearSegment, LinearTetrahedron, LinearTriangle, QuadraticSegment, QuadraticTetrahedron,
-    QuadraticTriangle,
+    ElasticityError, Lame, LinearSegment, LinearTetrahedron, LinearTriangle, QuadraticSegment,
+    QuadraticTetrahedron, QuadraticTriangle,
 };
 use stationary_mesh::{
     Diagonals, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, rectangle,
@@ -37,6 +37,24 @@ fn elements_on_a_line_converge_at_their_order() {
     };
     assert_orders(linear(16), linear(32), [2.0, 1.0]);
     assert_orders(quadratic(16), quadratic(32), [3.0, 2.0]);
+}
+
+#[test]
+fn a_displacement_that_is_zero_or_overflows_has_no_relative_error() {
+    let mesh = bar(1.0, 4).unwrap();
+    let errors = |amplitude: f64, wave: f64| {
+        let waves = PlaneWaves { amplitude, waves: [[wave]] };
+        manufactured_errors(LinearSegment, &mesh, lame().uniaxial_stress(), &waves)
+    };
+    for (amplitude, wave) in [(0.0, 5.0), (1e-150, 5.0), (0.1, 0.0)] {
+        let error = errors(amplitude, wave).unwrap_err();
+        assert!(matches!(error, ElasticityError::Integral { .. }), "{amplitude}, {wave}: {error}");
+    }
+    for (amplitude, wave) in [(1e160, 5.0), (f64::NAN, 5.0), (0.1, f64::NAN)] {
+        assert!(errors(amplitude, wave).is_err(), "{amplitude}, {wave}");
+    }
+    let found = errors(1e-3, 5.0).unwrap();
+    assert!(found.displacement > 0.0 && found.displacement < 0.2, "{found:?}");
 }
 
 #[test]

@@ -257,7 +257,9 @@ impl<F: VectorField, C: Storage> BackwardDifferences<F, C> {
         let safety = SAFETY * (2.0 * most + 1.0) / (2.0 * most + f64::from(iterations));
         let factor = |k: usize, difference: usize| {
             let error = self.error(k, &self.history.d[difference]);
-            (safety * error.powf(-1.0 / (k + 1) as f64)).min(GROWTH)
+            let factor = safety * error.powf(-1.0 / (k + 1) as f64);
+            // `min` ignores what is not a number: differences that overflowed let no step grow.
+            if factor.is_nan() { 0.0 } else { factor.min(GROWTH) }
         };
         if self.control.constant.is_some() {
             self.order = (k + 1).min(self.highest);

@@ -44,8 +44,28 @@ pub(crate) fn sum_of_squares(e: &[f64], s: &[f64]) -> f64 {
     e.iter().zip(s).map(|(e, s)| (e / s) * (e / s)).sum()
 }
 
+/// The larger of two errors. `f64::max` ignores what is not a number, which an error must not.
+#[inline]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 /// The root mean square of e_i / s_i.
 #[inline]
 pub(crate) fn norm(e: &[f64], s: &[f64]) -> f64 {
     (sum_of_squares(e, s) / e.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_not_a_number_is_the_larger_one() {
+        assert!(larger(f64::NAN, 1.0).is_nan() && larger(1.0, f64::NAN).is_nan());
+        assert_eq!(
+            [larger(1.0, 2.0), larger(2.0, 1.0), larger(0.0, f64::INFINITY)],
+            [2.0, 2.0, f64::INFINITY]
+        );
+    }
 }

@@ -29,7 +29,7 @@ mod collocation;
 
 use stationary_calculus::Storage;
 
-use super::error_scale::ErrorScale;
+use super::error_scale::{ErrorScale, larger};
 use super::first_step::guess_step;
 use super::linearization::check_mass;
 use super::method::check_finite;
@@ -102,6 +102,9 @@ struct Last<C> {
 /// The estimate of order 3 is held to more than the error of order 5 may be, but to no more than so
 /// many tolerances.
 const MOST_TOLERANCES: f64 = 20.0;
+
+/// No error is taken for less: the control divides by it.
+const SMALLEST_ERROR: f64 = 1e-10;
 
 /// The part of an error that counts where it is measured at the step's end: all of it would shorten
 /// every step that ends near a zero.
@@ -190,12 +193,13 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
     }
 
     /// The error of a step whose equations are solved, against the tolerance. `again` filters it
-    /// once more, for steps that begin in a fast transient.
+    /// once more, for steps that begin in a fast transient. NaN where f at the state that the filter
+    /// looks at is none: such a step is not known to be good.
     fn error(&mut self, h: f64, again: Again) -> f64 {
         let first = self.collocation.error(&self.field, &self.f, h, (&mut self.error, &self.s));
-        let first = first.max(self.error_at_end());
-        if first < 1.0 || again == Again::No {
-            return first.max(1e-10);
+        let first = larger(first, self.error_at_end());
+        if first < 1.0 || !first.is_finite() || again == Again::No {
+            return larger(first, SMALLEST_ERROR);
         }
         let RadauIia5 { field, moment, collocation, s, error, moved, .. } = self;
         for ((moved, y), e) in moved.as_mut().iter_mut().zip(moment.y.as_ref()).zip(error.as_ref())
@@ -206,7 +210,7 @@ impl<F: VectorField, C: Storage> RadauIia5<F, C> {
         self.work.evaluations += 1;
         moved.clone_from(error);
         let second = collocation.error(field, moved, h, (error, s));
-        second.max(self.error_at_end()).max(1e-10)
+        larger(larger(second, self.error_at_end()), SMALLEST_ERROR)
     }
 
     /// The same error against what is tolerated at the step's end, in parts of what it may be there: a
@@ -309,8 +313,10 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
     fn step(&mut self, end: f64) -> Result<(), AdaptiveError> {
         let (mut again, mut most) = (Again::No, GROWTH);
         let constant = self.control.constant.is_some();
+        // A step that is taken whatever its error has none to filter.
+        let filtered = if constant { Again::No } else { Again::Yes };
         if self.last.h == 0.0 {
-            again = Again::Yes;
+            again = filtered;
         }
         loop {
             let attempt = self.control.attempt(&self.moment, self.h, end, &self.work)?;
@@ -335,7 +341,7 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
                 Iterated::TooSlow(factor) => self.reject(factor * h),
                 Iterated::Diverged => self.reject(0.5 * h),
             }
-            (again, most) = (Again::Yes, 1.0);
+            (again, most) = (filtered, 1.0);
         }
     }
 

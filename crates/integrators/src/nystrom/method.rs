@@ -43,7 +43,8 @@ where
     /// The method on a system of n freedoms, starting from a moment of 2 n numbers (q, p).
     ///
     /// # Errors
-    /// A moment of another size or not finite, and another number of tolerances than 1 or 2 n.
+    /// A moment of another size or not finite, dV there, and another number of tolerances than 1 or
+    /// 2 n.
     pub fn new(
         system: &'s System<M, P>,
         control: StepControl,
@@ -66,14 +67,14 @@ where
     fn dim(&self) -> usize {
         2 * self.state.q.len()
     }
+}
 
-    /// Takes the state from the moment.
-    fn read(&mut self) {
-        let (q, p) = self.moment.y.as_ref().split_at(self.state.q.len());
-        self.state.q.copy_from_slice(q);
-        self.state.p.components_mut().copy_from_slice(p);
-        self.state.t = self.moment.t;
-    }
+/// Takes a state from a moment.
+fn read(state: &mut State<Vec<f64>>, moment: &Moment<impl Storage>) {
+    let (q, p) = moment.y.as_ref().split_at(state.q.len());
+    state.q.copy_from_slice(q);
+    state.p.components_mut().copy_from_slice(p);
+    state.t = moment.t;
 }
 
 /// Writes (q, p).
@@ -142,14 +143,11 @@ where
     fn restart(&mut self, moment: &Moment<Y>) -> Result<(), AdaptiveError> {
         SizeError::check("the state's numbers", self.dim(), moment.y.as_ref().len())?;
         moment.check(self.dim())?;
+        read(&mut self.inside, moment);
+        self.steps.begin(&self.inside, &mut self.work)?;
+        self.state.clone_from(&self.inside);
         self.moment.clone_from(moment);
         self.last_begin = None;
-        self.read();
-        self.steps.begin(&self.state, &mut self.work);
-        if self.steps.h.is_nan() || self.steps.h <= 0.0 {
-            let dv = self.steps.first.components();
-            crate::first_order::check_finite("dV", moment.t, dv)?;
-        }
         Ok(())
     }
 
@@ -167,7 +165,7 @@ where
             return Err(AdaptiveError::Saved("its step is not positive"));
         }
         self.last_begin = None;
-        self.read();
+        read(&mut self.state, &self.moment);
         let Nystrom { stages, first, .. } = &mut self.steps;
         stages.differential_at(&self.state.q, first);
         crate::first_order::check_finite("dV", self.moment.t, first.components())

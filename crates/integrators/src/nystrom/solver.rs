@@ -16,7 +16,7 @@ use super::stages::Tolerated;
 use super::step::check_state;
 use super::step_trend::StepTrend;
 use super::{NystromPair, NystromStages, NystromStep};
-use crate::first_order::ErrorScale;
+use crate::first_order::{ErrorScale, check_finite};
 use crate::integrator::zeros;
 use crate::{AdaptiveError, Moment, State, StepControl, Tolerance, Work};
 
@@ -77,7 +77,8 @@ where
     /// breaks off. The bound on the number of steps is one on each run.
     ///
     /// # Errors
-    /// Where no step meets the tolerance; the state is that after the last good step.
+    /// Where no step meets the tolerance, and where the state or dV there is not finite; the state is
+    /// that after the last good step.
     pub fn run(
         &mut self,
         state: &mut State<C>,
@@ -87,7 +88,7 @@ where
         let mut work = Work::default();
         self.check(state)?;
         check_end(state.t, end)?;
-        self.begin(state, &mut work);
+        self.begin(state, &mut work)?;
         self.h = self.h.min(end - state.t);
         while state.t < end {
             self.step(state, end, &mut work)?;
@@ -115,13 +116,21 @@ where
         check_state(state)
     }
 
-    /// Starts from a state: dV there, and a first step.
-    pub(super) fn begin(&mut self, state: &State<C>, work: &mut Work) {
-        self.stages.differential_at(&state.q, &mut self.first);
-        work.evaluations += 1;
+    /// Starts from a state: dV there, and a first step. Where dV is not finite all stays as it was.
+    pub(super) fn begin(&mut self, state: &State<C>, work: &mut Work) -> Result<(), AdaptiveError> {
         let Nystrom { stages, first, tolerated, control, .. } = self;
+        let mut dv = Covector(stages.differential.0.lend());
+        stages.differential_at(&state.q, &mut dv);
+        work.evaluations += 1;
+        let finite = check_finite("dV", state.t, dv.components());
+        if finite.is_ok() {
+            std::mem::swap(first, &mut dv);
+        }
+        stages.differential.0.put_back(dv.0);
+        finite?;
         self.h = control.begin(stages.first_step(state, first, &tolerated.configuration));
         self.trend = StepTrend::new(T::ORDERS.1);
+        Ok(())
     }
 
     /// Moves `state` by one step that ends at `end` at the latest; the state before it is then in

@@ -23,7 +23,9 @@ fn refused<M: Metric, P: Potential, const N: usize>(
     state: &State<[f64; N]>,
     h: f64,
 ) -> StepError {
-    let bits = |state: &State<[f64; N]>| (state.q.map(f64::to_bits), state.p.0.map(f64::to_bits));
+    let bits = |state: &State<[f64; N]>| {
+        (state.t.to_bits(), state.q.map(f64::to_bits), state.p.0.map(f64::to_bits))
+    };
     let mut after = state.clone();
     let error = method.integrator(system).unwrap().step(&mut after, h).unwrap_err();
     assert_eq!(bits(&after), bits(state), "{method} changed the state");
@@ -41,6 +43,25 @@ fn a_step_that_is_not_positive_and_finite_is_refused() {
         let error = refused(method, &problem.system, &problem.initial, f64::NAN);
         assert!(matches!(error, StepError::Step(h) if h.is_nan()), "{method}");
     }
+}
+
+#[test]
+fn a_step_that_starts_or_ends_at_no_time_is_refused_with_that_time() {
+    let problem = kepler(0.6).unwrap();
+    for &method in Method::ALL {
+        for (t, h) in [(f64::INFINITY, 0.1), (f64::NEG_INFINITY, 0.1), (f64::NAN, 0.1)] {
+            let state = State { t, ..problem.initial.clone() };
+            let error = refused(method, &problem.system, &state, h);
+            let StepError::Time(time) = error else { panic!("{method} at {t}: {error}") };
+            assert!(time == t || time.is_nan() && t.is_nan(), "{method}: {error}");
+        }
+    }
+    // No force: however long the step, the place is a number.
+    let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+    let free = System::new(metric, CentralGravity::<2> { strength: 0.0 }).unwrap();
+    let state = State { t: f64::MAX, ..State::new([1.0, 0.0], Covector([0.0; 2])) };
+    let error = refused(Method::SymplecticEulerDriftKick, &free, &state, 1e308);
+    assert_eq!(error, StepError::Time(f64::INFINITY));
 }
 
 #[test]

@@ -390,6 +390,7 @@ fn a_run_that_takes_too_many_steps_says_so() {
 }
 
 /// A force that is finite near the start and not a number beyond q = 1.
+#[derive(Clone, Debug)]
 struct Edge;
 
 impl Potential for Edge {
@@ -416,6 +417,31 @@ fn a_force_that_is_not_a_number_ahead_is_an_error_and_not_a_nan() {
     let error = nystrom.run(&mut state, 1.0, |_| Continue(())).unwrap_err();
     assert!(matches!(error, AdaptiveError::StepTooSmall { .. }), "{error}");
     assert!(state.q[0] < 1.0 && state.q[0] > 0.99, "{state:?}");
+}
+
+#[test]
+fn a_start_where_the_force_is_not_a_number_is_refused_and_a_restart_there_changes_nothing() {
+    let system = System::new(DiagonalMetric::new([1.0]).unwrap(), Edge).unwrap();
+    let there = || Moment::new(0.0, [2.0, 0.0]);
+    for control in [both(1e-8), both(1e-8).first_step(0.01).unwrap()] {
+        let named =
+            |error: AdaptiveError| matches!(error, AdaptiveError::NonFinite { what: "dV", .. });
+        let made = NystromMethod8::new(&system, control.clone(), there());
+        assert!(named(made.unwrap_err()));
+        let mut nystrom = Nystrom8::new(&system, control.clone()).unwrap();
+        let mut state = State::new([2.0], Covector([0.0]));
+        assert!(named(nystrom.run(&mut state, 0.2, |_| Continue(())).unwrap_err()));
+        let start = Moment::new(0.0, [-1.0, 0.0]);
+        let mut one = NystromMethod8::new(&system, control, start).unwrap();
+        one.step(0.2).unwrap();
+        let mut other = one.clone();
+        assert!(named(other.restart(&there()).unwrap_err()));
+        assert_eq!((one.moment(), one.last_begin()), (other.moment(), other.last_begin()));
+        for method in [&mut one, &mut other] {
+            integrate(method, 0.2, |_| Continue(())).unwrap();
+        }
+        assert_eq!(one.moment(), other.moment());
+    }
 }
 
 #[test]

@@ -4,11 +4,11 @@ use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{Covector, Potential, SizeError};
 use stationary_constraints::Constraint;
 use stationary_integrators::{State, StepError};
-use stationary_rigid::problems::{nodding_top, tumbling_box};
+use stationary_rigid::problems::{held_at_a_point, nodding_top, top_on_its_tip, tumbling_box};
 use stationary_rigid::{
     Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodySpring, Free, Joint,
     LieGroup, Orientations, PlanarAttachment, PlanarJoint, PlanarWeight, PointMass, Poses,
-    RigidError, RigidMotion, Spun, Weight, apply_impulse, spatial_angular_momentum,
+    RigidError, RigidMotion, Rotation, Spun, Weight, apply_impulse, spatial_angular_momentum,
 };
 
 #[test]
@@ -28,6 +28,25 @@ fn a_pose_that_is_not_one_is_refused_by_body() {
     motion.pose.translation.y = f64::INFINITY;
     assert!(matches!(metric.state(&[motion]), Err(RigidError::NonFinite { index: 1, .. })));
     assert!(matches!(metric.state(&[]), Err(RigidError::Size(_))));
+}
+
+#[test]
+fn a_body_held_at_a_point_refuses_every_number_that_is_not_finite() {
+    let body = Body::solid_box(1.0, [0.1; 3]).unwrap();
+    let good = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let made = |[point, w, gravity]: [Vector3<f64>; 3]| {
+        held_at_a_point(body, point, Rotation::identity(), w, gravity).map(drop)
+    };
+    assert_eq!(made(good), Ok(()));
+    for vector in 0..3 {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut vectors = good;
+            vectors[vector].y = bad;
+            let error = made(vectors).unwrap_err();
+            assert!(matches!(error, RigidError::NonFinite { .. }), "{vector}: {error}");
+        }
+    }
+    assert!(top_on_its_tip(f64::NAN).is_err());
 }
 
 #[test]
@@ -95,6 +114,9 @@ fn a_state_at_no_time_or_with_a_quaternion_of_another_length_is_refused_by_every
         let mut state = State { t: f64::NAN, ..problem.initial.clone() };
         let error = integrator.step(&mut state, 0.1).unwrap_err();
         assert!(matches!(error, StepError::Time(_)), "{method}: {error}");
+        let mut state = State { t: f64::MAX, ..problem.initial.clone() };
+        let error = integrator.step(&mut state, 1e308).unwrap_err();
+        assert_eq!(error, StepError::Time(f64::INFINITY), "{method}");
         let mut state = problem.initial.clone();
         state.q[3..].iter_mut().for_each(|c| *c *= 2.0);
         let error = integrator.step(&mut state, 0.1).unwrap_err();

@@ -1,6 +1,6 @@
 //! From shapes to bodies: the moments of polygons and surfaces, made mass.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use stationary_mesh::{ClosedSurface, Mesh, Moments, Polygon, bar, cuboid, icosphere};
 use stationary_rigid::{
     Body, LieGroup, PlanarMass, PlanarMotion, RigidError, RigidMotion, Rotation, SpatialMass,
@@ -120,4 +120,29 @@ fn what_no_body_can_be_made_of_is_refused() {
     let rod = SpatialMass::of(3.0, &rod.moments()).unwrap();
     assert!((rod.mass - 6.0).abs() < 1e-14, "a rod has mass, by its length");
     assert!(matches!(rod.body(), Err(RigidError::Moment { .. })), "but no inertia about itself");
+}
+
+#[test]
+fn a_mass_or_an_inertia_out_of_range_is_refused_where_the_shape_is_given_its_density() {
+    let moments = |measure: f64, second: f64| Moments::<3> {
+        about: Vector3::zeros(),
+        measure,
+        first: Vector3::zeros(),
+        second: Matrix3::identity() * second,
+    };
+    let plane = |measure: f64, second: f64| Moments::<2> {
+        about: Vector2::zeros(),
+        measure,
+        first: Vector2::zeros(),
+        second: Matrix2::identity() * second,
+    };
+    for (density, measure, mass) in [(1e300, 1e10, f64::INFINITY), (1e-200, 1e-200, 0.0)] {
+        let expected = RigidError::Mass(mass);
+        assert_eq!(SpatialMass::of(density, &moments(measure, 1.0)), Err(expected));
+        assert_eq!(PlanarMass::of(density, &plane(measure, 1.0)), Err(expected));
+    }
+    let error = SpatialMass::of(1e150, &moments(1.0, 1e200)).unwrap_err();
+    assert!(matches!(error, RigidError::NonFinite { what: "the inertia", .. }), "{error}");
+    let error = PlanarMass::of(1e150, &plane(1.0, 1e200)).unwrap_err();
+    assert!(matches!(error, RigidError::NonFinite { what: "the inertia", .. }), "{error}");
 }

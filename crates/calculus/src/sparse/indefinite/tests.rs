@@ -202,3 +202,18 @@ fn entries_of_any_size_are_solved() {
         assert!(relative_residual(&matrix, &x, &b) < 1e-12, "{scale}");
     }
 }
+
+#[test]
+fn a_solution_with_a_matrix_of_another_analysis_is_refused() {
+    let (matrix, mut solver) = assembled(30, &chain(10, Numbering::LinkByLink));
+    solver.factor(&matrix).unwrap();
+    for links in [9, 10, 11] {
+        let (other, _) = assembled(3 * links, &chain(links, Numbering::LinkByLink));
+        for n in [30, 3 * links] {
+            let mut b = vec![1.0; n];
+            assert_eq!(solver.solve(&other, &mut b), Err(SparseError::OtherPattern));
+            assert_eq!(b, vec![1.0; n]);
+        }
+    }
+    assert!(solver.solve(&matrix, &mut [1.0; 30]).is_ok());
+}
