@@ -151,6 +151,11 @@ pub enum ContactError {
     Outline(#[from] stationary_mesh::MeshError),
 }
 
+/// An error unless a step ends at a time.
+pub(crate) fn check_time(t: f64) -> Result<(), StepError> {
+    if t.is_finite() { Ok(()) } else { Err(StepError::Time(t)) }
+}
+
 /// An error unless every number is finite.
 pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), ContactError> {
     match stationary_calculus::first_non_finite(numbers) {

@@ -22,7 +22,7 @@
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{Integrator, State, StepError, StormerVerlet};
 
-use crate::error::check_finite;
+use crate::error::{check_finite, check_time};
 use crate::projection::project_biased;
 use crate::{ContactError, Impact, ImpactLaw, Inequality, InverseMass, Swept};
 
@@ -125,6 +125,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         }
         SizeError::check("the configuration's numbers", self.system.dim(), state.q.len())?;
         SizeError::check("the momentum's components", self.system.dim(), state.p.0.len())?;
+        check_time(state.t + h)?;
         let mut next = state.clone();
         let report = match self.when {
             When::AfterOverlap => self.after_overlap(&mut next, h),

@@ -29,7 +29,7 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector
 use stationary_integrators::{Saved, State, StepError};
 use stationary_rigid::{BodyMetric, BodySpace, ConstantVelocity, FreeRotation, Poses, Rotation};
 
-use crate::error::check_finite;
+use crate::error::{check_finite, check_time};
 use crate::exact_normals::Unpushed;
 use crate::impact_rounds::ImpactRounds;
 use crate::island_solver::{Conditions, IslandSolver};
@@ -375,6 +375,7 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         }
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
+        check_time(state.t + h)?;
         next.t = state.t + h;
         Ok(())
     }

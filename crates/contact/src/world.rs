@@ -24,7 +24,7 @@
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
 
-use crate::error::check_finite;
+use crate::error::{check_finite, check_time};
 use crate::impact_rounds::ImpactRounds;
 use crate::last_impulses::LastImpulses;
 use crate::projection::{all, project_with};
@@ -368,6 +368,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         G::advance(self.system.metric(), &mut next.q, &v.0, &mut next.p.0, h)?;
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
+        check_time(state.t + h)?;
         next.t = state.t + h;
         Ok(next)
     }

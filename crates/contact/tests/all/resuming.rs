@@ -88,3 +88,18 @@ fn what_no_bodies_leave_behind_is_refused_and_nothing_is_forgotten() -> Result<(
     assert_eq!(bodies.save(), saved);
     Ok(())
 }
+
+#[test]
+fn worlds_and_bodies_refuse_a_step_at_no_time_and_stay() -> Result<(), ContactError> {
+    let boxes = falling_boxes(2)?;
+    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector()?)?;
+    let arch = Arch { wedges: 3, radius: 1.0, thickness: 0.3, friction: 0.6, gravity: 10.0 };
+    let (mut world, start) = arch.built()?;
+    for t in [f64::NAN, f64::INFINITY] {
+        let (mut falling, mut standing) = (boxes.state.clone(), start.clone());
+        (falling.t, standing.t) = (t, t);
+        assert!(bodies.step(&mut falling, 1e-3).is_err() && falling.q == boxes.state.q, "{t}");
+        assert!(world.step(&mut standing, 1e-3).is_err() && standing.q == start.q, "{t}");
+    }
+    Ok(())
+}

@@ -142,7 +142,8 @@ fn steps_down_to_a_microsecond_gain_no_energy() {
 }
 
 #[test]
-fn a_step_that_is_none_and_a_state_of_another_size_are_refused_whenever_the_impulse_is_given() {
+fn a_step_that_is_none_or_at_no_time_and_a_state_of_another_size_are_refused_whenever_the_impulse_is_given()
+ {
     let (system, gaps) = (fall(1), floor(1));
     for when in [When::AfterOverlap, When::AtTheInstant, When::VelocityFilter] {
         let law = ImpactLaw::GeneralizedReflections;
@@ -152,6 +153,12 @@ fn a_step_that_is_none_and_a_state_of_another_size_are_refused_whenever_the_impu
             let mut state = start.clone();
             assert!(matches!(impacting.step(&mut state, h), Err(ContactError::Step(_))), "{h}");
             assert_eq!(state, start);
+        }
+        for t in [f64::NAN, f64::INFINITY, f64::MAX] {
+            let h = if t == f64::MAX { f64::MAX } else { 0.1 };
+            let mut state = State { t, ..start.clone() };
+            assert!(matches!(impacting.step(&mut state, h), Err(ContactError::Step(_))), "{t}");
+            assert_eq!((&state.q, &state.p), (&start.q, &start.p));
         }
         let mut other = State::new(vec![1.25; 2], Covector(vec![0.0; 2]));
         assert!(matches!(impacting.step(&mut other, 0.1), Err(ContactError::Size(_))));
