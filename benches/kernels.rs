@@ -14,8 +14,8 @@ use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
 use stationary_contact::problems::falling_boxes;
 use stationary_contact::{Settling, TouchingBodies};
 use stationary_elasticity::{
-    FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean, SaintVenantKirchhoff,
-    Solid,
+    Elements as _, FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean,
+    SaintVenantKirchhoff, Solid,
 };
 use stationary_integrators::problems::{kepler, van_der_pol};
 use stationary_integrators::{
@@ -123,7 +123,7 @@ fn planet() {
 
 fn adaptive_steps() {
     let problem = van_der_pol(1000.0).expect("an oscillator");
-    let control = StepControl::new(Tolerance::new(1e-6, 1e-6).expect("a tolerance"));
+    let control = StepControl::from(Tolerance::new(1e-6, 1e-6).expect("a tolerance"));
     let mut explicit =
         DormandPrince853::new(&problem.field, control.clone(), problem.initial.clone())
             .expect("a method");

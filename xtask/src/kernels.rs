@@ -45,7 +45,7 @@ fn build(profile: &str) -> Result<String, CargoError> {
     let arguments = [&package[..], &["--profile", profile, "--message-format", "json"]].concat();
     let messages = cargo(&arguments)?;
     let built = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
-    built.filter_map(|message| message.executable).last().ok_or_else(|| CargoError::Failed {
+    built.filter_map(|message| message.executable).next_back().ok_or_else(|| CargoError::Failed {
         what: format!("cargo {}", arguments.join(" ")),
         complaint: "no program was built".into(),
     })
@@ -88,7 +88,8 @@ mod tests {
         kernels.take(0, "a step\t12.0\nnoise\n");
         kernels.take(1, "a step\t15.0\n");
         kernels.take(0, "a step\t10.0\n");
-        let row = kernels.table().lines().last().map(|row| row.split_whitespace().collect());
-        assert_eq!(row, Some(vec!["a", "step", "10.0", "15.0", "1.50"]));
+        let table = kernels.table();
+        let row: Vec<&str> = table.lines().last().unwrap_or("").split_whitespace().collect();
+        assert_eq!(row, ["a", "step", "10.0", "15.0", "1.50"]);
     }
 }

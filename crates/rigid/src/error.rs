@@ -63,6 +63,12 @@ pub enum RigidError {
     /// An axis has a direction.
     #[error("the axis {0:?} has no direction")]
     NoAxis([f64; 3]),
+    /// A turn so long that rounding has taken its phase.
+    #[error("a turn by {radians:e} radians: no digit of its phase is left")]
+    PhaseLost {
+        /// The turn.
+        radians: f64,
+    },
     /// A number that is not finite.
     #[error("{what}: number {index} is {value}")]
     NonFinite {

@@ -31,7 +31,7 @@ impl FreeRotation for ExactRotation {
         h: f64,
     ) -> Result<Turned, StepError> {
         let top = FreeTop::from_momentum(*body, Rotation::identity(), momentum);
-        let turn = top.orientation(h).map_err(|_| StepError::Time(h))?;
+        let turn = top.orientation(h).map_err(|_| StepError::Step(h))?;
         Ok(Turned::by(turn, rotation, momentum))
     }
 }

@@ -95,7 +95,8 @@ impl FreeTop {
     /// The angular momentum in body axes after `t` seconds.
     ///
     /// # Errors
-    /// [`RigidError::NonFinite`] for a time that is not finite, or after which the turn is not.
+    /// [`RigidError::NonFinite`] for a time that is not finite; [`RigidError::PhaseLost`] for one after
+    /// which rounding of the turn reaches a hundredth of a radian.
     pub fn momentum(&self, t: f64) -> Result<Vector3<f64>, RigidError> {
         self.check_turn(t)?;
         Ok(match &self.motion {
@@ -132,7 +133,10 @@ impl FreeTop {
             Motion::Steady => self.body.angular_velocity(&self.momentum).norm() * t,
             Motion::Tumbling(tumble) => tumble.phase + tumble.rate * t,
         };
-        check_finite("the turn", &[turn])
+        match turn.abs() <= LONGEST_TURN {
+            true => Ok(()),
+            false => Err(RigidError::PhaseLost { radians: turn }),
+        }
     }
 
     /// The time after which the angular velocity comes back, seconds; `None` where it is steady or
@@ -147,6 +151,9 @@ impl FreeTop {
         }
     }
 }
+
+/// Beyond it, radians, half a rounding is a hundredth of a radian.
+const LONGEST_TURN: f64 = 0.02 / f64::EPSILON;
 
 /// Axes in ascending order of their moments.
 fn ascending(moments: &Vector3<f64>) -> [usize; 3] {

@@ -39,7 +39,7 @@ fn turn(draw: &mut Draw) -> Vector3<f64> {
     let angle = match draw.below(6) {
         0 => draw.log_uniform(1e-300, 1e-3),
         1 => draw.log_uniform(1e-3, 10.0),
-        2 => draw.log_uniform(1.0, 1e12),
+        2 => draw.log_uniform(1.0, 1e6),
         kind => {
             let halves = match kind {
                 3 => draw.one_of(&[1.0, 2.0]),
