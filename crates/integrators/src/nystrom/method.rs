@@ -164,6 +164,9 @@ where
         if self.steps.h.is_nan() || self.steps.h <= 0.0 {
             return Err(AdaptiveError::Saved("its step is not positive"));
         }
+        if !self.steps.trend.is_possible() {
+            return Err(AdaptiveError::Saved("no steps leave such a trend behind"));
+        }
         self.last_begin = None;
         read(&mut self.state, &self.moment);
         let Nystrom { stages, first, .. } = &mut self.steps;

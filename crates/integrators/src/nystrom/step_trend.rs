@@ -40,11 +40,17 @@ impl StepTrend {
         self.before = (length != 0.0).then_some((length, factor));
     }
 
+    /// Whether steps may have left this behind.
+    pub fn is_possible(&self) -> bool {
+        let before = self.before.is_none_or(|(length, factor)| length > 0.0 && factor > 0.0);
+        before && (1.0..=GROWTH).contains(&self.growth)
+    }
+
     /// The step after an accepted one of `h` seconds.
     #[inline]
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let factor = SAFETY * error.powf(self.exponent);
-        // Two errors of zero have no trend: their quotient is not a number, and `min` ignores it.
+        // An error of zero leaves a number that can be saved, too.
+        let factor = (SAFETY * error.powf(self.exponent)).min(f64::MAX);
         let trend = self.before.map_or(1.0, |(length, before)| h / length * (factor / before));
         let next = h * (factor * trend.min(1.0)).clamp(SHRINK, self.growth);
         self.before = Some((h, factor));

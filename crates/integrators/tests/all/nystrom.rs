@@ -9,8 +9,8 @@ use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, pl
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, Direction, Event, Moment, NewtonianGravity, Nystrom, Nystrom8,
     Nystrom12, NystromMethod8, NystromMethod12, NystromPair, NystromStep, OutputTimes, Pair8,
-    Pair12, State, StepControl, Tolerance, Work, angular_momentum, integrate, integrate_to_event,
-    linear_momentum, linear_momentum_scale,
+    Pair12, State, StepControl, Tolerance, UniformGravity, Work, angular_momentum, integrate,
+    integrate_to_event, linear_momentum, linear_momentum_scale,
 };
 
 /// The same tolerance, absolute and relative.
@@ -464,4 +464,42 @@ fn steps_are_as_long_as_the_caller_says() {
     let short = lengths(both(1e-9).longest_step(0.05).unwrap());
     assert!(short.len() >= 60 && short.iter().all(|&h| h < 0.0506));
     assert_eq!(lengths(both(1e-9).first_step(1e-3).unwrap())[0], 1e-3);
+}
+
+#[test]
+fn what_no_pair_has_saved_is_refused_and_changes_nothing() {
+    let problem = kepler(0.6).unwrap();
+    let start = Moment::new(0.0, [0.4, 0.0, 0.0, 2.0]);
+    let mut pair = NystromMethod8::new(&problem.system, both(1e-9), start).unwrap();
+    for _ in 0..3 {
+        pair.step(10.0).unwrap();
+    }
+    let before = pair.save();
+    for place in 0..before.numbers.len() {
+        for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+            let mut broken = before.clone();
+            broken.numbers[place] = bad;
+            match pair.load(&broken) {
+                Err(_) => assert_eq!(pair.save(), before, "{place} {bad}"),
+                // A number that a run may have left: another place, another count.
+                Ok(()) => {
+                    assert!(bad.is_finite(), "{place} {bad}");
+                    let _ = pair.step(10.0);
+                    pair.load(&before).unwrap();
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_without_any_error_can_be_saved_and_goes_on() {
+    let force = UniformGravity { acceleration: [0.0], masses: vec![1.0] };
+    let system = System::new(DiagonalMetric::new([1.0]).unwrap(), force).unwrap();
+    let start = Moment::new(0.0, [0.0, 1.0]);
+    let mut free = NystromMethod8::new(&system, both(1e-9), start).unwrap();
+    free.step(10.0).unwrap();
+    let saved = free.save();
+    free.load(&saved).unwrap();
+    free.step(1e3).unwrap();
 }

@@ -80,7 +80,9 @@ fn of_state(state: &State<Vec<f64>>) -> Vec<f64> {
     numbers.copied().chain([state.t]).collect()
 }
 
-fn planet() -> System<DiagonalMetric<[f64; 2]>, CentralGravity<2>> {
+type Planet = System<DiagonalMetric<[f64; 2]>, CentralGravity<2>>;
+
+fn planet() -> Planet {
     let metric = DiagonalMetric::new([1.0; 2]).expect("masses");
     System::new(metric, CentralGravity { strength: 1.0 }).expect("one size")
 }
