@@ -3,6 +3,7 @@
 mod bad_input;
 mod double_double;
 mod free_top;
+mod independence;
 mod joints;
 mod lie_maps;
 mod linkage;
