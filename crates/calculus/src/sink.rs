@@ -35,7 +35,9 @@ pub trait Sink {
         &mut self,
         freedoms: &[[usize; D]; V],
         block: &StencilHessian<V, D>,
-    ) {
+    ) where
+        Self: Sized,
+    {
         let block = block.as_flattened().as_flattened().as_flattened();
         self.add_symmetric(freedoms.as_flattened(), block);
     }
@@ -50,18 +52,28 @@ pub trait Sink {
         &mut self,
         freedoms: &[[usize; D]; V],
         column: impl Fn(usize, usize, usize) -> [f64; D],
-    ) {
+    ) where
+        Self: Sized,
+    {
         self.add_vertices(freedoms, &from_lower(column));
     }
 
     /// Adds the blocks of all parts: one part after the other, or side by side where the sink can
     /// be divided. Either way the sums are the same to the last bit.
-    #[inline]
+    ///
+    /// What computes the blocks of elements is long, and is compiled for each type of sink. Sinks that
+    /// only need [`Sink::add_symmetric`] share one, called by address.
     fn add_parts(&mut self, parts: &impl Parts)
     where
         Self: Sized,
     {
-        parts.visit_all(self);
+        parts.visit_all(&mut (self as &mut dyn Sink));
+    }
+}
+
+impl Sink for &mut dyn Sink {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        (**self).add_symmetric(freedoms, block);
     }
 }
 

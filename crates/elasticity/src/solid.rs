@@ -306,10 +306,13 @@ struct Hessians<'a, M, const N: usize, const D: usize, const R: usize, const Q: 
 impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize>
     Hessians<'_, M, N, D, R, Q>
 {
-    #[inline(always)]
-    fn add_all<'b>(&self, groups: impl Iterator<Item = &'b Group<N, R, Q>>, sink: &mut impl Sink) {
+    /// Adds the matrices of the elements of one part, or of all: one loop for both, so that it is
+    /// compiled once.
+    fn add_all(&self, part: Option<usize>, sink: &mut impl Sink) {
         let mut hessian = [[[[Lanes::default(); D]; D]; N]; N];
-        for group in groups {
+        let some = part.map(|part| self.solid.division.groups(part));
+        for k in 0..some.map_or(self.solid.groups.len(), <[u32]>::len) {
+            let group = &self.solid.groups[some.map_or(k, |groups| groups[k] as usize)];
             let x = group.corners(&self.solid.freedoms, self.q);
             self.solid.fill_hessian(group, &x, &mut hessian);
             self.solid.scatter(group, &hessian, sink);
@@ -325,12 +328,11 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     fn visit(&self, part: usize, sink: &mut impl Sink) {
-        let groups = self.solid.division.groups(part).iter();
-        self.add_all(groups.map(|&group| &self.solid.groups[group as usize]), sink);
+        self.add_all(Some(part), sink);
     }
 
     fn visit_all(&self, sink: &mut impl Sink) {
-        self.add_all(self.solid.groups.iter(), sink);
+        self.add_all(None, sink);
     }
 }
 

@@ -18,7 +18,7 @@ use crate::equation::power_of_two;
 use crate::sparse::conjugate_gradient::{column, column_mut};
 use crate::sparse::visit::Corner;
 use crate::sparse::{SparseError, SymmetricMatrix};
-use crate::{FIXED, Sink, StencilHessian};
+use crate::{FIXED, Parts, Sink, StencilHessian};
 
 /// The factors of the blocks.
 #[derive(Clone, Debug)]
@@ -171,6 +171,10 @@ impl Sink for Joined {
             }
         }
     }
+
+    fn add_parts(&mut self, parts: &impl Parts) {
+        parts.visit_all(self);
+    }
 }
 
 /// Adds what is on the blocks and drops the rest.
@@ -221,6 +225,10 @@ impl Sink for Blocks<'_> {
                 }
             }
         }
+    }
+
+    fn add_parts(&mut self, parts: &impl Parts) {
+        parts.visit_all(self);
     }
 }
 
