@@ -156,7 +156,7 @@ fn sides(dimension: usize) -> Vec<[usize; 4]> {
     across.into_iter().flat_map(pair).collect()
 }
 
-#[cfg(all(test, feature = "default"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -169,51 +169,5 @@ mod tests {
         let gaps: Vec<usize> = chosen.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert_eq!((chosen.len(), chosen[299]), (300, 999));
         assert!(gaps.iter().all(|gap| (3..=4).contains(gap)));
-    }
-
-    fn scene(text: &str) -> Scene {
-        let head = "dimension = 3\nintegrator = \"INTEGRATOR\"\nstep = 0.1\nhorizon = 1\n";
-        let method = if text.contains("bodies") { "axis-rotations" } else { "stormer-verlet" };
-        Scene::parse("scene", &(head.replace("INTEGRATOR", method) + text)).unwrap()
-    }
-
-    fn area(scene: &Scene) -> f64 {
-        let area = |face: Face| {
-            let [a, b, c] = face.corners.map(|k| Vector3::from(scene.particles[k].position));
-            0.5 * (b - a).cross(&(c - a)).norm()
-        };
-        scene.surface().into_iter().map(area).sum()
-    }
-
-    #[test]
-    fn the_faces_of_a_box_have_its_area() {
-        let text = "bodies = [{ name = \"a\", mass = 1, box = [1, 2, 3], position = [0, 0, 0] }]";
-        let scene = scene(text);
-        assert_eq!(scene.surface().len(), 12);
-        assert!((area(&scene) - 22.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_chain_of_points_that_returns_encloses_a_face_where_it_is_convex() {
-        let with = |points: &str| {
-            let body = "name = \"a\", mass = 1, moments = [1, 1, 1], position = [0, 0, 0]";
-            scene(&format!("bodies = [{{ {body}, points = [{points}] }}]"))
-        };
-        let square = with("[5, 5, 5], [0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 0]");
-        assert!((area(&square) - 4.0).abs() < 1e-12);
-        let open = with("[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]");
-        assert_eq!(open.surface(), []);
-        let arrow = with("[0, 0, 0], [2, 1, 0], [0, 2, 0], [1, 1, 0], [0, 0, 0]");
-        assert_eq!(arrow.surface(), []);
-    }
-
-    #[test]
-    fn the_cells_of_a_net_have_its_area() {
-        let net = scene(
-            "particles = [{ name = \"a\", mass = 1, position = [9, 9, 9] }]\n\
-             nets = [{ name = \"net\", rows = 4, columns = 6, spacing = 0.5, origin = [0, 0, 0],\n\
-             particle_mass = 1, stiffness = 1 }]",
-        );
-        assert!((area(&net) - 1.5 * 2.5).abs() < 1e-12, "{}", area(&net));
     }
 }

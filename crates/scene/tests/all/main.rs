@@ -6,6 +6,7 @@ mod body_diagnostics;
 mod built;
 mod checkpoints;
 mod diagnostics;
+mod faces_and_walls;
 mod files;
 mod heat;
 mod output;

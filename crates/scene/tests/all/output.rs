@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use stationary_scene::{Run, Scene};
 
-fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("output").join(name)
 }
 
@@ -16,7 +16,7 @@ fn shipped(name: &str) -> Scene {
 }
 
 /// The numbers of the array of this name in a file of VTK.
-fn array(text: &str, name: &str) -> Vec<f64> {
+pub(crate) fn array(text: &str, name: &str) -> Vec<f64> {
     let (_, rest) = text.split_once(&format!("Name=\"{name}\"")).unwrap();
     let (_, rest) = rest.split_once('>').unwrap();
     let (numbers, _) = rest.split_once("</DataArray>").unwrap();
@@ -62,7 +62,7 @@ fn paraview_reads_the_bits_of_the_run() {
 }
 
 /// What the scripts of a page read, and the page.
-fn page(run: &Run, name: &str) -> (Value, String) {
+pub(crate) fn page(run: &Run, name: &str) -> (Value, String) {
     let out = folder(name);
     run.write(&out).unwrap();
     let page = fs::read_to_string(out.join("player.html")).unwrap();
