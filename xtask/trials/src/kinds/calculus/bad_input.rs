@@ -49,6 +49,7 @@ const CALLS: &[(&str, Call)] = &[
     ("ConjugateGradient::solve", solvers::conjugate_gradient),
     ("SparseJacobian", sparse::sparse_jacobian),
     ("check_potential, sizes", checks::check_sizes),
+    ("check_potential_on", checks::check_on_space),
     ("check_potential, settings", checks::check_settings),
     ("check_potential, blocks", checks::check_blocks),
     ("check_jacobian", checks::check_jacobian),

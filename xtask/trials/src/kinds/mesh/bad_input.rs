@@ -250,6 +250,9 @@ fn texts(draw: &mut Draw) -> Verdict {
         }
     }
     draw.note(format!("{:?}", String::from_utf8_lossy(&text)));
+    if draw.chance(0.05) {
+        return files(draw, &text, msh);
+    }
     if msh {
         return match mesh::parse_msh(&text[..]) {
             Ok(msh) => {
@@ -264,6 +267,33 @@ fn texts(draw: &mut Draw) -> Verdict {
     match mesh::parse_obj(&text[..]) {
         Ok(obj) => finite("measures", obj.mesh.measures()),
         Err(_) => Verdict::due(),
+    }
+}
+
+/// A file is read as its text is; a folder, and what is not there, not at all.
+fn files(draw: &mut Draw, text: &[u8], msh: bool) -> Verdict {
+    let folder = std::env::temp_dir();
+    let name = format!("stationary-trial-{}-{:x}", std::process::id(), draw.word());
+    let file = folder.join(name);
+    let (is_read, is_parsed) = match draw.below(3) {
+        0 => (mesh::read_obj(&folder).is_ok() || mesh::read_msh(&folder).is_ok(), false),
+        1 => (mesh::read_obj(&file).is_ok() || mesh::read_msh(&file).is_ok(), false),
+        _ => {
+            if std::fs::write(&file, text).is_err() {
+                return Verdict::not_judged("no folder to write to");
+            }
+            let read =
+                if msh { mesh::read_msh(&file).is_ok() } else { mesh::read_obj(&file).is_ok() };
+            let parsed =
+                if msh { mesh::parse_msh(text).is_ok() } else { mesh::parse_obj(text).is_ok() };
+            let _ = std::fs::remove_file(&file);
+            (read, parsed)
+        }
+    };
+    if is_read == is_parsed {
+        Verdict::due()
+    } else {
+        Verdict::wrong("a file read as other than its text")
     }
 }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 use stationary_calculus::{
-    Agreement, Automatic, Covector, DerivativeCheck, Energy, Number, Potential, Report, Sink,
-    Vector, differences,
+    Agreement, Automatic, Covector, DerivativeCheck, Energy, Flat, Number, Potential, Report, Sink,
+    Vector, check_potential_on, differences,
 };
 
 use super::{any_vector, blocks, due_unless, size, springs};
@@ -14,6 +14,18 @@ pub(super) fn check_sizes(draw: &mut Draw) -> Verdict {
     draw.note(format!("a potential of {n}, a q of {k}"));
     let checked = DerivativeCheck::default().potential(&springs(n), &vec![0.5; k]);
     due_unless(checked.is_ok() != (n == k), "sizes that do not fit, or fit and are refused")
+}
+
+/// On a space of any size with any potential at any numbers.
+pub(super) fn check_on_space(draw: &mut Draw) -> Verdict {
+    let (n, k) = (size(draw), size(draw));
+    let q = if draw.chance(0.5) { vec![0.5; k] } else { any_vector(draw, k) };
+    draw.note(format!("a potential of {n} on a flat space, q {q:?}"));
+    let fits = n == k && q.iter().all(|&x| x == 0.5);
+    match check_potential_on(&Flat, &springs(n), &q) {
+        Err(_) => due_unless(fits, "what fits is refused"),
+        Ok(_) => due_unless(n != k || q.iter().any(|x| !x.is_finite()), "Ok of what does not fit"),
+    }
 }
 
 /// V = x^2/2 with a differential of another slope.
