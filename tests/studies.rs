@@ -2,13 +2,16 @@
 //!
 //! A user's own study is tested in the same way: `insta::assert_snapshot!(convergence.table())`.
 
+use stationary_calculus::Precision;
 use xtask::studies::STUDIES;
-use xtask::study::Size;
+use xtask::study::{Kind, Size};
 
 /// The text of a study that another processor reproduces.
 fn text(id: &str) -> String {
     let entry = STUDIES.iter().find(|entry| entry.id == id).expect("a listed study");
     let study = entry.measure(Size::Default).expect("a study that runs");
+    let times = study.table.columns().iter().any(|column| column.precision == Precision::Volatile);
+    assert!(!times || study.kind == Kind::WorkPrecision, "{id} times, beside other studies");
     let claims: Vec<String> = study
         .claims
         .iter()
@@ -87,4 +90,12 @@ fn every_study_has_a_name_of_its_own() {
     for (i, entry) in STUDIES.iter().enumerate() {
         assert!(STUDIES[..i].iter().all(|other| other.id != entry.id), "{}", entry.id);
     }
+}
+
+#[test]
+fn each_kind_of_trial_has_a_row_and_a_claim() {
+    let entry = STUDIES.iter().find(|entry| entry.id == "trials").expect("a listed study");
+    let study = entry.measure(Size::Default).expect("a study that runs");
+    let kinds = stationary_trials::Kind::all().count();
+    assert_eq!([study.table.rows().len(), study.claims.len()], [kinds; 2]);
 }

@@ -4,6 +4,7 @@ mod csv;
 mod files;
 mod json;
 mod machine;
+mod measure;
 mod merge;
 mod page;
 mod shard;
@@ -14,14 +15,13 @@ mod fake;
 
 use std::io;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
-
-use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
 
 use crate::chart::{Layout, Medium, Styles};
 use crate::study::{Entry, Size, Study, StudyError};
 use files::Folder;
 pub use machine::Machine;
+use measure::measure;
 pub use merge::{MergeError, merge};
 pub use shard::{Shard, ShardError, shard};
 pub(crate) use summary::aligned;
@@ -142,34 +142,9 @@ pub fn select<'a>(entries: &[Entry<'a>], only: &[String]) -> Result<Vec<Entry<'a
 /// [`ReportError::Unwritable`], before the first study is run if the folder is to blame.
 pub fn report<'a>(plan: &Plan<'a>) -> Result<Vec<Outcome<'a>>, ReportError> {
     let folder = Folder::open(&plan.out)?;
-    let outcomes = run(plan);
+    let outcomes = measure(plan);
     write(&folder, &Machine::read(), plan, &outcomes)?;
     Ok(outcomes)
-}
-
-fn run<'a>(plan: &Plan<'a>) -> Vec<Outcome<'a>> {
-    let bar = match plan.progress {
-        // indicatif itself draws nothing where standard error is not a terminal.
-        Progress::Shown => ProgressBar::new(plan.entries.len() as u64),
-        Progress::Hidden => ProgressBar::hidden(),
-    };
-    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len}  {elapsed}  {msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    let outcomes = plan
-        .entries
-        .iter()
-        .map(|&entry| {
-            bar.set_message(entry.id);
-            let start = Instant::now();
-            let result = entry.measure(plan.size);
-            bar.inc(1);
-            Outcome { entry, wall: start.elapsed(), result }
-        })
-        .collect();
-    bar.finish_and_clear();
-    outcomes
 }
 
 fn write(

@@ -25,7 +25,7 @@ pub enum Kind {
     Derivative,
     /// Error against step or mesh size.
     Convergence,
-    /// Error against cost.
+    /// Error against cost. Studies of this kind run alone, so that they can time.
     WorkPrecision,
     /// Energy, momentum or global error against time.
     LongRun,
@@ -143,6 +143,9 @@ impl Claim {
     }
 }
 
+/// What measures a study. Several may run side by side.
+pub type Measure<'a> = dyn Fn(Size) -> Result<Study, StudyError> + Sync + 'a;
+
 /// A study that can be run.
 #[derive(Clone, Copy)]
 pub struct Entry<'a> {
@@ -157,7 +160,7 @@ pub struct Entry<'a> {
     /// The heading.
     pub title: &'static str,
     /// Measures.
-    pub run: &'a dyn Fn(Size) -> Result<Study, StudyError>,
+    pub run: &'a Measure<'a>,
 }
 
 impl Entry<'_> {

@@ -20,17 +20,18 @@ pub struct Wall {
     pub max: f64,
 }
 
-/// Times `call`: one warm-up, then the median of five runs, or of three where one takes longer than a
-/// tenth of a second: what is long is disturbed less. A call shorter than a millisecond is
-/// repeated within a run, and its share is reported.
+/// Times `call`: one warm-up, then the median of five runs. Of a call longer than a tenth of a second
+/// there are three runs and no warm-up: what is long is disturbed less. A call shorter than a
+/// millisecond is repeated within a run, and its share is reported.
 pub fn median_wall(mut call: impl FnMut()) -> Wall {
-    let warm_up = elapsed(1, &mut call);
-    let (repeats, runs) = match warm_up {
-        long if long > LONG => (1, LONG_RUNS),
-        _ => (repeats_to_resolve(&mut call), RUNS),
+    let first = elapsed(1, &mut call);
+    let (mut walls, runs, repeats) = match first {
+        long if long > LONG => (vec![first.as_secs_f64()], LONG_RUNS, 1),
+        _ => (Vec::new(), RUNS, repeats_to_resolve(&mut call)),
     };
-    let mut walls: Vec<f64> =
-        (0..runs).map(|_| elapsed(repeats, &mut call).as_secs_f64() / repeats as f64).collect();
+    while walls.len() < runs {
+        walls.push(elapsed(repeats, &mut call).as_secs_f64() / f64::from(repeats));
+    }
     walls.sort_by(f64::total_cmp);
     Wall { median: walls[runs / 2], min: walls[0], max: walls[runs - 1] }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use stationary_calculus::{Cell, Column, Table};
 
 use crate::chart::{Axis, Chart, Lines, Map, Mark, Portrait, Series};
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Measure, Size, Study, StudyError};
 
 pub(super) const STUDIES: &[Entry<'static>] = &[
     entry("fake-work-precision", "integrators", "4.3", Kind::WorkPrecision, &work_precision),
@@ -17,14 +17,12 @@ pub(super) const STUDIES: &[Entry<'static>] = &[
     entry("fake-error", "calculus", "checks", Kind::Ladder, &error),
 ];
 
-type Run = dyn Fn(Size) -> Result<Study, StudyError>;
-
 const fn entry(
     id: &'static str,
     krate: &'static str,
     chapter: &'static str,
     kind: Kind,
-    run: &'static Run,
+    run: &'static Measure<'static>,
 ) -> Entry<'static> {
     Entry { id, krate, chapter, kind, title: "A made-up study", run }
 }

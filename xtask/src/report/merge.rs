@@ -147,7 +147,6 @@ mod tests {
 
     use super::*;
     use crate::report::{fake, report, shard};
-    use crate::studies::STUDIES;
     use crate::study::Size;
 
     fn folder(name: &str) -> PathBuf {
@@ -192,22 +191,6 @@ mod tests {
         assert_eq!(whole.keys().collect::<Vec<_>>(), joined.keys().collect::<Vec<_>>());
         for (name, text) in &whole {
             assert_eq!(text, &joined[name], "{name}");
-        }
-        fs::remove_dir_all(&root).unwrap();
-    }
-
-    #[test]
-    fn shares_of_studies_that_time_differ_in_wall_times_only() {
-        let root = folder("studies");
-        let only = ["derivative-check", "one-step", "newton-initial-guesses"];
-        let whole = report(&plan(STUDIES, &only, &root.join("whole"))).unwrap();
-        let folders = shares(STUDIES, &only, 2, &root);
-        let joined = merge(&folders, STUDIES, &[], &root.join("joined")).unwrap();
-        assert_eq!(whole.len(), joined.len());
-        for (whole, joined) in whole.iter().zip(&joined) {
-            let (whole, joined) = (whole.result.as_ref().unwrap(), joined.result.as_ref().unwrap());
-            assert_eq!(whole.table.to_string(), joined.table.to_string());
-            assert_eq!(whole.conclusion, joined.conclusion);
         }
         fs::remove_dir_all(&root).unwrap();
     }

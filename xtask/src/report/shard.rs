@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use stationary_calculus::{Cell, Column, Precision, Table};
 
 use super::files::Folder;
-use super::{Machine, Outcome, Plan, ReportError, run};
+use super::measure::measure;
+use super::{Machine, Outcome, Plan, ReportError};
 use crate::chart::Chart;
 use crate::study::{Claim, Entry, Size, Study, StudyError};
 
@@ -109,7 +110,7 @@ pub fn shard<'a>(plan: &Plan<'a>, shard: Shard) -> Result<Vec<Outcome<'a>>, Repo
     let folder = Folder::open(&plan.out)?;
     let ids = plan.entries.iter().map(|entry| entry.id.to_owned()).collect();
     let entries = plan.entries.iter().skip(shard.share - 1).step_by(shard.of).copied().collect();
-    let outcomes = run(&Plan { entries, ..plan.clone() });
+    let outcomes = measure(&Plan { entries, ..plan.clone() });
     let stored = Stored {
         shard,
         size: plan.size,

@@ -15,7 +15,7 @@ use stationary_scene::{Scene, SceneProblem};
 use super::reference::{Samples, with_reference};
 use super::work_precision::{Run, cheapest, run, show, verdicts};
 use crate::chart::{Axis, Lines, Series};
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Measure, Size, Study, StudyError};
 
 /// Errors for which a method is named, relative to the scene's size.
 const TOLERANCES: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
@@ -26,11 +26,8 @@ const MARGIN: f64 = 10.0;
 /// Most times at which the reference is kept.
 const SAMPLES: u64 = 500;
 
-/// What a study of a scene is made by.
-pub type Measure<'a> = &'a dyn Fn(Size) -> Result<Study, StudyError>;
-
 /// The entries of both studies, given how each is made: [`work_precision`] and [`long_run`].
-pub fn entries<'a>(work_precision: Measure<'a>, long_run: Measure<'a>) -> Vec<Entry<'a>> {
+pub fn entries<'a>(work_precision: &'a Measure<'a>, long_run: &'a Measure<'a>) -> Vec<Entry<'a>> {
     vec![labels(&WORK_PRECISION, work_precision), labels(&LONG_RUN, long_run)]
 }
 
@@ -41,7 +38,7 @@ const WORK_PRECISION: Labels =
 const LONG_RUN: Labels =
     ("scene-long-run", Kind::LongRun, "Energy and momentum in your scene, at its own step");
 
-fn labels<'a>(&(id, kind, title): &Labels, run: Measure<'a>) -> Entry<'a> {
+fn labels<'a>(&(id, kind, title): &Labels, run: &'a Measure<'a>) -> Entry<'a> {
     Entry { id, krate: "scene", chapter: "your scene", kind, title, run }
 }
 

@@ -100,17 +100,3 @@ fn chart(krate: &str, series: Vec<Series>) -> Chart {
     }
     .into()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::study::StudyError;
-
-    #[test]
-    fn each_kind_of_trial_has_a_row_and_a_claim() -> Result<(), StudyError> {
-        let study = STUDY.measure(Size::Default)?;
-        assert_eq!(study.table.rows().len(), Promise::all().count());
-        assert_eq!(study.claims.len(), Promise::all().count());
-        Ok(())
-    }
-}

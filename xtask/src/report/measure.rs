@@ -1,0 +1,60 @@
+//! The studies of a plan, measured: those that time one after the other, then the others side by side.
+//!
+//! A wall time is that of an idle machine. What is counted or computed is the same on any number of
+//! threads.
+
+use std::sync::Mutex;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{Outcome, Plan, Progress};
+use crate::study::Kind;
+
+/// The outcomes in the plan's order.
+pub(super) fn measure<'a>(plan: &Plan<'a>) -> Vec<Outcome<'a>> {
+    let bar = bar(plan);
+    let places = 0..plan.entries.len();
+    let one = |place: usize| {
+        let entry = plan.entries[place];
+        bar.set_message(entry.id);
+        let start = Instant::now();
+        let result = entry.measure(plan.size);
+        bar.inc(1);
+        (place, Outcome { entry, wall: start.elapsed(), result })
+    };
+    let (alone, others): (Vec<usize>, Vec<usize>) =
+        places.partition(|&place| plan.entries[place].kind == Kind::WorkPrecision);
+    let mut outcomes: Vec<_> = alone.into_iter().map(one).collect();
+    let others = Mutex::new(others.into_iter());
+    // A study that panics ends the report, as it does alone; so no lock is poisoned that is looked at.
+    let next = || others.lock().ok()?.next();
+    let work = || std::iter::from_fn(next).map(one).collect::<Vec<_>>();
+    thread::scope(|scope| {
+        let cores = thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        for worker in workers {
+            match worker.join() {
+                Ok(measured) => outcomes.extend(measured),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+    });
+    bar.finish_and_clear();
+    outcomes.sort_by_key(|&(place, _)| place);
+    outcomes.into_iter().map(|(_, outcome)| outcome).collect()
+}
+
+fn bar(plan: &Plan<'_>) -> ProgressBar {
+    let bar = match plan.progress {
+        // indicatif itself draws nothing where standard error is not a terminal.
+        Progress::Shown => ProgressBar::new(plan.entries.len() as u64),
+        Progress::Hidden => ProgressBar::hidden(),
+    };
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len}  {elapsed}  {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
