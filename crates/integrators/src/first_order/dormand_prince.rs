@@ -12,7 +12,8 @@
 //! ```
 //! `y` the state (n), `h` the step in seconds, `err` against the tolerance `tol`, of order 8 both. The
 //! second rules where `e5` happens to be near zero, as on a long step it now and then is. Twelve
-//! evaluations a step; three more, once they are asked for, make the step a polynomial of order 7.
+//! evaluations a step; three more, once they are asked for, make the step a polynomial of order 7. Where
+//! its last term says that it is rough, the step is taken again by halves, for the polynomial alone.
 //! Few memory accesses: each stage is one pass over the state.
 //!
 //! A relative tolerance looser than 1e-4 is held as 1e-4.
@@ -25,6 +26,7 @@
 
 mod coefficients;
 mod last_step;
+mod stages;
 
 use stationary_calculus::Storage;
 
@@ -38,7 +40,8 @@ use super::{
 use crate::integrator::zeros;
 use crate::{Damping, Evaluation};
 use coefficients::*;
-use last_step::{LastStep, Polynomial};
+use last_step::LastStep;
+use stages::evaluate_stages;
 
 /// What is known of the method.
 pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
@@ -129,25 +132,7 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
             self;
         let (t, y, k) = (*t, y.as_ref(), &mut last.k);
         k[0].clone_from(&self.f);
-        macro_rules! stages {
-            ($($s:literal $row:ident $at:expr;)+) => {$(
-                combine(stage.as_mut(), y, h, &$row, k, $at);
-                field.evaluate(t + C[$s - 1] * h, stage.as_ref(), k[$s - 1].as_mut());
-            )+};
-        }
-        stages! {
-            2 A2 [1];
-            3 A3 [1, 2];
-            4 A4 [1, 3];
-            5 A5 [1, 3, 4];
-            6 A6 [1, 4, 5];
-            7 A7 [1, 4, 5, 6];
-            8 A8 [1, 4, 5, 6, 7];
-            9 A9 [1, 4, 5, 6, 7, 8];
-            10 A10 [1, 4, 5, 6, 7, 8, 9];
-            11 A11 [1, 4, 5, 6, 7, 8, 9, 10];
-            12 A12 [1, 4, 5, 6, 7, 8, 9, 10, 11];
-        }
+        evaluate_stages(field, t, y, h, k, stage.as_mut());
         self.work.evaluations += 11;
         let [e5, e3] = errors;
         finish(next.as_mut(), y, h, k, [e5.as_mut(), e3.as_mut()]);
@@ -194,7 +179,7 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         std::mem::swap(&mut self.moment.y, &mut self.next);
         last.begin = Some(self.moment.t);
         last.h = h;
-        last.polynomial = Polynomial::Unknown;
+        last.piece = None;
         self.moment.t = to;
         self.field.evaluate(to, self.moment.y.as_ref(), self.f.as_mut());
         last.k[12].clone_from(&self.f);
@@ -229,29 +214,6 @@ fn sixteenth_root(x: f64) -> f64 {
     let f = f64::from_bits(bits & FRACTION | ONE) - 1.0;
     // The bits are a straight line from one power of two to the next.
     f64::from_bits(bits) * (1.0 - 0.2288 * f * (1.0 - f))
-}
-
-/// Writes y + h sum a_j k_j over the stages `at`, counted from 1. The newest one comes last, with
-/// nothing left to wait for but one product and one sum.
-#[inline(always)]
-fn combine<C: Storage, const S: usize>(
-    out: &mut [f64],
-    y: &[f64],
-    h: f64,
-    a: &[f64; S],
-    k: &[C; 13],
-    at: [usize; S],
-) {
-    let n = out.len();
-    let (y, k) = (&y[..n], at.map(|s| &k[s - 1].as_ref()[..n]));
-    let (newest, last) = (S - 1, h * a[S - 1]);
-    for i in 0..n {
-        let mut sum = 0.0;
-        for j in 0..newest {
-            sum += a[j] * k[j][i];
-        }
-        out[i] = (y[i] + h * sum) + last * k[newest][i];
-    }
 }
 
 /// Writes the next state and both error slopes, in one pass over the stages.
@@ -315,9 +277,13 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for DormandPrince853<F, C> {
 
     fn write_inside(&mut self, t: f64, y: &mut [f64]) -> Result<(), AdaptiveError> {
         let begin = self.last.begin.unwrap_or(t);
-        let DormandPrince853 { field, last, stage, moment, work, .. } = self;
-        work.evaluations += last.complete(field, begin, moment.y.as_ref(), stage.as_mut());
-        last.at((t - begin) / last.h, y);
+        let DormandPrince853 { field, last, stage, moment, work, scale, f, .. } = self;
+        let (next, stage) = (moment.y.as_ref(), stage.as_mut());
+        // Fixed steps are held to no tolerance.
+        let scale = self.control.constant.is_none().then_some(&*scale);
+        let x = (t - begin) / last.h;
+        work.evaluations += last.complete(field, begin, next, f.as_ref(), x, scale, stage);
+        last.at(x, y);
         Ok(())
     }
 

@@ -72,6 +72,9 @@ pub struct Work {
     pub stiff: u64,
 }
 
+/// Counts beyond are not whole in the numbers that are saved.
+const MOST: u64 = 1 << 53;
+
 impl Work {
     /// Visits every count; see [`AdaptiveMethod::visit`].
     pub(crate) fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
@@ -86,7 +89,7 @@ impl Work {
         ] {
             let mut number = *count as f64;
             visit(&mut number);
-            *count = number as u64;
+            *count = (number as u64).min(MOST);
         }
     }
 }

@@ -207,6 +207,16 @@ fn what_was_not_saved_by_the_method_is_refused_and_changes_nothing() {
         broken.numbers[last] = count;
         assert!(matches!(dop.load(&broken), Err(AdaptiveError::SavedNumber { .. })));
     }
+    // More than can be counted: the next one would be none.
+    for mut method in [dop, radau, bdf] {
+        let before = method.save();
+        for place in before.numbers.len() - 7..before.numbers.len() {
+            let mut broken = before.clone();
+            broken.numbers[place] = 1e300;
+            assert!(matches!(method.load(&broken), Err(AdaptiveError::SavedNumber { .. })));
+            assert_eq!(method.save(), before);
+        }
+    }
 }
 
 #[test]
@@ -259,57 +269,6 @@ fn radau_holds_a_stiff_part_that_is_driven_to_a_hundred_tolerances() {
         integrate(&mut radau, end, |_| ControlFlow::Continue(())).unwrap();
         let off = (radau.moment().y[0] - at(end)).abs() / (absolute + relative * at(end).abs());
         assert!(off < 100.0, "{off} tolerances at t = {end}");
-    }
-}
-
-#[test]
-fn no_step_of_dormand_prince_is_off_by_many_tolerances_within_it() {
-    // At t = 0.8 the estimate of order 5 is near zero by chance, on a step three times too long.
-    let [s, r, b] = [11.064_717, 10.964_275, 1.867_876];
-    let lorenz = FunctionField::new(3, |_, y: &[f64], f: &mut [f64]| {
-        f[0] = s * (y[1] - y[0]);
-        f[1] = r * y[0] - y[1] - y[0] * y[2];
-        f[2] = y[0] * y[1] - b * y[2];
-    });
-    let control = |relative: f64| StepControl::from(Tolerance::new(relative, 1e-9).unwrap());
-    let relative = 1.703_417e-5;
-    let start = Moment::new(0.0, [9.311_543, -6.948_107, 21.549_059]);
-    let mut method = DormandPrince853::new(&lorenz, control(relative), start).unwrap();
-    while method.moment().t < 2.3 {
-        let begin = method.moment().clone();
-        method.step(2.3).unwrap();
-        let middle = 0.5 * (begin.t + method.moment().t);
-        let mut y = [0.0; 3];
-        method.interpolate(middle, &mut y).unwrap();
-        let mut fine = DormandPrince853::new(&lorenz, control(1e-12), begin).unwrap();
-        integrate(&mut fine, middle, |_| ControlFlow::Continue(())).unwrap();
-        for (y, exact) in y.iter().zip(fine.moment().y) {
-            let off = (y - exact).abs() / (relative * exact.abs());
-            assert!(off < 50.0, "{off} tolerances at t = {middle}");
-        }
-    }
-}
-
-#[test]
-fn radau_follows_a_stiff_part_between_its_steps_too() {
-    for rate in [1e3, 1e5, 1e7] {
-        let field = FunctionField::new(1, move |t: f64, y: &[f64], f: &mut [f64]| {
-            let (sin, cos) = (5.0 * t).sin_cos();
-            f[0] = -rate * (y[0] - cos) - 5.0 * sin;
-        });
-        let mut radau = RadauIia5::new(&field, control(1e-6), Moment::new(0.0, [1.0])).unwrap();
-        let mut worst = 0.0_f64;
-        integrate(&mut radau, 3.0, |mut step| {
-            for part in 1..10 {
-                let t = step.from() + 0.1 * f64::from(part) * (step.to() - step.from());
-                let mut y = [0.0];
-                step.interpolate(t, &mut y).unwrap();
-                worst = worst.max((y[0] - (5.0 * t).cos()).abs());
-            }
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        assert!(worst < 1e-4, "rate {rate:e}: {worst:e}");
     }
 }
 

@@ -6,6 +6,7 @@ mod discrete_lagrangians;
 mod explosions;
 mod facts;
 mod first_order_allocation;
+mod first_order_dense_output;
 mod first_order_events;
 mod first_order_facts;
 mod first_order_methods;

@@ -9,7 +9,7 @@
 //! half until it is not. In close encounters, and of predators whose few decide what comes later, the
 //! methods for first-order systems are held to runs that part on the way, too: what they get wrong
 //! within the tolerance at a pericentre is amplified more than what is wrong before. The Nystrom pairs
-//! are not.
+//! are not. What amplifies most is one direction among many: where a motion seems wrong, more are drawn.
 
 use super::problem::InitialValue;
 use super::runs::{Adaptive, Setting};
@@ -22,6 +22,8 @@ const CHAOTIC: f64 = 0.01;
 const DISSIPATIVE: f64 = 0.1;
 /// Places on the way at which reference runs part.
 const PARTINGS: usize = 8;
+/// How often further directions are drawn in which runs part.
+const DIRECTIONS: usize = 4;
 /// How often a motion that is too chaotic is cut in half: beyond that it is too chaotic at its start.
 const SHORTENINGS: u32 = 8;
 
@@ -100,12 +102,49 @@ fn judge(
     let mut times = times.to_vec();
     for _ in 0..SHORTENINGS {
         match sensitivity(draw, problem, setting, &times) {
-            Ok(known) => return compare(problem, setting, &known, looked),
+            Ok(known) => return judge_known(draw, problem, setting, known, looked),
             Err(Unclear::Reference(why)) => return Verdict::not_judged(why),
             Err(Unclear::Chaotic) => times.iter_mut().for_each(|t| *t *= 0.5),
         }
     }
     Verdict::not_judged("too chaotic everywhere")
+}
+
+/// Judges by what is known. The directions in which runs part are drawn: before a motion with encounters
+/// is called wrong, more of them are asked how far it amplifies an error.
+fn judge_known(
+    draw: &mut Draw,
+    problem: &InitialValue,
+    setting: &Setting,
+    mut known: Vec<Known>,
+    looked: Looked,
+) -> Verdict {
+    let times: Vec<f64> = known.iter().map(|known| known.t).collect();
+    for _ in 0..DIRECTIONS {
+        let verdict = compare(problem, setting, &known, looked);
+        if partings(problem, setting) == 0 || !matches!(verdict, Verdict::Wrong { .. }) {
+            return verdict;
+        }
+        match sensitivity(draw, problem, setting, &times) {
+            Ok(more) => {
+                for (known, more) in known.iter_mut().zip(more) {
+                    known.amplified = known.amplified.max(more.amplified);
+                }
+            }
+            Err(Unclear::Reference(why)) => return Verdict::not_judged(why),
+            Err(Unclear::Chaotic) => return Verdict::not_judged("too chaotic in some direction"),
+        }
+    }
+    compare(problem, setting, &known, looked)
+}
+
+/// At how many places on the way runs part.
+fn partings(problem: &InitialValue, setting: &Setting) -> usize {
+    match (setting.method, problem.name) {
+        (Adaptive::Nystrom8 | Adaptive::Nystrom12, _) => 0,
+        (_, "orbit" | "stars" | "predators") => PARTINGS,
+        _ => 0,
+    }
 }
 
 /// What the references know of a motion at a time.
@@ -157,11 +196,7 @@ fn sensitivity(
         })
         .collect();
     // Runs that part by tol at the start, and on the way.
-    let partings = match (setting.method, problem.name) {
-        (Adaptive::Nystrom8 | Adaptive::Nystrom12, _) => 0,
-        (_, "orbit" | "stars" | "predators") => PARTINGS,
-        _ => 0,
-    };
+    let partings = partings(problem, setting);
     let places = (1..=partings).map(|i| &reference.way[i * (reference.way.len() - 1) / partings]);
     for place in [&begin, &begin].into_iter().chain(places) {
         let first = times.partition_point(|&t| t <= place.0);
