@@ -73,7 +73,10 @@ impl Arguments {
     /// # Errors
     /// [`CommandError::UnknownKind`] and [`CommandError::File`].
     pub fn run(&self) -> Result<bool, CommandError> {
-        let kinds = self.kinds()?;
+        self.run_kinds(self.kinds()?)
+    }
+
+    fn run_kinds(&self, kinds: Vec<&'static Kind>) -> Result<bool, CommandError> {
         if self.list {
             for kind in kinds {
                 println!("{:<24} {:<12} {}", kind.name, kind.krate, kind.rule);
@@ -168,4 +171,48 @@ fn is_right(kind: &Kind, case: u64) -> bool {
         return false;
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    const KIND: Kind = Kind {
+        name: "made-up",
+        krate: "none",
+        rule: "",
+        in_tests: 0,
+        trial: |draw| Verdict::of(draw.uniform(0.0, 1.0), 2.0, "x"),
+    };
+    static RIGHT: Kind = KIND;
+    static WRONG: Kind =
+        Kind { trial: |draw| Verdict::of(draw.uniform(0.0, 1.0), 0.999, "x"), ..KIND };
+
+    #[test]
+    fn one_wrong_case_fails_the_command_and_stands_in_its_file() {
+        let file = std::env::temp_dir().join(format!("trials-{}.json", std::process::id()));
+        let words = ["trials", "--cases", "9999", "--seed", "7", "--json"];
+        let words = words.map(str::to_owned).into_iter().chain([file.display().to_string()]);
+        let arguments = Words::try_parse_from(words).unwrap().arguments;
+        for (kind, held) in [(&RIGHT, true), (&WRONG, false)] {
+            assert_eq!(arguments.run_kinds(vec![kind]).unwrap(), held);
+            let text = fs::read_to_string(&file).unwrap();
+            let counts: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap();
+            let count = |name: &str| counts[0][name].as_u64().unwrap();
+            assert_eq!((counts[0]["kind"].as_str(), count("seed")), (Some("made-up"), 7));
+            assert_eq!((count("tried"), count("right") + count("wrong")), (9999, 9999));
+            assert_eq!((count("refused"), count("not_judged")), (0, 0));
+            assert_eq!(count("wrong") == 0, held);
+            assert_eq!(counts[0]["worst"].as_f64().unwrap() > 1.0, !held);
+        }
+        fs::remove_file(&file).unwrap();
+    }
 }
