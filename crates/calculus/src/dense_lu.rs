@@ -73,10 +73,8 @@ impl DenseLu {
             return Err(Unsolvable::Singular);
         }
         let is_suspicious = |&j: &usize| self.matrix[(j, j)].abs() < SUSPICIOUS * self.scales[j];
-        match (0..self.scales.len()).rev().find(is_suspicious) {
-            Some(j) if self.is_rounding(j) => Err(Unsolvable::Singular),
-            _ => Ok(()),
-        }
+        let mut suspicious = (0..self.scales.len()).rev().filter(is_suspicious);
+        if suspicious.any(|j| self.is_rounding(j)) { Err(Unsolvable::Singular) } else { Ok(()) }
     }
 
     /// Whether pivot j, small beside its column, is what rounding leaves of zero: the vector v of the
@@ -245,5 +243,22 @@ mod tests {
         let mut lu = DenseLu::new(0);
         lu.factor().unwrap();
         lu.solve(&mut []);
+    }
+
+    #[test]
+    fn rounding_is_found_whatever_is_eliminated_after_it() {
+        // Rank two, and two unknowns apart that are regular though their last pivot is suspicious.
+        let w = [0.0, 1.0, 10.0];
+        for k in 1..30 {
+            let delta = 1.1e-4 * f64::from(k);
+            let mut a = DMatrix::identity(5, 5);
+            a.view_mut((0, 0), (3, 3))
+                .copy_from(&DMatrix::from_fn(3, 3, |i, j| 1.0 + w[i] * w[j] * delta));
+            a.view_mut((3, 3), (2, 2)).fill(1.0);
+            a[(4, 4)] += 1e-9;
+            let mut lu = DenseLu::new(5);
+            lu.matrix().copy_from_slice(a.as_slice());
+            assert_eq!(lu.factor(), Err(Unsolvable::Singular), "{k}");
+        }
     }
 }

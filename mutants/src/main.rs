@@ -1,0 +1,129 @@
+//! Mutation testing: how many small mistakes in a crate do its own tests find?
+//!
+//! ```text
+//! cargo run --release --manifest-path mutants/Cargo.toml -- calculus
+//! cargo run --release --manifest-path mutants/Cargo.toml -- calculus --only 3,17
+//! ```
+//!
+//! All mistakes that can be planted in `crates/calculus/src` are listed ([`operators`]), 60 are drawn by
+//! a seed ([`draw`]), written behind switches into a copy ([`schemata`], [`copy`]) that is compiled once
+//! ([`compile`]), and switched on one after the other while the crate's unit and integration tests run
+//! ([`run`]). Those that do not compile are replaced by the next of the draw. A test that fails, a
+//! program that breaks off and one that takes three times as long as it should have found the mutant.
+
+mod error;
+mod sources;
+mod operators;
+mod draw;
+mod schemata;
+mod copy;
+mod compile;
+mod run;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use compile::Compiled;
+use copy::Copy;
+use draw::Drawn;
+use error::MutantsError;
+use run::Outcome;
+
+/// Decides the draw.
+const SEED: u64 = 1;
+/// Mutants that are judged.
+const WANTED: usize = 60;
+/// Mutants that are planted at first: some do not compile.
+const PLANTED: usize = 80;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match read(&words).and_then(|(name, only)| judge(&name, &only)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The folder of the crate, and the mutants that are to be judged: all, where none is named.
+fn read(words: &[String]) -> Result<(String, Vec<u32>), MutantsError> {
+    let usage = || MutantsError::Usage(words.join(" "));
+    match words {
+        [name] => Ok((name.clone(), Vec::new())),
+        [name, only, list] if only == "--only" => {
+            let numbers: Result<_, _> = list.split(',').map(str::parse).collect();
+            Ok((name.clone(), numbers.map_err(|_| usage())?))
+        }
+        _ => Err(usage()),
+    }
+}
+
+/// Prints the table of a crate.
+fn judge(name: &str, only: &[u32]) -> Result<(), MutantsError> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let workspace = workspace.canonicalize().map_err(MutantsError::file(&workspace))?;
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| workspace.join("target"), PathBuf::from);
+    let sources = sources::read(&workspace.join("crates").join(name))?;
+    let listed = sources.iter().enumerate();
+    let mutants: Vec<_> = listed.flat_map(|(file, s)| operators::mutants(file, s)).collect();
+    eprintln!("{} mutants in {} files", mutants.len(), sources.len());
+
+    let copy = Copy::new(&workspace, &target, name)?;
+    let mut planted = draw::order(SEED, &sources, mutants);
+    planted.truncate(PLANTED);
+    let tests = loop {
+        let places = copy.plant(&sources, &planted)?;
+        match compile::compile(&copy, &sources, &places)? {
+            Compiled::Tests(tests) => break tests,
+            Compiled::Refused(refused) => {
+                planted.retain(|drawn| !refused.contains(&drawn.number));
+                eprintln!("{} of {PLANTED} mutants may compile", planted.len());
+            }
+        }
+    };
+    if planted.len() < WANTED {
+        return Err(MutantsError::TooFew { found: planted.len(), wanted: WANTED });
+    }
+    planted.truncate(WANTED);
+
+    copy.switch(0)?;
+    let begin = Instant::now();
+    match run::run(&tests, &copy.root, Duration::from_secs(3600))? {
+        Outcome::Passed => {}
+        Outcome::Failed(test) => return Err(MutantsError::Unmutated(test)),
+        Outcome::Hung => return Err(MutantsError::Unmutated("the time limit".into())),
+    }
+    let limit = 3 * begin.elapsed() + Duration::from_secs(10);
+    eprintln!("without a mutant {:.1} s", begin.elapsed().as_secs_f64());
+
+    planted.retain(|drawn| only.is_empty() || only.contains(&drawn.number));
+    planted.sort_by_key(|drawn| (drawn.mutant.file, drawn.mutant.range.start, drawn.number));
+    println!("| mutant | where | what | seconds | found by |\n| --- | --- | --- | --- | --- |");
+    let mut survivors = 0;
+    for Drawn { number, mutant } in &planted {
+        copy.switch(*number)?;
+        let begin = Instant::now();
+        let verdict = match run::run(&tests, &copy.root, limit)? {
+            Outcome::Failed(test) => test,
+            Outcome::Hung => "the time limit".into(),
+            Outcome::Passed => {
+                survivors += 1;
+                "NONE".into()
+            }
+        };
+        let source = &sources[mutant.file];
+        let line = 1 + source.text[..mutant.range.start].matches('\n').count();
+        println!(
+            "| {number} | {}:{line} | `{}` | {:.1} | {verdict} |",
+            source.path.display(),
+            mutant.change,
+            begin.elapsed().as_secs_f64(),
+        );
+    }
+    println!("\n{} mutants, {} found, {survivors} not", planted.len(), planted.len() - survivors);
+    Ok(())
+}
