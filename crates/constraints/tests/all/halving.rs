@@ -76,3 +76,16 @@ fn a_step_that_fails_in_its_smallest_parts_leaves_the_state() {
     assert!(halving.step(&mut state, 5.0).is_err());
     assert_eq!(state, initial);
 }
+
+#[test]
+fn masses_that_differ_by_any_factor_are_held() {
+    for exponent in -12..=12 {
+        let (system, rods, initial) = double(10_f64.powi(exponent));
+        let mut rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+        let mut state = initial.clone();
+        for step in 0..200 {
+            let held = rattle.step(&mut state, 1e-4);
+            assert!(held.is_ok(), "1e{exponent}, step {step}: {held:?}");
+        }
+    }
+}
