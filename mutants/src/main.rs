@@ -22,7 +22,6 @@ mod run;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use compile::Compiled;
 use copy::Copy;
@@ -91,14 +90,15 @@ fn judge(name: &str, only: &[u32]) -> Result<(), MutantsError> {
     planted.truncate(WANTED);
 
     copy.switch(0)?;
-    let begin = Instant::now();
-    match run::run(&tests, &copy.root, Duration::from_secs(3600))? {
+    let before = run::processor_seconds();
+    match run::run(&tests, &copy.root, 3600)? {
         Outcome::Passed => {}
         Outcome::Failed(test) => return Err(MutantsError::Unmutated(test)),
         Outcome::Hung => return Err(MutantsError::Unmutated("the time limit".into())),
     }
-    let limit = 3 * begin.elapsed() + Duration::from_secs(10);
-    eprintln!("without a mutant {:.1} s", begin.elapsed().as_secs_f64());
+    let seconds = run::processor_seconds() - before;
+    let limit = (3.0 * seconds) as u64 + 10;
+    eprintln!("without a mutant {seconds:.1} s of a processor, limit {limit} s");
 
     planted.retain(|drawn| only.is_empty() || only.contains(&drawn.number));
     planted.sort_by_key(|drawn| (drawn.mutant.file, drawn.mutant.range.start, drawn.number));
@@ -106,7 +106,7 @@ fn judge(name: &str, only: &[u32]) -> Result<(), MutantsError> {
     let mut survivors = 0;
     for Drawn { number, mutant } in &planted {
         copy.switch(*number)?;
-        let begin = Instant::now();
+        let before = run::processor_seconds();
         let verdict = match run::run(&tests, &copy.root, limit)? {
             Outcome::Failed(test) => test,
             Outcome::Hung => "the time limit".into(),
@@ -121,7 +121,7 @@ fn judge(name: &str, only: &[u32]) -> Result<(), MutantsError> {
             "| {number} | {}:{line} | `{}` | {:.1} | {verdict} |",
             source.path.display(),
             mutant.change,
-            begin.elapsed().as_secs_f64(),
+            run::processor_seconds() - before,
         );
     }
     println!("\n{} mutants, {} found, {survivors} not", planted.len(), planted.len() - survivors);

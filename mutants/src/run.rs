@@ -1,11 +1,15 @@
 //! One run of the tests: it ends with the first that fails.
+//!
+//! Its time is that of the processor, so that what else the machine does finds no mutants.
 
+use std::fs;
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::error::MutantsError;
 
@@ -19,24 +23,37 @@ pub enum Outcome {
     Hung,
 }
 
-/// Memory that a run may take, in KiB: a loop that fills it is a mutant found, not a machine lost.
+/// Memory that a program may take, in KiB: a loop that fills it is a mutant found, not a machine lost.
 const MEMORY: u32 = 8 << 20;
+/// A program that says nothing for so long, seconds, waits for something that never comes.
+const SILENCE: Duration = Duration::from_secs(600);
+/// The signal for too much time of the processor.
+const SIGXCPU: i32 = 24;
 
-/// Runs one program after the other in `folder`, for as long as `limit` in all.
-pub fn run(programs: &[PathBuf], folder: &Path, limit: Duration) -> Result<Outcome, MutantsError> {
-    let end = Instant::now() + limit;
+/// Runs one program after the other in `folder`, each for as long as `limit` seconds of a processor.
+pub fn run(programs: &[PathBuf], folder: &Path, limit: u64) -> Result<Outcome, MutantsError> {
     for program in programs {
-        match run_one(program, folder, end)? {
-            Outcome::Passed => {}
-            other => return Ok(other),
+        let mut child = start(program, folder, limit).map_err(MutantsError::file(program))?;
+        let lines = lines(&mut child);
+        let outcome = watch(&mut child, &lines).map_err(MutantsError::file(program))?;
+        if !matches!(outcome, Outcome::Passed) {
+            return Ok(outcome);
         }
     }
     Ok(Outcome::Passed)
 }
 
-fn run_one(program: &Path, folder: &Path, end: Instant) -> Result<Outcome, MutantsError> {
-    let mut child = Command::new("sh")
-        .args(["-c", &format!("ulimit -v {MEMORY}; exec \"$0\"")])
+/// Seconds of a processor that all programs have taken that were waited for.
+pub fn processor_seconds() -> f64 {
+    let status = fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // After the name in parentheses; children's user and system time, in hundredths.
+    let fields = status.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+}
+
+fn start(program: &Path, folder: &Path, limit: u64) -> std::io::Result<Child> {
+    Command::new("sh")
+        .args(["-c", &format!("ulimit -v {MEMORY}; ulimit -S -t {limit}; exec \"$0\"")])
         .arg(program)
         .current_dir(folder)
         .env("CARGO_MANIFEST_DIR", folder)
@@ -47,7 +64,10 @@ fn run_one(program: &Path, folder: &Path, end: Instant) -> Result<Outcome, Mutan
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
-        .map_err(MutantsError::file(program))?;
+}
+
+/// What the program writes, line by line.
+fn lines(child: &mut Child) -> Receiver<String> {
     let (sender, lines) = mpsc::channel();
     if let Some(output) = child.stdout.take() {
         thread::spawn(move || {
@@ -55,8 +75,13 @@ fn run_one(program: &Path, folder: &Path, end: Instant) -> Result<Outcome, Mutan
             lines.map_while(Result::ok).try_for_each(|line| sender.send(line))
         });
     }
+    lines
+}
+
+/// Waits for the end, or ends the program at the first test that fails.
+fn watch(child: &mut Child, lines: &Receiver<String>) -> std::io::Result<Outcome> {
     let outcome = loop {
-        match lines.recv_timeout(end.saturating_duration_since(Instant::now())) {
+        match lines.recv_timeout(SILENCE) {
             Ok(line) => {
                 let name = line.strip_prefix("test ").and_then(|l| l.strip_suffix(" ... FAILED"));
                 if let Some(name) = name {
@@ -64,13 +89,18 @@ fn run_one(program: &Path, folder: &Path, end: Instant) -> Result<Outcome, Mutan
                 }
             }
             Err(RecvTimeoutError::Timeout) => break Outcome::Hung,
-            Err(RecvTimeoutError::Disconnected) => {
-                let status = child.wait().map_err(MutantsError::file(program))?;
-                let outcome = Outcome::Failed(status.to_string());
-                return Ok(if status.success() { Outcome::Passed } else { outcome });
-            }
+            Err(RecvTimeoutError::Disconnected) => return child.wait().map(ended),
         }
     };
-    child.kill().and_then(|()| child.wait()).map_err(MutantsError::file(program))?;
+    child.kill()?;
+    child.wait()?;
     Ok(outcome)
+}
+
+fn ended(status: ExitStatus) -> Outcome {
+    match status.signal() {
+        Some(SIGXCPU) => Outcome::Hung,
+        _ if status.success() => Outcome::Passed,
+        _ => Outcome::Failed(status.to_string()),
+    }
 }

@@ -294,18 +294,22 @@ mod tests {
 
     #[test]
     fn a_search_knows_nothing_of_how_far_the_last_one_began() {
-        let ground = landscape(
-            |x, y| 3.0 * y + 50.0 * y.min(0.0).powi(2) + 0.5 * x * x,
-            |x, y| [x, 3.0 + 100.0 * y.min(0.0)],
-            |_, y| [1.0, 0.0, if y < 0.0 { 100.0 } else { 0.0 }],
+        // A slope without any curvature down to a corner of soft walls.
+        let corner = landscape(
+            |x, y| 3.0 * (x + y) + 50.0 * (x.min(0.0).powi(2) + y.min(0.0).powi(2)),
+            |x, y| [x, y].map(|q| 3.0 + 100.0 * q.min(0.0)),
+            |x, y| {
+                let [xx, yy] = [x, y].map(|q| if q < 0.0 { 100.0 } else { 0.0 });
+                [xx, 0.0, yy]
+            },
         );
-        let metric = DiagonalMetric::new([1.0, 3.0]).unwrap();
+        let metric = DiagonalMetric::new([1.0; 2]).unwrap();
         let solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
-        let mut search = Equilibrium::new(&metric, &ground, solver, Newton::default()).unwrap();
-        for height in [1e-12, 1e5] {
-            let mut q = [0.0, height];
+        let mut search = Equilibrium::new(&metric, &corner, solver, Newton::default()).unwrap();
+        for start in [1e-12, 1e5] {
+            let mut q = [start; 2];
             search.find(&mut q).unwrap();
-            assert!((q[1] + 0.03).abs() < 1e-14, "{height}: {q:?}");
+            assert!(q.iter().all(|q| (q + 0.03).abs() < 1e-14), "{start}: {q:?}");
         }
     }
 

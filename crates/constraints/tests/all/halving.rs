@@ -2,7 +2,7 @@
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, Halving, Rattle, Redundancy, Rod, Rods,
+    ConstrainedIntegrator, ConstraintError, Few, Halving, Projection, Rattle, Redundancy, Rod, Rods,
 };
 use stationary_integrators::{State, Symplecticity, UniformGravity};
 
@@ -88,4 +88,24 @@ fn masses_that_differ_by_any_factor_are_held() {
             assert!(held.is_ok(), "1e{exponent}, step {step}: {held:?}");
         }
     }
+}
+
+#[test]
+fn a_projection_between_masses_that_differ_by_a_billion_settles_or_is_refused() {
+    let (system, rods, _) = double(1e9);
+    // Stretched, so that the joint between the masses is all but at rest.
+    let rest = State::new([0.6, -0.8, 1.2, -1.6], Covector([0.0; 4]));
+    let mut projection = Projection::new(&system, &rods, &rest, FEW).unwrap();
+    let mut settled = 0;
+    for seed in 0..300 {
+        let mut state = rest.clone();
+        for (k, q) in state.q.iter_mut().enumerate() {
+            *q += 1e-3 * (f64::from(seed) + 2.4 * k as f64).sin();
+        }
+        if let Ok(report) = projection.project(&mut state) {
+            assert!(report.iterations < 30, "{seed}: {report:?}");
+            settled += 1;
+        }
+    }
+    assert!(settled > 100, "{settled}");
 }
