@@ -108,3 +108,53 @@ impl Writer<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::operators::mutants;
+    use crate::sources::Source;
+
+    /// What is written for all mutants of a text that `keep` names.
+    fn written(text: &str, keep: &[&str]) -> String {
+        let tree = syn::parse_file(text).unwrap();
+        let source = Source { path: PathBuf::new(), text: text.into(), tree };
+        let all = mutants(0, &source).into_iter();
+        let kept = all.filter(|mutant| keep.contains(&mutant.change.as_str()));
+        let drawn: Vec<Drawn> =
+            (1..).zip(kept).map(|(number, mutant)| Drawn { number, mutant }).collect();
+        let (out, placed) = write(text, &drawn.iter().collect::<Vec<_>>());
+        assert_eq!(placed.len(), keep.len(), "{out}");
+        syn::parse_file(&out).unwrap();
+        out.replace("crate::mutant_switch::", "")
+    }
+
+    #[test]
+    fn the_inner_of_two_mutants_stands_in_the_original_of_the_outer() {
+        let out =
+            written("fn f() -> f64 { a + b * 2.0 }", &["a + b * 2.0 -> -", "2.0 -> 2.0 + 1.0"]);
+        let inner = "(if on(2) {(2.0 + 1.0)} else {(2.0)})";
+        let outer = format!("(if on(1) {{((a) - (b * 2.0))}} else {{(a + b * {inner})}})");
+        assert_eq!(out, format!("fn f() -> f64 {{ {outer} }}"));
+    }
+
+    #[test]
+    fn statements_are_left_out_and_results_returned_where_a_body_begins() {
+        let out = written("fn f() -> bool { g.h(); x }", &["g.h(); dropped", "fn f -> true"]);
+        let entry = "if on(1) {return true;}";
+        assert_eq!(out, format!("fn f() -> bool {{{entry} if on(2) {{}} else {{g.h();}} x }}"));
+    }
+
+    #[test]
+    fn constants_patterns_types_and_tests_have_no_mutants() {
+        let text = "const A: f64 = 1.0 + 2.0; const fn f() -> u32 { 1 + 2 } \
+            #[cfg(test)] mod tests { fn g() -> u32 { 1 + 2 } } \
+            fn h(x: [f64; 3]) { match x { [0.0, ..] => {} _ => {} } }";
+        assert_eq!(written(text, &[]), text);
+        let tree = syn::parse_file(text).unwrap();
+        let source = Source { path: PathBuf::new(), text: text.into(), tree };
+        assert!(mutants(0, &source).is_empty());
+    }
+}

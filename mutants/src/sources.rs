@@ -69,3 +69,22 @@ fn modules(items: &[Item], folder: &Path) -> Vec<(String, PathBuf)> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_rust_and_what_is_not_there_is_an_error_that_names_the_file() {
+        let root = std::env::temp_dir().join(format!("mutants-{}", std::process::id()));
+        fs::create_dir_all(root.join("src")).unwrap();
+        let error = |text: &str| {
+            fs::write(root.join("src/lib.rs"), text).unwrap();
+            read(&root).err().unwrap().to_string()
+        };
+        assert!(error("fn (").starts_with("src/lib.rs: cannot parse"));
+        assert_eq!(error("mod away;"), "src/lib.rs: module `away` has no file");
+        fs::remove_dir_all(&root).unwrap();
+        assert!(read(&root).err().unwrap().to_string().starts_with("src/lib.rs: "));
+    }
+}
