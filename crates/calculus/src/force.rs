@@ -153,8 +153,9 @@ mod tests {
         }
         let servo = || Servo { strength: 1.0, c: 2.0 };
         let expected = ([2.0, 8.0], [2.0, 0.0, 0.0, 2.0], 2);
-        assert_eq!(both(servo()), expected);
-        assert_eq!(both(&servo()), expected);
+        let force = servo();
+        assert_eq!(both(&force), expected);
+        assert_eq!(both(force), expected);
         assert_eq!(both(Some(servo())), expected);
         assert_eq!(both(None::<Servo>), ([0.0; 2], [0.0; 4], 0));
     }

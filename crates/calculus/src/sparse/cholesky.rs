@@ -427,7 +427,7 @@ mod tests {
 
     /// Five freedoms, all coupled, from the third on: their sum is held by `least`, all else by 1.
     fn five(least: f64) -> Blocks {
-        let entry = |k: usize| f64::from(k % 6 == 0) - (1.0 - least) / 5.0;
+        let entry = |k: usize| f64::from(k.is_multiple_of(6)) - (1.0 - least) / 5.0;
         vec![((3..8).collect(), (0..25).map(entry).collect())]
     }
 
