@@ -7,7 +7,7 @@
 //! The rungs and `sigma` are those of [`HessianSolver`].
 
 use crate::hessian_solver::{Diagonal, SHIFTS, largest_or_nan, shift};
-use crate::pivots::{SUSPICIOUS, is_rounding, zero_pivot};
+use crate::pivots::{SUSPICIOUS, is_rounding, load, zero_pivot};
 use crate::{FIXED, HessianSolver, Metric, Potential, Rung, Sink, SizeError, Storage, Unsolvable};
 
 /// Cholesky's method on a full matrix of a few freedoms. Its memory is taken once, by
@@ -93,7 +93,7 @@ impl<C: Storage> DenseSolver<C> {
     fn factor_in_place(&mut self) -> bool {
         let n = self.mass.as_ref().len();
         let columns = &mut self.columns.as_mut()[..n];
-        let mut suspicious = None;
+        let mut suspicious = false;
         for j in 0..n {
             let (done, rest) = columns.split_at_mut(j);
             let column = &mut rest[0].as_mut()[..n];
@@ -108,31 +108,32 @@ impl<C: Storage> DenseSolver<C> {
             if !(column[j] > zero && column[j] < f64::INFINITY) {
                 return false;
             }
-            if column[j] < SUSPICIOUS * before {
-                suspicious = Some(j);
-            }
+            suspicious |= column[j] < SUSPICIOUS * before;
             let reciprocal = column[j].sqrt().recip();
             column[j] = reciprocal;
             for entry in &mut column[j + 1..] {
                 *entry *= reciprocal;
             }
         }
-        suspicious.is_none_or(|j| !self.is_rounding(j))
+        !(suspicious && self.is_rounding())
     }
 
-    /// Whether the pivot of freedom j, small beside its diagonal entry, is what rounding leaves of zero.
+    /// Whether pivots that are small beside their diagonal entries are what rounding leaves of zero.
     #[cold]
-    fn is_rounding(&mut self, j: usize) -> bool {
+    fn is_rounding(&mut self) -> bool {
         let n = self.mass.as_ref().len();
         let (columns, x) = (&self.columns.as_ref()[..n], &mut self.mass.as_mut()[..n]);
-        x.fill(0.0);
-        x[j] = 1.0;
-        substitute(columns, x);
+        let pivot = |i: usize| columns[i].as_ref()[i].powi(-2);
         let diagonal = |i: usize| {
             let square = |k: usize| columns[k].as_ref()[i].powi(2);
-            (0..i).map(square).sum::<f64>() + columns[i].as_ref()[i].powi(-2)
+            (0..i).map(square).sum::<f64>() + pivot(i)
         };
-        is_rounding(j, x, diagonal)
+        // The diagonal is known to rounding only: a little more is suspicious.
+        let suspicious = |i: usize| pivot(i) < 2.0 * SUSPICIOUS * diagonal(i);
+        let load = |i: usize| if suspicious(i) { load(i, diagonal(i)) } else { 0.0 };
+        x.iter_mut().enumerate().for_each(|(i, x)| *x = load(i));
+        substitute(columns, x);
+        is_rounding(x, load, diagonal)
     }
 }
 
@@ -397,5 +398,25 @@ mod tests {
     fn the_solver_holds_the_storages_number_of_freedoms_only() {
         assert!(DenseSolver::<[f64; 2]>::new(3).is_none());
         assert!(DenseSolver::<[f64; 2]>::new(2).is_some());
+    }
+
+    #[test]
+    fn rounding_is_found_whatever_is_eliminated_after_it() {
+        // Rank two, and two freedoms apart that are regular though their last pivot is suspicious.
+        let w = [0.0, 1.0, 10.0];
+        let metric = DiagonalMetric::new([1.0; 5]).unwrap();
+        for k in 1..30 {
+            let delta = 1.1e-4 * f64::from(k);
+            let mut a = DMatrix::zeros(5, 5);
+            a.view_mut((0, 0), (3, 3))
+                .copy_from(&DMatrix::from_fn(3, 3, |i, j| 1.0 + w[i] * w[j] * delta));
+            a.view_mut((3, 3), (2, 2)).copy_from(&dmatrix![1.0, 1.0; 1.0, 1.0 + 1e-9]);
+            let mut solver = DenseSolver::<[f64; 5]>::new(5).unwrap();
+            let rung = solver.factor_weighted(0.0, &metric, 1.0, &Quadratic(a.clone()), &[0.0; 5]);
+            assert_ne!(rung, Ok(Rung::Cholesky), "{k}");
+            (0..3).for_each(|i| a[(i, i)] += 1.0);
+            let rung = solver.factor_weighted(0.0, &metric, 1.0, &Quadratic(a), &[0.0; 5]);
+            assert_eq!(rung, Ok(Rung::Cholesky), "{k}");
+        }
     }
 }

@@ -292,6 +292,83 @@ mod tests {
         assert!(progress.contains(&error.failure), "{error}");
     }
 
+    #[test]
+    fn a_search_knows_nothing_of_how_far_the_last_one_began() {
+        // A slope without any curvature down to a corner of soft walls.
+        let corner = landscape(
+            |x, y| 3.0 * (x + y) + 50.0 * (x.min(0.0).powi(2) + y.min(0.0).powi(2)),
+            |x, y| [x, y].map(|q| 3.0 + 100.0 * q.min(0.0)),
+            |x, y| {
+                let [xx, yy] = [x, y].map(|q| if q < 0.0 { 100.0 } else { 0.0 });
+                [xx, 0.0, yy]
+            },
+        );
+        let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+        let solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
+        let mut search = Equilibrium::new(&metric, &corner, solver, Newton::default()).unwrap();
+        for start in [1e-12, 1e5] {
+            let mut q = [start; 2];
+            search.find(&mut q).unwrap();
+            assert!(q.iter().all(|q| (q + 0.03).abs() < 1e-14), "{start}: {q:?}");
+        }
+    }
+
+    #[test]
+    fn an_inflection_is_flat_and_no_minimum_however_far_from_the_origin() {
+        for (at, cubic) in [
+            (
+                1.0,
+                landscape(
+                    |x, y| (x - 1.0).powi(3) + y * y,
+                    |x, y| [3.0 * (x - 1.0).powi(2), 2.0 * y],
+                    |x, _| [6.0 * (x - 1.0), 0.0, 2.0],
+                ),
+            ),
+            (
+                1e6,
+                landscape(
+                    |x, y| (x - 1e6).powi(3) + y * y,
+                    |x, y| [3.0 * (x - 1e6).powi(2), 2.0 * y],
+                    |x, _| [6.0 * (x - 1e6), 0.0, 2.0],
+                ),
+            ),
+        ] {
+            let mut q = [at + 1.0, 0.0];
+            let report = find(&cubic, &mut q).unwrap();
+            assert!((q[0] - at).abs() < 1e-13 * at, "{q:?}");
+            assert_eq!(report.kind, Stationary::Flat, "{at}: {report:?}");
+        }
+    }
+
+    #[test]
+    fn where_nothing_bends_the_first_push_is_small_beside_q() {
+        // Waves a millionth long; at u = 0 the sine has no curvature.
+        let waves = landscape(
+            |x, y| (1e6 * x - 1.0).sin() + (1e6 * y - 1.0).sin(),
+            |x, y| [1e6 * (1e6 * x - 1.0).cos(), 1e6 * (1e6 * y - 1.0).cos()],
+            |x, y| [-1e12 * (1e6 * x - 1.0).sin(), 0.0, -1e12 * (1e6 * y - 1.0).sin()],
+        );
+        let mut q = [1e-6; 2];
+        assert_eq!((waves.hessian)(q[0], q[1]), [0.0; 3]);
+        find(&waves, &mut q).unwrap();
+        let nearest = 1e-6 * (1.0 - std::f64::consts::FRAC_PI_2);
+        assert!(q.iter().all(|q| (q - nearest).abs() < 1e-15), "{q:?}");
+    }
+
+    #[test]
+    fn from_a_ridge_the_way_down_is_as_long_as_the_energy_falls() {
+        // A hill of curvature -1e-3 whose foot, a wall, is a million times farther than the start.
+        let hill = landscape(
+            |x, y| -5e-4 * x * x + 0.5 * (x.abs() - 1e3).max(0.0).powi(2) + y * y,
+            |x, y| [-1e-3 * x + (x.abs() - 1e3).max(0.0) * x.signum(), 2.0 * y],
+            |x, _| [-1e-3 + if x.abs() > 1e3 { 1.0 } else { 0.0 }, 0.0, 2.0],
+        );
+        let mut q = [1e-3, 0.5];
+        let report = find(&hill, &mut q).unwrap();
+        assert!((q[0].abs() - 1e3 / 0.999).abs() < 1e-9, "{q:?}");
+        assert!(report.newton.iterations < 8, "{report:?}");
+    }
+
     /// A spring of stiffness 1e9 that a soft one bends: a valley far narrower than it is bent.
     #[test]
     fn along_a_narrow_bent_valley_a_few_steps_are_enough() {

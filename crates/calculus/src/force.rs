@@ -140,4 +140,23 @@ mod tests {
         ().add_force(1.0, &[0.0], Vector([1.0]).view(), f.view_mut());
         assert_eq!((f.0, ().dim()), ([7.0], 0));
     }
+
+    #[test]
+    fn a_reference_to_a_force_and_one_that_may_be_missing_are_that_force() {
+        fn both(force: impl Force) -> ([f64; 2], [f64; 4], usize) {
+            let (mut f, mut damping) = (Covector([0.0; 2]), [0.0; 4]);
+            let (q, v) = ([0.0; 2], Vector([1.0, -2.0]));
+            force.add_force(4.0, &q, v.view(), f.view_mut());
+            let mut sink = DenseSink::new(1.0, 2, &mut damping).unwrap();
+            force.add_damping(4.0, &q, v.view(), &mut sink);
+            (f.0, damping, force.dim())
+        }
+        let servo = || Servo { strength: 1.0, c: 2.0 };
+        let expected = ([2.0, 8.0], [2.0, 0.0, 0.0, 2.0], 2);
+        let force = servo();
+        assert_eq!(both(&force), expected);
+        assert_eq!(both(force), expected);
+        assert_eq!(both(Some(servo())), expected);
+        assert_eq!(both(None::<Servo>), ([0.0; 2], [0.0; 4], 0));
+    }
 }

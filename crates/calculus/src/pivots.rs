@@ -14,16 +14,25 @@ pub(crate) const SUSPICIOUS: f64 = 1e-8;
 /// matrices of whole numbers stay below one, regular ones of condition 1e13 above a thousand.
 const ROUNDINGS: f64 = 16.0;
 
-/// Whether a matrix is singular to rounding by its own factor: `x` is the answer to a unit load at
-/// freedom `j`, whose energy `<x, A x> = x_j` is no more than rounding makes of its terms,
+/// The load on freedom `k` that shows whether its suspicious pivot is rounding. Of no two freedoms the
+/// same, so that those of a null vector do not cancel.
+pub(crate) fn load(k: usize, diagonal: f64) -> f64 {
+    (1.0 + (0.618_033_988_749_895 * k as f64).fract()) * diagonal.sqrt()
+}
+
+/// Whether a matrix is singular to rounding by its own factor: `x` is the answer to a load `b` on all
+/// suspicious freedoms, whose energy `<x, A x> = <b, x>` is no more than rounding makes of its terms,
 ///
 /// ```text
-/// x_j <= 16 eps sum of a_ii x_i^2
+/// <b, x> <= 16 eps sum of a_ii x_i^2
 /// ```
-pub(crate) fn is_rounding(j: usize, x: &[f64], diagonal: impl Fn(usize) -> f64) -> bool {
-    let answer = x[j];
-    let term = |(i, x): (usize, &f64)| diagonal(i) * answer * (x / answer) * (x / answer);
-    let terms: f64 = x.iter().enumerate().map(term).sum();
-    let is_regular = ROUNDINGS * f64::EPSILON * terms < 1.0;
+pub(crate) fn is_rounding(
+    x: &[f64],
+    load: impl Fn(usize) -> f64,
+    diagonal: impl Fn(usize) -> f64,
+) -> bool {
+    let energy: f64 = x.iter().enumerate().map(|(i, x)| load(i) * x).sum();
+    let terms: f64 = x.iter().enumerate().map(|(i, x)| diagonal(i) * x * x).sum();
+    let is_regular = ROUNDINGS * f64::EPSILON * terms < energy;
     !is_regular
 }

@@ -96,4 +96,11 @@ mod tests {
         let same = project_semidefinite(&h);
         assert!(same[1][0][0][1].is_nan() && same[0][0][0][0] == 1.0);
     }
+
+    #[test]
+    fn of_one_freedom_a_negative_curvature_becomes_zero_and_a_positive_one_stays() {
+        let one: fn(f64) -> StencilHessian<1, 1> = |k| [[[[k]]]];
+        assert_eq!(project_semidefinite(&one(-3.0)), one(0.0));
+        assert_eq!(project_semidefinite(&one(3.0)), one(3.0));
+    }
 }

@@ -272,4 +272,45 @@ mod tests {
             || matches!(error, ConstraintError::CriticalPoint(_));
         assert!(named, "{error}");
     }
+
+    /// The line x (1 + t) + y = 1, which turns.
+    #[derive(Clone, Debug)]
+    struct Turning;
+
+    impl Level<2> for Turning {
+        fn value<R: Number>(&self, t: R, [x, y]: [R; 2]) -> R {
+            x * (t + 1.0) + y - 1.0
+        }
+    }
+
+    /// f = x^2 + y^2.
+    struct Square;
+
+    impl Energy<2> for Square {
+        fn energy<R: Number>(&self, [x, y]: [R; 2]) -> R {
+            x * x + y * y
+        }
+    }
+
+    #[test]
+    fn a_constraint_that_moves_is_taken_at_the_time_zero() {
+        let line = OnLevel::new(0, Turning);
+        let found = critical_point(&Automatic(Square), &line, &[0.3, 2.0], Newton::default());
+        let point = found.unwrap();
+        assert!(point.q.iter().all(|x| (x - 0.5).abs() < 1e-14), "{point:?}");
+        assert_eq!((point.kind, point.curvatures.len()), (Kind::Minimum, 1));
+        // The equations are linear: one step, and one for its rounding.
+        assert!(point.newton.iterations <= 2, "{point:?}");
+    }
+
+    #[test]
+    fn a_guess_of_another_size_is_refused() {
+        let line = OnLevel::new(0, Turning);
+        for guess in [&[0.0][..], &[0.0; 3]] {
+            let error = critical_point(&Automatic(Square), &line, guess, Newton::default());
+            let what = "the guess's numbers";
+            let expected = SizeError { what, expected: 2, got: guess.len() };
+            assert_eq!(error.unwrap_err(), ConstraintError::Size(expected));
+        }
+    }
 }

@@ -248,11 +248,13 @@ mod tests {
 
     #[test]
     fn the_frequency_is_the_root_of_stiffness_over_mass() {
-        let rod = Rods::new(1, vec![[0.0, 0.0]], vec![Rod::new([1, 0], 0.5)]).unwrap();
-        let penalty = Penalty::new(rod, 80.0, 0.0).unwrap();
         let metric = DiagonalMetric::new([5.0, 5.0]).unwrap();
-        let highest = penalty.highest_frequency(&metric, &[0.3, 0.4]).unwrap();
-        assert!((highest - 4.0).abs() < 1e-12);
+        for length in [0.1, 0.5, 3.0] {
+            let rod = Rods::new(1, vec![[0.0, 0.0]], vec![Rod::new([1, 0], length)]).unwrap();
+            let penalty = Penalty::new(rod, 80.0, 0.0).unwrap();
+            let highest = penalty.highest_frequency(&metric, &[0.6 * length, 0.8 * length]);
+            assert!((highest.unwrap() - 4.0).abs() < 1e-12, "{length}");
+        }
     }
 
     #[test]

@@ -268,4 +268,17 @@ mod tests {
         let error = Rods::<2>::new(1, vec![[f64::NAN, 0.0]], Vec::new()).unwrap_err();
         assert_eq!(error, ConstraintError::Hook { vertex: 1 });
     }
+
+    #[test]
+    fn the_rods_that_are_kept_stay_in_their_order() {
+        let mut kept = Rods::<2>::new(3, vec![[0.0, 1.0]], rods()).unwrap();
+        let mut seen = Vec::new();
+        kept.retain(|place| {
+            seen.push(place);
+            place != 1
+        });
+        assert_eq!(seen, [0, 1, 2]);
+        assert_eq!(kept.rods(), [rods()[0], rods()[2]]);
+        assert_eq!(kept.count(), 2);
+    }
 }

@@ -204,4 +204,14 @@ mod tests {
         assert_eq!(lifted, [0.5, 0.0]);
         assert!(mass.is_held(1) && !mass.is_held(0));
     }
+
+    #[test]
+    fn a_freedom_without_mass_has_no_inverse() {
+        let of = |mass: f64| inverse(DMatrix::from_element(1, 1, mass));
+        for bad in [0.0, -0.0, -1.0, f64::NAN] {
+            assert!(of(bad).is_none(), "{bad}");
+        }
+        assert_eq!(of(4.0), Some(DMatrix::from_element(1, 1, 0.25)));
+        assert!(inverse(DMatrix::zeros(2, 2)).is_none());
+    }
 }

@@ -332,4 +332,20 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn contacts_that_contradict_each_other_end_with_their_residual() {
+        // Between two walls that close at 1 m/s each.
+        let mass = InverseMass::of(&DiagonalMetric::new([2.0]).unwrap()).unwrap();
+        let mut rows = ContactRows::new();
+        rows.push([(0, 1.0)]);
+        rows.push([(0, -1.0)]);
+        let impact = Impact::new(rows, &mass, vec![0.0; 2]).unwrap();
+        let mut v = Vector([0.0]);
+        let done = project_biased(&impact, &[-1.0; 2], v.view_mut()).unwrap();
+        assert!((done.residual - 2.0).abs() < 1e-15, "{done:?}");
+        assert_eq!(v.0[0].abs(), 1.0);
+        let open = project_biased(&impact, &[1.0; 2], v.view_mut()).unwrap();
+        assert_eq!((open.residual, open.impulses), (0.0, vec![0.0; 2]));
+    }
 }

@@ -367,6 +367,21 @@ mod tests {
     }
 
     #[test]
+    fn what_passes_a_slope_a_little_farther_off_than_the_thickness_never_meets() {
+        let close = Closeness { thickness: 0.25, ..CLOSE };
+        // The plane x + y + z = 0, which no axis looks along.
+        let slope = [still(4.0, -4.0, 0.0), still(0.0, 4.0, -4.0), still(-4.0, 0.0, 4.0)];
+        let passing = |height: f64| {
+            let (normal, way) =
+                (Vector3::repeat(3.0_f64.sqrt().recip()), Vector3::x() - Vector3::y());
+            Moving { start: normal * height - way, end: normal * height + way }
+        };
+        let meets = |height| particle_meets_triangle(&passing(height), &slope, close).unwrap();
+        assert_eq!(meets(0.2501), None);
+        assert!(meets(0.2499).is_some_and(|hit| hit.settled && hit.time == 0.0));
+    }
+
+    #[test]
     fn parallel_edges_meet_where_they_overlap_and_not_where_they_end() {
         let resting = [still(0.0, 0.0, 0.0), still(1.0, 1.0, 1.0)];
         let dropped = |along: f64| {

@@ -358,4 +358,12 @@ mod tests {
         assert_eq!(freedoms.places(), [5.0]);
         assert!(freedoms.positions(&[0.0]).is_err() && freedoms.gathered(&[[0.0; 2]]).is_err());
     }
+
+    #[test]
+    fn more_vertices_than_indices_can_tell_apart_are_refused() {
+        for vertices in [u32::MAX as usize / 6, usize::MAX] {
+            let error = Freedoms::<3>::new(vertices, &[]).unwrap_err();
+            assert_eq!(error, ElasticityError::TooMany { vertices });
+        }
+    }
 }

@@ -107,14 +107,14 @@ impl<const D: usize> NeoHookean<D> {
         T::reciprocal(inner(f, f) + T::splat(1.0))
     }
 
-    /// Whether the matrix of the scalings is positive, in space: by the second and the third of its
-    /// invariants, as the first one is where the twists' eigenvalues are.
+    /// Whether the matrix of the scalings is positive, in space, where the twists' eigenvalues are: by
+    /// its determinant alone. Its minors `a^2 - b^2 s_k^2` are those of the twists, so that no two
+    /// eigenvalues are negative, and what `n` and `l` add makes none smaller.
     ///
     /// ```text
     /// w_ij = a (i = j),  b s_k (i, j, k distinct),  + n s_i s_j + l c_i c_j
     /// c_i = J/s_i,   I = sum s_i^2,   II = sum c_i^2,   n = 2 m/(I + 1)^2
-    /// w_2 = 3 a^2 - b^2 I + 2 n (a I - 3 b J) + 2 l (a II - b J I) + n l (I II - 9 J^2)
-    /// w_3 = a^3 + 2 b^3 J - a b^2 I
+    /// det = a^3 + 2 b^3 J - a b^2 I
     ///     + n (a^2 I - b^2 (I^2 - 4 II) - 6 a b J) + l (a^2 II + 3 b^2 J^2 - 2 a b J I)
     ///     + n l (a (I II - 9 J^2) - 2 b J (I^2 - 3 II))
     /// ```
@@ -126,15 +126,11 @@ impl<const D: usize> NeoHookean<D> {
         let (aa, ab, bb) = (a * a, a * b, b * b);
         let (jj, bj) = (j * j, b * j);
         let spread = one * two - jj * 9.0;
-        let second = aa * 3.0 - bb * one
-            + n * (a * one - bj * 3.0) * 2.0
-            + (a * two - bj * one) * (2.0 * l)
-            + n * spread * l;
-        let third = a * aa + bb * bj * 2.0 - a * bb * one
+        let determinant = a * aa + bb * bj * 2.0 - a * bb * one
             + n * (aa * one - bb * (one * one - two * 4.0) - ab * j * 6.0)
             + (aa * two + bb * jj * 3.0 - ab * j * one * 2.0) * l
             + n * (a * spread - bj * (one * one - two * 3.0) * 2.0) * l;
-        second.all(|x| x > 0.0) && third.all(|x| x > 0.0)
+        determinant.all(|x| x > 0.0)
     }
 
     /// The pressure-like `b`.
@@ -211,7 +207,7 @@ impl<const D: usize> Material<D, D> for NeoHookean<D> {
     }
 
     /// In space. Twists and flips have the eigenvalues `a +- b s_k`; that the matrix of the
-    /// scalings is positive is seen by its invariants.
+    /// scalings is positive is seen by its determinant.
     #[inline(always)]
     fn is_semidefinite<T: Real>(&self, f: &[[T; D]; D]) -> bool {
         if D != 3 {
@@ -400,5 +396,37 @@ mod tests {
         }
         let rest = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!((rubber.energy(&rest), rubber.stress(&rest)), (0.0, [[0.0; 3]; 3]));
+    }
+
+    #[test]
+    fn where_the_twists_are_positive_a_determinant_tells_whether_the_scalings_are() {
+        let mut random = stationary_calculus::SplitMix64::new(5);
+        let mut convex = [0; 2];
+        for k in 0..20_000 {
+            // Of any shape, and all but evenly pressed where a body hardly resists that.
+            let (poisson, spread) = if k % 2 == 0 { (-0.2, 0.9) } else { (-0.89, 0.05) };
+            let (poisson, base) =
+                (poisson + 0.109 * random.symmetric(), (0.2 * random.symmetric() - 0.1).exp());
+            let lame = Lame::<3>::from_young_poisson(1.0, poisson).unwrap();
+            let rubber = NeoHookean::new(lame).unwrap();
+            let s = [0, 1, 2].map(|_| base * (1.0 + spread * random.symmetric()));
+            let f = [[s[0], 0.0, 0.0], [0.0, s[1], 0.0], [0.0, 0.0, s[2]]];
+            let PrincipalCurvature { scaling, twist, flip, .. } = rubber.curvature(&s);
+            let pairs = [(0, 1), (1, 2), (2, 0)];
+            if pairs.iter().any(|&(i, j)| twist[i][j].min(flip[i][j]) < 0.0) {
+                continue;
+            }
+            let matrix = nalgebra::Matrix3::from_fn(|i, j| scaling[i][j]);
+            let least = matrix.symmetric_eigenvalues().min();
+            if least.abs() < 1e-6 {
+                continue;
+            }
+            let softening = NeoHookean::<3>::softening(&f);
+            let a = rubber.stretch * (1.0 - softening);
+            let told = rubber.stretches_convexly(&f, [a, rubber.volume_stress(&f)], softening);
+            assert_eq!(told, least > 0.0, "{s:?} {poisson}: {least}");
+            convex[usize::from(told)] += 1;
+        }
+        assert!(convex.iter().all(|&count| count > 100), "{convex:?}");
     }
 }

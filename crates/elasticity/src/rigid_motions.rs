@@ -355,3 +355,39 @@ fn motions<const D: usize>(
     }
     (motions, middle, size)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Freedoms;
+
+    fn piece<const D: usize>(positions: &[[f64; D]], held: Vec<(usize, usize)>) -> Piece<D> {
+        let members: Vec<usize> = (0..positions.len()).collect();
+        let free = free_motions(positions, &members, &held);
+        Piece { number: 0, count: 1, members, held, free }
+    }
+
+    #[test]
+    fn a_pendulum_hangs_below_its_pin_and_not_above_it() {
+        let load = DeadLoad::new(&Freedoms::free(2).unwrap(), vec![[0.0, -1.0]; 2]).unwrap();
+        for (place, hangs) in [([0.0, -1.0], true), ([0.0, 1.0], false), ([1.0, 0.0], false)] {
+            let positions = [[0.0, 0.0], place];
+            let pinned = piece(&positions, vec![(0, 0), (0, 1)]);
+            assert_eq!(pinned.free.names, ["others that are not along an axis"]);
+            let checked = check_hanging(&[pinned], &positions, &load);
+            assert_eq!(checked.is_ok(), hangs, "{place:?}: {checked:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_held_along_a_hinge_may_be_beside_it() {
+        let o = [0.0, 0.0, 0.0];
+        let positions = [o, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let ends = [(0, 0), (0, 2), (1, 0), (1, 2)];
+        let with = |beside: (usize, usize)| piece(&positions, [&ends[..], &[beside]].concat());
+        let (point, axis) = with((2, 1)).hinge(&positions).unwrap();
+        assert!((axis.y.abs() - 1.0).abs() < 1e-12 && axis.cross(&point).norm() < 1e-12);
+        assert_eq!(with((2, 2)).free.count, 1, "it may shift along the hinge");
+        assert!(with((2, 2)).hinge(&positions).is_none());
+    }
+}

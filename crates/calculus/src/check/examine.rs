@@ -167,3 +167,16 @@ pub(super) fn direction(freedoms: usize, random: &mut SplitMix64) -> Vec<f64> {
     };
     (0..freedoms).map(|_| component(random.bits() >> 32)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_component_of_a_direction_is_at_least_a_half_and_less_than_one() {
+        let w = direction(10_000, &mut SplitMix64::new(1));
+        assert!(w.iter().all(|w| (0.5..1.0).contains(&w.abs())));
+        let positive = w.iter().filter(|w| **w > 0.0).count();
+        assert!((4_500..5_500).contains(&positive), "{positive}");
+    }
+}

@@ -60,3 +60,18 @@ pub(super) fn length(metric: &impl Metric, v: &[f64], p: &mut [f64]) -> f64 {
     metric.flat(Vector(&unit), crate::Covector(&mut *p));
     largest * crate::Covector(p).apply(&Vector(&unit)).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DiagonalMetric;
+
+    #[test]
+    fn the_length_is_that_of_the_metric_at_every_scale() {
+        let metric = DiagonalMetric::new([1.0, 4.0]).unwrap();
+        for scale in [0.0, 1e-200, 1.0, 1e200] {
+            let length = length(&metric, &[3.0 * scale, 2.0 * scale], &mut [0.0; 2]);
+            assert!((length - 5.0 * scale).abs() <= 1e-15 * length, "{scale}: {length}");
+        }
+    }
+}

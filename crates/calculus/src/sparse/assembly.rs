@@ -273,6 +273,18 @@ mod tests {
     }
 
     #[test]
+    fn vertices_that_begin_at_the_recorded_places_and_go_on_elsewhere_are_a_change() {
+        let block: StencilHessian<2, 2> = [[[[1.0; 2]; 2]; 2]; 2];
+        let recorded = [[0, 1], [2, 3]];
+        let mut matrix =
+            SymmetricMatrix::analyse(4, |sink| sink.add_vertices(&recorded, &block)).unwrap();
+        let mut refill = |freedoms| matrix.refill(|sink| sink.add_vertices(&freedoms, &block));
+        assert_eq!(refill([[0, 3], [2, 1]]), Err(SparseError::PatternChanged { block: 0 }));
+        assert_eq!(refill([[0, 1], [2, 1]]), Err(SparseError::PatternChanged { block: 0 }));
+        assert_eq!(refill(recorded), Ok(()));
+    }
+
+    #[test]
     fn a_lower_triangle_is_added_where_its_whole_block_is() {
         // Vertices out of order; one held in part, one wholly; one whose freedoms are apart.
         let all =

@@ -21,7 +21,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::first_non_finite;
-use crate::pivots::{SUSPICIOUS, is_rounding, zero_pivot};
+use crate::pivots::{SUSPICIOUS, is_rounding, load, zero_pivot};
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::dissection::nested_dissection;
@@ -48,7 +48,8 @@ pub struct SparseCholesky {
     pub(super) factor: Vec<f64>,
     pub(super) factored: bool,
     pub(super) scratch: Scratch,
-    /// The answer to a unit load at a suspicious pivot.
+    /// Loads on the freedoms of suspicious pivots, and the answer to them.
+    loads: Vec<f64>,
     probe: Vec<f64>,
 }
 
@@ -98,6 +99,7 @@ impl SparseCholesky {
             symbolic: Arc::new(symbolic),
             factored: false,
             scratch,
+            loads: vec![0.0; n],
             probe: vec![0.0; n],
         })
     }
@@ -123,15 +125,17 @@ impl SparseCholesky {
         );
         match factored {
             Ok(_) => {
-                let suspicious = self.check_pivots(matrix)?;
-                self.factored = true;
-                match suspicious {
-                    Some(freedom) if self.is_rounding(matrix, freedom) => {
-                        self.factored = false;
-                        Err(SparseError::NotPositiveDefinite { freedom })
-                    }
-                    _ => Ok(()),
+                let mut loads = std::mem::take(&mut self.loads);
+                loads.fill(0.0);
+                let suspicious = self.check_pivots(matrix, &mut loads);
+                self.loads = loads;
+                self.factored = suspicious.is_ok();
+                if suspicious? && self.is_rounding(matrix) {
+                    self.factored = false;
+                    let freedom = self.softest(matrix);
+                    return Err(SparseError::NotPositiveDefinite { freedom });
                 }
+                Ok(())
             }
             Err(_) if first_non_finite(matrix.values()).is_some() => Err(SparseError::NonFinite),
             Err(LltError::NonPositivePivot { index }) => {
@@ -182,24 +186,35 @@ impl SparseCholesky {
         }
     }
 
-    /// Whether a pivot that is small beside its diagonal entry is what rounding leaves of zero.
+    /// Whether pivots that are small beside their diagonal entries are what rounding leaves of zero.
     #[cold]
-    fn is_rounding(&mut self, matrix: &SymmetricMatrix, freedom: usize) -> bool {
+    fn is_rounding(&mut self, matrix: &SymmetricMatrix) -> bool {
         let mut probe = std::mem::take(&mut self.probe);
-        probe.fill(0.0);
-        probe[freedom] = 1.0;
+        probe.copy_from_slice(&self.loads);
         self.solve(&mut probe);
-        let is_rounding = is_rounding(freedom, &probe, |i| matrix.diagonal(i));
+        let is_rounding = is_rounding(&probe, |i| self.loads[i], |i| matrix.diagonal(i));
         self.probe = probe;
         is_rounding
     }
 
+    /// The suspicious freedom that yields most to the loads.
+    #[cold]
+    fn softest(&self, matrix: &SymmetricMatrix) -> usize {
+        let suspicious = (0..self.loads.len()).filter(|&i| self.loads[i] > 0.0);
+        let yields = |i: usize| matrix.diagonal(i).sqrt() * self.probe[i].abs();
+        suspicious.max_by(|&i, &j| yields(i).total_cmp(&yields(j))).unwrap_or(0)
+    }
+
     /// faer takes infinite pivots and what rounding leaves of zero ones for positive: not so here. A
-    /// number that is not finite anywhere in the factor makes a later pivot infinite or NaN. Names the
-    /// last freedom whose pivot is suspicious.
-    fn check_pivots(&self, matrix: &SymmetricMatrix) -> Result<Option<usize>, SparseError> {
+    /// number that is not finite anywhere in the factor makes a later pivot infinite or NaN. Whether
+    /// pivots are suspicious; their freedoms are given loads.
+    fn check_pivots(
+        &self,
+        matrix: &SymmetricMatrix,
+        loads: &mut [f64],
+    ) -> Result<bool, SparseError> {
         let zero = zero_pivot(matrix.dim());
-        let mut suspicious = None;
+        let mut suspicious = false;
         let mut check = |place: usize, root: f64| {
             let freedom = self.freedom(place);
             let pivot = root * root;
@@ -207,7 +222,8 @@ impl SparseCholesky {
                 Err(SparseError::NonFinite)
             } else if pivot > zero * matrix.diagonal(freedom) {
                 if pivot < SUSPICIOUS * matrix.diagonal(freedom) {
-                    suspicious = Some(freedom);
+                    suspicious = true;
+                    loads[freedom] = load(freedom, matrix.diagonal(freedom));
                 }
                 Ok(())
             } else {
@@ -399,6 +415,41 @@ mod tests {
                 assert!(matches!(error, SparseError::NotPositiveDefinite { .. }), "{error}");
             }
         }
+    }
+
+    type Blocks = Vec<(Vec<usize>, Vec<f64>)>;
+
+    /// Three freedoms of rank two: elimination magnifies the rounding of the third pivot.
+    fn rank_two(delta: f64) -> Blocks {
+        let entry = |k: usize| 1.0 + [0.0, 1.0, 10.0][k / 3] * [0.0, 1.0, 10.0][k % 3] * delta;
+        vec![((0..3).collect(), (0..9).map(entry).collect())]
+    }
+
+    /// Five freedoms, all coupled, from the third on: their sum is held by `least`, all else by 1.
+    fn five(least: f64) -> Blocks {
+        let entry = |k: usize| f64::from(k.is_multiple_of(6)) - (1.0 - least) / 5.0;
+        vec![((3..8).collect(), (0..25).map(entry).collect())]
+    }
+
+    #[test]
+    fn rounding_is_found_whatever_is_eliminated_after_it() {
+        // The last: regular, though its last pivot is suspicious as well.
+        for after in [vec![], five(1.0), five(0.9), five(1e-9)] {
+            for k in 1..30 {
+                let blocks = [rank_two(1.1e-4 * f64::from(k)), after.clone()].concat();
+                let matrix = SymmetricMatrix::from_blocks(3 + 5 * (blocks.len() - 1), &blocks);
+                let matrix = matrix.unwrap();
+                let factored = SparseCholesky::analyse(&matrix).unwrap().factor(&matrix);
+                let named = matches!(
+                    factored,
+                    Err(SparseError::NotPositiveDefinite { freedom }) if freedom < 3
+                );
+                assert!(named, "{k}: {factored:?}");
+            }
+        }
+        let held = vec![(vec![0], vec![1.0]), (vec![1], vec![1.0]), (vec![2], vec![1.0])];
+        let matrix = SymmetricMatrix::from_blocks(8, &[held, five(1e-9)].concat()).unwrap();
+        assert_eq!(SparseCholesky::analyse(&matrix).unwrap().factor(&matrix), Ok(()));
     }
 
     #[test]

@@ -5,10 +5,13 @@ use stationary_constraints::problems::{
     RodProblem, chain, four_bar, pendulum, slider_crank, square, writhing_chain,
 };
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint, Level, Linear, OnLevel,
-    Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows, Scale, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint,
+    Level, Linear, OnLevel, Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows,
+    Scale, StepAndProject,
 };
-use stationary_integrators::{Integrator, State, StepError, StormerVerlet, UniformGravity};
+use stationary_integrators::{
+    Facts, Integrator, State, StepError, StepReport, StormerVerlet, UniformGravity,
+};
 
 const FEW: Few<3> = Few(Redundancy::Refuse);
 
@@ -339,4 +342,61 @@ fn a_penalty_has_no_frequency_under_a_metric_or_at_a_configuration_that_is_too_s
     let verlet: StormerVerlet<'_, _, _, [f64; 2]> = StormerVerlet::new(&system).unwrap();
     let facts = Integrator::<[f64; 2]>::facts(&verlet);
     assert!(penalty.stable_step(facts, system.metric(), &initial.q[..1]).is_err());
+}
+
+/// A method that throws what is not constrained out of the world.
+struct Throwing<I>(I);
+
+impl<I: Integrator<[f64; 2]>> Integrator<[f64; 2]> for Throwing<I> {
+    fn facts(&self) -> Facts {
+        self.0.facts()
+    }
+
+    fn step(&mut self, state: &mut State<[f64; 2]>, h: f64) -> Result<StepReport, StepError> {
+        let report = self.0.step(state, h)?;
+        state.q[0] = f64::INFINITY;
+        Ok(report)
+    }
+}
+
+#[test]
+fn a_step_that_leaves_the_numbers_where_nothing_is_constrained_is_refused() {
+    let RodProblem { system, .. } = pendulum(1.0).unwrap().problem;
+    let initial = State::new([1.0, 0.0], Covector([1.0, 0.0]));
+    let floor = Linear::new(vec![(vec![(1, 1.0)], 0.0)]).unwrap();
+    let throwing = Throwing(StormerVerlet::new(&system).unwrap());
+    let mut project = StepAndProject::new(throwing, &system, floor, &initial, FEW).unwrap();
+    let mut state = initial.clone();
+    let error = project.step(&mut state, 0.1).unwrap_err();
+    let expected = StepError::NonFiniteConfiguration { freedom: 0 };
+    assert_eq!(error, ConstraintError::Step(expected));
+    assert_eq!(state, initial);
+}
+
+/// Two crossed lines.
+#[derive(Clone, Debug)]
+struct Cross;
+
+impl Level<2> for Cross {
+    fn value<R: Number>(&self, _: R, [x, y]: [R; 2]) -> R {
+        x * y
+    }
+}
+
+#[test]
+fn a_step_that_ends_where_equations_have_no_rank_is_refused_and_leaves_the_state() {
+    let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+    let free = UniformGravity { acceleration: [0.0, 0.0], masses: vec![1.0] };
+    let system = System::new(metric, free).unwrap();
+    let initial = State::new([-1.0, 0.0], Covector([1.0, 0.0]));
+    let cross = || OnLevel::new(0, Cross);
+    let mut hamilton = ConstrainedHamilton::new(&system, cross(), &initial, FEW).unwrap();
+    let mut rattle = Rattle::new(&system, cross(), &initial, FEW).unwrap();
+    let mut state = initial.clone();
+    for step in [hamilton.step(&mut state, 1.0), rattle.step(&mut state, 1.0)] {
+        let error = step.unwrap_err();
+        assert!(matches!(error, ConstraintError::Singular { row: 0, .. }), "{error}");
+    }
+    assert_eq!(state, initial);
+    hamilton.step(&mut state, 0.9).unwrap();
 }

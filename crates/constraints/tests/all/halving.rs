@@ -2,7 +2,7 @@
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, Halving, Rattle, Redundancy, Rod, Rods,
+    ConstrainedIntegrator, ConstraintError, Few, Halving, Projection, Rattle, Redundancy, Rod, Rods,
 };
 use stationary_integrators::{State, Symplecticity, UniformGravity};
 
@@ -75,4 +75,37 @@ fn a_step_that_fails_in_its_smallest_parts_leaves_the_state() {
     let mut state = initial.clone();
     assert!(halving.step(&mut state, 5.0).is_err());
     assert_eq!(state, initial);
+}
+
+#[test]
+fn masses_that_differ_by_any_factor_are_held() {
+    for exponent in -12..=12 {
+        let (system, rods, initial) = double(10_f64.powi(exponent));
+        let mut rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+        let mut state = initial.clone();
+        for step in 0..200 {
+            let held = rattle.step(&mut state, 1e-4);
+            assert!(held.is_ok(), "1e{exponent}, step {step}: {held:?}");
+        }
+    }
+}
+
+#[test]
+fn a_projection_between_masses_that_differ_by_a_billion_settles_or_is_refused() {
+    let (system, rods, _) = double(1e9);
+    // Stretched, so that the joint between the masses is all but at rest.
+    let rest = State::new([0.6, -0.8, 1.2, -1.6], Covector([0.0; 4]));
+    let mut projection = Projection::new(&system, &rods, &rest, FEW).unwrap();
+    let mut settled = 0;
+    for seed in 0..300 {
+        let mut state = rest.clone();
+        for (k, q) in state.q.iter_mut().enumerate() {
+            *q += 1e-3 * (f64::from(seed) + 2.4 * k as f64).sin();
+        }
+        if let Ok(report) = projection.project(&mut state) {
+            assert!(report.iterations < 30, "{seed}: {report:?}");
+            settled += 1;
+        }
+    }
+    assert!(settled > 100, "{settled}");
 }

@@ -273,6 +273,37 @@ fn the_work_of_a_motor_is_the_energy_that_the_system_gains() {
     }
 }
 
+/// A floor that rises at 0.7 m/s.
+#[derive(Clone, Debug)]
+struct Lift;
+
+impl Level<2> for Lift {
+    fn value<R: Number>(&self, t: R, [_, y]: [R; 2]) -> R {
+        y - t * 0.7
+    }
+}
+
+#[test]
+fn the_work_of_a_lift_is_the_energy_gained_by_step_and_project_too() {
+    let metric = DiagonalMetric::new([3.0; 2]).unwrap();
+    let gravity = UniformGravity { acceleration: [0.0, -2.0], masses: vec![3.0] };
+    let system = System::new(metric, gravity).unwrap();
+    let initial = State::new([0.0, 0.0], Covector([1.0, 3.0 * 0.7]));
+    let verlet = StormerVerlet::new(&system).unwrap();
+    let lift = OnLevel::new(0, Lift);
+    let choice = Few::<1>(REFUSE);
+    let mut method = StepAndProject::new(verlet, &system, lift, &initial, choice).unwrap();
+    let mut state = initial.clone();
+    for k in 1..=10 {
+        let report = method.step(&mut state, 0.1).unwrap();
+        // Weight times way.
+        assert!((report.work - 6.0 * 0.07).abs() < 1e-14, "{report:?}");
+        let gained =
+            system.energy(&state.q, state.p.view()) - system.energy(&initial.q, initial.p.view());
+        assert!((gained - 0.42 * f64::from(k)).abs() < 1e-13);
+    }
+}
+
 #[test]
 fn a_constraint_that_stays_does_no_work() {
     let RodProblem { system, rods, initial } = four_bar(1.0, 2.0).unwrap().problem;

@@ -204,3 +204,15 @@ fn a_pair_of_surfaces_may_have_its_own_restitution_and_friction() {
     assert!(matches!(refused, ContactError::Restitution { .. }));
     assert_eq!(on(1).carrier, Carrier::Body(1));
 }
+
+#[test]
+fn colliders_at_places_that_are_no_numbers_are_refused() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let turned = PlanarMotion { rotation: PlanarRotation::exp(bad), ..at(0.0, 0.0) };
+        for place in [at(bad, 0.0), at(0.0, bad), turned] {
+            let error = PlanarDetector::new(vec![PlanarCollider::fixed(place, ground())], 0);
+            let error = error.unwrap_err();
+            assert!(matches!(error, ContactError::NonFinite { .. }), "{error}");
+        }
+    }
+}

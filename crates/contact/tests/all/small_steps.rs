@@ -55,3 +55,22 @@ fn the_impulse_of_a_single_impact_is_that_of_the_closed_form_at_every_step_down_
         }
     }
 }
+
+#[test]
+fn without_restitution_a_gap_is_used_up_before_a_body_is_stopped() {
+    let metric = DiagonalMetric::new(vec![2.0, 2.0, 0.1]).unwrap();
+    let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![2.0] };
+    let disc = PlanarCollider::on_body(0, PlanarShape::disc(0.5).unwrap());
+    let ground = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let ground = PlanarCollider::fixed(PlanarMotion::identity(), ground);
+    let detector = PlanarDetector::new(vec![disc, ground], 1).unwrap();
+    let mut world = World::new(System::new(metric, weight).unwrap(), detector).unwrap();
+    for part in [0.1, 0.9] {
+        let h = 1e-3;
+        let mut state = State::new(vec![0.0, 0.5 + part * h, 0.0], Covector(vec![0.0, -2.0, 0.0]));
+        world.step(&mut state, h).unwrap();
+        assert!((state.q[1] - 0.5).abs() < 1e-12, "{part}: {state:?}");
+        world.step(&mut state, h).unwrap();
+        assert!(state.p.0[1].abs() < 1e-12, "{part}: {state:?}");
+    }
+}

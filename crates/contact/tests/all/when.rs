@@ -172,3 +172,28 @@ fn a_restitution_outside_zero_to_one_is_refused() {
     let error = Impacting::new(&system, &gaps, 1.5, law, When::AfterOverlap).unwrap_err();
     assert_eq!(error, ContactError::Restitution { contact: 0, value: 1.5 });
 }
+
+#[test]
+fn a_ball_that_comes_onto_the_floor_it_touches_bounces_and_does_not_rest() {
+    let (system, gaps) = (fall(1), floor(1));
+    let law = ImpactLaw::GeneralizedReflections;
+    let mut impacting = Impacting::new(&system, &gaps, 1.0, law, When::AtTheInstant).unwrap();
+    let mut state = State::new(vec![0.25], Covector(vec![-1.0]));
+    let report = impacting.step(&mut state, 1e-3).unwrap();
+    assert!(report.impacts == 1 && !report.rested, "{report:?}");
+    assert!((state.p.0[0] - (1.0 - G * 1e-3)).abs() < 1e-9, "{state:?}");
+}
+
+#[test]
+fn a_ball_that_starts_inside_the_floor_is_stopped_or_bounces_at_once() {
+    let (system, gaps) = (fall(1), floor(1));
+    let law = ImpactLaw::GeneralizedReflections;
+    for speed in [0.0, 1e-3, 1.0] {
+        let mut impacting = Impacting::new(&system, &gaps, 0.5, law, When::AtTheInstant).unwrap();
+        let mut state = State::new(vec![0.2], Covector(vec![-speed]));
+        impacting.step(&mut state, 1e-3).unwrap();
+        assert!(state.q[0] > 0.2 - 1e-12, "{speed}: {state:?}");
+        let bounced = if speed == 1.0 { 0.5 - G * 1e-3 } else { 0.0 };
+        assert!((state.p.0[0] - bounced).abs() < 1e-9, "{speed}: {state:?}");
+    }
+}

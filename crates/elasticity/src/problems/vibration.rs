@@ -156,3 +156,24 @@ pub fn bar_frequencies(length: f64, cells: usize, k: usize) -> [f64; 3] {
     let galerkin = (6.0 * (1.0 - t.cos()) / (2.0 + t.cos())).sqrt();
     [t, 2.0 * (0.5 * t).sin(), galerkin].map(|w| w * n / length)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sliding_block_has_one_wave_of_pressure_and_a_shear_wave_less_than_its_sides_with_waves() {
+        let lame = block_pair().unwrap();
+        let (pressure, shear) = ((lame.lambda() + 2.0 * lame.mu()).sqrt(), lame.mu().sqrt());
+        // Waves of one along the long side, and of both kinds along two or three.
+        let length = |squares: f64| PI * squares.sqrt();
+        let mut expected = vec![pressure * length(0.25)];
+        expected.extend([shear * length(1.25); 2]);
+        expected.extend([shear * length(2.0); 3]);
+        expected.extend([shear * length(2.25); 2]);
+        let found = sliding_block_frequencies([2.0, 1.0, 1.0], 8).unwrap();
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
+        }
+    }
+}

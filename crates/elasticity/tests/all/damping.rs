@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use stationary_calculus::{Covector, Curvature, DenseSink, Force, Vector};
 use stationary_elasticity::{
-    Elements, Freedoms, Lame, LinearTetrahedron, Rayleigh, SaintVenantKirchhoff, Solid, StrainRate,
-    lumped_mass,
+    ElasticityError, Elements, Freedoms, Held, Lame, LinearTetrahedron, Rayleigh,
+    SaintVenantKirchhoff, Solid, StrainRate, lumped_mass,
 };
 use stationary_mesh::{Mesh, cuboid};
 
@@ -91,4 +91,34 @@ fn rayleigh_damping_is_mass_and_stiffness_times_the_velocity() {
     for bad in [[-1.0, 0.0], [0.0, f64::NAN]] {
         assert!(Rayleigh::new(bad, metric.clone(), &stiffness).is_err());
     }
+}
+
+#[test]
+fn held_vertices_that_are_moved_damp_where_they_are() {
+    let mesh = cuboid([1.0, 1.0, 1.0], [1, 1, 1]).unwrap();
+    let nodes: Vec<[f64; 3]> = mesh.nodes();
+    let law = SaintVenantKirchhoff::new(lame());
+    let viscosity = || Lame::new(0.3, 2.0).unwrap();
+    // The left face, held where it is or moved away and stretched.
+    let damping = |shift: f64| {
+        let at = |vertex: usize, c: usize| nodes[vertex][c] * (1.0 + shift) - shift;
+        let left = (0..8).filter(|&vertex| nodes[vertex][0] == 0.0);
+        let held: Vec<Held> = left
+            .flat_map(|vertex| (0..3).map(move |component| (vertex, component)))
+            .map(|(vertex, component)| Held { vertex, component, place: at(vertex, component) })
+            .collect();
+        let freedoms = Freedoms::<3>::new(8, &held).unwrap();
+        let places = freedoms.places().to_vec();
+        let solid = Solid::new(LinearTetrahedron, &mesh, 1.0, law, freedoms).unwrap();
+        (StrainRate::new(&solid, viscosity()).unwrap(), places)
+    };
+    let ((mut moved, _), (there, places)) = (damping(0.0), damping(0.25));
+    let q: Vec<f64> = (0..12).map(|k| 1.0 + 0.1 * f64::from(k).sin()).collect();
+    let v: Vec<f64> = (0..12).map(|k| f64::from(k).cos()).collect();
+    assert_ne!(force(&moved, &q, &v), force(&there, &q, &v));
+    moved.hold_at(&places).unwrap();
+    assert_eq!(force(&moved, &q, &v), force(&there, &q, &v));
+    let short = moved.hold_at(&places[1..]);
+    assert_eq!(short, Err(ElasticityError::HeldPlaces { expected: 12, got: 11 }));
+    assert_eq!(force(&moved, &q, &v), force(&there, &q, &v));
 }

@@ -1,7 +1,7 @@
 //! What bad input gets: a typed error, and a state as it was.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, Potential, SizeError};
+use stationary_calculus::{Covector, DenseSink, Potential, SizeError};
 use stationary_constraints::Constraint;
 use stationary_integrators::{State, StepError};
 use stationary_rigid::problems::{held_at_a_point, nodding_top, top_on_its_tip, tumbling_box};
@@ -142,6 +142,13 @@ fn what_is_asked_of_an_absent_body_is_refused() {
     assert!(spatial_angular_momentum::<Poses>(&state).is_err());
 }
 
+/// The second differential for so many multipliers, at zeros.
+fn hessian(joint: &impl Constraint, numbers: usize, multipliers: usize) -> Result<(), SizeError> {
+    let mut entries = [0.0; 144];
+    let mut sink = DenseSink::new(1.0, 12, &mut entries).unwrap();
+    joint.add_hessian(0.0, &vec![0.0; numbers], &vec![1.0; multipliers], &mut sink)
+}
+
 #[test]
 fn joints_refuse_too_few_numbers_and_other_counts_of_values() {
     let ends = [Attachment::Body(0, Vector3::x()), Attachment::Body(1, Vector3::y())];
@@ -155,13 +162,33 @@ fn joints_refuse_too_few_numbers_and_other_counts_of_values() {
     let values = |expected, got| Err(SizeError { what: "the constraint's values", expected, got });
     assert_eq!(hinge.value(0.0, &[0.0; 14], &mut [0.0; 4]), values(5, 4));
     assert_eq!(weld.value(0.0, &[0.0; 6], &mut [0.0; 4]), values(3, 4));
+    let what = "the constraint's multipliers";
+    let multipliers = |expected, got| Err(SizeError { what, expected, got });
+    assert_eq!(hessian(&hinge, 14, 4), multipliers(5, 4));
+    assert_eq!(hessian(&hinge, 14, 6), multipliers(5, 6));
+    assert_eq!(hessian(&weld, 6, 2), multipliers(3, 2));
 }
 
 #[test]
-fn bodies_that_a_configuration_does_not_hold_have_no_weight() {
+fn pins_and_welds_at_numbers_that_are_not_finite_are_refused() {
+    let world = PlanarAttachment::World(Vector2::zeros());
+    for bad in [f64::NAN, f64::INFINITY] {
+        let end = PlanarAttachment::Body(0, Vector2::new(1.0, bad));
+        for ends in [[world, end], [end, world]] {
+            let error = PlanarJoint::pin(1, ends).unwrap_err();
+            assert!(matches!(error, RigidError::NonFinite { index: 1, .. }), "{error}");
+        }
+        let good = PlanarAttachment::Body(0, Vector2::x());
+        assert!(PlanarJoint::weld(1, [world, good], bad).is_err());
+    }
+}
+
+#[test]
+fn bodies_have_weight_where_the_configuration_holds_them_all() {
     let masses = vec![PointMass { mass: 1.0, point: Vector3::x() }; 2];
     let weight = Weight { gravity: Vector3::z(), masses, space: Poses };
     assert!(weight.energy(&[0.0; 7]).is_nan());
     let flat = PlanarWeight { gravity: Vector2::x(), masses: vec![1.0; 2] };
     assert!(flat.energy(&[1.0, 2.0, 0.0]).is_nan());
+    assert_eq!(flat.energy(&[1.0, 2.0, 0.0, 5.0, 2.0, 0.0]), -6.0);
 }

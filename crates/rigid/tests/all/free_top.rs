@@ -202,3 +202,21 @@ fn a_thrown_racket_flips_over_twice_a_period() {
         assert!((flip - expected).abs() < 2e-3, "flip {k} at {flip}, expected {expected}");
     }
 }
+
+#[test]
+fn a_top_that_turns_a_thousand_times_as_fast_is_there_a_thousand_times_as_soon() {
+    let start = Rotation::exp(Vector3::new(0.5, -0.2, 1.1));
+    // The last all but a ball, which tumbles once in years.
+    let ball = Body::new(1.0, [2.0, 2.0 + 1e-9, 2.0 + 2e-9]).unwrap();
+    for (body, w) in tops().into_iter().chain([(ball, Vector3::new(1.0, 2.0, 3.0))]) {
+        let top = FreeTop::new(body, start, w).unwrap();
+        for factor in [1e-3, 30.0, 1e3] {
+            let fast = FreeTop::new(body, start, w * factor).unwrap();
+            for t in [0.1, 1.5, 20.0, 70.0] {
+                let (one, other) = (top.orientation(t), fast.orientation(t / factor));
+                let apart = one.unwrap().direction_to(&other.unwrap()).norm();
+                assert!(apart < 1e-11 * (1.0 + t), "{body:?} {w} {factor} {t}: {apart:e}");
+            }
+        }
+    }
+}

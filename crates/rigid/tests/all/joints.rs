@@ -5,7 +5,7 @@ use stationary_calculus::{Covector, Metric, Space, Vector, assert_derivatives_on
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
     ConstrainedHamilton, ConstrainedIntegrator, Constraint, Few, FreeMotion, Pairing, Rattle,
-    Redundancy, Rows,
+    Redundancy, Rows, Scale,
 };
 use stationary_integrators::{State, StepError};
 use stationary_rigid::{
@@ -220,4 +220,17 @@ fn along_straight_motions_bodies_of_unequal_moments_would_lose_their_gyroscopic_
     // The notes' 6.5 as well.
     let mut first = ConstrainedHamilton::along(motion, &system, joint, &initial, few()).unwrap();
     assert!(off(&mut first) < 1e-5);
+}
+
+#[test]
+fn a_point_that_is_off_is_measured_by_the_longer_arm() {
+    let length = POINT.norm().max(OTHER.norm());
+    for joint in all(Poses) {
+        let hung = joint == all(Poses)[2];
+        let arm = if hung { POINT.norm() } else { length };
+        for row in 0..joint.count() {
+            let expected = Scale { slope: 1.0, length: if row < 3 { arm } else { 1.0 } };
+            assert_eq!(joint.scale(row), expected, "{joint:?} {row}");
+        }
+    }
 }

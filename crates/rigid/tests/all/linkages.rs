@@ -218,3 +218,14 @@ fn a_four_bar_linkage_of_bodies_takes_the_time_of_a_revolution_that_energy_gives
     }
     assert!((in_space(1e-3) - in_the_plane(1e-3)).abs() < 1e-6);
 }
+
+#[test]
+fn the_bars_of_a_four_bar_weigh_their_length_times_the_density() {
+    for (mass, expected) in LINKAGE.masses().into_iter().zip([0.4, 1.0, 0.8]) {
+        assert!((mass - expected).abs() < 1e-15);
+    }
+    // A thin rod about its centre.
+    for (moment, expected) in LINKAGE.moments().into_iter().zip([0.016, 0.25, 0.128]) {
+        assert!((moment - expected / 12.0).abs() < 1e-16);
+    }
+}

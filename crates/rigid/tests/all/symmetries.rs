@@ -233,3 +233,13 @@ fn in_the_plane_weight_breaks_what_attraction_does_not() {
     let power = (0..3).map(rise).sum::<f64>() * gravity.y;
     assert!((broken.change - power).abs() < 1e-13, "{broken:?} {power}");
 }
+
+#[test]
+fn a_turn_of_the_world_leaves_the_angular_velocities_of_bare_orientations() {
+    // Body axes turn along: nothing is left to change.
+    let turn = carried(ONE, OTHER, Orientations);
+    let q = [Rotation::exp(ONE).quaternion(), Rotation::exp(OTHER).quaternion()].concat();
+    let mut dxi = Vector(vec![7.0; 6]);
+    turn.generator_along(&q, Vector(&[0.4, -1.0, 0.3, 2.0, 0.1, -0.6]), dxi.view_mut());
+    assert_eq!(dxi.0, vec![0.0; 6]);
+}

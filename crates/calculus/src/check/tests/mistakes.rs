@@ -202,6 +202,13 @@ fn the_assertion_fails_a_test_with_the_message() {
 }
 
 #[test]
+#[should_panic(expected = "the differential is wrong at freedom 1")]
+fn the_assertion_on_a_space_fails_a_test_with_the_message() {
+    let potential = chain(3, 1.0).with_differential(|dv| dv[1] += 1e-3);
+    assert_derivatives_on(&Flat, &potential, &[0.3, -0.2, 0.5]);
+}
+
+#[test]
 fn a_branch_within_half_a_length_is_found_with_every_seed() {
     for seed in 0..50 {
         let check = DerivativeCheck { seed, ..DerivativeCheck::default() };

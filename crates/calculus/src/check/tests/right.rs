@@ -24,6 +24,15 @@ fn energies_of_any_magnitude_pass_and_hide_nothing() {
 }
 
 #[test]
+fn errors_below_the_tolerance_are_hidden_and_hardly_larger_ones() {
+    for n in [5, 1000] {
+        let report = check_potential(&chain(n, 1.0), &configuration(n, 0.7)).unwrap();
+        let tolerance = DerivativeCheck::default().tolerance;
+        assert!((1.0..1.1).contains(&(report.unseen() / tolerance)), "{n}\n{report}");
+    }
+}
+
+#[test]
 fn many_seeds_raise_no_false_alarm() {
     for seed in 0..300 {
         let check = DerivativeCheck { seed, ..DerivativeCheck::default() };

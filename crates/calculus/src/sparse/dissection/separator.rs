@@ -236,3 +236,41 @@ impl<'a> Refinement<'a> {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_all_regions_the_one_with_the_best_separator_is_kept() {
+        // A ladder of 40 rungs with a hub at one end, so that regions end differently.
+        let edges = (0..40_u32).flat_map(|k| {
+            let along = [(2 * k, 2 * k + 2), (2 * k + 1, 2 * k + 3)];
+            let hub = (k < 12).then_some((0, 82 + k));
+            [(2 * k, 2 * k + 1)].into_iter().chain(along).chain(hub)
+        });
+        let mut columns = vec![Vec::new(); 94];
+        edges.for_each(|(j, i)| columns[j as usize].push(i));
+        let starts: Vec<u32> = std::iter::once(0)
+            .chain(columns.iter().scan(0, |sum, column| {
+                *sum += column.len() as u32;
+                Some(*sum)
+            }))
+            .collect();
+        let graph = Graph::of_lower_triangle(&starts, &columns.concat());
+        let mut seen = Vec::new();
+        for seed in 0..20 {
+            let mut random = SplitMix64::new(seed);
+            let score = |sides: &mut Vec<Side>| Refinement::new(&graph, sides).score();
+            let mut found = initial(&graph, &mut random.clone()).unwrap();
+            let tries = (0..TRIES).map(|_| {
+                let mut sides = grown(&graph, (random.bits() % graph.len() as u64) as usize);
+                Refinement::new(&graph, &mut sides).run()
+            });
+            let scores: Vec<(u64, u64)> = tries.collect();
+            assert_eq!(Some(&score(&mut found)), scores.iter().min());
+            seen.extend(scores);
+        }
+        assert!(seen.iter().min() < seen.iter().max(), "the regions are all alike");
+    }
+}
