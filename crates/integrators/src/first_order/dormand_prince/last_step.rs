@@ -6,8 +6,8 @@
 //! `x` from 0 to 1, `d` seven combinations of sixteen stages (n each). Three of the stages are computed
 //! when a moment within the step is first asked for. Now and then the ends of a long step are right by
 //! luck, and its polynomial is off by hundreds of tolerances: `d7` is then large, and each half of the
-//! step becomes a polynomial of its own, 250 times as exact. Source: Hairer, Norsett, Wanner, Solving Ordinary
-//! Differential Equations I (1993), II.6.
+//! step becomes a polynomial of its own, 250 times as exact. Source: Hairer, Norsett, Wanner, Solving
+//! Ordinary Differential Equations I (1993), II.6.
 
 use stationary_calculus::Storage;
 
