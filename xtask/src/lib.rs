@@ -4,6 +4,7 @@
 //! - [`check_page`]: opens that page in a browser and complains about what a reader would.
 //! - [`run`]: a scene file to a trajectory.
 //! - [`choose`]: the cheapest way to run a scene within a tolerance.
+//! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
 //! - [`layers`]: which crate may depend on what.
 //! - [`readme`]: the README of each crate from its front page.
 //! - [`licenses`]: what the dependencies ask of whoever uses the crates.
@@ -20,6 +21,7 @@ pub mod cargo;
 pub mod chart;
 pub mod check_page;
 pub mod choose;
+pub mod choosing;
 pub mod cost;
 pub mod kernels;
 pub mod layers;

@@ -11,6 +11,7 @@ use signal_hook::flag;
 use stationary_scene::Scene;
 use xtask::check_page::check_page;
 use xtask::choose::{Question, Verdict, choose, emit, emitted, picture, time};
+use xtask::choosing;
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::kernels::kernels;
 use xtask::layers::{Metadata, check, check_tree};
@@ -263,7 +264,7 @@ fn run_file(
 const INTERRUPTED: u8 = 130;
 
 fn run_trials(arguments: &stationary_trials::Arguments) -> Result<ExitCode, Failure> {
-    Ok(if arguments.run()? { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if arguments.run_with(choosing::KINDS)? { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn run_licenses() -> Result<ExitCode, Failure> {

@@ -208,6 +208,11 @@ impl<const K: usize> Moving for Flow<'_, K> {
         self.prepared
     }
 
+    /// Steps are factored for one size.
+    fn takes_parts(&self) -> bool {
+        matches!(self.way, Way::Modes(..))
+    }
+
     fn built(&self) -> Built {
         self.built
     }

@@ -36,6 +36,15 @@ pub trait Watcher {
 
     /// Takes a checkpoint for which it has wished.
     fn keep(&mut self, checkpoint: &Checkpoint);
+
+    /// The parts of a step, between 0 and 1, at which it wishes to see the observables too.
+    fn parts(&self, _step: u64) -> &[f64] {
+        &[]
+    }
+
+    /// Sees the observables at a part of a step before it sees the step: what the method gives by a
+    /// step of that part, which is then taken back. No cost is counted for it.
+    fn inside(&mut self, _time: f64, _observed: &[f64]) {}
 }
 
 /// What is stepped: particles, bodies, or heat.
@@ -62,6 +71,11 @@ pub(crate) trait Moving {
 
     /// The error of a run of which this step failed.
     fn failed(&self, step: u64, time: f64, failure: StepFailure, run: Run) -> RunError;
+
+    /// Whether it can take a part of a step and go back.
+    fn takes_parts(&self) -> bool {
+        true
+    }
 
     /// What the method remembers.
     fn save(&mut self) -> Saved;
@@ -109,6 +123,9 @@ pub(crate) fn march<M: Moving>(
     let mut wish = Wish::GoOn;
     for step in done + 1..=steps {
         let before = (wish == Wish::Checkpoint).then(|| Before::of(&mut moving));
+        if moving.takes_parts() {
+            look_inside(scene, &mut moving, watcher, (step, h))?;
+        }
         match moving.step(h, time(step)) {
             Ok(stepped) => {
                 cost.add(&stepped.report);
@@ -147,6 +164,28 @@ pub(crate) fn march<M: Moving>(
     }
     let broken = moving.broken().to_vec();
     Ok(Run { scene: scene.clone(), samples, broken, cost, built })
+}
+
+/// Shows the parts of a step that the watcher wishes to see, and leaves everything as it was. A part
+/// that has no solution is passed over: the step itself will say so.
+fn look_inside<M: Moving>(
+    scene: &Scene,
+    moving: &mut M,
+    watcher: &mut dyn Watcher,
+    (step, h): (u64, f64),
+) -> Result<(), CheckpointError> {
+    let parts = watcher.parts(step).to_vec();
+    let from = scene.timing.stepping().time(step - 1);
+    for part in parts {
+        let (before, to) = (Before::of(moving), from + part * h);
+        if moving.step(part * h, to).is_ok() {
+            let mut samples = scene.no_samples();
+            moving.sample(to, &mut samples);
+            watcher.inside(to, samples.last_observed());
+        }
+        moving.load(&before)?;
+    }
+    Ok(())
 }
 
 /// Adds a sample, all of whose numbers are finite.

@@ -65,6 +65,11 @@ impl<const D: usize> Moving for Particles<'_, D> {
         self.prepared
     }
 
+    /// A rod that broke does not mend.
+    fn takes_parts(&self) -> bool {
+        self.recorder.scene.rods.iter().all(|rod| rod.strength.is_infinite())
+    }
+
     fn built(&self) -> Built {
         self.built
     }

@@ -73,7 +73,15 @@ impl Arguments {
     /// # Errors
     /// [`CommandError::UnknownKind`] and [`CommandError::File`].
     pub fn run(&self) -> Result<bool, CommandError> {
-        self.run_kinds(self.kinds()?)
+        self.run_with(&[])
+    }
+
+    /// The same with further kinds, of what stands above this crate.
+    ///
+    /// # Errors
+    /// Those of [`Arguments::run`].
+    pub fn run_with(&self, further: &'static [Kind]) -> Result<bool, CommandError> {
+        self.run_kinds(self.kinds(further)?)
     }
 
     fn run_kinds(&self, kinds: Vec<&'static Kind>) -> Result<bool, CommandError> {
@@ -111,12 +119,13 @@ impl Arguments {
         Ok(tallies.iter().all(|tally| tally.wrong == 0))
     }
 
-    fn kinds(&self) -> Result<Vec<&'static Kind>, CommandError> {
+    fn kinds(&self, further: &'static [Kind]) -> Result<Vec<&'static Kind>, CommandError> {
+        let all = || Kind::all().chain(further);
         if self.only.is_empty() {
-            return Ok(Kind::all().collect());
+            return Ok(all().collect());
         }
         let find = |name: &String| {
-            let kind = Kind::all().find(|kind| kind.name == name);
+            let kind = all().find(|kind| kind.name == name);
             kind.ok_or_else(|| CommandError::UnknownKind { name: name.clone() })
         };
         self.only.iter().map(find).collect()

@@ -24,8 +24,9 @@ const HANG: Duration = Duration::from_secs(300);
 /// Between two looks at the clock.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// At most this many wrong cases of a kind are shrunk and told.
-const TOLD: usize = 8;
+/// At most this many wrong cases of a kind are shrunk, and none after so long.
+const SHRUNK: usize = 8;
+const SHRINKING: Duration = Duration::from_secs(60);
 
 /// Which cases to run.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +65,7 @@ pub struct Tally {
     /// The error over what was promised of each right case and each wrong one, in the cases' order.
     #[serde(skip)]
     pub ratios: Vec<f64>,
-    /// The first wrong ones, shrunk.
+    /// The wrong ones, the first of them shrunk.
     #[serde(skip)]
     pub faults: Vec<Fault>,
     /// What refusals and cases not judged said, and how often.
@@ -113,8 +114,14 @@ impl Plan {
             }
         }
         tally.seconds = clock.passed().as_secs_f64();
-        tally.faults =
-            wrong.into_iter().take(TOLD).map(|(index, what)| cases.explain(index, what)).collect();
+        let begun = Instant::now();
+        let told = |(number, (index, what)): (usize, (u64, String))| {
+            if number < SHRUNK && begun.elapsed() < SHRINKING {
+                return cases.explain(index, what);
+            }
+            Fault { case: cases.case(index), what, shrunk: None }
+        };
+        tally.faults = wrong.into_iter().enumerate().map(told).collect();
         tally
     }
 
@@ -331,7 +338,8 @@ mod tests {
         assert_eq!(parts.iter().sum::<u64>(), 400);
         assert!(parts.iter().all(|&n| n > 70), "{parts:?}");
         assert!(tally.is_shy());
-        assert_eq!(tally.faults.len(), TOLD);
+        assert_eq!(tally.faults.len() as u64, tally.wrong);
+        assert_eq!(tally.faults.iter().filter(|fault| fault.shrunk.is_some()).count(), SHRUNK);
         assert!(tally.faults.iter().any(|fault| fault.what == "panics: 42"));
     }
 

@@ -5,7 +5,7 @@ mod encounters;
 mod fixed_orders;
 mod kinetics;
 mod problem;
-mod reference;
+pub mod reference;
 mod runs;
 mod smooth;
 mod tolerance;

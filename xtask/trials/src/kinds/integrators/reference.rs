@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector, Schur};
 
-use super::problem::{Derivative, Slope};
+pub use super::problem::{Derivative, Slope};
 
 /// What is extrapolated.
 #[derive(Clone, Copy)]

@@ -1,0 +1,204 @@
+//! Random questions to `choose` about random scenes: is what it recommends true along the whole way?
+//!
+//! The truth is the scene's own model, in closed form or by other solvers at a far tighter setting.
+//! The recommended run is looked at in every step, at its end and at three irrational parts of it.
+
+mod flow;
+mod scenes;
+mod truth;
+
+use std::time::Duration;
+
+use stationary_scene::{Checkpoint, Progress, Scene, Watcher, Wish};
+use stationary_trials::{Draw, Kind, Verdict};
+
+use crate::choose::Kind as Setting;
+use crate::choose::{
+    Answer, At, Change, Failure, Judgement, Lab, Question, Verdict as Said, answer, changed,
+    laboratory,
+};
+
+/// The kinds of trials of the chooser.
+pub const KINDS: &[Kind] = &[Kind {
+    name: "choosing",
+    krate: "xtask",
+    rule: "a choice without a warning whose observable is farther from the truth than the tolerance \
+           times the scale that it states, at the end of a step or at three irrational parts of it; \
+           a run rejected for wrong physics or for its error that keeps to half of the tolerance, \
+           and whose energy is right",
+    in_tests: 50,
+    trial,
+}];
+
+/// Parts of a step: fractions of the roots of 5, 2 and 3.
+const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732_050_807_568_877_2];
+/// Steps whose insides are looked at; of more steps every so manieth.
+const INSIDE: u64 = 4000;
+/// Readings of a run that chooses its own steps.
+const READINGS: u64 = 4000;
+/// Counted work that a question may take.
+const MOST_WORK: u64 = 4_000_000;
+/// The part of the tolerance that the truth must be known to.
+const CERTAIN: f64 = 0.01;
+/// Rejected runs that are looked at.
+const REJECTED: usize = 3;
+
+fn trial(draw: &mut Draw) -> Verdict {
+    let asked = scenes::asked(draw);
+    let question = Question {
+        observable: asked.observable.clone(),
+        tolerance: asked.tolerance,
+        budget: Duration::from_secs(120),
+        horizon: None,
+    };
+    let lab = match laboratory("case.toml", &asked.text, &question) {
+        Ok(lab) => lab,
+        Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
+    };
+    let mut lab = lab.bounded(MOST_WORK);
+    let answer = answer(&mut lab, asked.tolerance);
+    let family = asked.family;
+    let row = match answer.verdict {
+        Said::Chosen(at) => at,
+        Said::Unconfirmed(_) => return Verdict::refused(format!("{family}: not confirmed")),
+        Said::NoneMeets => return Verdict::refused(format!("{family}: none meets")),
+        Said::Uncertain => return Verdict::refused(format!("{family}: uncertain")),
+    };
+    let Some(scale) = answer.reference.as_ref().map(|reference| reference.course.scale) else {
+        return Verdict::wrong("a choice without a reference");
+    };
+    let promised = asked.tolerance * scale;
+    let verdict = match judged(&lab, row, promised) {
+        Ok(error) => {
+            let name = &lab.family(row.family).name;
+            let setting = lab.family(row.family).rungs[row.rung].setting;
+            Verdict::of(error, promised, &format!("{family} by {name} at {setting:.3e}"))
+        }
+        Err(why) => return Verdict::not_judged(format!("{family}: {why}")),
+    };
+    rejected(&lab, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
+}
+
+/// Runs that were rejected though they keep to the truth.
+fn rejected(lab: &Lab, answer: &Answer, promised: f64, family: &str) -> Vec<Verdict> {
+    let wrong = |row: &&crate::choose::Row| {
+        matches!(row.judgement, Some(Judgement::Failed(Failure::WrongPhysics(_))))
+            || matches!(row.judgement, Some(Judgement::Misses(_))) && row.word() == "misses it"
+    };
+    let judged = |row: &crate::choose::Row| {
+        let error = judged(lab, row.at, promised).ok()?;
+        if error > 0.5 * promised || energy_is_off(lab, row.at) {
+            return None;
+        }
+        let what =
+            format!("{family}: {} at {} is rejected: {}", row.method, row.setting, row.word());
+        Some(Verdict::wrong(format!("{what}, and errs by {error:.1e} of {promised:.1e}")))
+    };
+    // The finest of them are the likeliest to be right.
+    answer.rows.iter().rev().filter(wrong).take(REJECTED).filter_map(judged).collect()
+}
+
+/// Whether the energy of a run is off by a tenth of the largest kinetic energy, or is not known.
+fn energy_is_off(lab: &Lab, at: At) -> bool {
+    let text = |word: &str, text: &str| {
+        changed(text, &[Change::to("observables", format!("[\"{word}\"]"))])
+    };
+    let family = lab.family(at.family);
+    let (written, model) = (&lab.ladder().written().text, &lab.ladder().model(family).text);
+    let off = |word: &str| {
+        let written = text(word, written);
+        let run = text(word, &changed(model, &family.rungs[at.rung].changes));
+        compared(&written, &run, family.kind, f64::INFINITY)
+    };
+    let kinetic =
+        Scene::parse("case.toml", &text("kinetic-energy", written)).ok().and_then(|scene| {
+            let moments: Vec<f64> =
+                (1..=100).map(|k| 0.01 * f64::from(k) * scene.timing().horizon()).collect();
+            let known = truth::truth(&scene, &moments).ok()?;
+            Some(known.values.iter().flatten().copied().fold(0.0, f64::max))
+        });
+    match (off("energy"), kinetic) {
+        (Ok(off), Some(kinetic)) => off > 0.1 * kinetic,
+        _ => true,
+    }
+}
+
+/// The largest error of a setting's run along its way.
+fn judged(lab: &Lab, at: At, promised: f64) -> Result<f64, String> {
+    let family = lab.family(at.family);
+    let model = lab.ladder().model(family);
+    let run = changed(&model.text, &family.rungs[at.rung].changes);
+    compared(&lab.ladder().written().text, &run, family.kind, promised)
+}
+
+fn compared(written: &str, run: &str, kind: Setting, promised: f64) -> Result<f64, String> {
+    let scene = Scene::parse("case.toml", written).map_err(|error| error.to_string())?;
+    let way = way(run, kind)?;
+    let times: Vec<f64> = way.iter().map(|(t, _)| *t).collect();
+    let known = truth::truth(&scene, &times)?;
+    if known.uncertain.is_nan() || known.uncertain > CERTAIN * promised {
+        return Err("two solvers disagree".to_owned());
+    }
+    let errors = way.iter().zip(&known.values).map(|((_, x), truth)| {
+        x.iter().zip(truth).map(|(x, truth)| (x - truth).powi(2)).sum::<f64>().sqrt()
+    });
+    Ok(errors.fold(0.0, |a: f64, b| if b > a || b.is_nan() { b } else { a }))
+}
+
+/// What a run observed: at the ends of its steps and at parts of them.
+fn way(text: &str, kind: Setting) -> Result<Vec<(f64, Vec<f64>)>, String> {
+    let parse = |text: &str| Scene::parse("case.toml", text).map_err(|error| error.to_string());
+    let mut scene = parse(text)?;
+    let horizon = scene.timing().horizon();
+    let mut changes = vec![Change::to("sample_every", "1")];
+    if kind != Setting::EqualSteps {
+        changes.push(Change::to("step", format!("{:?}", horizon / READINGS as f64)));
+    }
+    scene = match parse(&changed(text, &changes)) {
+        Ok(scene) => scene,
+        Err(_) => scene,
+    };
+    let stride = scene.timing().steps().div_ceil(INSIDE).max(1);
+    let inside = kind == Setting::EqualSteps;
+    let mut looking = Looking { stride, inside, found: Vec::new() };
+    let run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
+    let mut found = looking.found;
+    if scene.heat().is_some() && kind == Setting::EqualSteps {
+        // Steps of heat have no parts: straight lines.
+        let ends = found.clone();
+        let mut before = (0.0, run.observed(0).to_vec());
+        for end in ends {
+            for part in PARTS {
+                let line = before.1.iter().zip(&end.1).map(|(a, b)| a + part * (b - a)).collect();
+                found.push((before.0 + part * (end.0 - before.0), line));
+            }
+            before = end;
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    Ok(found)
+}
+
+/// Keeps what it sees.
+struct Looking {
+    stride: u64,
+    inside: bool,
+    found: Vec<(f64, Vec<f64>)>,
+}
+
+impl Watcher for Looking {
+    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+        self.found.push((now.time, now.observed.to_vec()));
+        Wish::GoOn
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+
+    fn parts(&self, step: u64) -> &[f64] {
+        if self.inside && step % self.stride == 0 { &PARTS } else { &[] }
+    }
+
+    fn inside(&mut self, time: f64, observed: &[f64]) {
+        self.found.push((time, observed.to_vec()));
+    }
+}
