@@ -5,8 +5,9 @@
 //! - [`Climb`]: which of them are tried, and in which order.
 //! - [`Answer`]: the choice, the runners-up, what failed and how; never a way that was not run.
 //!
-//! Errors are the largest over 20 moments of the horizon, relative to what [`relative_to`] says.
-//! Work is counted; wall time stands beside it and decides nothing but whether the budget is over.
+//! Errors are relative to what [`relative_to`] says. The search compares runs at 20 moments of the
+//! horizon; what it chooses is then looked at in every step (`grid.rs`, `verify.rs`), and the reference
+//! is trusted only where another kind of method agrees with it there. Work is counted; wall time stands beside it and decides nothing but whether the budget is over.
 
 mod answer;
 mod candidate;
@@ -15,8 +16,10 @@ mod declaration;
 mod emit;
 mod error;
 mod exhaustive;
+mod grid;
 mod lab;
 mod ladder;
+mod look;
 mod model;
 mod observable;
 mod picture;
@@ -24,6 +27,7 @@ mod reference;
 mod run;
 mod surrogate;
 mod time;
+mod verify;
 
 use std::fs;
 use std::path::Path;
@@ -39,6 +43,7 @@ pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use exhaustive::{Found, exhaustive};
+use grid::Grid;
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
 pub use model::{Model, Sight};
@@ -46,6 +51,8 @@ pub use picture::picture;
 pub use reference::{Extrapolated, Reference, preferred};
 pub use run::{Course, End, Failure, Foresight, Measured, Trial, relative_to};
 pub use time::time;
+pub use verify::{Doubt, Seen, way_error};
+use verify::{Finding, verify, whole};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,24 +134,95 @@ const ENOUGH: f64 = 0.25;
 /// How much worse than that it may be where it gets no better.
 const BARELY: f64 = 0.5;
 
-/// The cheapest rung that was run and keeps to the tolerance.
+/// How often a reference is made anew that is not trusted, and how much better.
+const DOUBTS: u32 = 4;
+const BETTER: f64 = 0.125;
+/// Choices that may turn out to be wrong between the moments.
+const CHOICES: u32 = 16;
+
+/// The cheapest rung that was run and keeps to the tolerance over its whole way.
 pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
-    let families = preferred(lab, ENOUGH * tolerance);
-    let Some(reference) = refer(lab, &families, ENOUGH * tolerance) else {
-        return Answer::without_reference(lab, tolerance);
-    };
-    if reference.uncertainty > BARELY * tolerance {
-        return Answer::of(lab, reference, tolerance, Verdict::Uncertain);
+    let mut enough = ENOUGH * tolerance;
+    let mut last: Option<(Reference, Doubt)> = None;
+    for _ in 0..DOUBTS {
+        let families = preferred(lab, enough);
+        let made = refer(lab, &families, enough);
+        let Some(reference) =
+            made.filter(|made| made.uncertainty <= BARELY * tolerance || last.is_none())
+        else {
+            break;
+        };
+        if reference.course.is_still && hardly_moves(lab, &reference) {
+            return Answer::of(lab, reference, tolerance, Verdict::Still);
+        }
+        if reference.uncertainty > BARELY * tolerance {
+            return Answer::of(lab, reference, tolerance, Verdict::Uncertain);
+        }
+        let same = |(before, _): &(Reference, Doubt)| {
+            (before.family, before.finest) == (reference.family, reference.finest)
+        };
+        enough = BETTER * enough.min(reference.uncertainty.max(f64::MIN_POSITIVE));
+        if last.as_ref().is_some_and(same) {
+            continue;
+        }
+        lab.forget_ways();
+        match settled(lab, reference, tolerance, &families) {
+            Ok(answer) => return *answer,
+            Err(doubtful) => last = Some(*doubtful),
+        }
     }
-    let mut climb = Climb::new(lab, reference, tolerance);
-    let chosen = climb.search();
-    let reference = climb.reference.clone();
-    let Some(at) = chosen else { return Answer::of(lab, reference, tolerance, Verdict::NoneMeets) };
-    let verdict = match confirmed(lab, &reference, tolerance, &families) {
-        Confirmed::No => Verdict::Unconfirmed(at),
-        Confirmed::Yes | Confirmed::Alone => Verdict::Chosen(at),
-    };
-    Answer::of(lab, reference, tolerance, verdict)
+    match last {
+        Some((reference, doubt)) => Answer::of(lab, reference, tolerance, Verdict::Doubtful(doubt)),
+        None => Answer::without_reference(lab, tolerance),
+    }
+}
+
+/// Whether an observable does not move between the moments either.
+fn hardly_moves(lab: &mut Lab, reference: &Reference) -> bool {
+    let at = At { family: reference.family, rung: reference.finest };
+    let scene = &lab.ladder().written().scene;
+    let Some(observable) = scene.observables().first().copied() else { return false };
+    let look = lab.look(at, Grid { halvings: STILL });
+    look.is_some_and(|look| look.scale(&observable) <= 10.0 * reference.course.scale)
+}
+
+/// Halvings of the grid that shows whether something moves between the moments.
+const STILL: u32 = 4;
+
+/// The answer by a reference, or why it is not trusted.
+fn settled(
+    lab: &mut Lab,
+    mut reference: Reference,
+    tolerance: f64,
+    families: &[usize],
+) -> Result<Box<Answer>, Box<(Reference, Doubt)>> {
+    for _ in 0..CHOICES {
+        let mut climb = Climb::new(lab, reference, tolerance);
+        let chosen = climb.search();
+        reference = climb.reference.clone();
+        let Some(at) = chosen else {
+            return Ok(Box::new(Answer::of(lab, reference, tolerance, Verdict::NoneMeets)));
+        };
+        match verify(lab, &reference, at, tolerance, families) {
+            Finding::Holds(seen) => {
+                reference.is_confirmed = true;
+                let answer = Answer::of(lab, reference, tolerance, Verdict::Chosen(at));
+                return Ok(Box::new(answer.seen(seen)));
+            }
+            Finding::Unconfirmed(seen) => {
+                let answer = Answer::of(lab, reference, tolerance, Verdict::Unconfirmed(at));
+                return Ok(Box::new(answer.seen(seen)));
+            }
+            Finding::Beyond(error) => lab.overrule(at, error),
+            Finding::Larger(scale) => {
+                reference.uncertainty *= reference.course.scale / scale;
+                reference.course.scale = scale;
+                lab.forget_ways();
+            }
+            Finding::Doubtful(doubt) => return Err(Box::new((reference, doubt))),
+        }
+    }
+    Err(Box::new((reference, Doubt::Restless)))
 }
 
 /// A reference by the family that fits best, beside one that chooses its own steps and the cheapest
@@ -180,9 +258,13 @@ const CHEAP: usize = 2;
 /// Families that are tried where the best come to no reference.
 const TRIED: usize = 2;
 
-/// Whether another kind agrees with the reference.
+/// Whether another kind agrees with the reference at the moments.
 enum Confirmed {
-    Yes,
+    /// This run does.
+    By(At),
+    /// What its runs lead to does.
+    Led(Box<Reference>),
+    /// None was found.
     No,
     /// The scene allows one kind only.
     Alone,
@@ -195,10 +277,6 @@ const PATIENCE: u64 = 4;
 /// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
 
-/// How near a run of another kind must come to a reference: what it is to rule out is that the
-/// reference is of another motion. How uncertain it is, its own runs say.
-const NEAR: f64 = 0.1;
-
 /// Looks for a run of another family near the reference, and makes one where there is none.
 fn confirmed(
     lab: &mut Lab,
@@ -206,14 +284,20 @@ fn confirmed(
     tolerance: f64,
     families: &[usize],
 ) -> Confirmed {
-    let tolerance = tolerance.max(NEAR);
     let agrees = |lab: &Lab, at: At| {
         let said = judge(lab, reference, tolerance, at);
         matches!(said, Some(Judgement::Meets(_)))
     };
     let run: Vec<At> = lab.used().map(|(at, _)| at).collect();
-    if run.iter().any(|&at| at.family != reference.family && agrees(lab, at)) {
-        return Confirmed::Yes;
+    let others = run.into_iter().filter(|at| {
+        at.family != reference.family && lab.family(at.family).converges() && agrees(lab, *at)
+    });
+    // The nearest is the likeliest to be near between the moments too.
+    let off = |at: &At| {
+        lab.seen(*at).map_or(f64::NAN, |run| reference.error_until(&run.course, usize::MAX))
+    };
+    if let Some(at) = others.min_by(|a, b| off(a).total_cmp(&off(b))) {
+        return Confirmed::By(at);
     }
     let most = PATIENCE * lab.spent();
     let others: Vec<usize> =
@@ -246,7 +330,7 @@ fn confirmed(
         let (reference, foresight) = (Some(reference), Foresight::None);
         lab.attempt(at, &Trial { reference, most_error, most_work, foresight });
         if agrees(lab, at) {
-            return Confirmed::Yes;
+            return Confirmed::By(at);
         }
     }
     for family in others {
@@ -255,8 +339,8 @@ fn confirmed(
             if lab.late() || !lab.affords(at) || lab.predicted(at) > most {
                 break;
             }
-            if extrapolation_agrees(lab, at, reference, tolerance) {
-                return Confirmed::Yes;
+            if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
+                return Confirmed::Led(Box::new(other));
             }
         }
     }
@@ -289,12 +373,18 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
     (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
 }
 
-/// Whether what another family's rungs lead to agrees with the reference, where they themselves are
-/// too coarse.
-fn extrapolation_agrees(lab: &mut Lab, at: At, reference: &Reference, tolerance: f64) -> bool {
-    let Some(other) = Reference::at(lab, at.family, at.rung) else { return false };
+/// What another family's rungs lead to, where that agrees with the reference though they themselves
+/// are too coarse.
+fn extrapolation_agrees(
+    lab: &mut Lab,
+    at: At,
+    reference: &Reference,
+    tolerance: f64,
+) -> Option<Reference> {
+    let other = Reference::at(lab, at.family, at.rung)?;
     let apart = reference.error(&other.course);
-    other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance)
+    let agrees = other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance);
+    agrees.then_some(other)
 }
 
 #[cfg(test)]

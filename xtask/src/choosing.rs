@@ -14,7 +14,7 @@ use stationary_trials::{Draw, Kind, Verdict};
 
 use crate::choose::Kind as Setting;
 use crate::choose::{
-    Answer, At, Change, Failure, Judgement, Lab, Question, Verdict as Said, answer, changed,
+    Answer, At, Change, Doubt, Failure, Judgement, Lab, Question, Verdict as Said, answer, changed,
     laboratory,
 };
 
@@ -63,6 +63,9 @@ fn trial(draw: &mut Draw) -> Verdict {
         Said::Unconfirmed(_) => return Verdict::refused(format!("{family}: not confirmed")),
         Said::NoneMeets => return Verdict::refused(format!("{family}: none meets")),
         Said::Uncertain => return Verdict::refused(format!("{family}: uncertain")),
+        Said::Doubtful(doubt) => return Verdict::refused(format!("{family}: {}", word(doubt))),
+        Said::Still if is_still(&asked.text, &lab) => return Verdict::due(),
+        Said::Still => return Verdict::wrong(format!("{family}: it moves, and is said not to")),
     };
     let Some(scale) = answer.reference.as_ref().map(|reference| reference.course.scale) else {
         return Verdict::wrong("a choice without a reference");
@@ -77,6 +80,29 @@ fn trial(draw: &mut Draw) -> Verdict {
         Err(why) => return Verdict::not_judged(format!("{family}: {why}")),
     };
     rejected(&lab, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
+}
+
+/// A doubt without its number.
+fn word(doubt: Doubt) -> &'static str {
+    match doubt {
+        Doubt::Unseen => "not followed over the whole way",
+        Doubt::Energy(_) => "the reference's energy changes",
+        Doubt::Uncertain(_) => "uncertain over the whole way",
+        Doubt::Disagrees(_) => "two kinds disagree",
+        Doubt::Restless => "too many wrong choices",
+    }
+}
+
+/// Whether the observable truly moves by no more than rounding of what is there.
+fn is_still(_: &str, lab: &Lab) -> bool {
+    let Ok(scene) = Scene::parse("case.toml", &lab.ladder().written().text) else { return false };
+    let horizon = scene.timing().horizon();
+    let times: Vec<f64> = (1..=200).map(|k| f64::from(k) * horizon / 200.3).collect();
+    let Ok(known) = truth::truth(&scene, &times) else { return true };
+    let first = &known.values[0];
+    let size = known.values.iter().flatten().fold(1e-3_f64, |size, x| size.max(x.abs()));
+    let way = known.values.iter().flat_map(|x| x.iter().zip(first).map(|(x, y)| (x - y).abs()));
+    way.fold(0.0, f64::max) <= 1e-9 * size
 }
 
 /// Runs that were rejected though they keep to the truth.
@@ -194,7 +220,7 @@ impl Watcher for Looking {
 
     fn keep(&mut self, _: &Checkpoint) {}
 
-    fn parts(&self, step: u64) -> &[f64] {
+    fn parts(&mut self, step: u64) -> &[f64] {
         if self.inside && step % self.stride == 0 { &PARTS } else { &[] }
     }
 

@@ -233,7 +233,7 @@ fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
     }
     Ok(match answer.verdict {
         Verdict::Chosen(_) => ExitCode::SUCCESS,
-        Verdict::Unconfirmed(_) | Verdict::NoneMeets | Verdict::Uncertain => ExitCode::FAILURE,
+        _ => ExitCode::FAILURE,
     })
 }
 

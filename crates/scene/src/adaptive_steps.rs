@@ -77,6 +77,10 @@ impl Steps for Reading<'_> {
         }))
     }
 
+    fn reads_off(&self) -> bool {
+        true
+    }
+
     fn save(&mut self) -> Saved {
         if self.before.is_empty() {
             return self.method.save();

@@ -210,6 +210,10 @@ impl<const K: usize> Moving for Flow<'_, K> {
 
     /// Steps are factored for one size.
     fn takes_parts(&self) -> bool {
+        self.reads_off()
+    }
+
+    fn reads_off(&self) -> bool {
         matches!(self.way, Way::Modes(..))
     }
 

@@ -119,6 +119,10 @@ impl Steps for Moving<'_> {
         Ok(Stepped::done(StepReport::default()))
     }
 
+    fn reads_off(&self) -> bool {
+        true
+    }
+
     fn built(&self) -> Built {
         self.built
     }

@@ -38,12 +38,13 @@ pub trait Watcher {
     fn keep(&mut self, checkpoint: &Checkpoint);
 
     /// The parts of a step, between 0 and 1, at which it wishes to see the observables too.
-    fn parts(&self, _step: u64) -> &[f64] {
+    fn parts(&mut self, _step: u64) -> &[f64] {
         &[]
     }
 
     /// Sees the observables at a part of a step before it sees the step: what the method gives by a
-    /// step of that part, which is then taken back. No cost is counted for it.
+    /// step of that part, which is then taken back. No cost is counted for it but that of adaptive
+    /// steps, which are read off.
     fn inside(&mut self, _time: f64, _observed: &[f64]) {}
 }
 
@@ -75,6 +76,11 @@ pub(crate) trait Moving {
     /// Whether it can take a part of a step and go back.
     fn takes_parts(&self) -> bool {
         true
+    }
+
+    /// Whether it goes to a time whatever the step, so that it need not go back.
+    fn reads_off(&self) -> bool {
+        false
     }
 
     /// What the method remembers.
@@ -177,13 +183,16 @@ fn look_inside<M: Moving>(
     let parts = watcher.parts(step).to_vec();
     let from = scene.timing.stepping().time(step - 1);
     for part in parts {
-        let (before, to) = (Before::of(moving), from + part * h);
+        let to = from + part * h;
+        let before = (!moving.reads_off()).then(|| Before::of(moving));
         if moving.step(part * h, to).is_ok() {
             let mut samples = scene.no_samples();
             moving.sample(to, &mut samples);
             watcher.inside(to, samples.last_observed());
         }
-        moving.load(&before)?;
+        if let Some(before) = before {
+            moving.load(&before)?;
+        }
     }
     Ok(())
 }

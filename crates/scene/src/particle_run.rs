@@ -70,6 +70,10 @@ impl<const D: usize> Moving for Particles<'_, D> {
         self.recorder.scene.rods.iter().all(|rod| rod.strength.is_infinite())
     }
 
+    fn reads_off(&self) -> bool {
+        self.steps.reads_off()
+    }
+
     fn built(&self) -> Built {
         self.built
     }

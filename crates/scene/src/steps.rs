@@ -23,6 +23,11 @@ pub(crate) trait Steps {
         to: f64,
     ) -> Result<Stepped, StepFailure>;
 
+    /// Whether it goes to a time whatever the step.
+    fn reads_off(&self) -> bool {
+        false
+    }
+
     /// The multipliers of the rods that are left, none where rods are not held by forces.
     fn multipliers(&self) -> &[f64] {
         &[]

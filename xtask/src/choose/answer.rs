@@ -11,10 +11,11 @@ use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
 use super::reference::{Extrapolated, Reference};
 use super::run::relative_to;
+use super::verify::{Doubt, Seen};
 use crate::report::aligned;
 
 /// What is recommended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// This rung.
     Chosen(At),
@@ -24,6 +25,10 @@ pub enum Verdict {
     NoneMeets,
     /// The reference is too uncertain to judge by.
     Uncertain,
+    /// The reference is not trusted.
+    Doubtful(Doubt),
+    /// The observable hardly moves: its scale is rounding.
+    Still,
 }
 
 /// A rung that was run.
@@ -60,6 +65,8 @@ pub struct Answer {
     pub reference: Option<Reference>,
     /// How the reference was made, in words.
     pub made: String,
+    /// What the choice is over its whole way.
+    pub seen: Option<Seen>,
     /// The work of all runs.
     pub spent: u64,
 }
@@ -73,6 +80,7 @@ impl Answer {
             rows: rows(lab, None, tolerance),
             reference: None,
             made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
+            seen: None,
             spent: lab.spent(),
         }
     }
@@ -84,9 +92,49 @@ impl Answer {
             verdict,
             rows: rows(lab, Some(&reference), tolerance),
             made: made(lab, &reference),
+            seen: None,
             reference: Some(reference),
             spent: lab.spent(),
         }
+    }
+
+    /// The same with what the choice was seen to be over its whole way, which is its error.
+    pub(super) fn seen(mut self, seen: Seen) -> Self {
+        if let Verdict::Chosen(at) | Verdict::Unconfirmed(at) = self.verdict {
+            for row in self.rows.iter_mut().filter(|row| row.at == at) {
+                if let Some(Judgement::Meets(error)) = &mut row.judgement {
+                    *error = error.max(seen.error);
+                }
+            }
+        }
+        self.seen = Some(seen);
+        self
+    }
+
+    /// What was looked at beside the observable's error at the moments, in words.
+    pub fn beside(&self) -> Vec<String> {
+        let (Some(seen), Some(row)) = (&self.seen, self.choice()) else { return Vec::new() };
+        let parts = seen.grid.parts() / seen.grid.stride();
+        let which = match row.setting.starts_with("step") {
+            true if seen.grid.is_whole() => "each of its steps".to_owned(),
+            true => format!("every {}th of its steps", seen.grid.stride()),
+            false => format!("each {parts}th of the horizon"),
+        };
+        let mut said = vec![format!(
+            "over its whole way the error is at most {:.1e}, sampled at {} moments: the end of {which} and \
+             three within",
+            seen.error,
+            4 * parts
+        )];
+        let off = [
+            seen.energy.map(|off| format!("the energy by {off:.1e} of the largest kinetic energy")),
+            seen.places.map(|off| format!("positions by {off:.1e} of the largest way")),
+        ];
+        let off: Vec<String> = off.into_iter().flatten().collect();
+        if !off.is_empty() {
+            said.push(format!("besides what was asked it is off: {}", off.join(", ")));
+        }
+        said
     }
 
     /// The recommended rung.
@@ -173,7 +221,7 @@ impl Answer {
                  {error:.1e}{others}"
             ),
             None if of_name().any(|row| row.judgement == Some(Judgement::Dearer)) => format!(
-                "{name} was stopped as too dear before it showed which tolerance keeps to \
+                "{name} was stopped at the cost limit before it showed which tolerance keeps to \
                  {asked:e}{others}"
             ),
             None => format!("no tolerance that {name} was run with keeps to {asked:e}{others}"),
@@ -206,7 +254,7 @@ impl Row {
             Some(Judgement::Misses(_)) => "misses it".to_owned(),
             Some(Judgement::Unclear(_)) => "too close to tell".to_owned(),
             Some(Judgement::Dearer) => {
-                format!("too dear, stopped at {} of {MOMENTS}", self.moment)
+                format!("stopped at {} of {MOMENTS}: cost limit", self.moment)
             }
             Some(Judgement::Failed(failure)) => failure.to_string(),
             None => "not judged".to_owned(),
@@ -301,13 +349,27 @@ impl fmt::Display for Answer {
                 shown(&[row])
             )?,
             (Verdict::NoneMeets, _) => {
-                writeln!(f, "No rung that was run meets {tolerance:e} within the budget.\n")?;
+                writeln!(f, "No setting that was run meets {tolerance:e} within the budget.\n")?;
             }
+            (Verdict::Still, _) => writeln!(
+                f,
+                "This observable hardly moves: its scale is rounding, and no error relative to it has \
+                 a meaning.\n"
+            )?,
+            (Verdict::Doubtful(doubt), _) => writeln!(
+                f,
+                "The reference is not confirmed, and nothing is recommended: {doubt}.\n"
+            )?,
             _ => writeln!(f, "The reference is too uncertain to decide at {tolerance:e}.\n")?,
         }
-        for (title, rows) in
-            [("runners-up", self.runners_up()), ("what does not do", self.failed())]
-        {
+        for line in self.beside() {
+            writeln!(f, "{line}")?;
+        }
+        if self.seen.is_some() {
+            writeln!(f)?;
+        }
+        let moments = format!("runners-up, compared at {MOMENTS} moments");
+        for (title, rows) in [(moments.as_str(), self.runners_up()), ("rejected", self.failed())] {
             if !rows.is_empty() {
                 writeln!(f, "{title}:\n\n{}", shown(&rows))?;
             }
@@ -319,7 +381,7 @@ impl fmt::Display for Answer {
         match self.choice() {
             Some(row) => writeln!(
                 f,
-                "choosing took {:.1} times the work of the choice",
+                "search cost: {:.1} x the chosen run",
                 self.spent as f64 / row.work.max(1) as f64
             ),
             None => writeln!(f, "{} differentials were spent", self.spent),

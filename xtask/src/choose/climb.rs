@@ -89,6 +89,7 @@ pub fn judge(lab: &Lab, reference: &Reference, tolerance: f64, at: At) -> Option
         Ok(error) => error,
         Err(failure) => return Some(Judgement::Failed(failure)),
     };
+    let error = lab.way(at).unwrap_or(0.0).max(error);
     let own = At { family: reference.family, rung: reference.finest };
     let (least, most) = (error - reference.uncertainty, error + reference.uncertainty);
     Some(match run.end {

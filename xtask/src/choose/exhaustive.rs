@@ -5,6 +5,7 @@
 use super::lab::{At, Lab};
 use super::reference::Reference;
 use super::run::{End, Foresight, Trial};
+use super::verify::way_error;
 
 /// A rung, its work and its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +48,12 @@ pub fn exhaustive(
                 break;
             }
             let Some(Ok(error)) = run.whole().map(|course| truth.error(course)) else { continue };
-            if error <= tolerance && best.is_none_or(|best| work < best.work) {
-                best = Some(Found { at, work, error });
+            if error > tolerance || best.is_some_and(|best| work >= best.work) {
+                continue;
+            }
+            match way_error(lab, truth, at) {
+                Some(error) if error <= tolerance => best = Some(Found { at, work, error }),
+                _ => {}
             }
         }
     }

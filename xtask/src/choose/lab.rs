@@ -1,11 +1,14 @@
 //! What was run so far, and what it cost: no rung is run twice, none is judged that was not run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::time::Instant;
 
 use stationary_integrators::Evaluation;
 
+use super::grid::Grid;
 use super::ladder::{Family, Kind, Ladder};
+use super::look::{Look, look};
 use super::run::{End, Failure, Measured, Trial, measure};
 
 /// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
@@ -29,6 +32,12 @@ pub struct Lab {
     runs: BTreeMap<At, Measured>,
     /// What the question has seen of them.
     used: BTreeMap<At, Measured>,
+    /// Rungs over their whole way; nothing where one cannot be looked at.
+    looks: BTreeMap<(At, Grid), Option<Arc<Look>>>,
+    /// What the question has seen of these.
+    looked: BTreeSet<(At, Grid)>,
+    /// Errors over the whole way, where they are larger than at the moments.
+    ways: BTreeMap<At, f64>,
     spent: u64,
     deadline: Instant,
     most_work: u64,
@@ -37,8 +46,17 @@ pub struct Lab {
 impl Lab {
     /// Nothing measured yet; runs end at the deadline.
     pub fn new(ladder: Ladder, deadline: Instant) -> Self {
-        let (runs, used) = (BTreeMap::new(), BTreeMap::new());
-        Lab { ladder, runs, used, spent: 0, deadline, most_work: u64::MAX }
+        Lab {
+            ladder,
+            runs: BTreeMap::new(),
+            used: BTreeMap::new(),
+            looks: BTreeMap::new(),
+            looked: BTreeSet::new(),
+            ways: BTreeMap::new(),
+            spent: 0,
+            deadline,
+            most_work: u64::MAX,
+        }
     }
 
     /// The same, where a question may spend so much counted work at most: a bound that is the same
@@ -61,7 +79,41 @@ impl Lab {
     /// again, in counted work, without running them again.
     pub fn forget(&mut self) {
         self.used.clear();
+        self.looked.clear();
+        self.ways.clear();
         self.spent = 0;
+    }
+
+    /// The rung at the moments of a grid; nothing where it fails there or the budget is over.
+    pub fn look(&mut self, at: At, grid: Grid) -> Option<Arc<Look>> {
+        if !self.looks.contains_key(&(at, grid)) {
+            let family = &self.ladder.families[at.family];
+            let rung = &family.rungs[at.rung];
+            let model = self.ladder.model(family);
+            let seen = look(&self.ladder.name, model, (family.kind, rung), grid, self.deadline);
+            self.looks.insert((at, grid), seen.map(Arc::new));
+        }
+        let seen = self.looks[&(at, grid)].clone();
+        if self.looked.insert((at, grid)) {
+            let known = self.used.get(&at).map_or(0, |run| run.work);
+            self.spent += seen.as_ref().map_or(known, |look| look.work.max(known));
+        }
+        seen.filter(|_| self.spent <= self.most_work)
+    }
+
+    /// Keeps the error of a rung over its whole way, where the moments have shown a smaller one.
+    pub fn overrule(&mut self, at: At, error: f64) {
+        self.ways.insert(at, error);
+    }
+
+    /// Forgets those errors: another reference says others.
+    pub fn forget_ways(&mut self) {
+        self.ways.clear();
+    }
+
+    /// The error over the whole way, where it was found to be larger than at the moments.
+    pub fn way(&self, at: At) -> Option<f64> {
+        self.ways.get(&at).copied()
     }
 
     /// The rung's run to its end, which is made where it is missing.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! equal steps    h = T / (20 2^k)     k = 0, 1, ...     one family a method and a model
-//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/20, 2 T/20, ...
+//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/320, 2 T/320, ...
 //! modes          N = 2^k              k = 0, 1, ...     in closed form
 //! ```
 //! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two
@@ -18,8 +18,12 @@ use super::candidate::{Candidate, candidates};
 use super::declaration::{Change, changed, number};
 use super::model::{Model, Sight};
 
-/// Moments at which runs are compared, equally spaced over the horizon, the start left out.
+/// Moments at which runs are compared in the search, equally spaced over the horizon, the start left
+/// out. What is chosen is then compared over its whole way ([`Grid`](super::grid::Grid)).
 pub const MOMENTS: u64 = 20;
+
+/// Samples from one moment to the next, of which scales are taken, where there are so many steps.
+const SAMPLES: u64 = 16;
 
 /// Halvings of the coarsest step: at most this many, and at most so many steps.
 const HALVINGS: u32 = 20;
@@ -174,7 +178,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
         let changes = [method.clone()].into_iter().chain(says).collect();
         Rung { changes, setting, least_work: pieces * least_work, hessian_work: hessian }
     };
-    let moment = number(horizon / MOMENTS as f64);
+    let moment = number(horizon / (MOMENTS * SAMPLES) as f64);
     match candidate.kind {
         Kind::EqualSteps => (0..=HALVINGS)
             .map(|k| (1_u64 << k, MOMENTS << k))
@@ -185,7 +189,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
                     ("tolerance", None),
                     ("modes", None),
                     ("step", Some(number(step))),
-                    ("sample_every", Some(every.to_string())),
+                    ("sample_every", Some((every / SAMPLES).max(1).to_string())),
                 ];
                 let ahead = if candidate.factors_once { hessian } else { 0 };
                 rung(step, says, ahead + per_step * steps)

@@ -34,6 +34,12 @@ pub struct Reference {
     pub course: Course,
     /// Its own error, relative to its scale.
     pub uncertainty: f64,
+    /// The coarser rung that it was compared with, and how far apart the two are at the moments.
+    pub before: usize,
+    /// See there.
+    pub apart: f64,
+    /// Whether a run of another kind was found to agree with it over the whole way.
+    pub is_confirmed: bool,
 }
 
 /// Whether an order held.
@@ -211,7 +217,17 @@ impl Reference {
         let last = apart(&fine.values, &middle.values);
         let reference = |course, extrapolated, error: f64| {
             let uncertainty = if error.is_finite() { error / scale } else { f64::INFINITY };
-            Some(Reference { family, finest, extrapolated, course, uncertainty })
+            let (apart, is_confirmed) = (last, false);
+            Some(Reference {
+                family,
+                finest,
+                extrapolated,
+                course,
+                uncertainty,
+                before,
+                apart,
+                is_confirmed,
+            })
         };
         if middle.broken != fine.broken {
             return reference(fine, Extrapolated::No, f64::INFINITY);
@@ -263,7 +279,8 @@ impl Reference {
     /// # Errors
     /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy changes by
     /// half of the largest kinetic energy too much or too little, or other rods break;
-    /// [`Failure::Unstable`] where it changes by far more.
+    /// [`Failure::Unstable`] where it changes by far more; [`Failure::Differs`] for both where the
+    /// reference is not confirmed.
     pub fn error(&self, course: &Course) -> Result<f64, Failure> {
         let own = &self.course;
         let change = |energies: &[f64], k: usize| energies[k] - energies[0];
@@ -276,13 +293,18 @@ impl Reference {
                 format!("its energy is off by {off} times the largest kinetic energy")
             };
             return Err(match off > BEYOND {
+                _ if !self.is_confirmed => Failure::Differs(said(format!("{off:.1e}"))),
                 true => Failure::Unstable(said(format!("{off:.0e}"))),
                 false => Failure::WrongPhysics(said(format!("{off:.1}"))),
             });
         }
         let whole = course.values.len() == own.values.len();
         if whole && course.broken != own.broken || !own.broken.starts_with(&course.broken) {
-            return Err(Failure::WrongPhysics("other rods break".to_owned()));
+            let said = "other rods break".to_owned();
+            return Err(match self.is_confirmed {
+                true => Failure::WrongPhysics(said),
+                false => Failure::Differs(said),
+            });
         }
         Ok(self.error_until(course, course.values.len()))
     }

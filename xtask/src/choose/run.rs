@@ -33,6 +33,8 @@ pub struct Course {
     pub broken: Vec<usize>,
     /// What errors are relative to.
     pub scale: f64,
+    /// Whether that is no more than rounding of what the scene's sizes are.
+    pub is_still: bool,
 }
 
 /// How a rung failed.
@@ -44,6 +46,8 @@ pub enum Failure {
     NotConverged(String),
     /// It ran to its end, but to another motion.
     WrongPhysics(String),
+    /// It ran to its end, but not to where a reference led that nothing confirmed.
+    Differs(String),
     /// The time was over.
     OutOfBudget,
 }
@@ -54,6 +58,7 @@ impl fmt::Display for Failure {
             Failure::Unstable(how) => write!(f, "unstable: {how}"),
             Failure::NotConverged(how) => write!(f, "not converged: {how}"),
             Failure::WrongPhysics(how) => write!(f, "wrong physics: {how}"),
+            Failure::Differs(how) => write!(f, "differs from the unconfirmed reference: {how}"),
             Failure::OutOfBudget => f.write_str("out of budget"),
         }
     }
@@ -192,7 +197,8 @@ pub fn measure(
             return Measured { work: 0, works: Vec::new(), wall: start.elapsed(), course, end };
         }
     };
-    let (every, hessian) = (scene.timing().sample_every(), rung.hessian_work);
+    let (every, hessian) = (scene.timing().steps() / MOMENTS, rung.hessian_work);
+    let samples = (every / scene.timing().sample_every()) as usize;
     let work = |cost: Cost| model.pieces * counted(cost, hessian);
     let (mut works, mut end) = (vec![0], End::Whole);
     let run = scene.run_watched(|now| {
@@ -217,7 +223,7 @@ pub fn measure(
         Ok(run) => (Some(run), None),
         Err(error) => (error.partial(), Some(failure(error))),
     };
-    let course = partial.map(|run| course(run, works.len())).unwrap_or_default();
+    let course = partial.map(|run| course(run, works.len(), samples)).unwrap_or_default();
     works.truncate(course.values.len());
     let end = match failed {
         Some(failure) => End::Failed(failure),
@@ -234,17 +240,24 @@ fn counted(cost: Cost, hessian_work: u64) -> u64 {
     cost.steps.max(cost.differentials + cost.energies) + hessian_work * cost.hessians
 }
 
-/// What was observed at the first so many samples: a run that failed has another one where it did.
-fn course(run: &Run, samples: usize) -> Course {
-    let samples = samples.min(run.times().len());
-    let values: Vec<Vec<f64>> = (0..samples).map(|sample| run.observed(sample).to_vec()).collect();
-    let mut energies = run.energies();
-    energies.truncate(samples);
-    let kinetic = run.kinetic_energies().iter().copied().fold(0.0, f64::max);
+/// What was observed at the first so many moments, with so many samples from one to the next: a run
+/// that failed has another one where it did.
+fn course(run: &Run, moments: usize, samples: usize) -> Course {
+    let moments = moments.min(run.times().len().div_ceil(samples));
+    let seen = (samples * moments.saturating_sub(1) + 1).min(run.times().len());
+    let values: Vec<Vec<f64>> =
+        (0..moments).map(|moment| run.observed(moment * samples).to_vec()).collect();
+    let energies: Vec<f64> = run.energies().into_iter().step_by(samples).take(moments).collect();
+    let kinetic = run.kinetic_energies().iter().take(seen).copied().fold(0.0, f64::max);
     let broken = run.broken().iter().map(|broken| broken.rod).collect();
-    let scale = scale(run, &values, kinetic);
-    Course { values, energies, kinetic, broken, scale }
+    let scale = scale(run, seen, kinetic);
+    let is_still = scale <= ROUNDING * size(run, &energies);
+    let scale = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    Course { values, energies, kinetic, broken, scale, is_still }
 }
+
+/// A scale below this part of a scene's sizes is rounding.
+const ROUNDING: f64 = 1e-11;
 
 impl Course {
     /// What errors of the energy are relative to: the largest kinetic energy, or where nothing
@@ -259,23 +272,40 @@ impl Course {
     }
 }
 
-/// What an observable's errors are relative to, in words and as a number: for energies the largest
-/// kinetic energy, for momenta the sum of the parts' magnitudes, for a place the way from its
-/// start, else the largest value. One where that is zero.
-fn scale(run: &Run, values: &[Vec<f64>], kinetic: f64) -> f64 {
+/// What an observable's errors are relative to, over all samples: for energies the largest kinetic
+/// energy, for momenta the sum of the parts' magnitudes, for a place the way from its start, else the
+/// largest value.
+fn scale(run: &Run, samples: usize, kinetic: f64) -> f64 {
     let [linear, angular] = run.momentum_scales();
-    let largest = values.iter().map(|x| norm(x)).fold(0.0, f64::max);
-    let way = values.iter().map(|x| distance(x, &values[0])).fold(0.0, f64::max);
-    let scale = match run.scene().observables().first() {
+    let values = || (0..samples).map(|sample| run.observed(sample));
+    let largest = || values().map(norm).fold(0.0, f64::max);
+    let way = || values().map(|x| distance(x, run.observed(0))).fold(0.0, f64::max);
+    match run.scene().observables().first() {
         Some(Observable::Energy | Observable::KineticEnergy | Observable::PotentialEnergy) => {
             kinetic
         }
         Some(Observable::LinearMomentum) => linear,
         Some(Observable::AngularMomentum) => angular,
-        Some(Observable::Position(_)) => way,
-        _ => largest,
-    };
-    if scale > 0.0 && scale.is_finite() { scale } else { 1.0 }
+        Some(Observable::Position(_)) => way(),
+        _ => largest(),
+    }
+}
+
+/// What an observable's scale would be where everything moved as far as the scene is wide.
+fn size(run: &Run, energies: &[f64]) -> f64 {
+    let scene = run.scene();
+    let places = run.positions(0).chunks(scene.dimension());
+    let wide =
+        places.map(|x| distance(x, &run.positions(0)[..scene.dimension()])).fold(0.0, f64::max);
+    let far = run.positions(0).iter().fold(0.0_f64, |far, x| far.max(x.abs()));
+    match scene.observables().first() {
+        Some(Observable::Position(_)) => wide.max(far),
+        Some(Observable::Velocity(_)) => wide.max(far) / scene.timing().horizon(),
+        Some(Observable::Energy | Observable::KineticEnergy | Observable::PotentialEnergy) => {
+            energies.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))
+        }
+        _ => 0.0,
+    }
 }
 
 /// What errors of an observable are relative to, in words.

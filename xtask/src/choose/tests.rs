@@ -321,6 +321,9 @@ fn a_method_that_is_too_dear_says_so_and_is_asked_all_the_same_where_the_scene_n
     let question = question("position=bob", 1e-2);
     let said = |text: &str| asked(text, &question).0.tolerances().join("\n");
     let (of_another, of_its_own) = (said(STIFF), said(&named));
-    assert!(of_another.contains("dormand-prince-853 was stopped as too dear"), "{of_another}");
+    assert!(
+        of_another.contains("dormand-prince-853 was stopped at the cost limit"),
+        "{of_another}"
+    );
     assert!(of_its_own.contains("dormand-prince-853 needs `tolerance = "), "{of_its_own}");
 }

@@ -13,6 +13,7 @@ use stationary_calculus::{Column, Table};
 use crate::chart::{Axis, Lines, Mark, Series};
 use crate::choose::{
     Found, Lab, Question, Reference, Verdict, answer, exhaustive, laboratory, preferred, refer,
+    way_error,
 };
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
@@ -151,8 +152,8 @@ fn case(asked: &Asked, lab: &mut Lab, truth: &Reference, tolerance: f64) -> Opti
     lab.forget();
     let answer = answer(lab, tolerance);
     let row = answer.choice()?;
-    let run = lab.measure(row.at).whole()?.clone();
-    let chosen = Found { at: row.at, work: row.work, error: truth.error(&run).ok()? };
+    let error = way_error(lab, truth, row.at)?;
+    let chosen = Found { at: row.at, work: row.work, error };
     let spent = answer.spent as f64;
     let written = written(lab, truth, &chosen, tolerance) as f64;
     let (effort, effort_written) = (spent / row.work as f64, spent / written);

@@ -1,0 +1,273 @@
+//! Whether a choice keeps to the tolerance over its whole way, and whether the reference is to be trusted.
+//!
+//! ```text
+//! error          max_t |x(t) - x*(t)| / scale        over a grid that looks into every step
+//! uncertainty    of x*, grown as its last two runs differ more over the grid than at the moments
+//! ```
+//! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
+//! keeps the energy ten times better than the tolerance asks if nothing in the scene takes any. Where
+//! something does, or where there is but one kind of method, agreement alone is left: with another kind
+//! to half of the tolerance, or with itself.
+
+use std::fmt;
+
+use stationary_scene::Observable;
+
+use super::climb::{Judgement, judge};
+use super::grid::Grid;
+use super::lab::{At, Lab};
+use super::ladder::{Kind, MOMENTS};
+use super::look::{Look, apart, keeps_energy};
+use super::reference::{Extrapolated, Reference};
+use super::{BARELY, Confirmed, confirmed};
+
+/// What a choice was found to be over its whole way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Where it was looked at.
+    pub grid: Grid,
+    /// Its error in the observable.
+    pub error: f64,
+    /// How far its energy is off, relative to the largest kinetic energy.
+    pub energy: Option<f64>,
+    /// How far its places are off, relative to the largest way of one.
+    pub places: Option<f64>,
+    /// How far a run of another kind is from the reference, and which; nothing where there is none.
+    pub other: Option<(At, f64)>,
+}
+
+/// Why a reference is not trusted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt {
+    /// A run cannot be looked at over its whole way, or the budget is over.
+    Unseen,
+    /// It should keep its energy and does not.
+    Energy(f64),
+    /// Its own runs differ too much between the moments.
+    Uncertain(f64),
+    /// Another kind of method comes to something else.
+    Disagrees(f64),
+    /// Too many choices turned out to be wrong between the moments.
+    Restless,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::Unseen => {
+                f.write_str("a run could not be followed over its whole way within the budget")
+            }
+            Doubt::Energy(off) => write!(
+                f,
+                "nothing in the scene takes energy, but the reference's changes by {off:.1e} of the \
+                 largest kinetic energy"
+            ),
+            Doubt::Uncertain(off) => {
+                write!(f, "over the whole way the reference is uncertain by {off:.1e}")
+            }
+            Doubt::Disagrees(off) => write!(
+                f,
+                "over the whole way a method of another kind differs from the reference by {off:.1e}"
+            ),
+            Doubt::Restless => {
+                f.write_str("every run that met it at the moments misses it between them")
+            }
+        }
+    }
+}
+
+/// What is found.
+pub enum Finding {
+    /// The choice holds, by a reference that is trusted.
+    Holds(Seen),
+    /// The same, but no other kind of method was found to agree with the reference.
+    Unconfirmed(Seen),
+    /// The choice's error over the whole way, which is or may be beyond the tolerance.
+    Beyond(f64),
+    /// The scale is larger than the moments have shown.
+    Larger(f64),
+    /// The reference is not trusted.
+    Doubtful(Doubt),
+}
+
+/// The part of the tolerance to which a reference keeps what its scene keeps.
+const KEPT: f64 = 0.1;
+/// Scales that differ by less are the same.
+const SAME_SCALE: f64 = 1.01;
+/// Where energy is kept, another kind need not come nearer than so many tolerances, nor than this.
+const LOOSE: f64 = 10.0;
+const NEAR: f64 = 0.1;
+/// Finer runs of another kind that are tried where one is too far between the moments.
+const FINER: usize = 3;
+/// Differentials of an adaptive step, at least.
+const STAGES: u64 = 6;
+/// Halvings of a grid for what is read off.
+const MOST_HALVINGS: u32 = 7;
+
+impl Grid {
+    /// A grid that looks into every step of a run.
+    pub fn of(lab: &Lab, at: At) -> Grid {
+        let family = lab.family(at.family);
+        let halvings = match family.kind {
+            Kind::EqualSteps => at.rung as u32,
+            Kind::OwnSteps | Kind::Modes => {
+                let steps = lab.seen(at).map_or(0, |run| run.work) / STAGES;
+                steps.div_ceil(MOMENTS).max(8).next_power_of_two().ilog2().min(MOST_HALVINGS)
+            }
+        };
+        Grid { halvings }
+    }
+}
+
+/// A reference over its whole way, and its uncertainty in the observable's own unit.
+pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, f64)> {
+    let at = |rung: usize| At { family: reference.family, rung };
+    let fine = lab.look(at(reference.finest), grid)?;
+    let middle = lab.look(at(reference.before), grid)?;
+    let differs = apart(&fine.values, &middle.values);
+    let mut best = Look::clone(&fine);
+    if reference.extrapolated == Extrapolated::Yes {
+        let power = f64::from(1_u32 << lab.family(reference.family).order);
+        let weight = 1.0 / (power - 1.0);
+        let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
+        for (best, other) in
+            [(&mut best.values, &middle.values), (&mut best.places, &middle.places)]
+        {
+            for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
+                *x = led(*x, *y);
+            }
+        }
+        best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
+    }
+    let own = reference.uncertainty * reference.course.scale;
+    let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
+    let uncertainty = if own > 0.0 { own * grown } else { differs };
+    Some((best, uncertainty))
+}
+
+/// The error of a run over its whole way by a reference; nothing where one of them has none.
+pub fn way_error(lab: &mut Lab, reference: &Reference, at: At) -> Option<f64> {
+    let grid = Grid::of(lab, at);
+    let (truth, _) = whole(lab, reference, grid)?;
+    let own = lab.look(at, grid)?;
+    Some(apart(&own.values, &truth.values) / reference.course.scale)
+}
+
+/// Looks at a choice over its whole way.
+pub fn verify(
+    lab: &mut Lab,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+    families: &[usize],
+) -> Finding {
+    let grid = Grid::of(lab, at);
+    let Some(own) = lab.look(at, grid) else { return Finding::Doubtful(Doubt::Unseen) };
+    let Some((truth, uncertainty)) = whole(lab, reference, grid) else {
+        return Finding::Doubtful(Doubt::Unseen);
+    };
+    let scene = &lab.ladder().written().scene;
+    let observable = scene.observables().first().copied().unwrap_or(Observable::Energy);
+    let keeps = keeps_energy(scene);
+    let scale = truth.scale(&observable);
+    if scale > SAME_SCALE * reference.course.scale {
+        return Finding::Larger(scale);
+    }
+    let scale = reference.course.scale;
+    if keeps && truth.drift() > KEPT * tolerance {
+        return Finding::Doubtful(Doubt::Energy(truth.drift()));
+    }
+    let uncertainty = uncertainty / scale;
+    if uncertainty > BARELY * tolerance {
+        return Finding::Doubtful(Doubt::Uncertain(uncertainty));
+    }
+    let error = apart(&own.values, &truth.values) / scale;
+    if error + uncertainty > tolerance {
+        return Finding::Beyond(error.max(tolerance * (1.0 + f64::EPSILON)));
+    }
+    let half = BARELY * tolerance;
+    let near = if keeps { half.max(NEAR.min(LOOSE * tolerance)) } else { half };
+    let other = match agreement(lab, reference, (near, grid), families, &truth) {
+        Agreement::With(other, off) => Some(Some((other, off))),
+        Agreement::Alone => Some(None),
+        Agreement::Disagrees(off) => return Finding::Doubtful(Doubt::Disagrees(off)),
+        Agreement::None => None,
+    };
+    let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
+    let energy = (comparable && !own.energies.is_empty()).then(|| {
+        let changes = own.energies.iter().zip(&truth.energies);
+        let off = changes.map(|(a, b)| ((a - own.energies[0]) - (b - truth.energies[0])).abs());
+        off.fold(0.0, f64::max) / truth.kinetic.max(f64::MIN_POSITIVE)
+    });
+    let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
+        .then(|| off_places(&own, &truth));
+    let seen = Seen { grid, error, energy, places, other: other.flatten() };
+    match other {
+        Some(_) => Finding::Holds(seen),
+        None => Finding::Unconfirmed(seen),
+    }
+}
+
+/// The largest distance of a place from where it should be, relative to the largest way of one.
+fn off_places(own: &Look, truth: &Look) -> f64 {
+    let largest = |a: &[Vec<f64>], b: &[f64]| {
+        let all = a.iter().flat_map(|row| row.iter().zip(b).map(|(x, y)| (x - y).abs()));
+        all.fold(0.0, f64::max)
+    };
+    let off = own.places.iter().zip(&truth.places);
+    let off = off.flat_map(|(a, b)| a.iter().zip(b).map(|(x, y)| (x - y).abs()));
+    let way = largest(&truth.places, &truth.places[0]).max(f64::MIN_POSITIVE);
+    off.fold(0.0, f64::max) / way
+}
+
+enum Agreement {
+    With(At, f64),
+    Disagrees(f64),
+    Alone,
+    None,
+}
+
+/// A run of another kind, or what its runs lead to, that is near the reference over the whole way.
+fn agreement(
+    lab: &mut Lab,
+    reference: &Reference,
+    (near, grid): (f64, Grid),
+    families: &[usize],
+    truth: &Look,
+) -> Agreement {
+    let scale = reference.course.scale;
+    match confirmed(lab, reference, near, families) {
+        Confirmed::Alone => Agreement::Alone,
+        Confirmed::No => Agreement::None,
+        Confirmed::Led(other) => {
+            let at = At { family: other.family, rung: other.finest };
+            let Some((other, _)) = whole(lab, &other, grid) else { return Agreement::None };
+            let off = apart(&other.values, &truth.values) / scale;
+            if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
+        }
+        Confirmed::By(first) => {
+            let mut least = f64::INFINITY;
+            let rungs = lab.family(first.family).rungs.len();
+            for rung in (first.rung..rungs).take(FINER) {
+                let at = At { rung, ..first };
+                if rung > first.rung {
+                    if lab.late() || !lab.affords(at) {
+                        break;
+                    }
+                    lab.measure(at);
+                    let said = judge(lab, reference, near, at);
+                    if !matches!(said, Some(Judgement::Meets(_))) {
+                        break;
+                    }
+                }
+                let Some(other) = lab.look(at, grid) else { break };
+                let off = apart(&other.values, &truth.values) / scale;
+                if off <= near {
+                    return Agreement::With(at, off);
+                }
+                least = least.min(off);
+            }
+            if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
+        }
+    }
+}
