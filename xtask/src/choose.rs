@@ -17,9 +17,11 @@ mod emit;
 mod error;
 mod exhaustive;
 mod grid;
+mod json;
 mod lab;
 mod ladder;
 mod look;
+mod mesh_error;
 mod model;
 mod observable;
 mod picture;
@@ -44,15 +46,18 @@ pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use exhaustive::{Found, exhaustive};
 use grid::Grid;
+pub use json::json;
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
+pub use mesh_error::{MeshError, Refined};
 pub use model::{Model, Sight};
 pub use picture::picture;
 pub use reference::{Extrapolated, Reference, preferred};
 pub use run::{Course, End, Failure, Foresight, Measured, Trial, relative_to};
 pub use time::time;
 pub use verify::{Doubt, Seen, way_error};
-use verify::{Finding, verify, whole};
+use mesh_error::mesh_error;
+use verify::{Finding, verify};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,8 +211,10 @@ fn settled(
         match verify(lab, &reference, at, tolerance, families) {
             Finding::Holds(seen) => {
                 reference.is_confirmed = true;
+                let said = |lab: &Lab, at: At| judge(lab, &reference, tolerance, at);
+                let mesh = mesh_error(lab, &reference, at, &said);
                 let answer = Answer::of(lab, reference, tolerance, Verdict::Chosen(at));
-                return Ok(Box::new(answer.seen(seen)));
+                return Ok(Box::new(Answer { mesh, ..answer.seen(seen) }));
             }
             Finding::Unconfirmed(seen) => {
                 let answer = Answer::of(lab, reference, tolerance, Verdict::Unconfirmed(at));

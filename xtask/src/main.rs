@@ -10,7 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use stationary_scene::Scene;
 use xtask::check_page::check_page;
-use xtask::choose::{Question, Verdict, choose, emit, emitted, picture, time};
+use xtask::choose::{Question, Verdict, choose, emit, emitted, json, picture, time};
 use xtask::choosing;
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::kernels::kernels;
@@ -138,6 +138,9 @@ struct Choose {
     /// Writes the scene with the choice filled in.
     #[arg(long, value_name = "FILE")]
     emit: Option<PathBuf>,
+    /// Writes the answer with all that was run, for programs.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 type Failure = Box<dyn std::error::Error>;
@@ -224,6 +227,10 @@ fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
     print!("{answer}");
     emit(&arguments.chart, &picture(&answer))?;
     println!("\n{}", arguments.chart.display());
+    if let Some(path) = &arguments.json {
+        emit(path, &json(&answer)?)?;
+        println!("{}", path.display());
+    }
     if let Some(path) = &arguments.emit {
         let text = std::fs::read_to_string(file)?;
         if let Some(text) = emitted(&file.display().to_string(), &text, &answer, &lab)? {

@@ -9,6 +9,7 @@ use stationary_scene::Observable;
 use super::climb::{Judgement, judge};
 use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
+use super::mesh_error::MeshError;
 use super::reference::{Extrapolated, Reference};
 use super::run::relative_to;
 use super::verify::{Doubt, Seen};
@@ -67,6 +68,8 @@ pub struct Answer {
     pub made: String,
     /// What the choice is over its whole way.
     pub seen: Option<Seen>,
+    /// What is known of the mesh's own error; nothing where the scene has no mesh.
+    pub mesh: Option<MeshError>,
     /// The work of all runs.
     pub spent: u64,
 }
@@ -81,6 +84,7 @@ impl Answer {
             reference: None,
             made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
             seen: None,
+            mesh: None,
             spent: lab.spent(),
         }
     }
@@ -93,6 +97,7 @@ impl Answer {
             rows: rows(lab, Some(&reference), tolerance),
             made: made(lab, &reference),
             seen: None,
+            mesh: None,
             reference: Some(reference),
             spent: lab.spent(),
         }
@@ -134,6 +139,7 @@ impl Answer {
         if !off.is_empty() {
             said.push(format!("besides what was asked it is off: {}", off.join(", ")));
         }
+        said.extend(self.mesh.as_ref().map(ToString::to_string));
         said
     }
 

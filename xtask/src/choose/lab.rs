@@ -36,6 +36,8 @@ pub struct Lab {
     looks: BTreeMap<(At, Grid), Option<Arc<Look>>>,
     /// What the question has seen of these.
     looked: BTreeSet<(At, Grid)>,
+    /// Rungs run on other models than those of their families.
+    elsewhere: BTreeMap<(usize, At), Measured>,
     /// Errors over the whole way, where they are larger than at the moments.
     ways: BTreeMap<At, f64>,
     spent: u64,
@@ -52,6 +54,7 @@ impl Lab {
             used: BTreeMap::new(),
             looks: BTreeMap::new(),
             looked: BTreeSet::new(),
+            elsewhere: BTreeMap::new(),
             ways: BTreeMap::new(),
             spent: 0,
             deadline,
@@ -144,6 +147,24 @@ impl Lab {
         &self.used[&at]
     }
 
+    /// A rung run on another model, of at most so much work more; nothing where that is too little,
+    /// or the budget is over.
+    pub fn measure_on(&mut self, model: usize, at: At, most: u64) -> Option<&Measured> {
+        let (family, own) = (&self.ladder.families[at.family], &self.ladder.models[model]);
+        let pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
+        if self.late() || self.predicted(at) as f64 * pieces > most.min(self.left()) as f64 {
+            return None;
+        }
+        let key = (model, at);
+        if !self.elsewhere.contains_key(&key) {
+            let rung = &family.rungs[at.rung];
+            let run = measure(&self.ladder.name, own, rung, None, self.deadline);
+            self.elsewhere.insert(key, run);
+        }
+        self.spent += self.elsewhere[&key].work;
+        self.elsewhere.get(&key)
+    }
+
     /// What the question has seen of a rung.
     pub fn seen(&self, at: At) -> Option<&Measured> {
         self.used.get(&at)
@@ -166,7 +187,11 @@ impl Lab {
 
     /// Whether there is work left for a rung.
     pub fn affords(&self, at: At) -> bool {
-        self.predicted(at) <= self.most_work - self.spent.min(self.most_work)
+        self.predicted(at) <= self.left()
+    }
+
+    fn left(&self) -> u64 {
+        self.most_work - self.spent.min(self.most_work)
     }
 
     /// The work that a rung will take: its own where it was run, else by the nearest of its family

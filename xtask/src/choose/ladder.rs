@@ -106,7 +106,8 @@ impl Ladder {
         let models = Model::all(name, text, scene);
         let mut families = Vec::new();
         let mut refusal = String::new();
-        for (place, model) in models.iter().enumerate() {
+        let asked = |(_, model): &(usize, &Model)| !matches!(model.sight, Sight::Refined(_));
+        for (place, model) in models.iter().enumerate().filter(asked) {
             for mut candidate in candidates(&model.scene) {
                 if !scene.rods().is_empty() {
                     // A step back to the rods is a solve, whatever went before, and has order 1.

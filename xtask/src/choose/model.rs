@@ -1,7 +1,8 @@
 //! The models of a scene: itself, and ever simpler ones that a question may get by with.
 //!
 //! ```text
-//! cells      every shape with a half, a quarter, ... of its cells
+//! cells      every shape with a half, a quarter, ... of its cells;  to see the mesh's own error, with
+//!            twice and four times as many
 //! elements   quadratic ones in a half, a quarter, ... of the cells; linear ones for quadratic
 //! contact    impulses at another moment, or by another law;  springs,  k = m (pi n/T)^2
 //! rigid      M = sum m_i,  c = sum m_i x_i / M,  I = sum m_i (|r|^2 - r r^T),  r = x_i - c
@@ -26,6 +27,8 @@ pub enum Sight {
     AsWritten,
     /// Shapes of fewer cells: so many halvings.
     Halved(u32),
+    /// Shapes of more cells, to see the mesh's own error: each halved in length so often.
+    Refined(u32),
     /// Elastic bodies of other elements, in cells after so many halvings.
     Elements {
         /// `linear` or `quadratic`.
@@ -66,8 +69,12 @@ pub struct Model {
     pub pieces: u64,
 }
 
-/// Halvings of cells that are tried.
+/// Halvings of the number of cells that are tried.
 const HALVINGS: u32 = 4;
+/// Halvings of their length.
+const REFINEMENTS: u32 = 2;
+/// Elements of a refined mesh, at most.
+const MOST_ELEMENTS: u64 = 1 << 18;
 /// How near a place must be to another to be the same, relative to the scene.
 const SAME: f64 = 1e-9;
 
@@ -79,6 +86,9 @@ impl Model {
         let Ok(table) = toml::from_str::<Table>(text) else { return models };
         for halvings in 1..=HALVINGS {
             models.extend(halved(name, &table, scene, halvings));
+        }
+        for halvings in 1..=REFINEMENTS {
+            models.extend(refined(name, &table, scene, halvings));
         }
         for (word, least) in [("linear", 0), ("quadratic", 1)] {
             // More nodes than the scene itself has cost more and are not it.
@@ -109,7 +119,10 @@ impl Model {
     /// How much simpler than the scene itself: of runs that cost the same, the simplest is chosen.
     pub fn simplicity(&self) -> u32 {
         match self.sight {
-            Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. } => 0,
+            Sight::AsWritten
+            | Sight::Refined(_)
+            | Sight::Contact { .. }
+            | Sight::Springs { .. } => 0,
             Sight::Halved(halvings) | Sight::Elements { halvings, .. } => halvings,
             Sight::Rigid => HALVINGS + 1,
             Sight::Points => HALVINGS + 2,
@@ -132,8 +145,8 @@ impl Model {
             Sight::Springs { stiffness } => {
                 written(&with_springs(&toml::from_str(text).ok()?, stiffness)?)
             }
-            // Their bodies have no other places than the observed ones.
-            Sight::Rigid | Sight::Points => None,
+            // Nobody asks for more than is written, and bodies have no other places than the observed.
+            Sight::Refined(_) | Sight::Rigid | Sight::Points => None,
         }
     }
 }
@@ -180,6 +193,22 @@ fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Mod
     let fewer = with_fewer_cells(table, halvings)?;
     let words = format!("with {} cells", cells_of(&fewer));
     otherwise(name, &fewer, scene, Sight::Halved(halvings), words)
+}
+
+/// The scene with shapes of more cells, where these have the observed places too.
+fn refined(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Model> {
+    let of_heat = scene.heat().map_or(0, |body| body.simplices.len());
+    let elements = scene.solids().iter().map(|body| body.simplices.len()).sum::<usize>() + of_heat;
+    let grown = (elements as u64) << (scene.dimension() as u32 * halvings);
+    if grown > MOST_ELEMENTS {
+        return None;
+    }
+    let more = with_other_cells(table, |levels, count| match levels {
+        true => Some(count + i64::from(halvings)),
+        false => count.checked_mul(1 << halvings),
+    })?;
+    let words = format!("with {} cells", cells_of(&more));
+    otherwise(name, &more, scene, Sight::Refined(halvings), words)
 }
 
 /// The scene with elastic bodies of other elements, where these have the observed places too.
@@ -245,25 +274,28 @@ fn shapes(table: &mut Table) -> Vec<&mut Table> {
 
 /// The cells of all shapes halved so often, where each has cells and one can be halved.
 fn with_fewer_cells(table: &Table, halvings: u32) -> Option<Table> {
-    let mut fewer = table.clone();
-    for shape in shapes(&mut fewer) {
+    let fewer = |levels: bool, count: i64| match levels {
+        true => Some(count - i64::from(halvings)).filter(|&coarse| coarse >= 0),
+        false if count == 1 => Some(1),
+        false => {
+            let coarse = count >> halvings;
+            (coarse > 0 && coarse << halvings == count).then_some(coarse)
+        }
+    };
+    with_other_cells(table, fewer)
+}
+
+/// Other numbers of cells of all shapes, where each has some; those of balls and spheres are levels.
+fn with_other_cells(table: &Table, of: impl Fn(bool, i64) -> Option<i64>) -> Option<Table> {
+    let mut other = table.clone();
+    for shape in shapes(&mut other) {
         let levels = matches!(shape.get("kind")?.as_str()?, "ball" | "sphere");
         let Some(Value::Array(cells)) = shape.get_mut("cells") else { return None };
         for cell in cells {
-            let count = cell.as_integer()?;
-            let coarse = match levels {
-                true => count - i64::from(halvings),
-                false if count == 1 => 1,
-                false => count >> halvings,
-            };
-            let whole = levels || count == 1 || coarse << halvings == count;
-            if !whole || coarse < i64::from(!levels) {
-                return None;
-            }
-            *cell = Value::Integer(coarse);
+            *cell = Value::Integer(of(levels, cell.as_integer()?)?);
         }
     }
-    (fewer != *table).then_some(fewer)
+    (other != *table).then_some(other)
 }
 
 /// The cells of the shapes in words: `20 x 2`.
