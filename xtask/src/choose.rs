@@ -187,7 +187,7 @@ fn hardly_moves(lab: &mut Lab, reference: &Reference) -> bool {
     let at = At { family: reference.family, rung: reference.finest };
     let scene = &lab.ladder().written().scene;
     let Some(observable) = scene.observables().first().copied() else { return false };
-    let look = lab.look(at, Grid { halvings: STILL });
+    let look = lab.look(at, Grid::Equal { halvings: STILL });
     look.is_some_and(|look| look.scale(&observable) <= 10.0 * reference.course.scale)
 }
 
@@ -232,9 +232,15 @@ fn settled(
     Err(Box::new((reference, Doubt::Restless)))
 }
 
-/// A reference by the family that fits best, beside one that chooses its own steps and the cheapest
+/// A reference in closed form where there is one; else by the family that fits best, beside one that chooses its own steps and the cheapest
 /// there are; by what else there is where they come to none.
 pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference> {
+    if let Some(&closed) = families.iter().find(|&&family| lab.family(family).is_closed) {
+        let at = At { family: closed, rung: lab.family(closed).rungs.len() - 1 };
+        if lab.affords(at) && let Some(made) = Reference::at(lab, closed, at.rung) {
+            return Some(made);
+        }
+    }
     let explicit = |family: &usize, kind: Kind| {
         let family = lab.family(*family);
         family.kind == kind && family.evaluation == Evaluation::Explicit

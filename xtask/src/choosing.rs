@@ -12,10 +12,12 @@ use std::time::Duration;
 use stationary_scene::{Checkpoint, Progress, Scene, Watcher, Wish};
 use stationary_trials::{Draw, Kind, Verdict};
 
+pub use scenes::Asked;
+
 use crate::choose::Kind as Setting;
 use crate::choose::{
-    Answer, At, Change, Doubt, Failure, Judgement, Lab, Question, Verdict as Said, answer, changed,
-    laboratory,
+    Answer, At, Change, ChooseError, Doubt, Failure, Judgement, Lab, Question, Verdict as Said,
+    answer, changed, laboratory,
 };
 
 /// The kinds of trials of the chooser.
@@ -37,13 +39,14 @@ const INSIDE: u64 = 4000;
 /// Readings of a run that chooses its own steps.
 const READINGS: u64 = 4000;
 /// Counted work that a question may take.
-const MOST_WORK: u64 = 4_000_000;
+const MOST_WORK: u64 = 16_000_000;
 /// The part of the tolerance that the truth must be known to.
 const CERTAIN: f64 = 0.01;
 /// Rejected runs that are looked at.
 const REJECTED: usize = 3;
 
-fn trial(draw: &mut Draw) -> Verdict {
+/// A random question, and the ladder of its scene with nothing measured.
+pub fn posed(draw: &mut Draw) -> (Asked, Result<Lab, ChooseError>) {
     let asked = scenes::asked(draw);
     let question = Question {
         observable: asked.observable.clone(),
@@ -51,11 +54,16 @@ fn trial(draw: &mut Draw) -> Verdict {
         budget: Duration::from_secs(120),
         horizon: None,
     };
-    let lab = match laboratory("case.toml", &asked.text, &question) {
+    let lab = laboratory("case.toml", &asked.text, &question).map(|lab| lab.bounded(MOST_WORK));
+    (asked, lab)
+}
+
+fn trial(draw: &mut Draw) -> Verdict {
+    let (asked, lab) = posed(draw);
+    let mut lab = match lab {
         Ok(lab) => lab,
         Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
     };
-    let mut lab = lab.bounded(MOST_WORK);
     let answer = answer(&mut lab, asked.tolerance);
     let family = asked.family;
     let row = match answer.verdict {
@@ -144,7 +152,8 @@ fn energy_is_off(lab: &Lab, at: At) -> bool {
             Some(known.values.iter().flatten().copied().fold(0.0, f64::max))
         });
     match (off("energy"), kinetic) {
-        (Ok(off), Some(kinetic)) => off > 0.1 * kinetic,
+        // What is not known may be off.
+        (Ok(off), Some(kinetic)) if off.is_finite() => off > 0.1 * kinetic,
         _ => true,
     }
 }

@@ -37,7 +37,7 @@ impl<const D: usize> Way<D> for Adaptively {
         let end = scene.timing().horizon();
         let method = adaptive(self.method, problem, scene.drag(), self.tolerance)?;
         let y = vec![0.0; 2 * problem.system.dim()];
-        Ok(Box::new(Reading { method, end, y, before: Vec::new() }))
+        Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new() }))
     }
 }
 
@@ -48,6 +48,8 @@ struct Reading<'s> {
     y: Vec<f64>,
     /// The method's numbers before its last step, whose polynomial is read off.
     before: Vec<f64>,
+    /// The ends of its steps since it was asked last.
+    ends: Vec<f64>,
 }
 
 impl Steps for Reading<'_> {
@@ -59,10 +61,12 @@ impl Steps for Reading<'_> {
         to: f64,
     ) -> Result<Stepped, StepFailure> {
         let before = *self.method.work();
+        self.ends.clear();
         while self.method.moment().t < to {
             self.before.clear();
             self.method.visit(&mut |number| self.before.push(*number));
             self.method.step(self.end)?;
+            self.ends.push(self.method.moment().t);
         }
         self.method.interpolate(to, &mut self.y)?;
         let (q, p) = self.y.split_at(state.q.len());
@@ -79,6 +83,10 @@ impl Steps for Reading<'_> {
 
     fn reads_off(&self) -> bool {
         true
+    }
+
+    fn own_ends(&self) -> &[f64] {
+        &self.ends
     }
 
     fn save(&mut self) -> Saved {

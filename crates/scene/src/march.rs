@@ -46,6 +46,9 @@ pub trait Watcher {
     /// step of that part, which is then taken back. No cost is counted for it but that of adaptive
     /// steps, which are read off.
     fn inside(&mut self, _time: f64, _observed: &[f64]) {}
+
+    /// Sees where the steps ended that an adaptive method chose itself.
+    fn own_ends(&mut self, _ends: &[f64]) {}
 }
 
 /// What is stepped: particles, bodies, or heat.
@@ -81,6 +84,11 @@ pub(crate) trait Moving {
     /// Whether it goes to a time whatever the step, so that it need not go back.
     fn reads_off(&self) -> bool {
         false
+    }
+
+    /// The ends of the steps that the method itself chose within the last one.
+    fn own_ends(&self) -> &[f64] {
+        &[]
     }
 
     /// What the method remembers.
@@ -135,6 +143,7 @@ pub(crate) fn march<M: Moving>(
         match moving.step(h, time(step)) {
             Ok(stepped) => {
                 cost.add(&stepped.report);
+                watcher.own_ends(moving.own_ends());
                 let room = samples.impacts.len() < limits::IMPACTS;
                 samples.impacts.extend(stepped.impacts.filter(|_| room));
             }
@@ -186,6 +195,7 @@ fn look_inside<M: Moving>(
         let to = from + part * h;
         let before = (!moving.reads_off()).then(|| Before::of(moving));
         if moving.step(part * h, to).is_ok() {
+            watcher.own_ends(moving.own_ends());
             let mut samples = scene.no_samples();
             moving.sample(to, &mut samples);
             watcher.inside(to, samples.last_observed());

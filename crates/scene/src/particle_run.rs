@@ -74,6 +74,10 @@ impl<const D: usize> Moving for Particles<'_, D> {
         self.steps.reads_off()
     }
 
+    fn own_ends(&self) -> &[f64] {
+        self.steps.own_ends()
+    }
+
     fn built(&self) -> Built {
         self.built
     }

@@ -28,6 +28,11 @@ pub(crate) trait Steps {
         false
     }
 
+    /// The ends of the steps that the method itself chose within the last one.
+    fn own_ends(&self) -> &[f64] {
+        &[]
+    }
+
     /// The multipliers of the rods that are left, none where rods are not held by forces.
     fn multipliers(&self) -> &[f64] {
         &[]

@@ -119,17 +119,15 @@ impl Answer {
     /// What was looked at beside the observable's error at the moments, in words.
     pub fn beside(&self) -> Vec<String> {
         let (Some(seen), Some(row)) = (&self.seen, self.choice()) else { return Vec::new() };
-        let parts = seen.grid.parts() / seen.grid.stride();
-        let which = match row.setting.starts_with("step") {
-            true if seen.grid.is_whole() => "each of its steps".to_owned(),
-            true => format!("every {}th of its steps", seen.grid.stride()),
-            false => format!("each {parts}th of the horizon"),
+        let which = match (row.setting.starts_with("modes"), seen.every) {
+            (true, _) => format!("each {}th of the horizon", seen.moments / 4),
+            (false, 1) => "each of its steps".to_owned(),
+            (false, every) => format!("every {every}th of its steps"),
         };
         let mut said = vec![format!(
-            "over its whole way the error is at most {:.1e}, sampled at {} moments: the end of {which} and \
-             three within",
-            seen.error,
-            4 * parts
+            "over its whole way the error is at most {:.1e}, sampled at {} moments, in and at the end of \
+             {which}",
+            seen.error, seen.moments
         )];
         let off = [
             seen.energy.map(|off| format!("the energy by {off:.1e} of the largest kinetic energy")),

@@ -1,71 +1,98 @@
-//! The moments of the whole way: the ends of equal parts of the horizon, and three within each.
+//! The moments of the whole way: the ends of a run's steps, and three within each.
 //!
 //! ```text
-//! t = n H,  (n - 1 + theta) H      H = T / (20 2^m),   theta = sqrt 5 - 2, sqrt 2 - 1, sqrt 3 - 1
+//! t = t_n,  t_(n-1) + theta (t_n - t_(n-1)),   theta = sqrt 5 - 2, sqrt 2 - 1, sqrt 3 - 1
 //! ```
-//! `H` is the step of a run of equal steps, or at most an accepted one of adaptive steps: so that every
-//! accepted step is looked into at three irrational parts, where nothing of the motion repeats.
-//! Between the ends a method of equal steps says what it gives by a step of that part; an adaptive one is
-//! read off its dense output; steps of heat and of rods that break are joined by straight lines.
+//! `t_n` the ends of equal steps, or of those that an adaptive method accepted: every step is looked into
+//! at three irrational parts, where nothing of the motion repeats; an accepted step, which is long and whose
+//! polynomial bends, at nine. A method of equal steps says what it
+//! gives there by a step of that part; an adaptive one and modes are read off; steps of heat and of rods
+//! that break are joined by straight lines.
 
+use super::lab::At;
 use super::ladder::MOMENTS;
 
 /// Irrational parts of a step.
 const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732_050_807_568_877_2];
 
-/// Parts of the horizon that are looked into at most; of more, every so manieth.
-const MOST: u64 = 1 << 12;
+/// Parts of an accepted step.
+const BENT: usize = 9;
+
+/// Steps that are looked into at most; of more, every so manieth.
+const MOST: usize = 1 << 15;
 
 /// How near two moments must be to be the same, in steps.
 const SAME: f64 = 1e-6;
 
-/// The moments at which whole ways are compared.
+/// Whose steps say where whole ways are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Grid {
-    /// Halvings of a twentieth of the horizon.
-    pub halvings: u32,
+pub enum Grid {
+    /// Equal parts of the horizon: a twentieth, halved so often.
+    Equal {
+        /// See there.
+        halvings: u32,
+    },
+    /// The steps that an adaptive rung accepted.
+    Accepted(At),
 }
 
-impl Grid {
-    /// Equal parts of the horizon.
-    pub fn parts(self) -> u64 {
-        MOMENTS << self.halvings
-    }
+/// The moments of a grid, in the order of time, the start left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moments {
+    /// When.
+    pub times: Vec<f64>,
+    /// Equal parts of the horizon that are looked into, where they are equal.
+    pub parts: Option<u64>,
+    /// Every so manieth step is looked into.
+    pub every: usize,
+}
 
-    /// Every so manieth part is looked into.
-    pub fn stride(self) -> u64 {
-        self.parts().div_ceil(MOST).next_power_of_two()
-    }
-
-    /// Whether every part is looked into.
-    pub fn is_whole(self) -> bool {
-        self.stride() == 1
-    }
-
-    /// The moments in the order of time.
-    pub fn times(self, horizon: f64) -> Vec<f64> {
-        let (parts, stride) = (self.parts(), self.stride());
+impl Moments {
+    /// Of equal parts.
+    pub fn equal(halvings: u32, horizon: f64) -> Self {
+        let parts = MOMENTS << halvings;
         let length = horizon / parts as f64;
-        (1..=parts)
-            .filter(|part| part % stride == 0)
-            .flat_map(|part| {
-                let from = (part - 1) as f64;
-                let inside = PARTS.map(|theta| (from + theta) * length);
-                inside.into_iter().chain([part as f64 * length])
-            })
-            .collect()
+        let ends = (1..=parts).map(|part| part as f64 * length);
+        let mut moments = Moments::within(parts as usize, ends, &PARTS);
+        moments.parts = Some(parts / moments.every as u64);
+        moments
+    }
+
+    /// Of so many accepted steps that end there.
+    pub fn accepted(count: usize, ends: impl Iterator<Item = f64>) -> Self {
+        let mut parts = [0.0; BENT];
+        // Of all irrational numbers this one's multiples lie the most evenly.
+        let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
+        (1..).zip(&mut parts).for_each(|(k, part)| *part = (f64::from(k) * golden).fract());
+        parts.sort_by(f64::total_cmp);
+        Moments::within(count, ends, &parts)
+    }
+
+    fn within(count: usize, ends: impl Iterator<Item = f64>, parts: &[f64]) -> Self {
+        let every = count.div_ceil(MOST).next_power_of_two();
+        let room = (parts.len() + 1) * (count / every + 1);
+        let (mut times, mut before) = (Vec::with_capacity(room), 0.0);
+        for (step, end) in ends.enumerate() {
+            if (step + 1).is_multiple_of(every) {
+                times.extend(parts.iter().map(|theta| before + theta * (end - before)));
+                times.push(end);
+            }
+            before = end;
+        }
+        Moments { times, parts: None, every }
     }
 }
 
 /// The parts of one step from a time on, of length `h`, at which the moments lie: without its end.
-pub fn inside(times: &[f64], from: f64, h: f64) -> Vec<f64> {
-    let part = |t: &f64| (t - from) / h;
-    times
-        .iter()
-        .map(part)
-        .take_while(|&part| part < 1.0 - SAME)
-        .filter(|&part| part > SAME)
-        .collect()
+pub fn inside(times: &[f64], from: f64, h: f64) -> impl Iterator<Item = f64> {
+    let part = move |t: &f64| (t - from) / h;
+    times.iter().map(part).take_while(|&part| part < 1.0 - SAME).filter(|&part| part > SAME)
+}
+
+/// The same with its end.
+pub fn until(times: &[f64], from: f64, h: f64) -> impl Iterator<Item = f64> {
+    let part = move |t: &f64| (t - from) / h;
+    times.iter().map(part).take_while(|&part| part < 1.0 + SAME).map(|part| part.min(1.0))
 }
 
 /// Whether a moment is that of a step's end.
@@ -78,14 +105,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_part_of_the_horizon_is_looked_into_three_times_and_at_its_end() {
-        let grid = Grid { halvings: 3 };
-        let times = grid.times(4.0);
+    fn every_step_is_looked_into_three_times_and_at_its_end() {
+        let times = Moments::equal(3, 4.0).times;
         assert_eq!(times.len(), 4 * 160);
         assert!(times.is_sorted() && times.last() == Some(&4.0));
         // A run of half the steps sees all of them too: six within its step, and one in its middle.
         let h = 4.0 / 80.0;
-        assert_eq!(inside(&times, 0.0, h).len(), 7);
+        assert_eq!(inside(&times, 0.0, h).count(), 7);
         assert!(is_at(times[7], h, h));
+        assert_eq!(until(&times, 0.0, h).last(), Some(1.0));
+    }
+
+    #[test]
+    fn of_very_many_steps_every_so_manieth_is_looked_into() {
+        let moments = Moments::equal(13, 1.0);
+        assert_eq!(moments.every, 8);
+        assert_eq!(moments.times.len() as u64, 4 * moments.parts.unwrap());
     }
 }

@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use stationary_integrators::Evaluation;
 
-use super::grid::Grid;
+use super::grid::{Grid, Moments};
 use super::ladder::{Family, Kind, Ladder};
-use super::look::{Look, look};
+use super::look::{Look, accepted, look};
 use super::run::{End, Failure, Measured, Trial, measure};
 
 /// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
@@ -32,6 +32,10 @@ pub struct Lab {
     runs: BTreeMap<At, Measured>,
     /// What the question has seen of them.
     used: BTreeMap<At, Measured>,
+    /// Moments of grids; nothing where a run does not come to its end.
+    moments: BTreeMap<Grid, Option<Arc<Moments>>>,
+    /// For which of them the question has paid.
+    read: BTreeSet<Grid>,
     /// Rungs over their whole way; nothing where one cannot be looked at.
     looks: BTreeMap<(At, Grid), Option<Arc<Look>>>,
     /// What the question has seen of these.
@@ -52,6 +56,8 @@ impl Lab {
             ladder,
             runs: BTreeMap::new(),
             used: BTreeMap::new(),
+            moments: BTreeMap::new(),
+            read: BTreeSet::new(),
             looks: BTreeMap::new(),
             looked: BTreeSet::new(),
             elsewhere: BTreeMap::new(),
@@ -83,17 +89,19 @@ impl Lab {
     pub fn forget(&mut self) {
         self.used.clear();
         self.looked.clear();
+        self.read.clear();
         self.ways.clear();
         self.spent = 0;
     }
 
     /// The rung at the moments of a grid; nothing where it fails there or the budget is over.
     pub fn look(&mut self, at: At, grid: Grid) -> Option<Arc<Look>> {
+        let moments = self.moments(grid)?;
         if !self.looks.contains_key(&(at, grid)) {
             let family = &self.ladder.families[at.family];
             let rung = &family.rungs[at.rung];
             let model = self.ladder.model(family);
-            let seen = look(&self.ladder.name, model, (family.kind, rung), grid, self.deadline);
+            let seen = look(&self.ladder.name, model, (family.kind, rung), &moments, self.deadline);
             self.looks.insert((at, grid), seen.map(Arc::new));
         }
         let seen = self.looks[&(at, grid)].clone();
@@ -102,6 +110,29 @@ impl Lab {
             self.spent += seen.as_ref().map_or(known, |look| look.work.max(known));
         }
         seen.filter(|_| self.spent <= self.most_work)
+    }
+
+    /// The moments of a grid; nothing where its run does not come to its end.
+    pub fn moments(&mut self, grid: Grid) -> Option<Arc<Moments>> {
+        if !self.moments.contains_key(&grid) {
+            let horizon = self.ladder.written().scene.timing().horizon();
+            let moments = match grid {
+                Grid::Equal { halvings } => Some(Moments::equal(halvings, horizon)),
+                Grid::Accepted(at) => {
+                    let family = &self.ladder.families[at.family];
+                    let (model, rung) = (self.ladder.model(family), &family.rungs[at.rung]);
+                    accepted(&self.ladder.name, model, rung, self.deadline)
+                        .map(|ends| Moments::accepted(ends.len(), ends.into_iter()))
+                }
+            };
+            self.moments.insert(grid, moments.map(Arc::new));
+        }
+        if let Grid::Accepted(at) = grid
+            && self.read.insert(grid)
+        {
+            self.spent += self.used.get(&at).map_or(0, |run| run.work);
+        }
+        self.moments[&grid].clone()
     }
 
     /// Keeps the error of a rung over its whole way, where the moments have shown a smaller one.

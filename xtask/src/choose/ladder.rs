@@ -3,7 +3,7 @@
 //! ```text
 //! equal steps    h = T / (20 2^k)     k = 0, 1, ...     one family a method and a model
 //! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/320, 2 T/320, ...
-//! modes          N = 2^k              k = 0, 1, ...     in closed form
+//! modes          N = 2^k              k = 0, 1, ...     in closed form; of heat also all
 //! ```
 //! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two
 //! such would be one run, and each would seem to confirm the other. All of it is data: a [`Rung`] is what to say otherwise in the text of a
@@ -79,6 +79,8 @@ pub struct Family {
     pub evaluation: Evaluation,
     /// Whether rods are a part of its steps; others are projected back after each.
     pub holds_rods: bool,
+    /// Whether its finest rung is the scene itself in closed form: all modes of heat.
+    pub is_closed: bool,
     /// Its rungs.
     pub rungs: Vec<Rung>,
 }
@@ -141,7 +143,7 @@ impl Ladder {
 impl Family {
     /// Whether its rungs come ever nearer to the scene itself.
     pub fn converges(&self) -> bool {
-        self.model == 0 && self.kind != Kind::Modes
+        self.model == 0 && (self.kind != Kind::Modes || self.is_closed)
     }
 
     /// The coarsest rung whose setting is at most this, else the finest.
@@ -157,7 +159,9 @@ fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) 
         _ => format!("{} {}", candidate.name, model.words),
     };
     let Candidate { kind, order, evaluation, holds_rods, .. } = *candidate;
-    Family { name, model: place, kind, order, evaluation, holds_rods, rungs }
+    let all = all_modes(&model.scene).map(|all| all as f64);
+    let is_closed = kind == Kind::Modes && all == rungs.last().map(|rung| rung.setting);
+    Family { name, model: place, kind, order, evaluation, holds_rods, is_closed, rungs }
 }
 
 fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
@@ -211,6 +215,8 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
         Kind::Modes => (0..=DOUBLINGS)
             .map(|k| 1_u64 << k)
             .take_while(|&modes| modes == 1 || modes < scene.freedoms() as u64)
+            .filter(|&modes| all_modes(scene).is_none_or(|all| modes < all))
+            .chain(all_modes(scene))
             .map(|modes| {
                 let says = [
                     ("tolerance", None),
@@ -222,6 +228,14 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
             })
             .collect(),
     }
+}
+
+/// The number of all modes of a heated body, where they are few enough to be found: besides the
+/// constant one where nothing is held.
+fn all_modes(scene: &Scene) -> Option<u64> {
+    let constant = scene.heat()?.held.iter().all(|held| !held);
+    let all = scene.freedoms() as u64 - u64::from(constant);
+    (1..=1 << DOUBLINGS).contains(&all).then_some(all)
 }
 
 /// Freedoms up to which matrices are full.

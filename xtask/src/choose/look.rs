@@ -5,11 +5,11 @@ use std::time::Instant;
 use stationary_scene::{Checkpoint, Observable, Progress, Scene, Stepping, Watcher, Wish};
 use toml::{Table, Value};
 
-use super::declaration::{Change, changed, number};
-use super::grid::{Grid, inside, is_at};
+use super::declaration::{Change, changed};
+use super::grid::{Moments, inside, is_at, until};
 use super::ladder::{Kind, Rung};
 use super::model::{Model, Sight};
-use super::run::{distance, norm};
+use super::run::{distance, drift, norm};
 
 /// A run at the moments of a grid.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Look {
     pub kinetic: f64,
     /// Places of some things at the same moments, one after the other.
     pub places: Vec<Vec<f64>>,
+    /// Whether the run itself gives what stands at a moment, and not a line between two steps.
+    pub is_own: Vec<bool>,
     /// The largest sums of the parts' momenta and angular momenta, at the ends of steps.
     pub momenta: [f64; 2],
     /// Counted work.
@@ -40,7 +42,7 @@ pub fn look(
     name: &str,
     model: &Model,
     (kind, rung): (Kind, &Rung),
-    grid: Grid,
+    moments: &Moments,
     deadline: Instant,
 ) -> Option<Look> {
     let asked =
@@ -49,34 +51,41 @@ pub fn look(
     let beside = if heat { Vec::new() } else { beside(model) };
     let columns = model.scene.observables().first()?.headings(&model.scene).len();
     let observables = Value::Array([asked].into_iter().chain(beside).collect());
-    let mut text = changed(&model.text, &rung.changes);
-    let horizon = model.scene.timing().horizon();
-    if kind != Kind::EqualSteps {
-        text = changed(&text, &[Change::to("step", number(horizon / grid.parts() as f64))]);
-    }
+    let text = changed(&model.text, &rung.changes);
     let steps = Scene::parse_at(name, &text).ok()?.timing().steps();
-    // A fine run is sampled where the grid's parts end, a coarse one at every step.
-    let every = if lines(model, kind) { 1 } else { (steps * grid.stride() / grid.parts()).max(1) };
+    let (joins, parts) = (joins(model, kind), moments.parts.filter(|_| kind == Kind::EqualSteps));
+    // A fine run is sampled where the parts end, a coarse one at every step.
+    let every = match parts {
+        _ if joins => 1,
+        Some(parts) => (steps / parts).max(1),
+        None => (steps / SAMPLED).max(1),
+    };
     let changes = [
         Change::to("observables", observables.to_string()),
         Change::to("sample_every", every.to_string()),
     ];
     let scene = Scene::parse_at(name, &changed(&text, &changes)).ok()?;
     let h = scene.timing().step();
-    let times = grid.times(horizon);
+    let times = &moments.times;
     let mut looking = Looking {
-        times: &times,
+        times,
         h,
-        lines: lines(model, kind),
+        reads: match (joins, parts) {
+            (true, _) => Reads::Lines,
+            (false, Some(_)) => Reads::Ends,
+            (false, None) => Reads::Parts,
+        },
         parts: Vec::new(),
+        taken: 0,
         found: Vec::with_capacity(times.len()),
         ends: Vec::new(),
         deadline,
     };
     let run = scene.run_from(None, &mut looking).ok()?;
     let start = run.observed(0).to_vec();
-    if looking.lines {
-        looking.found = joined(&times, &start, &looking.ends)?;
+    let mut is_own = vec![true; times.len() + 1];
+    if joins {
+        (looking.found, is_own) = joined(times, &start, &looking.ends)?;
     }
     if looking.found.len() < times.len() {
         return None;
@@ -84,9 +93,7 @@ pub fn look(
     let cost = run.cost();
     let counted =
         cost.steps.max(cost.differentials + cost.energies) + rung.hessian_work * cost.hessians;
-    let parts =
-        if kind == Kind::EqualSteps && !looking.lines { times.len() as u64 * 3 / 4 } else { 0 };
-    let work = model.pieces * (counted as f64 * (1.0 + parts as f64 / steps as f64)) as u64;
+    let work = model.pieces * (counted as f64 * (1.0 + looking.taken as f64 / steps as f64)) as u64;
     let rows: Vec<Vec<f64>> = [start].into_iter().chain(looking.found).collect();
     if rows.iter().flatten().any(|x| !x.is_finite()) {
         return None;
@@ -99,6 +106,7 @@ pub fn look(
     Some(Look {
         energies,
         kinetic,
+        is_own,
         places: rows.iter().map(|row| row[skipped..].to_vec()).collect(),
         values: rows
             .into_iter()
@@ -113,7 +121,7 @@ pub fn look(
 }
 
 /// Whether steps have no parts: straight lines join their ends.
-fn lines(model: &Model, kind: Kind) -> bool {
+fn joins(model: &Model, kind: Kind) -> bool {
     let breaking = model.scene.rods().iter().any(|rod| rod.strength.is_finite());
     breaking || model.scene.heat().is_some() && kind == Kind::EqualSteps
 }
@@ -135,9 +143,10 @@ fn beside(model: &Model) -> Vec<Value> {
     all
 }
 
-/// What is observed at moments, on straight lines between the ends of steps.
-fn joined(times: &[f64], start: &[f64], ends: &[(f64, Vec<f64>)]) -> Option<Vec<Vec<f64>>> {
-    let (mut next, mut found) = (0, Vec::with_capacity(times.len()));
+/// What is observed at moments, on straight lines between the ends of steps, and whether it is at
+/// an end: the start first.
+fn joined(times: &[f64], start: &[f64], ends: &[(f64, Vec<f64>)]) -> Option<(Rows, Vec<bool>)> {
+    let (mut next, mut found, mut is_own) = (0, Vec::with_capacity(times.len()), vec![true]);
     let first = (0.0, start.to_vec());
     for &t in times {
         while ends.get(next).is_some_and(|end| end.0 < t * (1.0 - 1e-12)) {
@@ -146,17 +155,36 @@ fn joined(times: &[f64], start: &[f64], ends: &[(f64, Vec<f64>)]) -> Option<Vec<
         let end = ends.get(next)?;
         let before = if next == 0 { &first } else { &ends[next - 1] };
         let part = ((t - before.0) / (end.0 - before.0)).min(1.0);
+        is_own.push(part > 1.0 - 1e-9);
         found.push(before.1.iter().zip(&end.1).map(|(a, b)| a + part * (b - a)).collect());
     }
-    Some(found)
+    Some((found, is_own))
 }
+
+/// Samples of a run whose moments are not those of equal parts: scales are taken of them.
+const SAMPLED: u64 = 320;
+
+/// How what is between the ends of steps is known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reads {
+    /// By straight lines.
+    Lines,
+    /// By steps of those parts; what is at an end was sampled there.
+    Ends,
+    /// All by steps of those parts.
+    Parts,
+}
+
+type Rows = Vec<Vec<f64>>;
 
 /// Looks at a run at the moments.
 struct Looking<'t> {
     times: &'t [f64],
     h: f64,
-    lines: bool,
+    reads: Reads,
     parts: Vec<f64>,
+    /// Parts of steps that were taken besides the steps.
+    taken: u64,
     found: Vec<Vec<f64>>,
     /// The ends of steps, where these are joined by lines.
     ends: Vec<(f64, Vec<f64>)>,
@@ -165,10 +193,14 @@ struct Looking<'t> {
 
 impl Watcher for Looking<'_> {
     fn stepped(&mut self, now: Progress<'_>) -> Wish {
-        if self.lines {
-            self.ends.push((now.time, now.observed.to_vec()));
-        } else if self.times.get(self.found.len()).is_some_and(|&t| is_at(t, now.time, self.h)) {
-            self.found.push(now.observed.to_vec());
+        match self.reads {
+            Reads::Lines => self.ends.push((now.time, now.observed.to_vec())),
+            Reads::Ends => {
+                if self.times.get(self.found.len()).is_some_and(|&t| is_at(t, now.time, self.h)) {
+                    self.found.push(now.observed.to_vec());
+                }
+            }
+            Reads::Parts => {}
         }
         let late = now.step % CLOCK == 0 && Instant::now() >= self.deadline;
         if late { Wish::Stop } else { Wish::GoOn }
@@ -178,12 +210,46 @@ impl Watcher for Looking<'_> {
 
     fn parts(&mut self, step: u64) -> &[f64] {
         let ahead = &self.times[self.found.len().min(self.times.len())..];
-        self.parts = inside(ahead, (step - 1) as f64 * self.h, self.h);
+        let from = (step - 1) as f64 * self.h;
+        self.parts.clear();
+        match self.reads {
+            Reads::Lines => {}
+            Reads::Ends => self.parts.extend(inside(ahead, from, self.h)),
+            Reads::Parts => self.parts.extend(until(ahead, from, self.h)),
+        }
         &self.parts
     }
 
     fn inside(&mut self, _: f64, observed: &[f64]) {
+        self.taken += 1;
         self.found.push(observed.to_vec());
+    }
+}
+
+/// The ends of the steps that an adaptive run accepts; nothing where it fails, or the time is over.
+pub fn accepted(name: &str, model: &Model, rung: &Rung, deadline: Instant) -> Option<Vec<f64>> {
+    let scene = Scene::parse_at(name, &changed(&model.text, &rung.changes)).ok()?;
+    let mut counting = Counting { ends: Vec::new(), deadline };
+    scene.run_from(None, &mut counting).ok()?;
+    let whole = counting.ends.last().is_some_and(|&end| end >= scene.timing().horizon());
+    whole.then_some(counting.ends)
+}
+
+/// Keeps the ends of accepted steps.
+struct Counting {
+    ends: Vec<f64>,
+    deadline: Instant,
+}
+
+impl Watcher for Counting {
+    fn stepped(&mut self, _: Progress<'_>) -> Wish {
+        if Instant::now() >= self.deadline { Wish::Stop } else { Wish::GoOn }
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+
+    fn own_ends(&mut self, ends: &[f64]) {
+        self.ends.extend_from_slice(ends);
     }
 }
 
@@ -205,15 +271,21 @@ impl Look {
 
     /// The largest change of the energy, relative to the largest kinetic energy.
     pub fn drift(&self) -> f64 {
-        let Some(&first) = self.energies.first() else { return 0.0 };
-        let most = self.energies.iter().map(|energy| (energy - first).abs()).fold(0.0, f64::max);
-        most / self.kinetic.max(f64::MIN_POSITIVE)
+        drift(&self.energies, self.kinetic)
     }
 }
 
 /// The largest distance of two rows of numbers.
 pub fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     let each = a.iter().zip(b).map(|(a, b)| distance(a, b));
+    each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
+}
+
+/// The largest distance of two looks where both are their runs' own.
+pub fn apart_where_own(a: &Look, b: &Look) -> f64 {
+    let own = a.is_own.iter().zip(&b.is_own).map(|(a, b)| *a && *b);
+    let rows = own.zip(a.values.iter().zip(&b.values)).filter(|(own, _)| *own);
+    let each = rows.map(|(_, (a, b))| distance(a, b));
     each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
 }
 

@@ -7,11 +7,13 @@
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
 //!                two rungs alone                  x* = x(h),  uncertainty d2
 //! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
+//! closed form    x* = x(all modes of heat),       uncertainty that of the modes
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
 //! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
 //! where there is no third that did not, there are two alone. How fast those of own steps shrink is not trusted: at the border of
-//! stability a tighter tolerance may change less than it should.
+//! stability a tighter tolerance may change less than it should. Where nothing in the scene takes energy,
+//! a reference is as uncertain as its energy changes, times a margin: what is asked for may hide it.
 
 use std::cmp::Reverse;
 
@@ -19,6 +21,7 @@ use stationary_integrators::Evaluation;
 
 use super::lab::{At, Lab};
 use super::ladder::Kind;
+use super::look::keeps_energy;
 use super::run::{Course, End, Failure, Foresight, Trial, apart, distance};
 
 /// The best answer so far.
@@ -57,6 +60,10 @@ const NEAR: f64 = 1.33;
 const SATURATED: f64 = 0.3;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
+/// A reference is to keep its energy better than what is asked for, so many times.
+const MARGIN: f64 = 2.5;
+/// What all modes together are uncertain by.
+const OF_MODES: f64 = 1e-9;
 
 /// The ladder's families in the order in which references within so much are made by them: first
 /// those without equations whose order fits, of which the one of the most stages errs the least.
@@ -89,11 +96,12 @@ struct Making {
 
 impl Making {
     fn new(lab: &Lab, family: usize, enough: f64) -> Self {
-        let first = match lab.family(family).kind {
-            Kind::EqualSteps | Kind::Modes => 0,
-            Kind::OwnSteps => lab.family(family).at_most(enough),
+        let finest = match lab.family(family).kind {
+            Kind::EqualSteps => 1,
+            Kind::OwnSteps => lab.family(family).at_most(enough) + 1,
+            Kind::Modes => lab.family(family).rungs.len() - 1,
         };
-        Making { family, finest: first + 1, best: None }
+        Making { family, finest, best: None }
     }
 
     /// The work that is left, where there is a next rung: to that, and to as many more as its order
@@ -130,6 +138,9 @@ impl Making {
         let at = |rung: usize| At { family: self.family, rung };
         if self.finest >= rungs || !lab.affords(at(self.finest)) {
             return None;
+        }
+        if lab.family(self.family).is_closed {
+            return Some(lab.predicted(at(self.finest)));
         }
         let before = lab.seen(at(self.finest - 1));
         let other = match before {
@@ -211,12 +222,26 @@ impl Reference {
     /// The answer by a family as its rungs up to this one give it.
     pub fn at(lab: &mut Lab, family: usize, finest: usize) -> Option<Self> {
         let (kind, order) = (lab.family(family).kind, lab.family(family).order);
-        let fine = lab.measure(At { family, rung: finest }).whole().cloned()?;
+        let mut fine = lab.measure(At { family, rung: finest }).whole().cloned()?;
+        if lab.family(family).is_closed {
+            return Some(Reference {
+                family,
+                finest,
+                extrapolated: Extrapolated::No,
+                course: fine,
+                uncertainty: OF_MODES,
+                before: finest,
+                apart: 0.0,
+                is_confirmed: false,
+            });
+        }
         let (before, middle) = Reference::coarser(lab, family, finest)?;
         let scale = fine.scale;
         let last = apart(&fine.values, &middle.values);
-        let reference = |course, extrapolated, error: f64| {
-            let uncertainty = if error.is_finite() { error / scale } else { f64::INFINITY };
+        let keeps = keeps_energy(&lab.ladder().written().scene);
+        let reference = |course: Course, extrapolated, error: f64| {
+            let own = if error.is_finite() { error / scale } else { f64::INFINITY };
+            let uncertainty = if keeps { own.max(MARGIN * course.drift()) } else { own };
             let (apart, is_confirmed) = (last, false);
             Some(Reference {
                 family,
@@ -253,6 +278,9 @@ impl Reference {
             let best = extrapolated(&middle.values, &fine.values, weight);
             let before = extrapolated(&coarse.values, &middle.values, weight);
             let error = apart(&best, &before);
+            for (fine, middle) in fine.energies.iter_mut().zip(&middle.energies) {
+                *fine += weight * (*fine - middle);
+            }
             return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
         }
         let error = if ratio < SHRINKING { f64::INFINITY } else { last / (ratio - 1.0).min(1.0) };

@@ -240,6 +240,17 @@ fn counted(cost: Cost, hessian_work: u64) -> u64 {
     cost.steps.max(cost.differentials + cost.energies) + hessian_work * cost.hessians
 }
 
+/// Energies change by this part of the largest by rounding alone.
+const OF_ENERGIES: f64 = 1e-13;
+
+/// The largest change of an energy beyond rounding, relative to the largest kinetic energy.
+pub fn drift(energies: &[f64], kinetic: f64) -> f64 {
+    let first = energies.first().copied().unwrap_or_default();
+    let largest = energies.iter().fold(0.0_f64, |largest, energy| largest.max(energy.abs()));
+    let most = energies.iter().map(|energy| (energy - first).abs()).fold(0.0, f64::max);
+    (most - OF_ENERGIES * largest).max(0.0) / kinetic.max(f64::MIN_POSITIVE)
+}
+
 /// What was observed at the first so many moments, with so many samples from one to the next: a run
 /// that failed has another one where it did.
 fn course(run: &Run, moments: usize, samples: usize) -> Course {
@@ -265,6 +276,11 @@ impl Course {
     pub fn of_energies(&self) -> f64 {
         let largest = self.energies.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         if self.kinetic > NOTHING * largest { self.kinetic } else { largest.max(f64::MIN_POSITIVE) }
+    }
+
+    /// The largest change of the energy, relative to the largest kinetic energy.
+    pub fn drift(&self) -> f64 {
+        drift(&self.energies, self.kinetic)
     }
 
     fn is_finite(&self) -> bool {

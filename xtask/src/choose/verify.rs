@@ -7,25 +7,29 @@
 //! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
 //! keeps the energy ten times better than the tolerance asks if nothing in the scene takes any. Where
 //! something does, or where there is but one kind of method, agreement alone is left: with another kind
-//! to half of the tolerance, or with itself.
+//! to half of the tolerance, or with itself. What agrees with energies that are kept, or with a closed
+//! form, need not come so near.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use stationary_scene::Observable;
 
-use super::climb::{Judgement, judge};
+use super::climb::rungs_to_go;
 use super::grid::Grid;
 use super::lab::{At, Lab};
-use super::ladder::{Kind, MOMENTS};
-use super::look::{Look, apart, keeps_energy};
+use super::ladder::Kind;
+use super::look::{Look, apart, apart_where_own, keeps_energy};
 use super::reference::{Extrapolated, Reference};
-use super::{BARELY, Confirmed, confirmed};
+use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 
 /// What a choice was found to be over its whole way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Where it was looked at.
-    pub grid: Grid,
+    /// At how many moments it was looked at.
+    pub moments: usize,
+    /// Every so manieth step was looked into.
+    pub every: usize,
     /// Its error in the observable.
     pub error: f64,
     /// How far its energy is off, relative to the largest kinetic energy.
@@ -94,28 +98,24 @@ pub enum Finding {
 const KEPT: f64 = 0.1;
 /// Scales that differ by less are the same.
 const SAME_SCALE: f64 = 1.01;
-/// Where energy is kept, another kind need not come nearer than so many tolerances, nor than this.
+/// Where energy is kept, or the reference is a closed form, another kind need not come nearer than so many tolerances, nor than this.
 const LOOSE: f64 = 10.0;
 const NEAR: f64 = 0.1;
-/// Finer runs of another kind that are tried where one is too far between the moments.
-const FINER: usize = 3;
-/// Differentials of an adaptive step, at least.
-const STAGES: u64 = 6;
-/// Halvings of a grid for what is read off.
-const MOST_HALVINGS: u32 = 7;
+/// Runs of other kinds that are looked at where the first is too far between the moments.
+const FINER: usize = 12;
+/// How much larger an error may be between two moments.
+const BETWEEN: f64 = 1.05;
+/// Halvings of the grid for modes, which have no steps.
+const OF_MODES: u32 = 6;
 
 impl Grid {
     /// A grid that looks into every step of a run.
     pub fn of(lab: &Lab, at: At) -> Grid {
-        let family = lab.family(at.family);
-        let halvings = match family.kind {
-            Kind::EqualSteps => at.rung as u32,
-            Kind::OwnSteps | Kind::Modes => {
-                let steps = lab.seen(at).map_or(0, |run| run.work) / STAGES;
-                steps.div_ceil(MOMENTS).max(8).next_power_of_two().ilog2().min(MOST_HALVINGS)
-            }
-        };
-        Grid { halvings }
+        match lab.family(at.family).kind {
+            Kind::EqualSteps => Grid::Equal { halvings: at.rung as u32 },
+            Kind::OwnSteps => Grid::Accepted(at),
+            Kind::Modes => Grid::Equal { halvings: OF_MODES },
+        }
     }
 }
 
@@ -124,7 +124,7 @@ pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, 
     let at = |rung: usize| At { family: reference.family, rung };
     let fine = lab.look(at(reference.finest), grid)?;
     let middle = lab.look(at(reference.before), grid)?;
-    let differs = apart(&fine.values, &middle.values);
+    let differs = apart_where_own(&fine, &middle);
     let mut best = Look::clone(&fine);
     if reference.extrapolated == Extrapolated::Yes {
         let power = f64::from(1_u32 << lab.family(reference.family).order);
@@ -182,11 +182,13 @@ pub fn verify(
         return Finding::Doubtful(Doubt::Uncertain(uncertainty));
     }
     let error = apart(&own.values, &truth.values) / scale;
-    if error + uncertainty > tolerance {
-        return Finding::Beyond(error.max(tolerance * (1.0 + f64::EPSILON)));
+    // What is sampled may be larger in between.
+    if BETWEEN * error + uncertainty > tolerance {
+        return Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON)));
     }
     let half = BARELY * tolerance;
-    let near = if keeps { half.max(NEAR.min(LOOSE * tolerance)) } else { half };
+    let closed = lab.family(reference.family).is_closed;
+    let near = if keeps || closed { half.max(NEAR.min(LOOSE * tolerance)) } else { half };
     let other = match agreement(lab, reference, (near, grid), families, &truth) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),
@@ -201,7 +203,9 @@ pub fn verify(
     });
     let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
         .then(|| off_places(&own, &truth));
-    let seen = Seen { grid, error, energy, places, other: other.flatten() };
+    let (moments, every) =
+        lab.moments(grid).map_or((0, 1), |moments| (moments.times.len(), moments.every));
+    let seen = Seen { moments, every, error, energy, places, other: other.flatten() };
     match other {
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
@@ -242,32 +246,49 @@ fn agreement(
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
             let Some((other, _)) = whole(lab, &other, grid) else { return Agreement::None };
-            let off = apart(&other.values, &truth.values) / scale;
+            let off = apart_where_own(&other, truth) / scale;
             if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
         }
-        Confirmed::By(first) => {
-            let mut least = f64::INFINITY;
-            let rungs = lab.family(first.family).rungs.len();
-            for rung in (first.rung..rungs).take(FINER) {
-                let at = At { rung, ..first };
-                if rung > first.rung {
-                    if lab.late() || !lab.affords(at) {
-                        break;
-                    }
-                    lab.measure(at);
-                    let said = judge(lab, reference, near, at);
-                    if !matches!(said, Some(Judgement::Meets(_))) {
-                        break;
-                    }
-                }
-                let Some(other) = lab.look(at, grid) else { break };
-                let off = apart(&other.values, &truth.values) / scale;
-                if off <= near {
-                    return Agreement::With(at, off);
-                }
-                least = least.min(off);
+        Confirmed::By(first) => finer_agrees(lab, reference, (near, grid), (first, families), truth),
+    }
+}
+
+/// Looks at ever finer runs of other kinds, the cheapest first, until one is near over the whole way.
+fn finer_agrees(
+    lab: &mut Lab,
+    reference: &Reference,
+    (near, grid): (f64, Grid),
+    (first, families): (At, &[usize]),
+    truth: &Look,
+) -> Agreement {
+    let most = PATIENCE * lab.spent();
+    let mut least = f64::INFINITY;
+    // The rung of each family that comes next.
+    let mut next: BTreeMap<usize, usize> = BTreeMap::from([(first.family, first.rung)]);
+    let mut at = first;
+    for _ in 0..FINER {
+        lab.measure(at);
+        if let Some(other) = lab.look(at, grid) {
+            let off = apart_where_own(&other, truth) / reference.course.scale;
+            if off <= near {
+                return Agreement::With(at, off);
             }
-            if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
+            least = least.min(off);
+            next.insert(at.family, at.rung + rungs_to_go(lab.family(at.family), near, off));
+        } else {
+            next.insert(at.family, at.rung + 1);
+        }
+        let rung = |lab: &Lab, family: usize| match next.get(&family) {
+            Some(&rung) => Some(At { family, rung }).filter(|at| at.rung < lab.family(family).rungs.len()),
+            None => next_rung(lab, reference, near, family),
+        };
+        let others = families.iter().filter(|&&family| family != reference.family);
+        let others = others.filter_map(|&family| rung(lab, family));
+        let affordable = others.filter(|&at| lab.affords(at) && lab.predicted(at) <= most);
+        match affordable.min_by_key(|&at| (lab.predicted(at), at)) {
+            Some(cheapest) if !lab.late() => at = cheapest,
+            _ => break,
         }
     }
+    if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
 }

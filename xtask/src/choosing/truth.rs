@@ -438,9 +438,12 @@ fn sliding(scene: &Scene, times: &[f64]) -> Result<Known, String> {
         if t >= rest {
             v = Vector3::zeros();
         }
+        let kinetic = 0.5 * body.mass * v.norm_squared();
         match observable {
             Observable::Position(_) => x.iter().copied().collect(),
             Observable::Velocity(_) => v.iter().copied().collect(),
+            Observable::KineticEnergy => vec![kinetic],
+            Observable::Energy => vec![kinetic - body.mass * weight.dot(&x)],
             _ => vec![f64::NAN],
         }
     };

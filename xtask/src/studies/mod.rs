@@ -3,6 +3,7 @@
 mod constraints;
 mod contact;
 mod choose;
+mod choose_unseen;
 mod convergence;
 mod damping;
 mod derivative;
@@ -111,6 +112,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     laplacian::maximum::STUDY,
     laplacian::distance::STUDY,
     choose::STUDY,
+    choose_unseen::STUDY,
     trials::STUDY,
 ];
 
