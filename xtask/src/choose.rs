@@ -142,6 +142,8 @@ const BARELY: f64 = 0.5;
 /// How often a reference is made anew that is not trusted, and how much better.
 const DOUBTS: u32 = 4;
 const BETTER: f64 = 0.125;
+/// References are not made better than that: it is rounding.
+const LEAST: f64 = 1e-11;
 /// Choices that may turn out to be wrong between the moments.
 const CHOICES: u32 = 16;
 
@@ -166,14 +168,21 @@ pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
         let same = |(before, _): &(Reference, Doubt)| {
             (before.family, before.finest) == (reference.family, reference.finest)
         };
-        enough = BETTER * enough.min(reference.uncertainty.max(f64::MIN_POSITIVE));
+        enough = BETTER * enough.min(reference.uncertainty.max(LEAST));
         if last.as_ref().is_some_and(same) {
             continue;
         }
         lab.forget_ways();
         match settled(lab, reference, tolerance, &families) {
             Ok(answer) => return *answer,
-            Err(doubtful) => last = Some(*doubtful),
+            Err(doubtful) => {
+                // Nothing better can be seen than what cannot be seen.
+                let unseen = doubtful.1 == Doubt::Unseen;
+                last = Some(*doubtful);
+                if unseen {
+                    break;
+                }
+            }
         }
     }
     match last {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use stationary_scene::{Checkpoint, Observable, Progress, Scene, Stepping, Watcher, Wish};
 use toml::{Table, Value};
 
-use super::declaration::{Change, changed};
+use super::declaration::changed;
 use super::grid::{Moments, inside, is_at, until};
 use super::ladder::{Kind, Rung};
 use super::model::{Model, Sight};
@@ -45,14 +45,13 @@ pub fn look(
     moments: &Moments,
     deadline: Instant,
 ) -> Option<Look> {
-    let asked =
-        toml::from_str::<Table>(&model.text).ok()?.get("observables")?.as_array()?.first()?.clone();
+    let mut table = toml::from_str::<Table>(&changed(&model.text, &rung.changes)).ok()?;
+    let asked = table.get("observables")?.as_array()?.first()?.clone();
     let heat = model.scene.heat().is_some();
     let beside = if heat { Vec::new() } else { beside(model) };
     let columns = model.scene.observables().first()?.headings(&model.scene).len();
     let observables = Value::Array([asked].into_iter().chain(beside).collect());
-    let text = changed(&model.text, &rung.changes);
-    let steps = Scene::parse_at(name, &text).ok()?.timing().steps();
+    let steps = Scene::parse_at(name, &table.to_string()).ok()?.timing().steps();
     let (joins, parts) = (joins(model, kind), moments.parts.filter(|_| kind == Kind::EqualSteps));
     // A fine run is sampled where the parts end, a coarse one at every step.
     let every = match parts {
@@ -60,11 +59,9 @@ pub fn look(
         Some(parts) => (steps / parts).max(1),
         None => (steps / SAMPLED).max(1),
     };
-    let changes = [
-        Change::to("observables", observables.to_string()),
-        Change::to("sample_every", every.to_string()),
-    ];
-    let scene = Scene::parse_at(name, &changed(&text, &changes)).ok()?;
+    table.insert("observables".to_owned(), observables);
+    table.insert("sample_every".to_owned(), Value::Integer(every as i64));
+    let scene = Scene::parse_at(name, &table.to_string()).ok()?;
     let h = scene.timing().step();
     let times = &moments.times;
     let mut looking = Looking {

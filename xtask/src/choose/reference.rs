@@ -60,6 +60,11 @@ const NEAR: f64 = 1.33;
 const SATURATED: f64 = 0.3;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
+/// Differences that shrink all together where the last two do not.
+const SEVERAL: usize = 5;
+/// Differences below this part of the scale may be rounding, which adds up to so many times that.
+const ROUNDING: f64 = 1e-10;
+const FROM_ROUNDING: f64 = 10.0;
 /// A reference is to keep its energy better than what is asked for, so many times.
 const MARGIN: f64 = 2.5;
 /// What all modes together are uncertain by.
@@ -177,6 +182,11 @@ impl Making {
         self.best = next.filter(better).or(self.best.take());
     }
 
+    /// Whether what is asked for does not move, so that no rung will be nearer to it.
+    fn is_still(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.course.is_still)
+    }
+
     fn uncertainty(&self) -> f64 {
         self.best.as_ref().map_or(f64::INFINITY, |best| best.uncertainty)
     }
@@ -189,7 +199,8 @@ impl Reference {
     pub fn make(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Self> {
         let mut making: Vec<Making> =
             families.iter().map(|&family| Making::new(lab, family, enough)).collect();
-        while !lab.late() && making.iter().all(|making| making.uncertainty() > enough) {
+        let ends = |making: &Making| making.uncertainty() <= enough || making.is_still();
+        while !lab.late() && !making.iter().any(ends) {
             let left = making.iter_mut();
             let left = left.filter_map(|making| Some((making.left(lab, enough)?, making)));
             let mut left: Vec<(f64, &mut Making)> = left.collect();
@@ -283,8 +294,32 @@ impl Reference {
             }
             return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
         }
-        let error = if ratio < SHRINKING { f64::INFINITY } else { last / (ratio - 1.0).min(1.0) };
+        let error = if ratio < SHRINKING {
+            Reference::by_many(lab, family, finest, scale)
+        } else {
+            last / (ratio - 1.0).min(1.0)
+        };
         reference(fine, Extrapolated::No, error)
+    }
+
+    /// The error where the last two differences do not shrink: they are rounding, or those of several
+    /// rungs shrink all the same, as where something stops within a step.
+    fn by_many(lab: &Lab, family: usize, finest: usize, scale: f64) -> f64 {
+        let course = |rung: usize| lab.seen(At { family, rung }).and_then(|run| run.whole());
+        let values: Vec<&Vec<Vec<f64>>> =
+            (0..=finest).rev().map_while(course).map(|course| &course.values).collect();
+        let differences: Vec<f64> =
+            values.windows(2).take(SEVERAL).map(|pair| apart(pair[0], pair[1])).collect();
+        let (Some(&last), Some(&before)) = (differences.first(), differences.get(1)) else {
+            return f64::INFINITY;
+        };
+        let largest = last.max(before);
+        if largest <= ROUNDING * scale {
+            return FROM_ROUNDING * largest;
+        }
+        let Some(first) = differences.get(SEVERAL - 1) else { return f64::INFINITY };
+        let ratio = (first / largest).powf(1.0 / (SEVERAL - 2) as f64);
+        if ratio < SHRINKING { f64::INFINITY } else { largest / (ratio - 1.0).min(1.0) }
     }
 
     /// The next coarser rung of a family that came to its end: the one before, or where that failed,
