@@ -413,3 +413,5 @@ fn extrapolation_agrees(
 mod model_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod truth_tests;

@@ -11,7 +11,7 @@ use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
 use super::mesh_error::MeshError;
 use super::reference::{Extrapolated, Reference};
-use super::run::relative_to;
+use super::run::{End, Failure, relative_to};
 use super::verify::{Doubt, Seen};
 use crate::report::aligned;
 
@@ -276,11 +276,25 @@ fn rows(lab: &Lab, reference: Option<&Reference>, tolerance: f64) -> Vec<Row> {
             work: run.work,
             wall: run.wall,
             moment: run.course.values.len().saturating_sub(1),
-            judgement: reference.and_then(|reference| judge(lab, reference, tolerance, at)),
+            judgement: reference.and_then(|reference| {
+                let said = judge(lab, reference, tolerance, at)?;
+                Some(if reference.is_confirmed { said } else { unconfirmed(said, &run.end) })
+            }),
         })
         .collect();
     rows.sort_by_key(|row| (row.work, row.at));
     rows
+}
+
+/// What is said against a reference that nothing confirms: a run that came to its end differs from it.
+fn unconfirmed(said: Judgement, end: &End) -> Judgement {
+    match (said, end) {
+        (
+            Judgement::Failed(Failure::WrongPhysics(how) | Failure::Unstable(how)),
+            End::Whole | End::Cut,
+        ) => Judgement::Failed(Failure::Differs(how)),
+        (said, _) => said,
+    }
 }
 
 fn setting(lab: &Lab, at: At) -> String {

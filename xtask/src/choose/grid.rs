@@ -36,6 +36,15 @@ pub enum Grid {
     Accepted(At),
 }
 
+/// What of the steps is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Within {
+    /// Their insides and their ends.
+    Parts,
+    /// Their ends.
+    Ends,
+}
+
 /// The moments of a grid, in the order of time, the start left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
@@ -45,9 +54,17 @@ pub struct Moments {
     pub parts: Option<u64>,
     /// Every so manieth step is looked into.
     pub every: usize,
+    /// Moments within a step.
+    pub within: usize,
 }
 
 impl Moments {
+    /// The ends of the steps alone.
+    pub fn ends(&self) -> Self {
+        let times = self.times.iter().skip(self.within).step_by(self.within + 1).copied();
+        Moments { times: times.collect(), within: 0, ..*self }
+    }
+
     /// Of equal parts.
     pub fn equal(halvings: u32, horizon: f64) -> Self {
         let parts = MOMENTS << halvings;
@@ -79,7 +96,7 @@ impl Moments {
             }
             before = end;
         }
-        Moments { times, parts: None, every }
+        Moments { times, parts: None, every, within: parts.len() }
     }
 }
 

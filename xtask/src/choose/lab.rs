@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use stationary_integrators::Evaluation;
 
-use super::grid::{Grid, Moments};
+use super::grid::{Grid, Moments, Within};
 use super::ladder::{Family, Kind, Ladder};
 use super::look::{Look, accepted, look};
 use super::run::{End, Failure, Measured, Trial, measure};
@@ -37,11 +37,11 @@ pub struct Lab {
     /// For which of them the question has paid.
     read: BTreeSet<Grid>,
     /// Rungs over their whole way; nothing where one cannot be looked at.
-    looks: BTreeMap<(At, Grid), Option<Arc<Look>>>,
+    looks: BTreeMap<(At, Grid, Within), Option<Arc<Look>>>,
     /// What the question has seen of these.
-    looked: BTreeSet<(At, Grid)>,
-    /// Rungs run on other models than those of their families.
-    elsewhere: BTreeMap<(usize, At), Measured>,
+    looked: BTreeSet<(At, Grid, Within)>,
+    /// Rungs run on finer meshes than that of the scene.
+    finer: BTreeMap<(usize, At), Measured>,
     /// Errors over the whole way, where they are larger than at the moments.
     ways: BTreeMap<At, f64>,
     spent: u64,
@@ -60,7 +60,7 @@ impl Lab {
             read: BTreeSet::new(),
             looks: BTreeMap::new(),
             looked: BTreeSet::new(),
-            elsewhere: BTreeMap::new(),
+            finer: BTreeMap::new(),
             ways: BTreeMap::new(),
             spent: 0,
             deadline,
@@ -96,16 +96,26 @@ impl Lab {
 
     /// The rung at the moments of a grid; nothing where it fails there or the budget is over.
     pub fn look(&mut self, at: At, grid: Grid) -> Option<Arc<Look>> {
+        self.look_within(at, grid, Within::Parts)
+    }
+
+    /// The same at the ends of the grid's steps alone, or also within them.
+    pub fn look_within(&mut self, at: At, grid: Grid, within: Within) -> Option<Arc<Look>> {
         let moments = self.moments(grid)?;
-        if !self.looks.contains_key(&(at, grid)) {
+        let key = (at, grid, within);
+        if !self.looks.contains_key(&key) {
+            let moments = match within {
+                Within::Parts => moments,
+                Within::Ends => Arc::new(moments.ends()),
+            };
             let family = &self.ladder.families[at.family];
             let rung = &family.rungs[at.rung];
             let model = self.ladder.model(family);
             let seen = look(&self.ladder.name, model, (family.kind, rung), &moments, self.deadline);
-            self.looks.insert((at, grid), seen.map(Arc::new));
+            self.looks.insert(key, seen.map(Arc::new));
         }
-        let seen = self.looks[&(at, grid)].clone();
-        if self.looked.insert((at, grid)) {
+        let seen = self.looks[&key].clone();
+        if self.looked.insert(key) {
             let known = self.used.get(&at).map_or(0, |run| run.work);
             self.spent += seen.as_ref().map_or(known, |look| look.work.max(known));
         }
@@ -178,22 +188,22 @@ impl Lab {
         &self.used[&at]
     }
 
-    /// A rung run on another model, of at most so much work more; nothing where that is too little,
+    /// A rung run on a finer mesh, of at most so much work more; nothing where that is too little,
     /// or the budget is over.
-    pub fn measure_on(&mut self, model: usize, at: At, most: u64) -> Option<&Measured> {
-        let (family, own) = (&self.ladder.families[at.family], &self.ladder.models[model]);
+    pub fn measure_finer(&mut self, finer: usize, at: At, most: u64) -> Option<&Measured> {
+        let (family, own) = (&self.ladder.families[at.family], &self.ladder.finer[finer]);
         let pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
         if self.late() || self.predicted(at) as f64 * pieces > most.min(self.left()) as f64 {
             return None;
         }
-        let key = (model, at);
-        if !self.elsewhere.contains_key(&key) {
+        let key = (finer, at);
+        if !self.finer.contains_key(&key) {
             let rung = &family.rungs[at.rung];
             let run = measure(&self.ladder.name, own, rung, None, self.deadline);
-            self.elsewhere.insert(key, run);
+            self.finer.insert(key, run);
         }
-        self.spent += self.elsewhere[&key].work;
-        self.elsewhere.get(&key)
+        self.spent += self.finer[&key].work;
+        self.finer.get(&key)
     }
 
     /// What the question has seen of a rung.

@@ -92,6 +92,8 @@ pub struct Ladder {
     pub name: String,
     /// The scene, asked for one observable to one horizon, and what can be made of it.
     pub models: Vec<Model>,
+    /// The scene on finer meshes, which nobody asks for: they show its own mesh's error.
+    pub finer: Vec<Model>,
     /// The families that the models allow.
     pub families: Vec<Family>,
 }
@@ -108,8 +110,7 @@ impl Ladder {
         let models = Model::all(name, text, scene);
         let mut families = Vec::new();
         let mut refusal = String::new();
-        let asked = |(_, model): &(usize, &Model)| !matches!(model.sight, Sight::Refined(_));
-        for (place, model) in models.iter().enumerate().filter(asked) {
+        for (place, model) in models.iter().enumerate() {
             for mut candidate in candidates(&model.scene) {
                 if !scene.rods().is_empty() {
                     // A step back to the rods is a solve, whatever went before, and has order 1.
@@ -126,7 +127,8 @@ impl Ladder {
         if !families.iter().any(|family| family.model == 0 && family.kind != Kind::Modes) {
             return Err(ChooseError::NoRung(refusal));
         }
-        Ok(Ladder { name: name.to_owned(), models, families })
+        let finer = Model::finer(name, &models[0]);
+        Ok(Ladder { name: name.to_owned(), models, finer, families })
     }
 
     /// The model that a family runs.

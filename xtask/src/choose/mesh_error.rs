@@ -11,7 +11,6 @@ use std::fmt;
 use super::climb::Judgement;
 use super::lab::{At, Lab};
 use super::ladder::Kind;
-use super::model::Sight;
 use super::reference::Reference;
 use super::run::apart;
 
@@ -62,10 +61,8 @@ pub fn mesh_error(
         return None;
     }
     let work = lab.seen(chosen)?.work;
-    let models = &lab.ladder().models;
-    let finer: Vec<usize> =
-        (0..models.len()).filter(|&m| matches!(models[m].sight, Sight::Refined(_))).collect();
-    let words = finer.first().map(|&model| models[model].words.clone());
+    let finer = &lab.ladder().finer;
+    let (count, words) = (finer.len(), finer.first().map(|model| model.words.clone()));
     let meets = |lab: &Lab, at: At| matches!(judged(lab, at), Some(Judgement::Meets(_)));
     let written = lab.used().filter(|(at, run)| {
         lab.family(at.family).model == 0 && run.whole().is_some() && meets(lab, *at)
@@ -76,7 +73,7 @@ pub fn mesh_error(
     let own = lab.seen(at)?.course.values.clone();
     let mut courses = vec![own];
     let mut works = Vec::new();
-    for model in finer {
+    for model in 0..count {
         let most = PATIENCE * lab.spent();
         let Some((values, work)) = run_finer(lab, model, at, most) else { break };
         courses.push(values);
@@ -112,7 +109,7 @@ fn run_finer(lab: &mut Lab, model: usize, at: At, most: u64) -> Option<(Vec<Vec<
         Kind::OwnSteps | Kind::Modes => at.rung..at.rung + 1,
     };
     for rung in rungs {
-        let run = lab.measure_on(model, At { rung, ..at }, most)?;
+        let run = lab.measure_finer(model, At { rung, ..at }, most)?;
         if let Some(course) = run.whole() {
             return Some((course.values.clone(), run.work));
         }

@@ -87,9 +87,6 @@ impl Model {
         for halvings in 1..=HALVINGS {
             models.extend(halved(name, &table, scene, halvings));
         }
-        for halvings in 1..=REFINEMENTS {
-            models.extend(refined(name, &table, scene, halvings));
-        }
         for (word, least) in [("linear", 0), ("quadratic", 1)] {
             // More nodes than the scene itself has cost more and are not it.
             for halvings in least..=HALVINGS {
@@ -104,6 +101,18 @@ impl Model {
         let written = models[0].pieces;
         if models.iter().all(|model| model.pieces == written) {
             models.iter_mut().for_each(|model| model.pieces = 1);
+        }
+        models
+    }
+
+    /// The scene on finer meshes, each of half the length of the one before, to see its own error.
+    pub fn finer(name: &str, written: &Model) -> Vec<Model> {
+        let Ok(table) = toml::from_str::<Table>(&written.text) else { return Vec::new() };
+        let refined = |halvings| refined(name, &table, &written.scene, halvings);
+        let mut models: Vec<Model> = (1..=REFINEMENTS).filter_map(refined).collect();
+        let own = Model::new(Sight::AsWritten, String::new(), String::new(), written.scene.clone());
+        for model in &mut models {
+            model.pieces = (model.pieces * written.pieces).div_ceil(own.pieces);
         }
         models
     }

@@ -342,8 +342,7 @@ impl Reference {
     /// # Errors
     /// [`Failure::WrongPhysics`] where the course is that of another motion: its energy changes by
     /// half of the largest kinetic energy too much or too little, or other rods break;
-    /// [`Failure::Unstable`] where it changes by far more; [`Failure::Differs`] for both where the
-    /// reference is not confirmed.
+    /// [`Failure::Unstable`] where it changes by far more.
     pub fn error(&self, course: &Course) -> Result<f64, Failure> {
         let own = &self.course;
         let change = |energies: &[f64], k: usize| energies[k] - energies[0];
@@ -356,18 +355,13 @@ impl Reference {
                 format!("its energy is off by {off} times the largest kinetic energy")
             };
             return Err(match off > BEYOND {
-                _ if !self.is_confirmed => Failure::Differs(said(format!("{off:.1e}"))),
                 true => Failure::Unstable(said(format!("{off:.0e}"))),
                 false => Failure::WrongPhysics(said(format!("{off:.1}"))),
             });
         }
         let whole = course.values.len() == own.values.len();
         if whole && course.broken != own.broken || !own.broken.starts_with(&course.broken) {
-            let said = "other rods break".to_owned();
-            return Err(match self.is_confirmed {
-                true => Failure::WrongPhysics(said),
-                false => Failure::Differs(said),
-            });
+            return Err(Failure::WrongPhysics("other rods break".to_owned()));
         }
         Ok(self.error_until(course, course.values.len()))
     }

@@ -16,7 +16,7 @@ use std::fmt;
 use stationary_scene::Observable;
 
 use super::climb::rungs_to_go;
-use super::grid::Grid;
+use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
 use super::ladder::Kind;
 use super::look::{Look, apart, apart_where_own, keeps_energy};
@@ -123,10 +123,14 @@ impl Grid {
 pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, f64)> {
     let at = |rung: usize| At { family: reference.family, rung };
     let fine = lab.look(at(reference.finest), grid)?;
-    let middle = lab.look(at(reference.before), grid)?;
-    let differs = apart_where_own(&fine, &middle);
+    let leads = reference.extrapolated == Extrapolated::Yes;
+    // What is not extrapolated is compared at the ends of steps: parts of them cost as much.
+    let within = if leads { Within::Parts } else { Within::Ends };
+    let middle = lab.look_within(at(reference.before), grid, within)?;
+    let every = if leads { 1 } else { lab.moments(grid)?.within + 1 };
+    let differs = apart_where_own(&fine, &middle, every);
     let mut best = Look::clone(&fine);
-    if reference.extrapolated == Extrapolated::Yes {
+    if leads {
         let power = f64::from(1_u32 << lab.family(reference.family).order);
         let weight = 1.0 / (power - 1.0);
         let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
@@ -246,7 +250,7 @@ fn agreement(
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
             let Some((other, _)) = whole(lab, &other, grid) else { return Agreement::None };
-            let off = apart_where_own(&other, truth) / scale;
+            let off = apart_where_own(&other, truth, 1) / scale;
             if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
         }
         Confirmed::By(first) => finer_agrees(lab, reference, (near, grid), (first, families), truth),
@@ -269,7 +273,7 @@ fn finer_agrees(
     for _ in 0..FINER {
         lab.measure(at);
         if let Some(other) = lab.look(at, grid) {
-            let off = apart_where_own(&other, truth) / reference.course.scale;
+            let off = apart_where_own(&other, truth, 1) / reference.course.scale;
             if off <= near {
                 return Agreement::With(at, off);
             }
