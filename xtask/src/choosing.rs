@@ -39,7 +39,7 @@ const INSIDE: u64 = 4000;
 /// Readings of a run that chooses its own steps.
 const READINGS: u64 = 4000;
 /// Counted work that a question may take.
-const MOST_WORK: u64 = 16_000_000;
+const MOST_WORK: u64 = 8_000_000;
 /// The part of the tolerance that the truth must be known to.
 const CERTAIN: f64 = 0.01;
 /// Rejected runs that are looked at.

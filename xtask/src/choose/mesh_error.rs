@@ -46,8 +46,6 @@ const STABLE: usize = 4;
 const SHRINKING: f64 = 1.5;
 /// The ratio of linear elements, where no second mesh shows it.
 const SECOND_ORDER: f64 = 4.0;
-/// Work of a finer mesh, in all that was spent before.
-const PATIENCE: u64 = 2;
 
 /// Runs finer meshes beside a choice; nothing where the scene has no mesh.
 pub fn mesh_error(
@@ -74,8 +72,8 @@ pub fn mesh_error(
     let mut courses = vec![own];
     let mut works = Vec::new();
     for model in 0..count {
-        let most = PATIENCE * lab.spent();
-        let Some((values, work)) = run_finer(lab, model, at, most) else { break };
+        // As much again as was spent before, and no more.
+        let Some((values, work)) = run_finer(lab, model, at, lab.spent()) else { break };
         courses.push(values);
         works.push(work);
     }

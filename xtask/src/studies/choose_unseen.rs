@@ -31,7 +31,7 @@ const TRUTH: f64 = 50.0;
 /// Questions that are judged, and how many of these are searched exhaustively.
 fn counts(size: Size) -> (u64, u64) {
     match size {
-        Size::Default => (60, 40),
+        Size::Default => (24, 16),
         Size::Full => (2000, 200),
     }
 }

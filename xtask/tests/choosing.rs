@@ -1,0 +1,26 @@
+//! Random questions to the chooser, and those that it once answered wrongly.
+
+use std::time::Duration;
+
+use stationary_trials::{Draw, Plan, Verdict};
+use xtask::choosing::KINDS;
+
+#[test]
+fn no_random_question_is_answered_wrongly() {
+    let kind = &KINDS[0];
+    let plan = Plan { seed: 77, cases: kind.in_tests, shard: (0, 1), limit: Duration::MAX };
+    let tally = plan.run(kind);
+    assert_eq!(tally.wrong, 0, "{:#?}", tally.faults);
+    assert!(tally.right >= tally.tried * 3 / 4, "{:?}", tally.reasons);
+}
+
+#[test]
+fn what_was_answered_wrongly_is_answered_rightly_or_refused() {
+    let found = include_str!("../found/choosing.tsv");
+    for line in found.lines().filter(|line| !line.starts_with('#')) {
+        let case = line.split('\t').nth(1).and_then(|case| case.parse().ok());
+        let case = case.unwrap_or_else(|| panic!("{line}"));
+        let said = (KINDS[0].trial)(&mut Draw::new(case));
+        assert!(!matches!(said, Verdict::Wrong { .. }), "{line}\n{said:?}");
+    }
+}
