@@ -166,6 +166,7 @@ mod units;
 
 mod adaptive_steps;
 mod built;
+mod contact_impulses;
 mod equal_steps;
 mod kinds;
 mod march;
@@ -222,8 +223,10 @@ mod absent;
 #[allow(unused_imports)]
 use absent::*;
 
+mod fields;
 mod csv;
 mod drawing;
+mod field_tables;
 mod film;
 mod ink;
 mod picture;
@@ -239,9 +242,11 @@ pub mod problems;
 pub use body_shape::BodyShape;
 pub use built::Built;
 pub use checkpoint::{Checkpoint, CheckpointError};
+pub use contact_impulses::{ContactImpulse, ContactSide};
 pub use diagnostic::{Diagnostic, Place};
 pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
 pub use fault::Fault;
+pub use fields::BodyField;
 pub use heat::HeatedBody;
 pub use march::{Watcher, Wish};
 pub use observable::Observable;

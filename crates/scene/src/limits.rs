@@ -25,6 +25,9 @@ pub const STEPS: u64 = 10_000_000_000;
 /// Steps with impacts of which a run keeps the time; of later ones it keeps none.
 pub const IMPACTS: usize = 1 << 20;
 
+/// Rows of contact impulses that a run keeps: one for every two things that touch between two samples.
+pub const CONTACT_ROWS: usize = 1 << 20;
+
 /// Pairs of things that may touch: each is looked at in every step.
 pub const PAIRS: u64 = 4_000_000;
 

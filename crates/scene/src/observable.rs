@@ -156,6 +156,8 @@ pub(crate) struct Moment<'a> {
     pub(crate) positions: &'a [[f64; 3]],
     /// Velocities of all particles, in the scene's order.
     pub(crate) velocities: &'a [[f64; 3]],
+    /// Orientation and velocities of all bodies, as a sample keeps them.
+    pub(crate) bodies: &'a [f64],
     /// Tensions of all rods, in the scene's order; zero before the first step and once broken.
     pub(crate) tensions: &'a [f64],
     /// Angular velocities of all bodies, in body axes.

@@ -7,6 +7,7 @@ mod built;
 mod checkpoints;
 mod diagnostics;
 mod faces_and_walls;
+mod fields;
 mod files;
 mod heat;
 mod output;
