@@ -59,7 +59,8 @@ enum Task {
         /// Writes a file a sample for ParaView as well.
         #[arg(long)]
         vtk: bool,
-        /// Goes on from the checkpoint that an interrupted run has left in DIR.
+        /// Goes on from the checkpoint that an interrupted run has left in DIR; starts anew where there is
+        /// none.
         #[arg(long)]
         resume: bool,
         /// Says nothing but what failed.
@@ -142,6 +143,9 @@ struct Choose {
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
+    if let Err(error) = end_with_the_reader() {
+        return failed(&error.to_string());
+    }
     let done = match Arguments::parse().task {
         Task::Report(arguments) => run_report(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
@@ -164,10 +168,30 @@ fn main() -> ExitCode {
             .map_err(Failure::from),
         Task::CheckPage { page } => run_check_page(&page),
     };
-    done.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        ExitCode::FAILURE
-    })
+    done.unwrap_or_else(|error| failed(&error.to_string()))
+}
+
+/// Says what failed. What a scene's file has wrong begins with `error:` itself, as a compiler's does.
+fn failed(message: &str) -> ExitCode {
+    match message.starts_with("error: ") {
+        true => eprintln!("{message}"),
+        false => eprintln!("error: {message}"),
+    }
+    ExitCode::FAILURE
+}
+
+/// Ends the program without a word where nobody reads any more what it prints, as in `... | head -1`:
+/// Rust ignores that signal, and every `println!` would panic.
+#[cfg(unix)]
+fn end_with_the_reader() -> std::io::Result<()> {
+    let always = Arc::new(AtomicBool::new(true));
+    flag::register_conditional_default(signal_hook::consts::SIGPIPE, always).map(|_| ())
+}
+
+/// Elsewhere there is no such signal.
+#[cfg(not(unix))]
+fn end_with_the_reader() -> std::io::Result<()> {
+    Ok(())
 }
 
 fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {

@@ -194,7 +194,7 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        (self.kind().run)(self, checkpoint, watcher)
+        (self.kind().run)(self, checkpoint, watcher).map_err(|error| self.named(error))
     }
 
     /// Samples, before the first one.
@@ -298,10 +298,8 @@ impl<'a, const D: usize> Recorder<'a, D> {
         };
         let particle = self.vertices.particles[freedom / D];
         let name = |particle: usize| &self.scene.particles[particle].name;
-        let rod = equation(&failed.source).and_then(|row| self.left.get(row)).map(|&rod| {
-            let [a, b] = self.scene.rods[rod].ends;
-            format!("from `{}` to `{}`", name(a), name(b))
-        });
+        let rod = equation(&failed.source).and_then(|row| self.left.get(row));
+        let rod = rod.map(|_| self.scene.failure_in_words(&failed.source, &self.left));
         RunError::Interrupted(Box::new(Interruption {
             step: failed.step,
             time: failed.time,
@@ -309,6 +307,7 @@ impl<'a, const D: usize> Recorder<'a, D> {
             particle: name(particle).clone(),
             coordinate: freedom % D,
             rod,
+            unstable: self.scene.unstable_step(),
             source: failed.source,
             run: Box::new(run),
         }))
@@ -331,7 +330,10 @@ impl Run {
     /// The error of a step, from a time, that failed after all this.
     pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
         let unit = self.scene.units.time.clone();
-        RunError::Stopped(Box::new(Stop { step, time, unit, source, run: Box::new(self) }))
+        let reason = self.scene.failure_in_words(&source, &[]);
+        let unstable = self.scene.unstable_step();
+        let run = Box::new(self);
+        RunError::Stopped(Box::new(Stop { step, time, unit, reason, unstable, source, run }))
     }
 
     /// The scene that was run.
@@ -445,6 +447,24 @@ impl Run {
     pub fn summary(&self) -> Summary {
         Summary::of(self)
     }
+
+    /// The files that runs write, each run those that its scene has something for.
+    pub const FILES: [&str; 14] = [
+        "trajectory.csv",
+        "observables.csv",
+        "velocity.csv",
+        "bodies.csv",
+        "displacement.csv",
+        "stress.csv",
+        "temperature.csv",
+        "contacts.csv",
+        "events.csv",
+        "summary.txt",
+        "picture.svg",
+        "film.svg",
+        "player.html",
+        "trajectory.pvd",
+    ];
 
     /// Writes into a folder, which is made where it is missing:
     ///
