@@ -171,12 +171,11 @@ fn main() -> ExitCode {
     done.unwrap_or_else(|error| failed(&error.to_string()))
 }
 
-/// Says what failed. What a scene's file has wrong begins with `error:` itself, as a compiler's does.
+/// Says what failed, with one `error:` at its head: what a scene's file has wrong begins with that word
+/// too, as a compiler's message does.
 fn failed(message: &str) -> ExitCode {
-    match message.starts_with("error: ") {
-        true => eprintln!("{message}"),
-        false => eprintln!("error: {message}"),
-    }
+    let lines = message.lines().map(|line| line.strip_prefix("error: ").unwrap_or(line));
+    eprintln!("error: {}", lines.collect::<Vec<_>>().join("\n"));
     ExitCode::FAILURE
 }
 

@@ -92,9 +92,7 @@ pub enum CheckpointError {
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
     /// A machine, or a build, on which the run would have gone elsewhere.
-    #[error(
-        "step {step} leads to other bits here than where the checkpoint was made; run the scene anew"
-    )]
+    #[error("step {step}: the result differs bitwise from the checkpoint's; run the scene anew")]
     OtherBits {
         /// The step.
         step: u64,

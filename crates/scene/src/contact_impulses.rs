@@ -101,7 +101,8 @@ pub struct ContactImpulse {
     pub last: f64,
     /// Where: the mean of the points, each counted by the size of its impulse.
     pub point: [f64; 3],
-    /// The mean normal from the first to the second, of length one.
+    /// The mean normal from the first to the second, counted alike; of length one where it is the
+    /// same for all of them.
     pub normal: [f64; 3],
     /// What the second was given.
     pub impulse: [f64; 3],
@@ -149,10 +150,12 @@ impl ContactImpulse {
             self.normal[c] += share * (push.normal[c] - self.normal[c]);
             self.impulse[c] += push.impulse[c];
         }
+    }
+
+    /// The mean normal with length one; zero where normals cancel.
+    pub(crate) fn direction(&self) -> [f64; 3] {
         let length = norm(self.normal);
-        if length > 0.0 {
-            self.normal = self.normal.map(|x| x / length);
-        }
+        if length > 0.0 { self.normal.map(|x| x / length) } else { self.normal }
     }
 }
 

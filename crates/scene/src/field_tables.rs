@@ -180,7 +180,7 @@ fn contacts(run: &Run, out: &mut impl Write) -> io::Result<()> {
         let Some(time) = run.times().get(contact.sample) else { break };
         let [first, second] = contact.between.map(|side| side.name(scene));
         write!(out, "{time:?},{:?},{first},{second}", contact.last)?;
-        let vectors = [contact.point, contact.normal, contact.impulse];
+        let vectors = [contact.point, contact.direction(), contact.impulse];
         row(out, vectors.into_iter().flat_map(|x| x.into_iter().take(d)))?;
     }
     Ok(())

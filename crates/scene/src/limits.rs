@@ -34,7 +34,8 @@ pub const PAIRS: u64 = 4_000_000;
 /// Numbers of all modes of a scene that is moved by them, 8 bytes each.
 pub const MODE_NUMBERS: u64 = 1 << 26;
 
-/// Numbers that a run keeps in memory, 8 bytes each: positions and observables of every sample.
+/// Numbers that a run keeps in memory, 8 bytes each: positions, velocities and observables of every
+/// sample.
 pub const SAMPLED_NUMBERS: u64 = 1 << 26;
 
 /// Bytes of a checkpoint: every number that is kept, twice the state, and some more.

@@ -86,7 +86,8 @@ pub(crate) fn declare_all(
     let one = |declared: &Spanned<ObservableDeclaration>| {
         let observable = declare(roster, rods, declared)?;
         if observable.of_heat() != of_heat {
-            return Err(at(declared.span(), Fault::ObservableOfAnother));
+            let scenes = if of_heat { "heat scenes" } else { "scenes without heat" };
+            return Err(at(declared.span(), Fault::ObservableOfAnother(scenes)));
         }
         Ok(observable)
     };

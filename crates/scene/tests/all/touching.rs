@@ -108,7 +108,7 @@ fn contact_that_cannot_be_is_refused_where_it_says_so() {
     refused("when = \"after\"", "did you mean `after-overlap`?");
     refused("walls = [{ normal = [0], at = [0] }]", "the normal is zero");
     refused("balls = [{ at = [0], radius = 0 }]", "the radius is 0");
-    refused("balls = [{ at = [0], radius = 1.5 }]", "`ball` starts inside of something");
+    refused("balls = [{ at = [0], radius = 1.5 }]", "`ball` overlaps an obstacle by");
     let text = "dimension = 1\nintegrator = \"runge-kutta-4\"\nstep = 0.1\nhorizon = 1\n[contact]\n\
                 [[particles]]\nname = \"a\"\nmass = 1\nposition = [0]\n";
     let error = Scene::parse("a.toml", text).unwrap_err().to_string();

@@ -7,6 +7,67 @@ use std::path::{Path, PathBuf};
 use stationary_scene::{Scene, SceneError};
 use toml::Value;
 
+/// What no shipped scene says.
+const MORE: [&str; 4] = [
+    r#"
+        dimension = 2
+        integrator = "dormand-prince-853"
+        tolerance = 1e-6
+        step = 0.1
+        horizon = 1
+        view = [0, 1]
+        units = { length = "cm", time = "ms", mass = "g" }
+        drag = { coefficient = 0.1 }
+        newtonian_gravity = { constant = 1 }
+        observables = [{ distance = ["a", "b"] }, { velocity = "a" }, "linear-momentum"]
+        particles = [
+            { name = "a", mass = 1, position = [0, 0], momentum = [0, 1] },
+            { name = "b", mass = 1, position = [1, 0], velocity = [0, 1] },
+        ]
+    "#,
+    r#"
+        dimension = 2
+        integrator = "linear-modes"
+        modes = 2
+        step = 0.1
+        horizon = 1
+        nets = [{ name = "n", rows = 3, columns = 3, spacing = 0.1, origin = [0, 0], across = [1, 0],
+                  down = [0, -1], particle_mass = 1, stiffness = 9, strain = "green", pinned = ["top"] }]
+    "#,
+    r#"
+        dimension = 2
+        integrator = "rattle"
+        step = 0.01
+        horizon = 0.1
+        observables = [{ tension = ["a", "b"] }]
+        particles = [
+            { name = "a", position = [0, 0], pinned = true },
+            { name = "b", mass = 1, position = [1, 0], radius = 0.1 },
+        ]
+        rods = [{ between = ["a", "b"], strength = 1000 }]
+    "#,
+    r#"
+        dimension = 2
+        integrator = "stormer-verlet"
+        step = 0.01
+        horizon = 0.1
+        observables = [{ angular_velocity = "b" }]
+        bodies = [
+            { name = "a", mass = 1, moments = 0.1, position = [0, 0], points = [[0.1, 0]], rotation = 0.2 },
+            { name = "b", mass = 1, ball = 0.1, position = [1, 0], velocity = [0, 0], angular_velocity = 0 },
+        ]
+        joints = [{ kind = "pin", between = ["a", "b"], at = [0.5, 0] }]
+    "#,
+];
+
+/// Every shipped scene and some more, each with its file.
+fn texts() -> Vec<(PathBuf, String)> {
+    let read = |file: PathBuf| (file.clone(), fs::read_to_string(file).unwrap());
+    let more = MORE.iter().enumerate();
+    let more = more.map(|(k, text)| (PathBuf::from(format!("more-{k}.toml")), (*text).to_owned()));
+    scenes().into_iter().map(read).chain(more).collect()
+}
+
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
@@ -124,8 +185,8 @@ fn no_wrong_value_is_answered_in_the_words_of_the_parser() {
         "1979-05-27",
     ];
     let (mut refused, mut taken) = (0, 0);
-    for file in scenes() {
-        let text = fs::read_to_string(&file).unwrap();
+    for (file, text) in texts() {
+        Scene::parse_at(&file, &text).unwrap_or_else(|error| panic!("{error}"));
         let whole: Value = toml::from_str::<toml::Table>(&text).map(Value::Table).unwrap();
         let mut all = Vec::new();
         paths(&whole, &[], &mut all);
@@ -145,8 +206,7 @@ fn no_wrong_value_is_answered_in_the_words_of_the_parser() {
 
 #[test]
 fn no_missing_and_no_superfluous_key_is_answered_in_the_words_of_the_parser() {
-    for file in scenes() {
-        let text = fs::read_to_string(&file).unwrap();
+    for (file, text) in texts() {
         let whole: Value = toml::from_str::<toml::Table>(&text).map(Value::Table).unwrap();
         let mut all = Vec::new();
         paths(&whole, &[], &mut all);
