@@ -143,10 +143,14 @@ struct Choose {
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    if let Err(error) = end_with_the_reader() {
+    let task = Arguments::parse().task;
+    // A browser that ends is an error of the check, not the end of it.
+    if !matches!(task, Task::CheckPage { .. })
+        && let Err(error) = end_with_the_reader()
+    {
         return failed(&error.to_string());
     }
-    let done = match Arguments::parse().task {
+    let done = match task {
         Task::Report(arguments) => run_report(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
         Task::Choose(arguments) => run_choose(&arguments),

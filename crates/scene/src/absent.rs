@@ -84,15 +84,6 @@ mod flat {
     }
 }
 
-#[cfg(not(feature = "constraints"))]
-pub(crate) mod rod_steps {
-    use crate::upper::ConstraintError;
-
-    pub(crate) fn equation(error: &ConstraintError) -> Option<usize> {
-        match *error {}
-    }
-}
-
 #[cfg(not(all(feature = "constraints", feature = "rigid")))]
 pub(crate) mod joint_steps {
     use stationary_integrators::State;

@@ -17,7 +17,7 @@ use crate::upper::{
     ConstraintError, ContactError, ElasticityError, LaplacianError, ModalError, RigidError,
     SparseError, SpringError,
 };
-use crate::{CheckpointError, Diagnostic, Run, UnstableStep, limits, rod_steps};
+use crate::{CheckpointError, Diagnostic, Run, UnstableStep, limits};
 
 /// A scene that cannot be had from a file or a text.
 #[derive(Debug, thiserror::Error)]
@@ -244,8 +244,8 @@ pub struct Interruption {
     pub particle: String,
     /// The coordinate of that particle, from 0.
     pub coordinate: usize,
-    /// The rod that cannot be held, where it is one, and why, in the names of the scene.
-    pub rod: Option<String>,
+    /// Why it failed in the names of the scene, where the error itself counts equations or freedoms.
+    pub named: Option<String>,
     /// The step, where its method is not stable at it.
     pub unstable: Option<UnstableStep>,
     /// Why it failed.
@@ -257,14 +257,6 @@ pub struct Interruption {
 
 /// The names of the coordinates.
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
-
-/// The rod's place among those left, where it is one that cannot be held.
-pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
-    match error {
-        StepFailure::Constraint(error) => rod_steps::equation(error),
-        _ => None,
-    }
-}
 
 /// The unknown at which Newton's method met a number that is not finite.
 pub(crate) fn unknown(error: &StepFailure) -> Option<usize> {
@@ -287,14 +279,16 @@ impl Interruption {
             StepFailure::Step(StepError::NonFiniteMomentum { .. }) => {
                 format!("the momentum of `{particle}` is not finite, first in {coordinate}")
             }
-            _ if self.rod.is_some() => self.rod.clone().unwrap_or_default(),
             other if unknown(other).is_some() => format!(
                 "the implicit step was not solved: Newton's method met a number that is not finite, \
                  first of `{particle}` in {coordinate}"
             ),
-            other => {
-                format!("{other}; the largest acceleration is that of `{particle}` in {coordinate}")
-            }
+            other => match &self.named {
+                Some(words) => words.clone(),
+                None => format!(
+                    "{other}; the largest acceleration is that of `{particle}` in {coordinate}"
+                ),
+            },
         }
     }
 }

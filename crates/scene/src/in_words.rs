@@ -1,7 +1,7 @@
 //! What fails in a run, in the names of its scene: rods, joints, bodies and vertices instead of the rows
 //! of equations and the freedoms by which the crates below count.
 
-use stationary_integrators::StepError;
+use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::error::{COORDINATES, StepFailure};
 use crate::system::Vertices;
@@ -35,6 +35,7 @@ impl Scene {
                     )
                 })
             }
+            AssemblyError::Adaptive(error) => self.adaptive_named(error),
             _ => None,
         };
         RunError::Assembly(match words {
@@ -43,9 +44,12 @@ impl Scene {
         })
     }
 
-    /// What a failed step says; `left` are the rods that have not broken.
-    pub(crate) fn failure_in_words(&self, failure: &StepFailure, left: &[usize]) -> String {
-        let words = match failure {
+    /// What a failed step says, where it counts equations or freedoms; `left` are the rods that have not
+    /// broken.
+    pub(crate) fn failure_named(&self, failure: &StepFailure, left: &[usize]) -> Option<String> {
+        // Without constraints there are no rods.
+        let _ = left;
+        match failure {
             StepFailure::Step(StepError::NonFiniteConfiguration { freedom }) => {
                 self.body_of(*freedom, Numbers::Stored).map(|body| not_finite("position", body))
             }
@@ -62,11 +66,17 @@ impl Scene {
                     format!("the temperature of `{vertex}` is {value}; it must be finite")
                 })
             }
+            StepFailure::Adaptive(error) => self.adaptive_named(error),
             _ => None,
-        };
-        // Without constraints there are no rods.
-        let _ = left;
-        words.unwrap_or_else(|| failure.to_string())
+        }
+    }
+
+    /// A state of positions and momenta that is not finite.
+    fn adaptive_named(&self, error: &AdaptiveError) -> Option<String> {
+        let AdaptiveError::NonFinite { what, t, component } = error else { return None };
+        let (particle, axis) = self.particle_of(component % self.freedoms().max(1))?;
+        let time = &self.units.time;
+        Some(format!("{what} is not finite at t = {t} {time}, first of `{particle}` in {axis}"))
     }
 
     /// The particle and the axis of a freedom of a scene of particles.
@@ -197,9 +207,7 @@ impl Scene {
                 let body = self.body_of(index, of).or_else(|| Some(self.particle_of(index)?.0));
                 body.map(|name| format!("{what} of `{name}` is {value}; it must be finite"))
             }
-            ContactError::Step(error) => {
-                Some(self.failure_in_words(&StepFailure::Step(error.clone()), &[]))
-            }
+            ContactError::Step(error) => self.failure_named(&StepFailure::Step(error.clone()), &[]),
             _ => None,
         }
     }
@@ -269,7 +277,7 @@ mod tests {
             let scene = joined(dimension, joints);
             for &(row, name) in rows {
                 let error = ConstraintError::NotConverged { iterations: 50, row, violation: 0.5 };
-                let words = scene.failure_in_words(&StepFailure::Constraint(error), &[]);
+                let words = scene.failure_named(&StepFailure::Constraint(error), &[]).unwrap();
                 let rest =
                     "is still off by 5e-1 of its length after 50 iterations; take a smaller step";
                 assert_eq!(words, format!("{name} {rest}"));
@@ -280,7 +288,7 @@ mod tests {
     #[test]
     fn numbers_that_are_not_finite_are_told_with_their_body() {
         let scene = joined(3, "");
-        let words = |failure| scene.failure_in_words(&failure, &[]);
+        let words = |failure| scene.failure_named(&failure, &[]).unwrap();
         let moved = StepError::NonFiniteConfiguration { freedom: 7 };
         assert_eq!(words(StepFailure::Step(moved)), "the position of `b` is not finite");
         let momentum = StepError::NonFiniteMomentum { freedom: 5 };

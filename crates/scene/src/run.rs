@@ -11,7 +11,7 @@ use stationary_integrators::{
 };
 
 use crate::csv::{self, write_file};
-use crate::error::{StepFailure, equation, unknown};
+use crate::error::{StepFailure, unknown};
 use crate::march::{Watcher, Wish};
 use crate::observable::Moment;
 use crate::system::{SceneProblem, Vertices};
@@ -297,16 +297,13 @@ impl<'a, const D: usize> Recorder<'a, D> {
             other => unknown(other).unwrap_or_else(|| self.most_accelerated(&state.q)),
         };
         let particle = self.vertices.particles[freedom / D];
-        let name = |particle: usize| &self.scene.particles[particle].name;
-        let rod = equation(&failed.source).and_then(|row| self.left.get(row));
-        let rod = rod.map(|_| self.scene.failure_in_words(&failed.source, &self.left));
         RunError::Interrupted(Box::new(Interruption {
             step: failed.step,
             time: failed.time,
             unit: self.scene.units.time.clone(),
-            particle: name(particle).clone(),
+            particle: self.scene.particles[particle].name.clone(),
             coordinate: freedom % D,
-            rod,
+            named: self.scene.failure_named(&failed.source, &self.left),
             unstable: self.scene.unstable_step(),
             source: failed.source,
             run: Box::new(run),
@@ -330,7 +327,8 @@ impl Run {
     /// The error of a step, from a time, that failed after all this.
     pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
         let unit = self.scene.units.time.clone();
-        let reason = self.scene.failure_in_words(&source, &[]);
+        let named = self.scene.failure_named(&source, &[]);
+        let reason = named.unwrap_or_else(|| source.to_string());
         let unstable = self.scene.unstable_step();
         let run = Box::new(self);
         RunError::Stopped(Box::new(Stop { step, time, unit, reason, unstable, source, run }))

@@ -168,8 +168,8 @@ fn springs_of_touch_have_nothing_of_impulses() {
         let error = Scene::parse("ball.toml", &text).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     };
-    refused("stiffness = 1\nlaw = \"jacobi\"", "no `law`");
-    refused("stiffness = 1\nwhen = \"at-the-instant\"", "no `when`");
-    refused("restitution = 1\nstiffness = 1", "no `restitution`");
+    refused("stiffness = 1\nlaw = \"jacobi\"", "`law` cannot be combined");
+    refused("stiffness = 1\nwhen = \"at-the-instant\"", "`when` cannot be combined");
+    refused("restitution = 1\nstiffness = 1", "`restitution` cannot be combined");
     refused("stiffness = 0", "the stiffness is 0");
 }

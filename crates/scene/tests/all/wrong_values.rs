@@ -15,7 +15,6 @@ const MORE: [&str; 4] = [
         tolerance = 1e-6
         step = 0.1
         horizon = 1
-        view = [0, 1]
         units = { length = "cm", time = "ms", mass = "g" }
         drag = { coefficient = 0.1 }
         newtonian_gravity = { constant = 1 }
