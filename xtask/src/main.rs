@@ -60,7 +60,8 @@ enum Task {
         /// Writes a file a sample for ParaView as well.
         #[arg(long)]
         vtk: bool,
-        /// Goes on from the checkpoint that an interrupted run has left in DIR.
+        /// Goes on from the checkpoint that an interrupted run has left in DIR; starts anew where there is
+        /// none.
         #[arg(long)]
         resume: bool,
         /// Says nothing but what failed.
@@ -146,7 +147,14 @@ struct Choose {
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let done = match Arguments::parse().task {
+    let task = Arguments::parse().task;
+    // A browser that ends is an error of the check, not the end of it.
+    if !matches!(task, Task::CheckPage { .. })
+        && let Err(error) = end_with_the_reader()
+    {
+        return failed(&error.to_string());
+    }
+    let done = match task {
         Task::Report(arguments) => run_report(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
         Task::Choose(arguments) => run_choose(&arguments),
@@ -168,10 +176,29 @@ fn main() -> ExitCode {
             .map_err(Failure::from),
         Task::CheckPage { page } => run_check_page(&page),
     };
-    done.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        ExitCode::FAILURE
-    })
+    done.unwrap_or_else(|error| failed(&error.to_string()))
+}
+
+/// Says what failed, with one `error:` at its head: what a scene's file has wrong begins with that word
+/// too, as a compiler's message does.
+fn failed(message: &str) -> ExitCode {
+    let lines = message.lines().map(|line| line.strip_prefix("error: ").unwrap_or(line));
+    eprintln!("error: {}", lines.collect::<Vec<_>>().join("\n"));
+    ExitCode::FAILURE
+}
+
+/// Ends the program without a word where nobody reads any more what it prints, as in `... | head -1`:
+/// Rust ignores that signal, and every `println!` would panic.
+#[cfg(unix)]
+fn end_with_the_reader() -> std::io::Result<()> {
+    let always = Arc::new(AtomicBool::new(true));
+    flag::register_conditional_default(signal_hook::consts::SIGPIPE, always).map(|_| ())
+}
+
+/// Elsewhere there is no such signal.
+#[cfg(not(unix))]
+fn end_with_the_reader() -> std::io::Result<()> {
+    Ok(())
 }
 
 fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {

@@ -1,6 +1,7 @@
 //! `cargo xtask run FILE --out DIR`: a scene file to a trajectory, with a bar while it runs.
 //!
-//! A run keeps a checkpoint in its folder, a fresh one every few seconds and one when it is asked to
+//! The folder is made and tried before the run, and a step that is not stable is told. A run keeps a
+//! checkpoint in its folder, a fresh one every few seconds and one when it is asked to
 //! end, and takes it away when it reaches the horizon. Checkpoints take at most a twentieth of the
 //! time.
 
@@ -13,7 +14,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use stationary_scene::{
     Checkpoint, CheckpointError, Progress as Step, Run, RunError, Scene, SceneError, Summary,
-    Watcher, Wish, WriteError,
+    Watcher, Wish, WriteError, make_folder,
 };
 
 use crate::report::Progress;
@@ -107,11 +108,22 @@ pub fn run_scene(file: &Path, out: &Path, progress: Progress) -> Result<Summary,
 /// Runs a scene, from its start or from a checkpoint.
 ///
 /// # Errors
-/// [`RunSceneError`]. Of a run that stopped early, what was computed is written all the same.
+/// [`RunSceneError`], before the run where the folder cannot be written. Of a run that stopped early,
+/// what was computed is written all the same.
 pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
     let scene = Scene::read(job.file)?;
+    make_folder(job.out)?;
+    if job.series == Series::Vtk {
+        make_folder(job.out.join("trajectory"))?;
+    }
     let path = job.out.join(CHECKPOINT);
     let checkpoint = found(&path, job.start)?;
+    if job.start == Start::Resumed && checkpoint.is_none() {
+        eprintln!("no checkpoint in {}: the run starts anew", job.out.display());
+    }
+    if let (Progress::Shown, Some(unstable)) = (job.progress, scene.unstable_step()) {
+        eprintln!("warning: {unstable}");
+    }
     let mut keeper = Keeper::new(job, &scene, checkpoint.as_ref(), &path);
     let run = scene.run_from(checkpoint, &mut keeper);
     keeper.bar.finish_and_clear();

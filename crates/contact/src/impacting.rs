@@ -65,6 +65,21 @@ pub struct ImpactingReport {
     pub held: bool,
 }
 
+/// The impulses that a step gives at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct GapImpulses<'a> {
+    /// The moment, s.
+    pub time: f64,
+    /// The configuration at which the gaps are looked at.
+    pub q: &'a [f64],
+    /// The gaps, in ascending order.
+    pub gaps: &'a [usize],
+    /// The impulse of each along its differential: momenta change by `sum impulse dg`.
+    pub impulses: &'a [f64],
+}
+
+type Seen<'a> = &'a mut dyn FnMut(GapImpulses<'_>);
+
 /// Bounces lower than this part of the largest coordinate (or of 1 m) are rest.
 pub const REST: f64 = 1e-12;
 /// More impacts in a step are an error.
@@ -120,6 +135,19 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         state: &mut State<Vec<f64>>,
         h: f64,
     ) -> Result<ImpactingReport, ContactError> {
+        self.step_seen(state, h, &mut |_| ())
+    }
+
+    /// The same step, shown the impulses that it gives; those of a step that fails are of no worth.
+    ///
+    /// # Errors
+    /// Those of [`Impacting::step`].
+    pub fn step_seen(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        seen: &mut dyn FnMut(GapImpulses<'_>),
+    ) -> Result<ImpactingReport, ContactError> {
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::Step(h).into());
         }
@@ -128,11 +156,11 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         check_time(state.t + h)?;
         let mut next = state.clone();
         let report = match self.when {
-            When::AfterOverlap => self.after_overlap(&mut next, h),
-            When::AtTheInstant => self.at_the_instant(&mut next, h),
+            When::AfterOverlap => self.after_overlap(&mut next, h, seen),
+            When::AtTheInstant => self.at_the_instant(&mut next, h, seen),
             When::VelocityFilter => {
                 let mut report = ImpactingReport::default();
-                self.filtered(&mut next, h, self.restitution, &mut report).map(|()| report)
+                self.filtered(&mut next, h, &mut report, seen).map(|()| report)
             }
         }?;
         next.t = state.t + h;
@@ -144,11 +172,12 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         &mut self,
         state: &mut State<Vec<f64>>,
         h: f64,
+        seen: Seen<'_>,
     ) -> Result<ImpactingReport, ContactError> {
         self.verlet.step(state, h)?;
         let touching = self.closed(state.t, &state.q, 0.0);
         let mut report = ImpactingReport::default();
-        if self.impact(state, &touching)? {
+        if self.impact(state, &touching, seen)? {
             report.impacts = 1;
             report.last_impact = state.t;
         }
@@ -159,6 +188,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         &mut self,
         state: &mut State<Vec<f64>>,
         h: f64,
+        seen: Seen<'_>,
     ) -> Result<ImpactingReport, ContactError> {
         let mut report = ImpactingReport::default();
         let (end, start) = (state.t + h, state.t);
@@ -173,12 +203,12 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             };
             if !self.arrives(state, left) && self.bounces_low(state, free)? {
                 report.rested = true;
-                self.filtered(state, left, self.restitution, &mut report)?;
+                self.filtered(state, left, &mut report, seen)?;
                 return Ok(report);
             }
             self.verlet.step(state, free)?;
             let touching = self.closed(state.t, &state.q, TOUCHING * size(&state.q));
-            self.impact(state, &touching)?;
+            self.impact(state, &touching, seen)?;
             report.impacts += 1;
             report.last_impact = state.t;
         }
@@ -251,8 +281,8 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         &mut self,
         state: &mut State<Vec<f64>>,
         h: f64,
-        restitution: f64,
         report: &mut ImpactingReport,
+        seen: Seen<'_>,
     ) -> Result<(), ContactError> {
         let mut before = self.velocity(&state.p);
         let kick = self.kick(state, h);
@@ -268,12 +298,16 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
                 let by_kick = rows.along(i, kick.view()).abs();
                 rows.along(i, before.view()).abs() > 2.0 * by_kick
             };
-            let own = if (0..rows.len()).any(bounces) { restitution } else { 0.0 };
+            let own = if (0..rows.len()).any(bounces) { self.restitution } else { 0.0 };
             let impact = Impact::new(rows.clone(), &self.mass, vec![own; rows.len()])?;
-            report.impacts += usize::from(self.law.apply(&impact, before.view_mut())?.passes > 0);
+            let done = self.law.apply(&impact, before.view_mut())?;
+            report.impacts += usize::from(done.passes > 0);
             report.last_impact = state.t;
+            let (time, q, gaps) = (state.t, &state.q, &contacts);
+            seen(GapImpulses { time, q, gaps, impulses: &done.impulses });
         }
         let mut v = sum(&before, &kick);
+        let mut held = Vec::new();
         for _ in 0..ROUNDS {
             let ahead = self.ahead(state, h, &v);
             if ahead.is_empty() {
@@ -285,7 +319,11 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             let bias: Vec<f64> = contacts.iter().map(|&i| gaps[i].max(0.0) / h).collect();
             let rows = self.gaps.rows(state.t, &state.q, &contacts);
             let impact = Impact::new(rows, &self.mass, vec![0.0; contacts.len()])?;
-            project_biased(&impact, &bias, v.view_mut())?;
+            held = project_biased(&impact, &bias, v.view_mut())?.impulses;
+        }
+        if !held.is_empty() {
+            let (time, q, gaps) = (state.t, &state.q, &contacts);
+            seen(GapImpulses { time, q, gaps, impulses: &held });
         }
         self.system.metric().flat(v.view(), state.p.view_mut());
         report.held = !self.ahead(state, h, &v).is_empty();
@@ -329,6 +367,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         &self,
         state: &mut State<Vec<f64>>,
         touching: &[usize],
+        seen: Seen<'_>,
     ) -> Result<bool, ContactError> {
         let rows = self.gaps.rows(state.t, &state.q, touching);
         let impact = Impact::new(rows, &self.mass, vec![self.restitution; touching.len()])?;
@@ -336,6 +375,8 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         let report = self.law.apply(&impact, v.view_mut())?;
         if report.passes > 0 {
             self.system.metric().flat(v.view(), state.p.view_mut());
+            let (time, q, impulses) = (state.t, &state.q, &report.impulses);
+            seen(GapImpulses { time, q, gaps: touching, impulses });
         }
         Ok(report.passes > 0)
     }

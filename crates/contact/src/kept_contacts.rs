@@ -174,6 +174,11 @@ impl KeptContacts {
         Ok(())
     }
 
+    /// What [`KeptContacts::detect`] found last.
+    pub(crate) fn found(&self) -> &[ContactPoint] {
+        &self.found
+    }
+
     /// What [`KeptContacts::detect`] found last, to be given back by [`KeptContacts::put_back`].
     pub(crate) fn take_found(&mut self) -> Vec<ContactPoint> {
         std::mem::take(&mut self.found)

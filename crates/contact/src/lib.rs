@@ -159,7 +159,7 @@ pub use dimension::Dimension;
 pub use error::ContactError;
 pub use gaps::{Balls, FixedBall, Inequality, Swept, Wall};
 pub use impact::Impact;
-pub use impacting::{Impacting, ImpactingReport, REST, When};
+pub use impacting::{GapImpulses, Impacting, ImpactingReport, REST, When};
 pub use inverse_mass::InverseMass;
 pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
 #[cfg(feature = "2d")]

@@ -39,7 +39,7 @@ use crate::last_impulses::LastImpulses;
 use crate::resting::{Guessed, Resting};
 use crate::rigid_contact::{Placed, Six, scale, speed};
 use crate::{
-    ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Settling, Spatial,
+    ContactError, ContactPoint, Detector, ImpactLaw, InverseMass, Settling, Spatial, Touch,
     TouchingReport, gap_rows,
 };
 
@@ -86,6 +86,8 @@ struct Memory {
     bias: Vec<f64>,
     /// The impulse of each contact on its second body, world axes, N s.
     pushes: Vec<Vector3<f64>>,
+    /// The impulse of impacts along the normal of each contact, N s.
+    hits: Vec<f64>,
     islands: Islands,
     resting: Resting,
     solver: IslandSolver,
@@ -149,6 +151,16 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     /// The detector, to look at contacts.
     pub fn detector(&mut self) -> &mut Detector {
         &mut self.detector
+    }
+
+    /// What touched in the last step that was taken, in the order of the identifiers.
+    pub fn touches(&self) -> impl Iterator<Item = Touch<Spatial>> {
+        let Memory { pushes, hits, .. } = &self.memory;
+        let impulses = pushes.iter().zip(hits);
+        self.kept.found().iter().zip(impulses).map(|(&contact, (push, &impact))| {
+            let normal = push.dot(&contact.normal);
+            Touch { contact, impact, normal, friction: push - contact.normal * normal }
+        })
     }
 
     /// Everything on which the next steps depend beside the state: the impulses of the last, and
@@ -222,6 +234,8 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
     ) -> Result<TouchingReport, ContactError> {
         let mut report = TouchingReport { contacts: contacts.len(), ..Default::default() };
         report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
+        self.memory.hits.clear();
+        self.memory.hits.resize(contacts.len(), 0.0);
         if contacts.iter().any(|contact| contact.restitution > 0.0) {
             self.impacts(contacts, &state.q, h, &mut report)?;
         }
@@ -247,11 +261,14 @@ impl<'s, P: Potential> TouchingBodies<'s, P> {
         h: f64,
         report: &mut TouchingReport,
     ) -> Result<(), ContactError> {
-        let Memory { v, kick, .. } = &mut self.memory;
+        let Memory { v, kick, hits, .. } = &mut self.memory;
         let rows = gap_rows(contacts, q);
         let rounds = ImpactRounds { rows: &rows, mass: &self.mass, law: self.law, kick, h };
         let (gap, restitution) = (|i: usize| contacts[i].gap, |i: usize| contacts[i].restitution);
-        rounds.apply(gap, restitution, v, |_, _, done, _| report.impacts += done.passes)
+        rounds.apply(gap, restitution, v, |_, closing, done, _| {
+            report.impacts += done.passes;
+            closing.iter().zip(&done.impulses).for_each(|(&i, impulse)| hits[i] += impulse);
+        })
     }
 
     /// Resting contact and friction.

@@ -84,15 +84,6 @@ mod flat {
     }
 }
 
-#[cfg(not(feature = "constraints"))]
-pub(crate) mod rod_steps {
-    use crate::upper::ConstraintError;
-
-    pub(crate) fn equation(error: &ConstraintError) -> Option<usize> {
-        match *error {}
-    }
-}
-
 #[cfg(not(all(feature = "constraints", feature = "rigid")))]
 pub(crate) mod joint_steps {
     use stationary_integrators::State;
@@ -229,6 +220,7 @@ pub(crate) mod nets {
 #[cfg(not(feature = "elasticity"))]
 pub(crate) mod elastic {
     use super::Flat;
+    use crate::fields::Stress;
     use crate::system::Vertices;
     use crate::upper::Lame;
     use crate::{AssemblyError, Built, Fault, Scene};
@@ -241,6 +233,10 @@ pub(crate) mod elastic {
 
     impl Flat {
         pub(crate) fn count(self, _: &mut Built) {}
+
+        pub(crate) fn stresses(self, _: &[f64]) -> Vec<Stress> {
+            Vec::new()
+        }
     }
 
     impl Scene {

@@ -6,6 +6,7 @@ use stationary_rigid::BodyMotion;
 
 use crate::body_system::BodySystem;
 use crate::checkpoint::{Before, CheckpointError};
+use crate::contact_impulses::Push;
 use crate::error::StepFailure;
 use crate::march::{Moving, Watcher, march};
 use crate::observable::Moment;
@@ -67,6 +68,8 @@ impl Scene {
             scales[0] += p.norm();
             scales[1] += x.norm() * p.norm() + m.norm();
         }
+        let mut bodies = Vec::new();
+        (0..self.bodies.len()).for_each(|body| system.append_field(state, body, &mut bodies));
         let turning: Vec<[f64; 3]> = motions.iter().map(|m| m.angular_velocity.into()).collect();
         let moment = Moment {
             kinetic,
@@ -76,6 +79,7 @@ impl Scene {
             positions: &positions,
             velocities: &velocities,
             angular_velocities: &turning,
+            bodies: &bodies,
             ..Moment::default()
         };
         samples.push(self, time, &moment, scales);
@@ -98,6 +102,10 @@ impl<B: BodySystem> Moving for Bodies<'_, B> {
 
     fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure> {
         self.steps.step(&mut self.state, h, to)
+    }
+
+    fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
+        self.steps.pushes(time, see);
     }
 
     fn built(&self) -> Built {

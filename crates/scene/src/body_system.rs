@@ -33,6 +33,9 @@ pub(crate) trait BodySystem {
 
     /// How a body moves, as a body in space.
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion;
+
+    /// Appends its orientation, velocity and angular velocity, as a sample keeps them.
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>);
 }
 
 /// Bodies in space.
@@ -86,6 +89,12 @@ impl BodySystem for InSpace {
             angular_velocity: of.angular_velocity(&Vector3::from_column_slice(&p[3..])),
         }
     }
+
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
+        let BodyMotion { pose, velocity, angular_velocity } = self.motion(state, body);
+        field.extend(pose.rotation.quaternion());
+        field.extend(velocity.iter().chain(&angular_velocity));
+    }
 }
 
 impl BodySystem for InThePlane {
@@ -121,6 +130,11 @@ impl BodySystem for InThePlane {
             velocity: Vector3::new(p[0] / masses[0], p[1] / masses[1], 0.0),
             angular_velocity: Vector3::z() * (p[2] / masses[2]),
         }
+    }
+
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
+        let BodyMotion { velocity, angular_velocity, .. } = self.motion(state, body);
+        field.extend([state.q[3 * body + 2], velocity.x, velocity.y, angular_velocity.z]);
     }
 }
 

@@ -20,9 +20,10 @@ use std::path::{Path, PathBuf};
 
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 
+use crate::fields::numbers_of_a_body;
 use crate::run::{BrokenRod, Impacts, Samples};
 use crate::upper::ConstraintError;
-use crate::{AssemblyError, Scene, WriteError, limits};
+use crate::{AssemblyError, ContactImpulse, ContactSide, Scene, WriteError, limits};
 use bytes::{Fnv, Reader, Writer};
 
 /// A moment of a run from which it can go on.
@@ -91,9 +92,7 @@ pub enum CheckpointError {
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
     /// A machine, or a build, on which the run would have gone elsewhere.
-    #[error(
-        "step {step} leads to other bits here than where the checkpoint was made; run the scene anew"
-    )]
+    #[error("step {step}: the result differs bitwise from the checkpoint's; run the scene anew")]
     OtherBits {
         /// The step.
         step: u64,
@@ -246,12 +245,47 @@ impl Checkpoint {
     }
 }
 
+impl ContactImpulse {
+    /// The least that a row takes.
+    const BYTES: usize = 8 * 16;
+
+    fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
+        out.count(self.sample as u64)?;
+        for side in self.between {
+            let (kind, place) = side.numbers();
+            out.count(kind)?;
+            out.count(place as u64)?;
+        }
+        out.number(self.last)?;
+        out.number(self.magnitude)?;
+        for vector in [self.point, self.normal, self.impulse] {
+            vector.iter().try_for_each(|&x| out.number(x))?;
+        }
+        Ok(())
+    }
+
+    fn take(from: &mut Reader<'_>) -> Option<Self> {
+        let sample = usize::try_from(from.count()?).ok()?;
+        let mut side =
+            || ContactSide::of_numbers(from.count()?, usize::try_from(from.count()?).ok()?);
+        let between = [side()?, side()?];
+        let (last, magnitude) = (from.number()?, from.number()?);
+        let mut vector = || Some([from.number()?, from.number()?, from.number()?]);
+        let (point, normal, impulse) = (vector()?, vector()?, vector()?);
+        Some(ContactImpulse { sample, between, last, point, normal, impulse, magnitude })
+    }
+}
+
 impl Samples {
     fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
-        let Samples { times, positions, kinetic, potential, linear, angular, .. } = self;
-        let Samples { temperatures, heat, impacts, .. } = self;
+        let Samples { times, positions, velocities, bodies, .. } = self;
+        let Samples { kinetic, potential, linear, angular, .. } = self;
+        let Samples { temperatures, heat, impacts, contacts, contacts_end, .. } = self;
         let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
-        for numbers in [times, positions, kinetic, potential, temperatures, heat, observed] {
+        for numbers in [times, positions, velocities, bodies] {
+            out.numbers(numbers)?;
+        }
+        for numbers in [kinetic, potential, temperatures, heat, observed] {
             out.numbers(numbers)?;
         }
         out.count(impacts.len() as u64)?;
@@ -259,6 +293,9 @@ impl Samples {
             out.number(time)?;
             out.count(count as u64)?;
         }
+        out.count(contacts.len() as u64)?;
+        contacts.iter().try_for_each(|row| row.put(out))?;
+        out.count(contacts_end.map_or(u64::MAX, |end| end as u64))?;
         for vectors in [linear, angular] {
             out.numbers(vectors.as_flattened())?;
         }
@@ -268,18 +305,28 @@ impl Samples {
     }
 
     fn take(from: &mut Reader<'_>) -> Option<Self> {
-        let (times, positions, kinetic) = (from.numbers()?, from.numbers()?, from.numbers()?);
-        let (potential, temperatures) = (from.numbers()?, from.numbers()?);
+        let (times, positions) = (from.numbers()?, from.numbers()?);
+        let (velocities, bodies) = (from.numbers()?, from.numbers()?);
+        let (kinetic, potential, temperatures) =
+            (from.numbers()?, from.numbers()?, from.numbers()?);
         let (heat, observed) = (from.numbers()?, from.numbers()?);
         let impacts = (0..from.length(16)?).map(|_| {
             Some(Impacts { time: from.number()?, count: usize::try_from(from.count()?).ok()? })
         });
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
+        let contacts = (0..from.length(ContactImpulse::BYTES)?).map(|_| ContactImpulse::take(from));
+        let contacts = contacts.collect::<Option<Vec<_>>>()?;
+        let contacts_end = match from.count()? {
+            u64::MAX => None,
+            end => Some(usize::try_from(end).ok()?),
+        };
         let mut vectors = || Some(from.numbers()?.as_chunks::<3>().0.to_vec());
         let (linear, angular) = (vectors()?, vectors()?);
         Some(Samples {
             times,
             positions,
+            velocities,
+            bodies,
             kinetic,
             potential,
             linear,
@@ -287,6 +334,8 @@ impl Samples {
             temperatures,
             heat,
             impacts,
+            contacts,
+            contacts_end,
             observed,
             columns: usize::try_from(from.count()?).ok()?,
             linear_scale: from.number()?,
@@ -301,11 +350,19 @@ impl Samples {
         let each = [self.kinetic.len(), self.potential.len(), self.heat.len()];
         let vectors = [self.linear.len(), self.angular.len()];
         let temperatures = if scene.heat.is_some() { scene.particles.len() } else { 0 };
+        let velocities = if scene.keeps_velocities() { coordinates } else { 0 };
+        let bodies = numbers_of_a_body(scene.dimension) * scene.bodies.len();
+        // The rows since the last sample are those of the next.
+        let contacts = self.contacts.iter().all(|row| row.sample <= n && row.fits(scene))
+            && self.contacts.is_sorted_by_key(|row| (row.sample, row.between));
         (1..=scene.timing.samples()).contains(&(n as u64))
             && each == [n; 3]
             && vectors == [n; 2]
             && self.temperatures.len() == n * temperatures
             && self.positions.len() == n * coordinates
+            && self.velocities.len() == n * velocities
+            && self.bodies.len() == n * bodies
+            && contacts
             && self.columns == scene.no_samples().columns
             && self.observed.len() == n * self.columns
     }

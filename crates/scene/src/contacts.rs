@@ -127,10 +127,16 @@ impl Scene {
         let flat = |wall: &SceneWall| Wall { normal: leading(wall.normal), offset: wall.offset };
         let walls = contact.walls.iter().map(flat).collect();
         let ball = |centre: [f64; 3], radius| FixedBall { centre: leading(centre), radius };
-        let pinned = self.particles.iter().filter(|p| p.motion == Motion::Pinned && p.radius > 0.0);
+        let pinned = self.round_pins().map(|pin| &self.particles[pin]);
         let fixed = contact.balls.iter().map(|fixed| ball(fixed.centre, fixed.radius));
         let fixed = fixed.chain(pinned.map(|p| ball(p.position, p.radius))).collect();
         Ok(Some(Inequality(Balls::<D>::new(radii, walls)?.with_fixed(fixed)?)))
+    }
+
+    /// The pinned particles that have a size.
+    pub(crate) fn round_pins(&self) -> impl Iterator<Item = usize> {
+        let round = |&pin: &usize| self.particles[pin].radius > 0.0;
+        self.pins().filter(round)
     }
 
     /// An error where more may touch than can be looked at, or a particle starts inside of

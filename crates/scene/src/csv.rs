@@ -89,7 +89,7 @@ pub(crate) fn impacts(run: &Run, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// The text, in quotes where it would not stand alone in a cell.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"']) {
         return format!("\"{}\"", text.replace('"', "\"\""));
     }

@@ -317,6 +317,10 @@ impl<'de> Deserialize<'de> for NumberOrVector {
                 Ok(NumberOrVector::Number(Number(x as f64)))
             }
 
+            fn visit_i128<E: Error>(self, x: i128) -> Result<NumberOrVector, E> {
+                Ok(NumberOrVector::Number(Number(x as f64)))
+            }
+
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<NumberOrVector, A::Error> {
                 let components = Vec::deserialize(SeqAccessDeserializer::new(seq))?;
                 Ok(NumberOrVector::Vector(components))

@@ -85,7 +85,7 @@ impl Scene {
     }
 
     /// The cells of nets, two triangles each.
-    fn cells(&self) -> Vec<Face> {
+    pub(crate) fn cells(&self) -> Vec<Face> {
         let (mut faces, mut columns) = (Vec::new(), 0);
         let all = self.particles.iter().enumerate().skip(self.written_out);
         for (index, name) in all.map(|(index, particle)| (index, particle.name.as_str())) {

@@ -16,6 +16,7 @@ use stationary_elasticity::{
 };
 use stationary_mesh::{Mesh, Quadratic, Simplex};
 
+use crate::fields::Stress;
 use crate::quadratic_shape::with_middles;
 use crate::shape::Simplices;
 use crate::system::{Vertices, leading};
@@ -114,9 +115,18 @@ pub(crate) struct ElasticBodies {
     parts: Vec<Part>,
 }
 
-/// Elements that are counted where they are made.
+/// Elements that are counted where they are made, and asked for their stress.
 trait Counted {
     fn count(&self, built: &mut Built);
+
+    /// Appends the stress of each of them; NaN for a configuration of another size.
+    fn append_stresses(&self, q: &[f64], stresses: &mut Vec<Stress>);
+}
+
+/// The components of a symmetric matrix of up to three dimensions.
+fn components<const D: usize>(sigma: &[[f64; D]; D]) -> Stress {
+    let entry = |i: usize, j: usize| sigma.get(j).and_then(|column| column.get(i)).copied();
+    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|(i, j)| entry(i, j).unwrap_or(0.0))
 }
 
 impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q: usize> Counted
@@ -125,11 +135,22 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     fn count(&self, built: &mut Built) {
         built.elements += self.elements() as u64;
     }
+
+    fn append_stresses(&self, q: &[f64], stresses: &mut Vec<Stress>) {
+        match self.stresses(q) {
+            Ok(all) => stresses.extend(all.iter().map(components)),
+            Err(_) => stresses.resize(stresses.len() + self.elements(), [f64::NAN; 6]),
+        }
+    }
 }
 
 impl<const N: usize, const D: usize, const Q: usize> Counted for Filling<N, D, Q> {
     fn count(&self, built: &mut Built) {
         of_each_material!(self, elements => elements.count(built));
+    }
+
+    fn append_stresses(&self, q: &[f64], stresses: &mut Vec<Stress>) {
+        of_each_material!(self, elements => elements.append_stresses(q, stresses));
     }
 }
 
@@ -137,6 +158,8 @@ impl Counted for Stencils<Hinge, 4, 3> {
     fn count(&self, built: &mut Built) {
         built.hinges += self.stencils().len() as u64;
     }
+
+    fn append_stresses(&self, _: &[f64], _: &mut Vec<Stress>) {}
 }
 
 impl ElasticBodies {
@@ -145,6 +168,15 @@ impl ElasticBodies {
         for part in &self.parts {
             each!(part, elements => elements.count(built));
         }
+    }
+
+    /// Cauchy's stress of every element, body after body.
+    pub(crate) fn stresses(&self, q: &[f64]) -> Vec<Stress> {
+        let mut stresses = Vec::new();
+        for part in &self.parts {
+            each!(part, elements => elements.append_stresses(q, &mut stresses));
+        }
+        stresses
     }
 }
 

@@ -17,7 +17,7 @@ use crate::upper::{
     ConstraintError, ContactError, ElasticityError, LaplacianError, ModalError, RigidError,
     SparseError, SpringError,
 };
-use crate::{CheckpointError, Diagnostic, Run, limits, rod_steps};
+use crate::{CheckpointError, Diagnostic, Run, UnstableStep, limits};
 
 /// A scene that cannot be had from a file or a text.
 #[derive(Debug, thiserror::Error)]
@@ -85,7 +85,7 @@ pub enum AssemblyError {
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),
     /// Nothing at rest was found from which what is hung could be let go.
-    #[error("no rest was found while everything hangs: {0}")]
+    #[error("static equilibrium did not converge: {0}")]
     Equilibrium(#[from] NewtonError),
     /// Modes that cannot be had.
     #[error(transparent)]
@@ -109,13 +109,13 @@ pub enum AssemblyError {
     #[error(transparent)]
     Sparse(#[from] SparseError),
     /// A scene of bodies makes no problem of particles.
-    #[error("the scene is of bodies, which makes no problem of particles")]
+    #[error("Scene::problem supports particle scenes only; this scene has rigid bodies")]
     Bodies,
     /// Contact that cannot be.
     #[error(transparent)]
     Contact(#[from] ContactError),
     /// A scene of heat makes no problem of particles.
-    #[error("the scene is of heat, which makes no problem of particles")]
+    #[error("Scene::problem supports particle scenes only; this is a heat scene")]
     Heat,
     /// Heat that cannot flow.
     #[error(transparent)]
@@ -124,8 +124,16 @@ pub enum AssemblyError {
     #[error(transparent)]
     Rigid(#[from] RigidError),
     /// A method or a word whose cargo feature is not on.
-    #[error("nothing is compiled for `{0}`")]
+    #[error("built without support for `{0}`")]
     NotCompiled(&'static str),
+    /// One of the others, in the names of the scene.
+    #[error("{words}")]
+    Named {
+        /// What is wrong.
+        words: String,
+        /// The error of the crate below, which counts rows and freedoms.
+        source: Box<AssemblyError>,
+    },
 }
 
 /// A run that did not begin, or did not reach the horizon.
@@ -159,7 +167,7 @@ impl RunError {
 /// A step of bodies or of heat that failed, or one after which a sample is not finite, and what was
 /// computed before.
 #[derive(Debug, thiserror::Error)]
-#[error("step {step}, from t = {time} {unit}: {source}")]
+#[error("step {step}, from t = {time} {unit}: {reason}{}", advice(self.unstable.as_ref()))]
 pub struct Stop {
     /// The step, counted from 1.
     pub step: u64,
@@ -167,11 +175,20 @@ pub struct Stop {
     pub time: f64,
     /// The scene's unit of time.
     pub unit: String,
+    /// Why it failed, in the names of the scene.
+    pub reason: String,
+    /// The step, where its method is not stable at it.
+    pub unstable: Option<UnstableStep>,
     /// Why it failed.
     #[source]
     pub source: StepFailure,
     /// The run up to there; its last sample is the state from which the step failed.
     pub run: Box<Run>,
+}
+
+/// What to do about a step that is not stable.
+fn advice(unstable: Option<&UnstableStep>) -> String {
+    unstable.map_or(String::new(), |unstable| format!("; {unstable}"))
 }
 
 /// Why a step failed.
@@ -210,7 +227,11 @@ pub enum StepFailure {
 
 /// A step that failed, where, and what was computed before.
 #[derive(Debug, thiserror::Error)]
-#[error("step {step}, from t = {time} {unit}: {}", self.reason())]
+#[error(
+    "step {step}, from t = {time} {unit}: {}{}",
+    self.reason(),
+    advice(self.unstable.as_ref())
+)]
 pub struct Interruption {
     /// The step, counted from 1.
     pub step: u64,
@@ -223,8 +244,10 @@ pub struct Interruption {
     pub particle: String,
     /// The coordinate of that particle, from 0.
     pub coordinate: usize,
-    /// The rod that cannot be held, where it is one.
-    pub rod: Option<String>,
+    /// Why it failed in the names of the scene, where the error itself counts equations or freedoms.
+    pub named: Option<String>,
+    /// The step, where its method is not stable at it.
+    pub unstable: Option<UnstableStep>,
     /// Why it failed.
     #[source]
     pub source: StepFailure,
@@ -234,14 +257,6 @@ pub struct Interruption {
 
 /// The names of the coordinates.
 pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
-
-/// The rod's place among those left, where it is one that cannot be held.
-pub(crate) fn equation(error: &StepFailure) -> Option<usize> {
-    match error {
-        StepFailure::Constraint(error) => rod_steps::equation(error),
-        _ => None,
-    }
-}
 
 /// The unknown at which Newton's method met a number that is not finite.
 pub(crate) fn unknown(error: &StepFailure) -> Option<usize> {
@@ -264,16 +279,16 @@ impl Interruption {
             StepFailure::Step(StepError::NonFiniteMomentum { .. }) => {
                 format!("the momentum of `{particle}` is not finite, first in {coordinate}")
             }
-            other if self.rod.is_some() => {
-                let rod = self.rod.as_deref().unwrap_or_default();
-                format!("{other}; that is the rod {rod}")
-            }
-            other if unknown(other).is_some() => {
-                format!("{other}; that is `{particle}` in {coordinate}")
-            }
-            other => {
-                format!("{other}; the largest acceleration is that of `{particle}` in {coordinate}")
-            }
+            other if unknown(other).is_some() => format!(
+                "the implicit step was not solved: Newton's method met a number that is not finite, \
+                 first of `{particle}` in {coordinate}"
+            ),
+            other => match &self.named {
+                Some(words) => words.clone(),
+                None => format!(
+                    "{other}; the largest acceleration is that of `{particle}` in {coordinate}"
+                ),
+            },
         }
     }
 }

@@ -236,7 +236,7 @@ pub enum Fault {
     Solid(String),
     /// Bars and sheets in space have one material.
     #[error(
-        "`{0}` is of bodies that fill their space; a bar, and a sheet in space, is of `saint-venant-kirchhoff`"
+        "material `{0}` is for volumes; bars, and sheets in space, support only `saint-venant-kirchhoff`"
     )]
     MaterialOfBlocks(String),
     /// A block is as thick as it is.
@@ -264,7 +264,7 @@ pub enum Fault {
     #[error("this shape has no side `{0}`")]
     NoSuchSide(String),
     /// Heat alone.
-    #[error("a scene of heat has nothing else in it")]
+    #[error("heat cannot be combined with anything else in a scene")]
     MixedWithHeat,
     /// A warm place beside the shape.
     #[error("no vertex of the shape is within this radius")]
@@ -273,10 +273,8 @@ pub enum Fault {
     #[error("the temperature of every vertex is held, so that nothing can change")]
     AllHeld,
     /// An observable of another kind of scene.
-    #[error(
-        "this observable is not of such a scene: heat has temperatures, and what moves has places"
-    )]
-    ObservableOfAnother,
+    #[error("this observable is not available in {0}")]
+    ObservableOfAnother(&'static str),
     /// A coefficient of restitution out of its range.
     #[error("the restitution is {0}; it must be between 0 and 1")]
     Restitution(f64),
@@ -284,18 +282,16 @@ pub enum Fault {
     #[error("particles have no friction; only bodies do")]
     FrictionOfParticles,
     /// Bodies are given their impulses before a step.
-    #[error(
-        "the moment of impact can be chosen for particles only; bodies turn back before they overlap"
-    )]
+    #[error("`when` applies to particles only")]
     WhenOfBodies,
     /// Bodies touch by impulses.
-    #[error("only particles touch by springs; leave out the `stiffness`")]
+    #[error("`stiffness` applies to particles only")]
     StiffnessOfBodies,
     /// Springs know no impulses.
-    #[error("particles that touch by springs have no `{0}`: a spring gives back what it took")]
+    #[error("`{0}` cannot be combined with `stiffness`")]
     ImpulseOfSprings(&'static str),
     /// Things that overlap before anything has moved.
-    #[error("`{name}` starts inside of something, {depth:e} deep")]
+    #[error("`{name}` overlaps an obstacle by {depth:e} at t = 0")]
     Overlap {
         /// The particle.
         name: String,
@@ -303,7 +299,7 @@ pub enum Fault {
         depth: f64,
     },
     /// A strike beside the solid.
-    #[error("no vertex of the solid is so near to where it is struck")]
+    #[error("no vertex within the strike radius")]
     StruckNothing,
     /// Two solids of one name.
     #[error("there is already a solid called `{0}`")]
@@ -366,7 +362,7 @@ pub enum Fault {
     PolygonDimension,
     /// Corners that bound no area, or edges that cross.
     #[error(
-        "these corners are no polygon: it needs three that bound an area, and edges that do not cross"
+        "not a simple polygon: it needs three corners that bound an area, and edges that do not cross"
     )]
     NoPolygon,
     /// A body that cannot touch.

@@ -11,7 +11,8 @@ use nalgebra::SVector;
 use stationary_calculus::{Covector, DiagonalMetric, Potential};
 use stationary_integrators::{Saved, State, StepReport};
 use stationary_laplacian::{
-    Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, lowest_modes,
+    Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, largest_eigenvalue,
+    lowest_modes,
 };
 use stationary_mesh::Mesh;
 use stationary_modal::Modes;
@@ -27,6 +28,38 @@ use crate::steps::Stepped;
 use crate::system::leading;
 use crate::{AssemblyError, Built, Checkpoint, RunError, Scene, Stepping};
 
+/// The same with the elements of a body of every shape.
+macro_rules! of_each_shape {
+    ($scene:expr, $body:expr, $elements:ident => $same:expr) => {
+        match (&$body.simplices, $scene.dimension) {
+            (Simplices::Segments(all), 1) => {
+                let $elements = $scene.elements::<1, 2>(all);
+                $same
+            }
+            (Simplices::Segments(all), 2) => {
+                let $elements = $scene.elements::<2, 2>(all);
+                $same
+            }
+            (Simplices::Segments(all), _) => {
+                let $elements = $scene.elements::<3, 2>(all);
+                $same
+            }
+            (Simplices::Triangles(all), 2) => {
+                let $elements = $scene.elements::<2, 3>(all);
+                $same
+            }
+            (Simplices::Triangles(all), _) => {
+                let $elements = $scene.elements::<3, 3>(all);
+                $same
+            }
+            (Simplices::Tetrahedra(all), _) => {
+                let $elements = $scene.elements::<3, 4>(all);
+                $same
+            }
+        }
+    };
+}
+
 impl Scene {
     /// Runs a scene of heat to its horizon, or until the watcher breaks off.
     pub(crate) fn run_heat(
@@ -35,26 +68,22 @@ impl Scene {
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
         let Some(body) = &self.heat else { return Err(AssemblyError::Heat.into()) };
-        match (&body.simplices, self.dimension) {
-            (Simplices::Segments(all), 1) => {
-                self.flow(body, self.elements::<1, 2>(all)?, checkpoint, watcher)
-            }
-            (Simplices::Segments(all), 2) => {
-                self.flow(body, self.elements::<2, 2>(all)?, checkpoint, watcher)
-            }
-            (Simplices::Segments(all), _) => {
-                self.flow(body, self.elements::<3, 2>(all)?, checkpoint, watcher)
-            }
-            (Simplices::Triangles(all), 2) => {
-                self.flow(body, self.elements::<2, 3>(all)?, checkpoint, watcher)
-            }
-            (Simplices::Triangles(all), _) => {
-                self.flow(body, self.elements::<3, 3>(all)?, checkpoint, watcher)
-            }
-            (Simplices::Tetrahedra(all), _) => {
-                self.flow(body, self.elements::<3, 4>(all)?, checkpoint, watcher)
-            }
-        }
+        of_each_shape!(self, body, elements => self.flow(body, elements?, checkpoint, watcher))
+    }
+
+    /// The longest step at which a method is stable.
+    pub(crate) fn stable_heat_step(
+        &self,
+        method: HeatMethod,
+    ) -> Result<Option<f64>, AssemblyError> {
+        let (Some(body), HeatMethod::ExplicitEuler) = (&self.heat, method) else {
+            return Ok(None);
+        };
+        let largest = of_each_shape!(self, body, elements => {
+            let domain = Domain::held(elements?, &body.held_values())?;
+            largest_eigenvalue(&domain.lumped()?, domain.dirichlet())
+        })?;
+        Ok((largest > 0.0).then(|| 2.0 / (body.diffusivity * largest)))
     }
 
     fn elements<const D: usize, const K: usize>(
@@ -81,8 +110,7 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        let held: Vec<(usize, f64)> =
-            (0..body.held.len()).filter(|&v| body.held[v]).map(|v| (v, body.start[v])).collect();
+        let held = body.held_values();
         let made = || -> Result<_, LaplacianError> {
             let shares = Domain::free(elements.clone())?.lumped()?;
             let domain = Domain::held(elements, &held)?;
@@ -119,6 +147,14 @@ impl Scene {
             }
             _ => Err(AssemblyError::Heat.into()),
         }
+    }
+}
+
+impl HeatedBody {
+    /// The vertices that are held, each with its temperature.
+    fn held_values(&self) -> Vec<(usize, f64)> {
+        let held = (0..self.held.len()).filter(|&vertex| self.held[vertex]);
+        held.map(|vertex| (vertex, self.start[vertex])).collect()
     }
 }
 

@@ -25,13 +25,17 @@ pub const STEPS: u64 = 10_000_000_000;
 /// Steps with impacts of which a run keeps the time; of later ones it keeps none.
 pub const IMPACTS: usize = 1 << 20;
 
+/// Rows of contact impulses that a run keeps: one for every two things that touch between two samples.
+pub const CONTACT_ROWS: usize = 1 << 20;
+
 /// Pairs of things that may touch: each is looked at in every step.
 pub const PAIRS: u64 = 4_000_000;
 
 /// Numbers of all modes of a scene that is moved by them, 8 bytes each.
 pub const MODE_NUMBERS: u64 = 1 << 26;
 
-/// Numbers that a run keeps in memory, 8 bytes each: positions and observables of every sample.
+/// Numbers that a run keeps in memory, 8 bytes each: positions, velocities and observables of every
+/// sample.
 pub const SAMPLED_NUMBERS: u64 = 1 << 26;
 
 /// Bytes of a checkpoint: every number that is kept, twice the state, and some more.

@@ -13,6 +13,7 @@ use std::cell::LazyCell;
 use stationary_integrators::{Cost, Saved, State, StepReport};
 
 use crate::checkpoint::{Before, Checkpoint, CheckpointError};
+use crate::contact_impulses::Push;
 use crate::error::StepFailure;
 use crate::run::{BrokenRod, Progress, Run, Samples};
 use crate::steps::Stepped;
@@ -66,6 +67,9 @@ pub(crate) trait Moving {
 
     /// What was built for it.
     fn built(&self) -> Built;
+
+    /// Shows the contact impulses of the last step, which ended at `time`.
+    fn pushes(&self, _time: f64, _see: &mut dyn FnMut(Push)) {}
 
     /// Adds a sample of where it is.
     fn sample(&mut self, time: f64, samples: &mut Samples);
@@ -146,6 +150,7 @@ pub(crate) fn march<M: Moving>(
                 watcher.own_ends(moving.own_ends());
                 let room = samples.impacts.len() < limits::IMPACTS;
                 samples.impacts.extend(stepped.impacts.filter(|_| room));
+                moving.pushes(time(step), &mut |push| samples.push_impulse(push));
             }
             Err(failure) => {
                 let from = time(step - 1);

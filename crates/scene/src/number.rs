@@ -29,6 +29,10 @@ impl<'de> Deserialize<'de> for Number {
             fn visit_i64<E: Error>(self, x: i64) -> Result<Number, E> {
                 Ok(Number(x as f64))
             }
+
+            fn visit_i128<E: Error>(self, x: i128) -> Result<Number, E> {
+                Ok(Number(x as f64))
+            }
         }
         deserializer.deserialize_f64(Reals)
     }
@@ -47,6 +51,11 @@ impl<'de> Deserialize<'de> for Count {
             fn visit_i64<E: Error>(self, n: i64) -> Result<Count, E> {
                 let negative = |_| E::invalid_value(Unexpected::Signed(n), &self);
                 u64::try_from(n).map(Count).map_err(negative)
+            }
+
+            fn visit_i128<E: Error>(self, n: i128) -> Result<Count, E> {
+                let most = i64::MAX;
+                Err(E::custom(format_args!("expected a whole number up to {most}, got {n}")))
             }
         }
         deserializer.deserialize_u64(Naturals)

@@ -86,7 +86,8 @@ pub(crate) fn declare_all(
     let one = |declared: &Spanned<ObservableDeclaration>| {
         let observable = declare(roster, rods, declared)?;
         if observable.of_heat() != of_heat {
-            return Err(at(declared.span(), Fault::ObservableOfAnother));
+            let scenes = if of_heat { "heat scenes" } else { "scenes without heat" };
+            return Err(at(declared.span(), Fault::ObservableOfAnother(scenes)));
         }
         Ok(observable)
     };
@@ -156,6 +157,8 @@ pub(crate) struct Moment<'a> {
     pub(crate) positions: &'a [[f64; 3]],
     /// Velocities of all particles, in the scene's order.
     pub(crate) velocities: &'a [[f64; 3]],
+    /// Orientation and velocities of all bodies, as a sample keeps them.
+    pub(crate) bodies: &'a [f64],
     /// Tensions of all rods, in the scene's order; zero before the first step and once broken.
     pub(crate) tensions: &'a [f64],
     /// Angular velocities of all bodies, in body axes.

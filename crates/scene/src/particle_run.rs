@@ -3,6 +3,7 @@
 use stationary_integrators::{Saved, State, StepReport};
 
 use crate::checkpoint::{Before, CheckpointError};
+use crate::contact_impulses::Push;
 use crate::error::StepFailure;
 use crate::march::{Moving, Watcher, march};
 use crate::run::{BrokenRod, Failed, Recorder, Run, Samples};
@@ -76,6 +77,10 @@ impl<const D: usize> Moving for Particles<'_, D> {
 
     fn own_ends(&self) -> &[f64] {
         self.steps.own_ends()
+    }
+
+    fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
+        self.steps.pushes(time, see);
     }
 
     fn built(&self) -> Built {

@@ -11,13 +11,13 @@ use stationary_integrators::{
 };
 
 use crate::csv::{self, write_file};
-use crate::error::{StepFailure, equation, unknown};
+use crate::error::{StepFailure, unknown};
 use crate::march::{Watcher, Wish};
 use crate::observable::Moment;
 use crate::system::{SceneProblem, Vertices};
 use crate::{
-    Built, Checkpoint, Interruption, RunError, Scene, Stop, Summary, WriteError, film, picture,
-    player, vtk,
+    Built, Checkpoint, ContactImpulse, Interruption, RunError, Scene, Stop, Summary, WriteError,
+    field_tables, film, picture, player, vtk,
 };
 
 /// What a run has sampled, and what it cost.
@@ -56,6 +56,10 @@ pub(crate) struct Samples {
     pub(crate) times: Vec<f64>,
     /// D numbers a particle, in the scene's order, sample after sample.
     pub(crate) positions: Vec<f64>,
+    /// D numbers a particle, where a scene keeps velocities.
+    pub(crate) velocities: Vec<f64>,
+    /// Orientation and velocities of each body (`fields.rs`).
+    pub(crate) bodies: Vec<f64>,
     pub(crate) kinetic: Vec<f64>,
     pub(crate) potential: Vec<f64>,
     pub(crate) linear: Vec<[f64; 3]>,
@@ -65,6 +69,10 @@ pub(crate) struct Samples {
     pub(crate) heat: Vec<f64>,
     /// Of each step in which things met, in the order of time.
     pub(crate) impacts: Vec<Impacts>,
+    /// Rows of contact impulses, in the order of the samples.
+    pub(crate) contacts: Vec<ContactImpulse>,
+    /// The first sample of which there are no rows any more, where there would be too many.
+    pub(crate) contacts_end: Option<usize>,
     /// As many numbers a sample as the observables have columns.
     pub(crate) observed: Vec<f64>,
     pub(crate) columns: usize,
@@ -115,6 +123,10 @@ impl Samples {
         let d = scene.dimension;
         self.times.push(t);
         self.positions.extend(moment.positions.iter().flat_map(|x| &x[..d]));
+        if scene.keeps_velocities() {
+            self.velocities.extend(moment.velocities.iter().flat_map(|v| &v[..d]));
+        }
+        self.bodies.extend(moment.bodies);
         self.kinetic.push(moment.kinetic);
         self.potential.push(moment.potential);
         self.linear.push(moment.linear);
@@ -182,7 +194,7 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        (self.kind().run)(self, checkpoint, watcher)
+        (self.kind().run)(self, checkpoint, watcher).map_err(|error| self.named(error))
     }
 
     /// Samples, before the first one.
@@ -285,18 +297,14 @@ impl<'a, const D: usize> Recorder<'a, D> {
             other => unknown(other).unwrap_or_else(|| self.most_accelerated(&state.q)),
         };
         let particle = self.vertices.particles[freedom / D];
-        let name = |particle: usize| &self.scene.particles[particle].name;
-        let rod = equation(&failed.source).and_then(|row| self.left.get(row)).map(|&rod| {
-            let [a, b] = self.scene.rods[rod].ends;
-            format!("from `{}` to `{}`", name(a), name(b))
-        });
         RunError::Interrupted(Box::new(Interruption {
             step: failed.step,
             time: failed.time,
             unit: self.scene.units.time.clone(),
-            particle: name(particle).clone(),
+            particle: self.scene.particles[particle].name.clone(),
             coordinate: freedom % D,
-            rod,
+            named: self.scene.failure_named(&failed.source, &self.left),
+            unstable: self.scene.unstable_step(),
             source: failed.source,
             run: Box::new(run),
         }))
@@ -319,7 +327,11 @@ impl Run {
     /// The error of a step, from a time, that failed after all this.
     pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
         let unit = self.scene.units.time.clone();
-        RunError::Stopped(Box::new(Stop { step, time, unit, source, run: Box::new(self) }))
+        let named = self.scene.failure_named(&source, &[]);
+        let reason = named.unwrap_or_else(|| source.to_string());
+        let unstable = self.scene.unstable_step();
+        let run = Box::new(self);
+        RunError::Stopped(Box::new(Stop { step, time, unit, reason, unstable, source, run }))
     }
 
     /// The scene that was run.
@@ -383,6 +395,20 @@ impl Run {
         &self.samples.impacts
     }
 
+    /// What things that touch gave each other from one sample to the next, in the order of the
+    /// samples; at most [`limits::CONTACT_ROWS`](crate::limits::CONTACT_ROWS) rows, whole intervals
+    /// from the start. None of what touches by springs.
+    pub fn contact_impulses(&self) -> &[ContactImpulse] {
+        &self.samples.contacts
+    }
+
+    /// The time of the last sample up to which all contact impulses are kept, where they are not kept
+    /// to the end.
+    pub fn contact_impulses_end(&self) -> Option<f64> {
+        let end = self.samples.contacts_end?;
+        Some(self.times().get(end.saturating_sub(1)).copied().unwrap_or_default())
+    }
+
     /// What rounding in the linear and in the angular momentum is relative to: the largest sums of
     /// magnitudes.
     pub fn momentum_scales(&self) -> [f64; 2] {
@@ -420,11 +446,34 @@ impl Run {
         Summary::of(self)
     }
 
+    /// The files that runs write, each run those that its scene has something for.
+    pub const FILES: [&str; 14] = [
+        "trajectory.csv",
+        "observables.csv",
+        "velocity.csv",
+        "bodies.csv",
+        "displacement.csv",
+        "stress.csv",
+        "temperature.csv",
+        "contacts.csv",
+        "events.csv",
+        "summary.txt",
+        "picture.svg",
+        "film.svg",
+        "player.html",
+        "trajectory.pvd",
+    ];
+
     /// Writes into a folder, which is made where it is missing:
     ///
     /// | file | |
     /// | --- | --- |
     /// | `trajectory.csv`, `observables.csv` | every sample |
+    /// | `velocity.csv` | of particles |
+    /// | `bodies.csv` | place, orientation and velocities of bodies |
+    /// | `displacement.csv`, `stress.csv` | of the vertices and of the elements of solids |
+    /// | `temperature.csv` | of the vertices of heat |
+    /// | `contacts.csv` | impulses between what touches, from sample to sample |
     /// | `events.csv` | rods that broke, where rods can; impacts, where things touch |
     /// | `summary.txt` | the summary, and what was built |
     /// | `picture.svg`, `film.svg` | paths from the start to the end, and moments side by side |
@@ -438,6 +487,7 @@ impl Run {
             .map_err(|source| WriteError { path: folder.to_owned(), source })?;
         write_file(&folder.join("trajectory.csv"), |out| csv::trajectory(self, out))?;
         write_file(&folder.join("observables.csv"), |out| csv::observables(self, out))?;
+        field_tables::write(self, folder)?;
         if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
             write_file(&folder.join("events.csv"), |out| csv::broken_rods(self, out))?;
         }

@@ -7,6 +7,7 @@ use stationary_integrators::Horizon;
 use crate::assembly::assemble;
 use crate::declaration::Declaration;
 use crate::diagnostic::Checked;
+use crate::fields::numbers_of_a_body;
 use crate::source::{self, diagnose};
 use crate::{
     ElasticBody, Fault, HeatedBody, Link, Motion, Observable, Particle, RigidBody, Rod,
@@ -311,10 +312,12 @@ impl Scene {
     /// An error where the samples would be more numbers than are kept.
     pub(crate) fn check_samples(&self) -> Result<(), Fault> {
         let columns: usize = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        // Positions and temperatures, observables, and the time, heat, energies and momenta that
-        // every sample has.
-        let per_particle = self.dimension + usize::from(self.heat.is_some());
-        let per_sample = (per_particle * self.particles.len() + columns + 10) as u64;
+        // Positions, velocities and temperatures, observables, and the time, heat, energies and
+        // momenta that every sample has.
+        let velocities = if self.keeps_velocities() { self.dimension } else { 0 };
+        let per_particle = self.dimension + velocities + usize::from(self.heat.is_some());
+        let of_bodies = numbers_of_a_body(self.dimension) * self.bodies.len();
+        let per_sample = (per_particle * self.particles.len() + of_bodies + columns + 10) as u64;
         let numbers = self.timing.samples().saturating_mul(per_sample);
         if numbers <= limits::SAMPLED_NUMBERS {
             return Ok(());

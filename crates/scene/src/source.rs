@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::declaration::Declaration;
 use crate::diagnostic::{Checked, Located};
+use crate::parser_words::in_words;
 use crate::suggestion::nearest;
 use crate::{Diagnostic, Fault, Place, SceneError, limits};
 
@@ -58,7 +59,7 @@ fn fault_of(message: &str) -> Fault {
         let nearest = nearest(word, allowed.iter().map(String::as_str)).map(str::to_owned);
         return Fault::UnknownWord { kind: "field", word: shortened(word), nearest, allowed };
     }
-    let one_line = message.lines().collect::<Vec<_>>().join(", ");
+    let one_line = in_words(&message.lines().collect::<Vec<_>>().join(", "));
     Fault::Syntax { message: one_line.chars().take(MESSAGE).collect() }
 }
 

@@ -3,6 +3,7 @@
 use stationary_integrators::{Saved, State, StepReport};
 
 use crate::checkpoint::{Before, CheckpointError};
+use crate::contact_impulses::Push;
 use crate::error::StepFailure;
 use crate::run::{BrokenRod, Impacts};
 use crate::system::SceneProblem;
@@ -37,6 +38,9 @@ pub(crate) trait Steps {
     fn multipliers(&self) -> &[f64] {
         &[]
     }
+
+    /// Shows the contact impulses of the last step, which ended at `time`.
+    fn pushes(&self, _time: f64, _see: &mut dyn FnMut(Push)) {}
 
     /// What the next steps depend on beside the state.
     fn save(&mut self) -> Saved {

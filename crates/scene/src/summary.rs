@@ -6,7 +6,7 @@ use std::fmt;
 use stationary_calculus::{Cell, Column, Table};
 use stationary_integrators::Evaluation;
 
-use crate::{Motion, Observable, Run};
+use crate::{Motion, Observable, Run, limits};
 
 /// The tables of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Summary {
     pub built: Table,
     /// The observables at the start and at the end, and their least and largest values.
     pub observables: Table,
+    /// What the files of the run leave out, where they leave out anything.
+    pub left_out: Option<String>,
 }
 
 /// Below this part of its scale a number is what rounding makes of zero.
@@ -43,6 +45,12 @@ impl Summary {
             invariants: invariants(run),
             built: run.built().table(),
             observables: observables(run),
+            left_out: run.contact_impulses_end().map(|end| {
+                format!(
+                    "contacts.csv ends at t = {end} {unit}: it has at most {} rows; sample less often\n",
+                    limits::CONTACT_ROWS
+                )
+            }),
         }
     }
 }
@@ -279,6 +287,6 @@ fn norm(x: [f64; 3]) -> f64 {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n\n{}\n{}", self.title, self.cost, self.invariants)?;
-        write!(f, "{}", self.observables)
+        write!(f, "{}{}", self.observables, self.left_out.as_deref().unwrap_or_default())
     }
 }

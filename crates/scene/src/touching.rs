@@ -3,17 +3,20 @@
 //! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
 //! friction.
 
+use std::borrow::Borrow;
+
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Potential;
 use stationary_contact::{
     Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape,
-    PlanarWorld, Shape, TouchingBodies,
+    PlanarWorld, Shape, Touch, TouchingBodies,
 };
 use stationary_integrators::{Saved, State};
 use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
 
 use crate::body_system::{PlanarSystem, SpatialSystem};
 use crate::checkpoint::{Before, CheckpointError};
+use crate::contact_impulses::{ContactSide, Push};
 use crate::error::StepFailure;
 use crate::steps::{Stepped, Steps};
 use crate::{AssemblyError, BodyShape, Built, Scene, SceneContact};
@@ -30,7 +33,7 @@ pub(crate) fn in_space<'a>(
     let colliders = scene.colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
     let touching = TouchingBodies::new(system, detector)?.with_law(contact.law);
-    Ok(Box::new(Touching { touching, colliders: colliders.len() }))
+    Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
 /// Steps of bodies in the plane.
@@ -43,13 +46,57 @@ pub(crate) fn in_the_plane<'a>(
     let colliders = scene.planar_colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
     let touching = PlanarWorld::new(system.clone(), detector)?.with_law(contact.law);
-    Ok(Box::new(Touching { touching, colliders: colliders.len() }))
+    Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
 /// What steps bodies that touch.
 struct Touching<T> {
     touching: T,
-    colliders: usize,
+    colliders: Colliders,
+}
+
+/// How many shapes there are: those of bodies, then walls, then fixed balls.
+#[derive(Clone, Copy)]
+struct Colliders {
+    all: usize,
+    fixed: usize,
+    walls: usize,
+}
+
+impl Colliders {
+    fn of<G: Dimension>(all: &[ColliderIn<G>], contact: &SceneContact) -> Self {
+        let walls = contact.walls.len();
+        Colliders { all: all.len(), fixed: walls + contact.balls.len(), walls }
+    }
+
+    /// What takes part in a contact.
+    fn side(self, body: Option<usize>, collider: u32) -> ContactSide {
+        let place = (collider as usize + self.fixed).saturating_sub(self.all);
+        match (body, place.checked_sub(self.walls)) {
+            (Some(body), _) => ContactSide::Body(body),
+            (None, None) => ContactSide::Wall(place),
+            (None, Some(ball)) => ContactSide::Ball(ball),
+        }
+    }
+
+    /// The impulse of a contact on its second side.
+    fn push<G: Dimension>(self, touch: &Touch<G>, time: f64) -> Push {
+        let contact = &touch.contact;
+        let in_space = |x: &G::Vector| {
+            let mut components = [0.0; 3];
+            (0..G::TRANSLATION).for_each(|k| components[k] = x[k]);
+            components
+        };
+        let whole = contact.normal * (touch.impact + touch.normal) + touch.friction;
+        let [a, b] = contact.points;
+        Push {
+            between: [0, 1].map(|k| self.side(contact.bodies[k], contact.id.colliders[k])),
+            time,
+            point: in_space(&((a + b) * 0.5)),
+            normal: in_space(&contact.normal),
+            impulse: in_space(&whole),
+        }
+    }
 }
 
 /// The same of both dimensions.
@@ -74,8 +121,14 @@ macro_rules! steps_of {
                 Ok(self.touching.load(&before.memory)?)
             }
 
+            fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
+                for touch in self.touching.touches() {
+                    see(self.colliders.push(touch.borrow(), time));
+                }
+            }
+
             fn built(&self) -> Built {
-                Built { colliders: self.colliders as u64, ..Built::default() }
+                Built { colliders: self.colliders.all as u64, ..Built::default() }
             }
         }
     };

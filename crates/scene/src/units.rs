@@ -41,6 +41,11 @@ impl Units {
         format!("{} {}/{}^2", self.mass, self.length, self.time)
     }
 
+    /// Force over area.
+    pub fn stress(&self) -> String {
+        format!("{}/({} {}^2)", self.mass, self.length, self.time)
+    }
+
     /// Mass times length squared over time.
     pub fn angular_momentum(&self) -> String {
         format!("{} {}^2/{}", self.mass, self.length, self.time)

@@ -379,3 +379,35 @@ fn as_many_balls_leave_a_row_that_touches_as_arrive() {
         }
     }
 }
+
+#[test]
+fn the_impulses_of_what_touched_and_the_weight_are_the_change_of_momentum() {
+    let (system, mut state, detector) = stack(3);
+    // The upper one falls onto the others, which are not alike in where they stand.
+    state.q[2 * 7 + 2] += 0.4;
+    state.q[2 * 7] += 0.1;
+    state.p.0[2 * 6] = 0.5;
+    let (mut bodies, h) = (TouchingBodies::new(&system, detector).unwrap(), 2e-3);
+    let mut pushed = 0.0_f64;
+    for _ in 0..400 {
+        let before = state.clone();
+        bodies.step(&mut state, h).unwrap();
+        let mut given = [-Vector3::z() * G * h; 3];
+        for touch in bodies.touches() {
+            let contact = touch.contact;
+            let whole = contact.normal * (touch.impact + touch.normal) + touch.friction;
+            assert!(touch.friction.dot(&contact.normal).abs() < 1e-12);
+            for (body, sign) in contact.bodies.into_iter().zip([-1.0, 1.0]) {
+                body.into_iter().for_each(|body| given[body] += whole * sign);
+            }
+            pushed = pushed.max(whole.norm());
+        }
+        for (body, given) in given.iter().enumerate() {
+            let change: Vec<f64> =
+                (0..3).map(|c| state.p.0[6 * body + c] - before.p.0[6 * body + c]).collect();
+            let off = (Vector3::from_column_slice(&change) - given).norm();
+            assert!(off < 1e-10, "{off:e}");
+        }
+    }
+    assert!(pushed > 1.0, "{pushed}: it hits");
+}

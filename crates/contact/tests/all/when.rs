@@ -197,3 +197,26 @@ fn a_ball_that_starts_inside_the_floor_is_stopped_or_bounces_at_once() {
         assert!((state.p.0[0] - bounced).abs() < 1e-9, "{speed}: {state:?}");
     }
 }
+
+#[test]
+fn the_impulses_that_a_step_shows_and_the_weight_are_the_change_of_momentum() {
+    for &when in When::ALL {
+        let (system, gaps) = (fall(1), floor(1));
+        let law = ImpactLaw::GeneralizedReflections;
+        let mut impacting = Impacting::new(&system, &gaps, 0.7, law, when).unwrap();
+        let mut state = State::new(vec![1.25], Covector(vec![0.3]));
+        let (mut given, mut moments) = (0.0, 0);
+        for _ in 0..400 {
+            let before = state.t;
+            let met = impacting.step_seen(&mut state, 0.01, &mut |shown| {
+                assert_eq!(shown.gaps, [0]);
+                assert!((before..=before + 0.01 + 1e-12).contains(&shown.time), "{when:?}");
+                given += shown.impulses[0];
+                moments += 1;
+            });
+            met.unwrap();
+        }
+        let change = state.p.0[0] - 0.3 + G * state.t;
+        assert!(moments > 2 && (given - change).abs() < 1e-11 * given, "{when:?} {given} {change}");
+    }
+}

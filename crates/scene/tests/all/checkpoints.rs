@@ -77,7 +77,7 @@ fn assert_same_files(whole: &Run, resumed: &Run, name: &str) {
 }
 
 /// Resumes the scene from a checkpoint of every one of these steps.
-fn assert_resumes(scene: &Scene, steps: &[u64], name: &str) {
+pub(crate) fn assert_resumes(scene: &Scene, steps: &[u64], name: &str) {
     let whole = scene.run().unwrap();
     for &step in steps {
         let checkpoint = interrupted(scene, step, name);

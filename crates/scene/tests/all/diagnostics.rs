@@ -167,16 +167,16 @@ fn an_unknown_particle_is_shown_with_the_nearest_one() {
 #[test]
 fn a_value_of_the_wrong_kind_says_what_is_expected() {
     let wrong = |text: &str, message: &str| refused(&format!("{HEAD}{BALL}{text}"), message);
-    wrong("velocity = [0, <<\"1\">>]\n", "invalid type: string \"1\", expected a number");
-    wrong("velocity = <<1>>\n", "invalid type: integer `1`, expected a sequence");
-    wrong("pinned = <<1>>\n", "invalid type: integer `1`, expected a boolean");
+    wrong("velocity = [0, <<\"1\">>]\n", "expected a number, got the text \"1\"");
+    wrong("velocity = <<1>>\n", "expected a list in brackets, got 1");
+    wrong("pinned = <<1>>\n", "expected `true` or `false`, got 1");
     let head = HEAD.replace("dimension = 2", "dimension = <<2.5>>");
-    refused(&head, "invalid type: floating point `2.5`, expected a whole number");
+    refused(&head, "expected a whole number, got 2.5");
     let head = HEAD.replace("dimension = 2", "dimension = <<-2>>");
-    refused(&head, "invalid value: integer `-2`, expected a whole number");
+    refused(&head, "expected a whole number, got -2");
     refused(
         &format!("{HEAD}observables = [<<3>>]\n"),
-        "invalid type: integer `3`, expected an observable such as \"energy\" or { position = \"a name\" }",
+        "expected an observable such as \"energy\" or { position = \"a name\" }, got 3",
     );
     refused(&format!("<<>>{}", HEAD.replace("step = 0.1\n", "")), "missing field `step`");
     refused(&format!("{HEAD}<<[[particles]]>>\nname = \"a\"\n"), "missing field `position`");

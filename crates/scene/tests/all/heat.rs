@@ -71,19 +71,23 @@ fn heat_that_cannot_be_is_refused_where_it_says_so() {
     };
     refused("diffusivity = 1", "diffusivity = 0", "the diffusivity is 0");
     refused("\"implicit-euler\"", "\"stormer-verlet\"", "unknown integrator");
-    refused("\"heat\"", "\"energy\"", "this observable is not of such a scene");
+    refused("\"heat\"", "\"energy\"", "this observable is not available in heat scenes");
     refused("part = \"left\"", "part = \"all\"", "the temperature of every vertex is held");
     refused(
         "[heat]",
         "[[particles]]\nname = \"a\"\nmass = 1\nposition = [0, 0]\n[heat]",
-        "nothing else",
+        "cannot be combined",
     );
     refused(
         "held = ",
         "warm = [{ at = [9, 9], radius = 1, temperature = 1 }]\nheld = ",
         "no vertex of the shape is within",
     );
-    refused("temperature = \"plate.middle\"", "position = \"plate.middle\"", "not of such a scene");
+    refused(
+        "temperature = \"plate.middle\"",
+        "position = \"plate.middle\"",
+        "not available in heat scenes",
+    );
 }
 
 #[test]

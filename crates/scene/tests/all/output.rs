@@ -176,3 +176,46 @@ fn a_run_on_a_line_is_written_like_any_other() {
     assert_eq!(singles(&data["positions"]).len(), 2 * run.times().len());
     assert!(run.film().contains("<path class=\"springs end\""));
 }
+
+#[test]
+fn every_file_of_a_run_is_one_that_is_tried_before_it() {
+    let out = folder("all-files");
+    fs::remove_dir_all(&out).ok();
+    let scenes = ["breaking-bridge", "cantilever", "warm-sphere", "nine-ball-break", "box-stack"];
+    for name in scenes {
+        let scene = shipped(name);
+        let end = 2.0 * scene.timing().step();
+        let run = scene.with_horizon(end).unwrap().run().unwrap();
+        stationary_scene::make_folder(&out).unwrap();
+        run.write(&out).unwrap();
+        run.write_vtk(&out).unwrap();
+    }
+    let mut written: Vec<String> = fs::read_dir(&out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name != "trajectory")
+        .collect();
+    written.sort();
+    let mut tried = Run::FILES.map(str::to_owned).to_vec();
+    tried.sort();
+    assert_eq!(written, tried);
+}
+
+#[test]
+fn a_folder_is_tried_without_changing_a_byte_of_what_is_there() {
+    let out = folder("tried");
+    fs::remove_dir_all(&out).ok();
+    stationary_scene::make_folder(out.join("deep")).unwrap();
+    fs::write(out.join("bodies.csv"), "mine").unwrap();
+    stationary_scene::make_folder(&out).unwrap();
+    assert_eq!(fs::read_to_string(out.join("bodies.csv")).unwrap(), "mine");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
+    let error = stationary_scene::make_folder(out.join("bodies.csv")).unwrap_err().to_string();
+    assert!(
+        error.ends_with("bodies.csv: cannot be written: it is a file; name a folder"),
+        "{error}"
+    );
+    fs::create_dir(out.join("stress.csv")).unwrap();
+    let error = stationary_scene::make_folder(&out).unwrap_err();
+    assert_eq!(error.path, out.join("stress.csv"));
+}

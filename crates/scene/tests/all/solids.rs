@@ -243,7 +243,7 @@ fn a_solid_that_cannot_be_is_refused_where_it_says_so() {
     refused(
         "pinned = [\"left\"]",
         "struck = { at = [9, 9], radius = 1, velocity = [0, 1] }",
-        "no vertex of the solid is so near",
+        "no vertex within the strike radius",
     );
     let twice = format!("{HEAD}{BEAM}{BEAM}");
     let error = Scene::parse("a.toml", &twice).unwrap_err().to_string();

@@ -140,7 +140,7 @@ fn a_start_that_moves_against_its_rod_is_refused_before_the_first_step() {
     "#;
     let error = Scene::parse("a.toml", text).unwrap().run().unwrap_err();
     assert!(matches!(error, RunError::Assembly(_)), "{error}");
-    assert!(error.to_string().contains("velocity violates equation 0"), "{error}");
+    assert!(error.to_string().contains("against the rod from `hook` to `bob`"), "{error}");
 }
 
 #[test]
@@ -148,7 +148,8 @@ fn a_rod_that_cannot_be_held_is_named() {
     let error = rod_pendulum("rattle", 1.0, 7.0, "").run().unwrap_err();
     let RunError::Interrupted(interruption) = error else { panic!("{error}") };
     assert!(matches!(interruption.source, StepFailure::Constraint(_)));
-    assert!(interruption.to_string().ends_with("the rod from `hook` to `bob`"), "{interruption}");
+    let words = interruption.to_string();
+    assert!(words.contains("the rod from `hook` to `bob` cannot be held"), "{words}");
 }
 
 #[test]

@@ -108,7 +108,7 @@ fn contact_that_cannot_be_is_refused_where_it_says_so() {
     refused("when = \"after\"", "did you mean `after-overlap`?");
     refused("walls = [{ normal = [0], at = [0] }]", "the normal is zero");
     refused("balls = [{ at = [0], radius = 0 }]", "the radius is 0");
-    refused("balls = [{ at = [0], radius = 1.5 }]", "`ball` starts inside of something");
+    refused("balls = [{ at = [0], radius = 1.5 }]", "`ball` overlaps an obstacle by");
     let text = "dimension = 1\nintegrator = \"runge-kutta-4\"\nstep = 0.1\nhorizon = 1\n[contact]\n\
                 [[particles]]\nname = \"a\"\nmass = 1\nposition = [0]\n";
     let error = Scene::parse("a.toml", text).unwrap_err().to_string();
@@ -168,8 +168,8 @@ fn springs_of_touch_have_nothing_of_impulses() {
         let error = Scene::parse("ball.toml", &text).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     };
-    refused("stiffness = 1\nlaw = \"jacobi\"", "no `law`");
-    refused("stiffness = 1\nwhen = \"at-the-instant\"", "no `when`");
-    refused("restitution = 1\nstiffness = 1", "no `restitution`");
+    refused("stiffness = 1\nlaw = \"jacobi\"", "`law` cannot be combined");
+    refused("stiffness = 1\nwhen = \"at-the-instant\"", "`when` cannot be combined");
+    refused("restitution = 1\nstiffness = 1", "`restitution` cannot be combined");
     refused("stiffness = 0", "the stiffness is 0");
 }

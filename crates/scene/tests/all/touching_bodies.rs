@@ -118,7 +118,7 @@ fn bodies_that_cannot_touch_or_have_no_shape_are_refused() {
         ["[[0, 0], [1, 0]]", "[[0, 0], [1, 0], [2, 0]]", "[[0, 0], [1, 1], [1, 0], [0, 1]]"]
     {
         let error = Scene::parse("a.toml", &flat.replace("CORNERS", corners)).expect_err(corners);
-        assert!(error.to_string().contains("these corners are no polygon"), "{error}");
+        assert!(error.to_string().contains("not a simple polygon"), "{error}");
     }
 }
 
