@@ -11,6 +11,7 @@
 
 mod answer;
 mod candidate;
+mod charted;
 mod climb;
 mod declaration;
 mod emit;
@@ -39,6 +40,7 @@ use stationary_integrators::Evaluation;
 use stationary_scene::Scene;
 
 pub use answer::{Answer, Row, Verdict};
+pub use charted::charted;
 pub use climb::{Climb, Judgement, judge};
 use climb::{rungs_to_go, sort};
 pub use declaration::{Change, changed};
@@ -51,7 +53,7 @@ pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
 pub use mesh_error::{MeshError, Refined};
 pub use model::{Model, Sight};
-pub use picture::picture;
+pub use picture::{chart, picture};
 pub use reference::{Extrapolated, Reference, preferred};
 pub use run::{Course, End, Failure, Foresight, Measured, Trial, relative_to};
 pub use time::time;

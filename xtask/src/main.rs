@@ -106,6 +106,15 @@ struct Report {
     /// Studies this scene, a TOML file, and nothing else.
     #[arg(long, value_name = "FILE")]
     problem: Option<PathBuf>,
+    /// What to ask of that scene, as `choose` does; the first observable of its file by default.
+    #[arg(long, value_name = "NAME", requires = "problem")]
+    observable: Option<String>,
+    /// The error that may be made there, relative to the observable's scale.
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-3)]
+    tolerance: f64,
+    /// The time that the search may take there.
+    #[arg(long, value_name = "TIME", default_value = "60s")]
+    budget: String,
     /// Runs full horizons; may take an hour.
     #[arg(long)]
     full: bool,
@@ -203,9 +212,15 @@ fn end_with_the_reader() -> std::io::Result<()> {
 
 fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {
     let Some(file) = &arguments.problem else { return run_studies(arguments, STUDIES) };
-    let file = Scene::read(file)?;
-    let work_precision = |size| scene::work_precision(&file, size);
-    let long_run = |size| scene::long_run(&file, size);
+    Scene::read(file)?;
+    let question = Question {
+        observable: arguments.observable.clone().map_or_else(|| scene::observable(file), Ok)?,
+        tolerance: arguments.tolerance,
+        budget: time(&arguments.budget)?,
+        horizon: None,
+    };
+    let work_precision = |_| scene::work_precision(file, &question);
+    let long_run = |_| scene::long_run(file);
     run_studies(arguments, &scene::entries(&work_precision, &long_run))
 }
 

@@ -223,16 +223,6 @@ pub enum StudyError {
         /// Its value.
         value: f64,
     },
-    /// A scene with something that not every method can step.
-    #[error(
-        "{scene}: methods are compared on particles, springs and gravity; the scene has {what}"
-    )]
-    NotCompared {
-        /// The scene.
-        scene: String,
-        /// What it has.
-        what: &'static str,
-    },
     /// It was measured elsewhere, and failed there.
     #[error("{0}")]
     Elsewhere(String),

@@ -244,6 +244,11 @@ impl Row {
         }
     }
 
+    /// Whether it was run to the horizon.
+    pub fn is_whole(&self) -> bool {
+        self.moment == MOMENTS as usize
+    }
+
     fn value(&self) -> &str {
         self.setting.rsplit(' ').next().unwrap_or_default()
     }

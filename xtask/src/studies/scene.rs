@@ -1,30 +1,25 @@
-//! The studies of a user's own scene: which method to write into its file, and at which step.
+//! The studies of a user's own scene: the long form of `choose`, and what is kept at the scene's own step.
 //!
-//! The scene is run with every method from an eighth of its own number of steps to eight times as
-//! many. The reference is made here; what it cannot tell apart is not judged.
+//! The first asks the same question in the same way, and then charts every method. The second runs every
+//! method of equal steps at the step of the file.
 
-use std::ops::ControlFlow;
+use std::path::Path;
 
-use stationary_calculus::{Cell, Column, Metric, Table};
-use stationary_integrators::{
-    Horizon, Method, State, angular_momentum, angular_momentum_scale, linear_momentum,
-    linear_momentum_scale, simulate,
-};
-use stationary_scene::{Scene, SceneProblem};
+use stationary_calculus::{Cell, Column, Table};
+use stationary_scene::{Run, Scene};
 
-use super::reference::{Samples, with_reference};
-use super::work_precision::{Run, cheapest, run, show, verdicts};
 use crate::chart::{Axis, Lines, Series};
-use crate::study::{Claim, Entry, Kind, Measure, Size, Study, StudyError};
+use crate::choose::{
+    Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, charted, chart,
+    choose,
+};
+use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError};
 
-/// Errors for which a method is named, relative to the scene's size.
-const TOLERANCES: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
+/// Errors for which a method is named.
+const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// A tolerance is judged where the reference is this many times better.
-const MARGIN: f64 = 10.0;
-
-/// Most times at which the reference is kept.
-const SAMPLES: u64 = 500;
+/// Samples of a run whose invariants are followed.
+const SAMPLES: u64 = 2000;
 
 /// The entries of both studies, given how each is made: [`work_precision`] and [`long_run`].
 pub fn entries<'a>(work_precision: &'a Measure<'a>, long_run: &'a Measure<'a>) -> Vec<Entry<'a>> {
@@ -42,137 +37,138 @@ fn labels<'a>(&(id, kind, title): &Labels, run: &'a Measure<'a>) -> Entry<'a> {
     Entry { id, krate: "scene", chapter: "your scene", kind, title, run }
 }
 
-/// Error against cost for every method, and which of them to choose.
+/// What is asked of a scene where nothing else is said: the first observable that its file names, else
+/// the place of the first thing that moves, or the Dirichlet energy of heat.
 ///
 /// # Errors
-/// Where the scene makes no system, or the reference cannot be made.
-pub fn work_precision(scene: &Scene, size: Size) -> Result<Study, StudyError> {
-    match scene.dimension() {
-        1 => work_precision_in::<1>(scene, size),
-        2 => work_precision_in::<2>(scene, size),
-        _ => work_precision_in::<3>(scene, size),
+/// Where the file is no scene.
+pub fn observable(file: &Path) -> Result<String, StudyError> {
+    let name = file.display().to_string();
+    let text = std::fs::read_to_string(file).map_err(StudyError::at(name.as_str()))?;
+    let scene = Scene::parse_at(&name, &text).map_err(StudyError::at(name.as_str()))?;
+    let moves = |particle: &&stationary_scene::Particle| {
+        particle.motion != stationary_scene::Motion::Pinned
+    };
+    let first = || match scene.particles().iter().find(moves) {
+        _ if scene.heat().is_some() => "dirichlet-energy".to_owned(),
+        Some(particle) => format!("position={}", particle.name),
+        None => "energy".to_owned(),
+    };
+    Ok(named(&text).unwrap_or_else(first))
+}
+
+/// The first observable of a file, as a word of the command line: `energy`, `distance=sun,pluto`.
+fn named(text: &str) -> Option<String> {
+    let table: toml::Table = toml::from_str(text).ok()?;
+    match table.get("observables")?.as_array()?.first()? {
+        toml::Value::String(word) => Some(word.clone()),
+        toml::Value::Table(declared) => {
+            let (word, names) = declared.iter().next()?;
+            let names = match names {
+                toml::Value::Array(names) => {
+                    names.iter().map(|name| name.as_str()).collect::<Option<Vec<_>>>()?.join(",")
+                }
+                name => name.as_str()?.to_owned(),
+            };
+            Some(format!("{word}={names}"))
+        }
+        _ => None,
     }
 }
 
-/// Energy, momenta and error of every method at the scene's own step.
+/// The question of `choose`, answered in the same way, with every method charted.
 ///
 /// # Errors
-/// Where the scene makes no system.
-pub fn long_run(scene: &Scene, _: Size) -> Result<Study, StudyError> {
-    match scene.dimension() {
-        1 => long_run_in::<1>(scene),
-        2 => long_run_in::<2>(scene),
-        _ => long_run_in::<3>(scene),
-    }
-}
-
-fn problem<const D: usize>(scene: &Scene) -> Result<SceneProblem<D>, StudyError> {
-    let by_impulses = scene.contact().is_some_and(|contact| contact.stiffness.is_none());
-    let beyond = match (scene.drag(), scene.rods()) {
-        (Some(_), _) => Some("drag"),
-        (None, [_, ..]) => Some("rods"),
-        (None, []) if by_impulses => Some("contact by impulses"),
-        (None, []) => None,
-    };
-    match beyond {
-        Some(what) => Err(StudyError::NotCompared { scene: scene.title().to_owned(), what }),
-        None => scene.problem::<D>().map_err(StudyError::at(scene.title())),
-    }
-}
-
-fn work_precision_in<const D: usize>(scene: &Scene, size: Size) -> Result<Study, StudyError> {
-    // Seconds after which no finer run is made.
-    let longest = match size {
-        Size::Default => 0.3,
-        Size::Full => 30.0,
-    };
-    let own = scene.timing().steps();
-    let count = (own / 8).clamp(1, SAMPLES);
-    let per_sample = own.div_ceil(count);
-    let at = Samples { count, coarsest: 4 * per_sample };
-    let problem = with_reference(problem::<D>(scene)?, at)?;
-    let coarsest = (per_sample / 8).max(1);
-    let steps =
-        || (0..).map(|k| count * (coarsest << k)).take_while(|&n| n <= count * per_sample * 8);
-    let mut runs = Vec::new();
-    for &method in Method::ALL {
-        let name = method.facts().name;
-        let integrator = scene.integrator(&problem, method).map_err(StudyError::at(name))?;
-        runs.extend(run(&problem, method, integrator, steps(), longest)?);
-    }
-    let (table, counted, timed) = show(&runs, Method::ALL);
+/// Where the question cannot be asked.
+pub fn work_precision(file: &Path, question: &Question) -> Result<Study, StudyError> {
+    let name = file.display().to_string();
+    let (answer, mut lab) = choose(file, question).map_err(StudyError::at(name))?;
+    let answer = charted(&mut lab, answer);
+    let confirmed = answer.reference.as_ref().is_some_and(|reference| reference.is_confirmed);
     Ok(Study {
         id: WORK_PRECISION.0,
         krate: "scene",
         chapter: "your scene",
         kind: WORK_PRECISION.1,
-        title: format!("{}: what a digit costs", scene.title()),
-        conclusion: advice(scene, &runs, problem.solution_error),
-        table,
-        charts: vec![counted.into(), timed.into(), by_step(&runs).into()],
-        claims: vec![Claim::number(
-            "two methods agree on the answer that errors are taken against, relative to the \
-             scene's size",
-            format!("{:e} or better", TOLERANCES[0] / MARGIN),
-            problem.solution_error,
-            (0.0, TOLERANCES[0] / MARGIN),
+        title: format!("{}: what a digit costs", lab.ladder().written().scene.title()),
+        conclusion: advice(&answer, &lab),
+        table: answer.table(),
+        charts: vec![chart(&answer), by_time(&answer).into()],
+        claims: vec![Claim::words(
+            "another method confirms the reference that errors are taken against",
+            "yes",
+            if confirmed { "yes" } else { "no" }.to_owned(),
         )],
     })
 }
 
-/// What to write into the scene's file.
-fn advice(scene: &Scene, runs: &[Run], uncertainty: f64) -> String {
-    let judged = TOLERANCES.into_iter().filter(|tolerance| uncertainty * MARGIN < *tolerance);
-    let best: Vec<(f64, &Run)> =
-        judged.filter_map(|tolerance| Some((tolerance, cheapest(runs, tolerance)?))).collect();
-    let names: Vec<(f64, &str)> =
-        best.iter().map(|(tolerance, run)| (*tolerance, run.method.facts().name)).collect();
-    let lines = best.iter().map(|(tolerance, run)| {
-        let (name, step) = (run.method.facts().name, run.horizon.step());
-        format!("for {tolerance:e}: integrator = \"{name}\" and step = {step}")
-    });
-    let said = if best.is_empty() {
-        "No charted run meets a tolerance that the reference can judge.".to_owned()
-    } else {
-        let lines = lines.collect::<Vec<_>>().join("; ");
-        format!("By counted work {}. To say so in the scene's file: {lines}.", verdicts(&names))
+/// What was chosen, and what to write into the scene's file for other errors.
+fn advice(answer: &Answer, lab: &Lab) -> String {
+    let uncertainty = answer.reference.as_ref().map_or(f64::INFINITY, |made| made.uncertainty);
+    let meets = |row: &&Row, tolerance: f64| {
+        let errs = match row.judgement {
+            Some(
+                Judgement::Meets(error) | Judgement::Unclear(error) | Judgement::Misses(error),
+            ) => error,
+            _ => return false,
+        };
+        // What was stopped has no error of the whole way; models are not what the file says.
+        row.is_whole() && lab.family(row.at.family).model == 0 && errs + uncertainty <= tolerance
     };
+    let lines = TOLERANCES.into_iter().filter_map(|tolerance| {
+        // Rows are sorted by work.
+        let row = answer.rows.iter().find(|row| meets(row, tolerance))?;
+        Some(format!("for {tolerance:e}: integrator = \"{}\" and {}", row.method, row.setting))
+    });
+    let chosen = match answer.choice() {
+        Some(row) => format!(
+            "Within {:e} the cheapest is {} with {}, at {} differentials. ",
+            answer.tolerance, row.method, row.setting, row.work
+        ),
+        None => format!("Nothing is recommended within {:e}. ", answer.tolerance),
+    };
+    let lines: Vec<String> = lines.collect();
+    let lines = if lines.is_empty() { "nothing".to_owned() } else { lines.join("; ") };
+    let beside = answer.beside();
+    let beside = beside.iter().map(|line| format!("{}. ", capital(line)));
     format!(
-        "The largest error of a configuration over the scene's {} {}, relative to the scene's size, \
-         against its cost. The answer that errors are taken against is a Störmer-Verlet run \
-         extrapolated to a step of zero; a run of another method, of order 8, differs from it by \
-         {uncertainty:.1e}, and charted errors below that mean nothing. {said}",
-        scene.timing().horizon(),
-        scene.units().time,
+        "{}. {chosen}{}By their errors at the moments, in the scene's file: {lines}. Reference: {}.",
+        answer.heading,
+        beside.collect::<String>(),
+        answer.made
     )
 }
 
-fn by_step(runs: &[Run]) -> Lines {
-    let axis = Axis::log("step", "");
-    let mut chart = Lines::new("By step", axis, Axis::log("largest error", ""));
-    for runs in runs.chunk_by(|a, b| a.method == b.method) {
-        let points = runs.iter().filter_map(|run| Some((run.horizon.step(), run.error()?)));
-        let mut series = Series::new(runs[0].method.facts().name, points);
-        for run in runs {
-            if let Err(failure) = &run.outcome {
-                series = series.failed(run.horizon.step(), failure.to_string());
-            }
-        }
-        chart = chart.with(series);
+fn capital(line: &str) -> String {
+    let mut letters = line.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn by_time(answer: &Answer) -> Lines {
+    let mut lines =
+        Lines::new("By wall time", Axis::log("wall time", "s"), Axis::log("error", ""));
+    let mut names: Vec<&str> = answer.rows.iter().map(|row| row.method.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let own = answer.rows.iter().filter(|row| row.method == name && row.is_whole());
+        let points = own.filter_map(|row| Some((row.wall.as_secs_f64(), row.error()?.max(1e-16))));
+        lines = lines.with(Series::new(name, points));
     }
-    chart
+    lines
 }
 
-/// The largest deviations up to some time.
-#[derive(Clone, Copy, Default)]
-struct Drift {
-    energy: f64,
-    linear: f64,
-    angular: f64,
-}
-
-fn long_run_in<const D: usize>(scene: &Scene) -> Result<Study, StudyError> {
-    let problem = problem::<D>(scene)?;
+/// Energy and momenta of every method of equal steps at the scene's own step.
+///
+/// # Errors
+/// Where the file is no scene, or no method takes it.
+pub fn long_run(file: &Path) -> Result<Study, StudyError> {
+    let name = file.display().to_string();
+    let text = std::fs::read_to_string(file).map_err(StudyError::at(name.as_str()))?;
+    let written = Scene::parse_at(&name, &text).map_err(StudyError::at(name.as_str()))?;
+    let text = changed(&text, &[Change::to("observables", asked(&written))]);
+    let scene = Scene::parse_at(&name, &text).map_err(StudyError::at(name.as_str()))?;
+    let ladder = Ladder::of(&name, &text, &scene).map_err(StudyError::at(name.as_str()))?;
     let mut chart = Lines::new(
         "Energy",
         Axis::log("time", &scene.units().time),
@@ -185,17 +181,34 @@ fn long_run_in<const D: usize>(scene: &Scene) -> Result<Study, StudyError> {
         Column::rounded("angular momentum drift", 2, 1e-12),
         Column::exact("evaluations"),
     ]);
-    for &method in Method::ALL {
-        let name = method.facts().name;
-        let (course, drift, end) = follow(scene, &problem, method)?;
-        let mut series = Series::new(name, course);
-        let mut cells: Vec<Cell> = vec![name.into()];
-        cells.extend([drift.energy, drift.linear, drift.angular].map(Cell::from));
+    let every = scene.timing().steps().div_ceil(SAMPLES).max(1);
+    for family in &ladder.families {
+        if family.model != 0 || family.kind != Setting::EqualSteps {
+            continue;
+        }
+        // The method of the family, at the step of the file.
+        let own = |change: &&Change| change.key != "step" && change.key != "sample_every";
+        let mut changes: Vec<Change> =
+            family.rungs[0].changes.iter().filter(own).cloned().collect();
+        changes.push(Change::to("sample_every", every.to_string()));
+        let Ok(scene) = Scene::parse_at(&name, &changed(&text, &changes)) else { continue };
+        let run = scene.run();
+        let (part, end) = match &run {
+            Ok(run) => (Some(run), None),
+            Err(error) => (error.partial(), Some(error.to_string())),
+        };
+        let Some(part) = part else { continue };
+        let (course, drift) = followed(part);
+        let mut series = Series::new(&family.name, course);
+        let mut cells: Vec<Cell> = vec![family.name.as_str().into()];
+        cells.extend(drift.map(Cell::from));
+        let time = part.times().last().copied().unwrap_or_default();
         match end {
-            Ok(evaluations) => cells.push(evaluations.into()),
-            Err((time, reason)) => {
-                cells.push(format!("failed at t = {time:.3}").into());
-                series = series.failed(time, reason);
+            None => cells.push((part.cost().differentials + part.cost().hessians).into()),
+            Some(reason) => {
+                cells.push(format!("failed after t = {time:.3}").into());
+                let first = reason.lines().next().unwrap_or_default().to_owned();
+                series = series.failed(time.max(scene.timing().step()), first);
             }
         }
         table.push(cells);
@@ -208,10 +221,10 @@ fn long_run_in<const D: usize>(scene: &Scene) -> Result<Study, StudyError> {
         kind: LONG_RUN.1,
         title: format!("{}: energy and momentum at its own step", scene.title()),
         conclusion: format!(
-            "The scene at its own step of {}, with every method. Energy is relative to the kinetic \
-             energy at its largest, momenta to the sums of the particles' magnitudes. Gravity \
-             towards a floor and pinned particles change momenta rightly; then they say nothing of \
-             a method.",
+            "The scene at its own step of {}, with every method of equal steps. Energy is relative to \
+             the kinetic energy at its largest, momenta to the sums of the parts' magnitudes. Drag, \
+             friction and heat take energy rightly, gravity towards a floor and pinned particles change \
+             momenta rightly; then they say nothing of a method.",
             scene.timing().step()
         ),
         table,
@@ -220,46 +233,39 @@ fn long_run_in<const D: usize>(scene: &Scene) -> Result<Study, StudyError> {
     })
 }
 
-type End = Result<u64, (f64, String)>;
-type Course = Vec<(f64, f64)>;
-
-fn follow<const D: usize>(
-    scene: &Scene,
-    problem: &SceneProblem<D>,
-    method: Method,
-) -> Result<(Course, Drift, End), StudyError> {
-    let name = method.facts().name;
-    let mut integrator = scene.integrator(problem, method).map_err(StudyError::at(name))?;
-    let steps = scene.timing().steps();
-    let horizon = Horizon::divided(problem.horizon, steps).map_err(StudyError::at(name))?;
-    let mut state = problem.initial.clone();
-    let momenta =
-        |state: &State<Vec<f64>>| (linear_momentum::<D>(state), angular_momentum::<D>(state));
-    let (energy, (linear, angular)) = (problem.energy(&state), momenta(&state));
-    let (mut drift, mut kinetic, mut course, mut next) =
-        (Drift::default(), f64::MIN_POSITIVE, Vec::new(), 1_u64);
-    let mut energy_off = 0.0_f64;
-    let result = simulate(&mut *integrator, &mut state, horizon, |now| {
-        let state = now.state;
-        kinetic = kinetic.max(problem.system.metric().kinetic_energy(state.p.view()));
-        energy_off = energy_off.max((problem.energy(state) - energy).abs());
-        let (p, l) = momenta(state);
-        drift.energy = energy_off / kinetic;
-        drift.linear = drift.linear.max(off(&p, &linear) / linear_momentum_scale::<D>(state));
-        drift.angular = drift.angular.max(off(&l, &angular) / angular_momentum_scale::<D>(state));
-        if now.step == next || now.step == steps {
-            course.push((state.t, drift.energy));
-            next = (next * 5 / 4).max(next + 1);
-        }
-        ControlFlow::Continue(())
-    });
-    let end = match result {
-        Ok(cost) => Ok(cost.differentials + cost.hessians),
-        Err(failure) => Err((failure.time, failure.to_string())),
-    };
-    Ok((course, drift, end))
+/// The momenta, where the scene has them.
+fn asked(scene: &Scene) -> &'static str {
+    match scene.dimension() {
+        _ if scene.heat().is_some() => "[\"heat\"]",
+        1 => "[\"linear-momentum\"]",
+        _ => "[\"linear-momentum\", \"angular-momentum\"]",
+    }
 }
 
-fn off(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+/// The largest change of energy up to each sample, and that of the energy and of both momenta in all.
+fn followed(run: &Run) -> (Vec<(f64, f64)>, [f64; 3]) {
+    let energies = run.energies();
+    let kinetic = run.kinetic_energies().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let scales = run.momentum_scales().map(|scale| scale.max(f64::MIN_POSITIVE));
+    let (mut course, mut drift) = (Vec::new(), [0.0_f64; 3]);
+    let heat = run.scene().heat().is_some();
+    let linear = run.scene().dimension();
+    for (sample, &time) in run.times().iter().enumerate() {
+        let energy = energies.get(sample).zip(energies.first());
+        let energy = energy.map_or(0.0, |(now, start)| (now - start).abs());
+        drift[0] = drift[0].max(if heat { 0.0 } else { energy / kinetic });
+        let off = |from: usize, to: usize| {
+            let (now, start) = (run.observed(sample), run.observed(0));
+            let pairs = now.iter().zip(start).take(to).skip(from);
+            pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        };
+        if !heat {
+            drift[1] = drift[1].max(off(0, linear) / scales[0]);
+            drift[2] = drift[2].max(off(linear, usize::MAX) / scales[1]);
+        }
+        if sample > 0 {
+            course.push((time, drift[0]));
+        }
+    }
+    (course, drift)
 }
