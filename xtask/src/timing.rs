@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 const RESOLVED: Duration = Duration::from_millis(1);
 const RUNS: usize = 5;
 /// A call that takes longer is run less often.
-const LONG: Duration = Duration::from_millis(100);
+const LONG: Duration = Duration::from_millis(50);
 const LONG_RUNS: usize = 3;
 
 /// Wall time of one call, in seconds.
@@ -20,8 +20,8 @@ pub struct Wall {
     pub max: f64,
 }
 
-/// Times `call`: one warm-up, then the median of five runs. Of a call longer than a tenth of a second
-/// there are three runs and no warm-up: what is long is disturbed less. A call shorter than a
+/// Times `call`: one warm-up, then the median of five runs. Of a call longer than a twentieth of a
+/// second there are three runs and no warm-up: what is long is disturbed less. A call shorter than a
 /// millisecond is repeated within a run, and its share is reported.
 pub fn median_wall(mut call: impl FnMut()) -> Wall {
     let first = elapsed(1, &mut call);

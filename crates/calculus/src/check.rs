@@ -213,7 +213,7 @@ impl DerivativeCheck {
         df: impl Fn(&[f64]) -> DMatrix<f64>,
         q: &[f64],
     ) -> Result<Report, DerivativeError> {
-        jacobian::check(self, f, df, q)
+        jacobian::check(self, &f, &df, q)
     }
 
     /// An error unless the settings are numbers that a check can use.
@@ -234,10 +234,10 @@ impl DerivativeCheck {
     /// less far where the function is not defined.
     fn configurations(
         &self,
-        space: &impl Space,
+        space: &dyn Space,
         freedoms: usize,
         q: &[f64],
-        defined: impl Fn(&[f64]) -> bool,
+        defined: &dyn Fn(&[f64]) -> bool,
         random: &mut SplitMix64,
     ) -> Vec<Vec<f64>> {
         let Scale { near, far, .. } = Scale::of(q, self.length);
@@ -258,7 +258,7 @@ impl DerivativeCheck {
         };
         let another = |&spread: &f64| {
             let w = if spread.abs() < near { &near_by } else { &away };
-            as_far_as_defined(space, q, w, spread, &defined)
+            as_far_as_defined(space, q, w, spread, defined)
         };
         let others = spreads.iter().take(self.configurations);
         std::iter::once(q.to_vec()).chain(others.map(another)).collect()
@@ -272,11 +272,11 @@ const GROUPS: usize = 64;
 /// freedoms, and a group of them that meets the edge of what is defined less far than to the edge, so
 /// that the others have room: one freedom beside a wall does not hold back all.
 fn as_far_as_defined(
-    space: &impl Space,
+    space: &dyn Space,
     q: &[f64],
     w: &[f64],
     h: f64,
-    defined: &impl Fn(&[f64]) -> bool,
+    defined: &dyn Fn(&[f64]) -> bool,
 ) -> Vec<f64> {
     let smallest = w.len().div_ceil(GROUPS).max(1);
     let mut here = q.to_vec();
@@ -300,7 +300,7 @@ fn as_far_as_defined(
 }
 
 /// The configuration moved by h along w.
-fn moved(space: &impl Space, q: &[f64], w: &[f64], h: f64) -> Vec<f64> {
+fn moved(space: &dyn Space, q: &[f64], w: &[f64], h: f64) -> Vec<f64> {
     let mut q = q.to_vec();
     space.advance(&mut q, h, Vector(w));
     q

@@ -183,16 +183,37 @@ pub(crate) fn add_scaled(y: &mut [f64], scale: f64, x: &[f64]) {
 /// The index of the first entry that is not finite.
 ///
 /// Branch-free over the whole slice where all is well, so that it costs next to nothing in a step.
+#[expect(clippy::eq_op, reason = "a number less itself is zero where it is finite")]
 #[inline]
 pub fn first_non_finite(numbers: &[f64]) -> Option<usize> {
-    let any = numbers.iter().fold(false, |any, x| any | !x.is_finite());
-    if any { numbers.iter().position(|x| !x.is_finite()) } else { None }
+    // By comparisons, numbers in registers would be taken apart.
+    let (eights, rest) = numbers.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in eights {
+        for (sum, x) in sums.iter_mut().zip(eight) {
+            *sum += x - x;
+        }
+    }
+    let sum = rest.iter().fold(sums.iter().sum::<f64>(), |sum, x| sum + (x - x));
+    if sum == 0.0 { None } else { numbers.iter().position(|x| !x.is_finite()) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_first_number_that_is_not_finite_is_found_at_every_place() {
+        for (n, bad) in (0..20).flat_map(|n| (0..n).map(move |bad| (n, bad))) {
+            let mut numbers = vec![f64::MAX; n];
+            assert_eq!(first_non_finite(&numbers), None);
+            for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                numbers[bad..].fill(wrong);
+                assert_eq!(first_non_finite(&numbers), Some(bad));
+            }
+        }
+    }
 
     proptest! {
         #[test]

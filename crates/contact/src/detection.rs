@@ -274,15 +274,17 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(answer)
     }
 
+    #[inline]
     fn point(
         &self,
         pair: [usize; 2],
         placed: &[G::Motion; 2],
         facing: &Facing<G::Vector>,
     ) -> ContactIn<G> {
-        let [first, second] = pair.map(|i| &self.colliders[i]);
-        let points = [0, 1].map(|k| G::apply(&placed[k], &facing.points[k]));
-        let arms = [0, 1].map(|k| G::apply(&self.colliders[pair[k]].place, &facing.points[k]));
+        let (first, second) = (&self.colliders[pair[0]], &self.colliders[pair[1]]);
+        let [one, other] = &facing.points;
+        let points = [G::apply(&placed[0], one), G::apply(&placed[1], other)];
+        let arms = [G::apply(&first.place, one), G::apply(&second.place, other)];
         let combined = || {
             [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
         };
@@ -315,6 +317,7 @@ fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> Vec<f64> {
 /// corner is found from both sides.
 const COINCIDENT: f64 = 1e-7;
 
+#[inline]
 fn coincide<G: Dimension>(a: &ContactIn<G>, b: &ContactIn<G>, near: f64) -> bool {
     let apart = a.points[1] - b.points[1];
     G::dot(&apart, &apart) < near && G::dot(&a.normal, &b.normal) > 1.0 - COINCIDENT

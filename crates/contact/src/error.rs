@@ -157,6 +157,7 @@ pub(crate) fn check_time(t: f64) -> Result<(), StepError> {
 }
 
 /// An error unless every number is finite.
+#[inline]
 pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), ContactError> {
     match stationary_calculus::first_non_finite(numbers) {
         Some(index) => Err(ContactError::NonFinite { what, index, value: numbers[index] }),

@@ -60,6 +60,7 @@ impl Islands {
     }
 
     /// The contacts and the bodies of each island.
+    #[inline]
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&[usize], &[usize])> {
         self.contacts.iter().zip(self.bodies.iter())
     }
@@ -86,6 +87,7 @@ impl Sorted {
         self.starts[0] = 0;
     }
 
+    #[inline]
     fn iter(&self) -> impl Iterator<Item = &[usize]> {
         self.starts.windows(2).map(|range| &self.members[range[0]..range[1]])
     }

@@ -72,11 +72,12 @@ struct Two<'a> {
 }
 
 impl<'a> Two<'a> {
+    #[inline]
     fn of(bodies: [Option<usize>; 2], placed: &'a [Placed], q: &[f64]) -> Self {
         let pose = |body: Option<usize>| {
             body.map_or_else(RigidMotion::identity, |body| Poses::pose_at(q, body))
         };
-        let [first, second] = bodies.map(pose);
+        let (first, second) = (pose(bodies[0]), pose(bodies[1]));
         let apart = second.translation - first.translation;
         let relative = RigidMotion {
             translation: first.rotation.rotate_back(&apart),
@@ -86,10 +87,12 @@ impl<'a> Two<'a> {
     }
 
     /// A direction of one of the bodies as seen from the world.
+    #[inline]
     fn turn(&self, side: usize, direction: &Vector3<f64>) -> Vector3<f64> {
         self.placed[side].map_or(*direction, |placed| placed.rotation * direction)
     }
 
+    #[inline]
     fn centre(&self, side: usize) -> Vector3<f64> {
         self.placed[side].map_or_else(Vector3::zeros, |placed| placed.centre)
     }
@@ -97,6 +100,7 @@ impl<'a> Two<'a> {
 
 impl KeptPair {
     /// Whether its points serve at the poses of now, up to a margin.
+    #[inline]
     fn serves(&self, now: &RigidMotion, margin: f64) -> bool {
         let [a, b] = [now, &self.relative].map(|motion| motion.rotation.quaternion());
         let turned: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
@@ -109,10 +113,10 @@ impl KeptPair {
 
     /// Appends its contacts within a margin as they are now; says whether there are any.
     fn append(&self, two: &Two, margin: f64, found: &mut Vec<ContactPoint>) -> bool {
-        let centres = [0, 1].map(|side| two.centre(side));
+        let centres = [two.centre(0), two.centre(1)];
         let first = found.len();
         for KeptPoint { contact, offset } in &self.points {
-            let arms = [0, 1].map(|side| two.turn(side, &contact.arms[side]));
+            let arms = [two.turn(0, &contact.arms[0]), two.turn(1, &contact.arms[1])];
             let normal = two.turn(self.side, &contact.normal);
             let gap = offset + normal.dot(&(two.apart + arms[1] - arms[0]));
             if gap <= margin {

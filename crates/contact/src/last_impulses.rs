@@ -33,6 +33,7 @@ impl<G: Dimension> Default for LastImpulses<G> {
 impl<G: Dimension> LastImpulses<G> {
     /// A guess of each contact's impulse on its second body in a step of `h` seconds, world axes;
     /// none where a contact is new or does not push any more.
+    #[inline]
     pub(crate) fn guess<'a>(
         &'a self,
         contacts: impl Iterator<Item = &'a ContactIn<G>>,
@@ -48,6 +49,7 @@ impl<G: Dimension> LastImpulses<G> {
     }
 
     /// Keeps the impulses of a step of `h` seconds.
+    #[inline]
     pub(crate) fn keep(&mut self, h: f64, impulses: impl Iterator<Item = (ContactId, G::Vector)>) {
         self.step = h;
         self.by_contact.clear();

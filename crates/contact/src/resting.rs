@@ -125,22 +125,26 @@ impl Resting {
     }
 
     /// Whether nothing of a body changes.
+    #[inline]
     pub(crate) fn stands(&self, body: usize, settled: f64) -> bool {
         let Moved { change: [v, w], reach, .. } = self.moved[body];
         v.norm() + reach * w.norm() <= CHANGE * settled
     }
 
     /// The velocity of a body at the step's start, as it is stored.
+    #[inline]
     pub(crate) fn before(&self, body: usize) -> &Six {
         &self.moved[body].before
     }
 
     /// The velocity of a body with the impulses that are guessed, as it is stored.
+    #[inline]
     pub(crate) fn after(&self, body: usize) -> &Six {
         &self.moved[body].after
     }
 
     /// How fast the second point leaves the first, and how much faster than at the step's start.
+    #[inline]
     fn rates(&self, point: &ContactPoint) -> [Vector3<f64>; 2] {
         let mut rates = [Vector3::zeros(); 2];
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
@@ -157,6 +161,7 @@ impl Resting {
 }
 
 impl Moved {
+    #[inline]
     fn go(&mut self, placed: &Placed, kick: &[f64]) {
         let torque = placed.rotation.tr_mul(&self.torque);
         let wrench = [self.force.x, self.force.y, self.force.z, torque.x, torque.y, torque.z];

@@ -33,6 +33,7 @@ pub(crate) struct Placed {
 
 impl Placed {
     /// A body at its pose among `q` with its velocity among `v`.
+    #[inline]
     pub(crate) fn new(body: usize, scale: Six, q: &[f64], v: &[f64]) -> Self {
         let pose = Poses::pose_at(q, body);
         let (centre, rotation) = (pose.translation, pose.rotation.matrix());
@@ -40,23 +41,27 @@ impl Placed {
     }
 
     /// Its velocity after scaled changes.
+    #[inline]
     pub(crate) fn after(&self, w: &Six) -> Six {
         std::array::from_fn(|k| self.velocity[k] + self.scale[k] * w[k])
     }
 
     /// The velocity of a point of it, world axes.
+    #[inline]
     pub(crate) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         let [x, y, z, a, b, c] = self.velocity;
         Vector3::new(x, y, z) + self.rotation * Vector3::new(a, b, c).cross(arm)
     }
 
     /// Whether impulses move it.
+    #[inline]
     pub(crate) fn moves(&self) -> bool {
         self.scale[0] > 0.0
     }
 }
 
 /// How fast what is within a radius of a body's centre moves at most, at this velocity of the body.
+#[inline]
 pub(crate) fn speed(velocity: &[f64], radius: f64) -> f64 {
     let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     length(&velocity[..3]) + radius * length(&velocity[3..])
@@ -104,6 +109,7 @@ pub(crate) struct Compliance {
 const SINGULAR: f64 = 1e-12;
 
 impl Compliance {
+    #[inline]
     fn of(rows: &[[Six; 3]; 2]) -> Self {
         let product =
             |k: usize, l: usize| -> f64 { rows.iter().map(|rows| dot(&rows[k], &rows[l])).sum() };
@@ -155,6 +161,7 @@ impl RigidContact {
         }
     }
 
+    #[inline]
     fn reach(
         &mut self,
         side: usize,
@@ -178,7 +185,7 @@ impl RigidContact {
     /// The rates along the normal and the tangents, m/s.
     #[inline]
     pub(crate) fn rates(&self, w: &[Six]) -> [f64; 3] {
-        let [a, b] = self.bodies.map(|body| &w[body]);
+        let (a, b) = (&w[self.bodies[0]], &w[self.bodies[1]]);
         std::array::from_fn(|k| self.rate(k, a, b))
     }
 

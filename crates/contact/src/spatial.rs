@@ -44,6 +44,7 @@ impl Dimension for Spatial {
         Poses::pose_at(q, body)
     }
 
+    #[inline]
     fn check(q: &[f64]) -> Result<(), ContactError> {
         Ok(Poses::check(q)?)
     }
@@ -68,6 +69,7 @@ impl Dimension for Spatial {
         a.dot(b)
     }
 
+    #[inline]
     fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
         let axis = Vector3::ith(n.iamin(), 1.0);
         let first = n.cross(&axis).normalize();
@@ -83,9 +85,9 @@ impl Dimension for Spatial {
 
     #[inline]
     fn velocity(q: &[f64], v: &[f64], body: usize, arm: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y, z, a, b, c] = [0, 1, 2, 3, 4, 5].map(|f| v[6 * body + f]);
-        let turning = Vector3::new(a, b, c).cross(arm);
-        Vector3::new(x, y, z) + Poses::pose_at(q, body).rotation.rotate(&turning)
+        let v = &v[6 * body..][..6];
+        let turning = Vector3::new(v[3], v[4], v[5]).cross(arm);
+        Vector3::new(v[0], v[1], v[2]) + Poses::pose_at(q, body).rotation.rotate(&turning)
     }
 
     fn advance(

@@ -102,8 +102,16 @@ impl Query {
         Ok((hit.time < f64::INFINITY).then_some(hit))
     }
 
+    /// Where the corners are at a time.
+    #[inline]
+    fn places(&self, t: f64) -> [Vector3<f64>; 4] {
+        let [a, b, c, d] = &self.corners;
+        [a.at(t), b.at(t), c.at(t), d.at(t)]
+    }
+
+    #[inline]
     fn value(&self, t: f64, u: f64, v: f64) -> Vector3<f64> {
-        let [a, b, c, d] = self.corners.map(|corner| corner.at(t));
+        let [a, b, c, d] = self.places(t);
         match self.pair {
             Pair::ParticleTriangle => a - (b + (c - b) * u + (d - b) * v),
             Pair::EdgeEdge => (a + (b - a) * u) - (c + (d - c) * v),
@@ -113,7 +121,7 @@ impl Query {
     /// Directions along which the two may be apart at a time: across both, and from one edge of
     /// each straight to the other thing. Of any length.
     fn directions(&self, t: f64) -> [Vector3<f64>; 4] {
-        let [a, b, c, d] = self.corners.map(|corner| corner.at(t));
+        let [a, b, c, d] = self.places(t);
         let off = |r: Vector3<f64>, e: Vector3<f64>| r * e.norm_squared() - e * r.dot(&e);
         match self.pair {
             Pair::ParticleTriangle => {
@@ -186,7 +194,7 @@ impl Query {
         let aim = self.close.thickness + 0.5 * self.close.tolerance;
         for t in of[0] {
             let [u, v] = self.nearest_place(t);
-            let [start, end] = of[0].map(|t| self.value(t, u, v));
+            let (start, end) = (self.value(of[0][0], u, v), self.value(of[0][1], u, v));
             let Some(part) = first_within(&start, &end, aim) else { continue };
             let time = of[0][0] + part * (of[0][1] - of[0][0]);
             if time < known.time && self.value(time, u, v).norm() <= near {
@@ -228,7 +236,11 @@ impl Query {
 
     /// F at the corners of a box; bit k of the index chooses the end of argument k.
     fn corner_values(&self, of: &Box3) -> [Vector3<f64>; 8] {
-        std::array::from_fn(|i| self.value(of[0][i & 1], of[1][i >> 1 & 1], of[2][i >> 2]))
+        let mut values = [Vector3::zeros(); 8];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = self.value(of[0][i & 1], of[1][i >> 1 & 1], of[2][i >> 2]);
+        }
+        values
     }
 
     /// Whether the values are all beyond the thickness on one side of some plane.
@@ -245,7 +257,10 @@ impl Query {
             if !(length > 0.0 && length.is_finite()) {
                 continue;
             }
-            let along = values.map(|f| direction.dot(&f) / length);
+            let mut along = [0.0; 8];
+            for (along, f) in along.iter_mut().zip(values) {
+                *along = direction.dot(f) / length;
+            }
             if along.iter().all(|&x| x > beyond) || along.iter().all(|&x| x < -beyond) {
                 return true;
             }

@@ -63,9 +63,13 @@ impl<const N: usize, const R: usize, const Q: usize> Group<N, R, Q> {
     ) -> [[Lanes; D]; N] {
         let mut x = [[Lanes::default(); D]; N];
         for a in 0..N {
-            let positions = self.nodes.map(|nodes| freedoms.position(nodes[a], q));
+            // A loop, for a closure handed to `map` may stay a call.
+            let mut positions = [[0.0; D]; LANES];
+            for (position, nodes) in positions.iter_mut().zip(&self.nodes) {
+                *position = freedoms.position(nodes[a], q);
+            }
             for c in 0..D {
-                x[a][c] = Lanes::from(positions.map(|position| position[c]));
+                x[a][c] = Lanes::from(std::array::from_fn(|lane| positions[lane][c]));
             }
         }
         for a in 1..N {

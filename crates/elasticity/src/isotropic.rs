@@ -124,10 +124,14 @@ impl<T: Real, const D: usize, const R: usize> PrincipalTangent<T, D, R> {
 
     #[inline(always)]
     fn weighted(mut self, weight: T) -> Self {
-        for table in [&mut self.scaling, &mut self.along, &mut self.across] {
-            *table = table.map(|row| row.map(|entry| entry * weight));
+        for k in 0..R {
+            for l in 0..R {
+                self.scaling[k][l] = self.scaling[k][l] * weight;
+                self.along[k][l] = self.along[k][l] * weight;
+                self.across[k][l] = self.across[k][l] * weight;
+            }
+            self.normal[k] = self.normal[k] * weight;
         }
-        self.normal = self.normal.map(|entry| entry * weight);
         self
     }
 

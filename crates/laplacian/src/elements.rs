@@ -108,7 +108,8 @@ where
         mesh.check_nondegenerate()?;
         let numbered = mesh.simplices().iter().zip(mesh.measures());
         let element = |(simplex, measure): (&[usize; K], f64)| {
-            let (corners, size) = (mesh.corners(simplex).map(|x| in_space(&x)), measure.abs());
+            let (corners, size) = (mesh.corners(simplex), measure.abs());
+            let corners: [_; K] = std::array::from_fn(|k| in_space(&corners[k]));
             Element::new(*simplex, size, |i, j| weight(&corners, size, i, j))
         };
         Ok(Elements { vertices: mesh.vertices().len(), elements: numbered.map(element).collect() })
@@ -178,6 +179,7 @@ impl<const K: usize> Elements<K> {
     }
 }
 
+#[inline]
 fn in_space<const D: usize>(x: &SVector<f64, D>) -> Vector3<f64> {
     Vector3::from_fn(|c, _| if c < D { x[c] } else { 0.0 })
 }

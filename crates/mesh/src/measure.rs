@@ -14,6 +14,7 @@ use crate::mesh::Mesh;
 use crate::{MeshError, Places};
 
 /// Length, area or volume of a simplex: signed if it has the dimension of its space.
+#[inline]
 pub fn measure<const D: usize, const K: usize>(corners: &[SVector<f64, D>; K]) -> f64 {
     let [a, b, c] = edges_from_first(corners);
     match (K, D) {
@@ -26,6 +27,7 @@ pub fn measure<const D: usize, const K: usize>(corners: &[SVector<f64, D>; K]) -
 }
 
 /// The edges from the first corner to the others, in space, zero where there is none.
+#[inline]
 fn edges_from_first<const D: usize, const K: usize>(
     corners: &[SVector<f64, D>; K],
 ) -> [Vector3<f64>; 3] {
@@ -36,6 +38,7 @@ fn edges_from_first<const D: usize, const K: usize>(
 }
 
 /// A vector with zeros for the coordinates that it lacks.
+#[inline]
 pub(crate) fn in_space<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64> {
     Vector3::from_fn(|c, _| if c < D { vector[c] } else { 0.0 })
 }
@@ -44,6 +47,7 @@ pub(crate) fn in_space<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64>
 const FLAT: f64 = 4.0 * f64::EPSILON;
 
 /// Whether a simplex has no size but rounding.
+#[inline]
 pub(crate) fn is_flat<const D: usize, const K: usize>(corners: &[SVector<f64, D>; K]) -> bool {
     let mut longest = 0.0_f64;
     for (k, corner) in corners.iter().enumerate() {

@@ -66,8 +66,9 @@ impl<const D: usize, const K: usize> Mesh<D, K> {
     ///
     /// # Panics
     /// For a simplex of another mesh that names a vertex that this one has not: it is an index.
+    #[inline]
     pub fn corners(&self, simplex: &[usize; K]) -> [SVector<f64, D>; K] {
-        simplex.map(|vertex| self.vertices[vertex])
+        std::array::from_fn(|k| self.vertices[simplex[k]])
     }
 
     /// The mesh with each vertex moved by a map, simplices as they are.

@@ -31,10 +31,12 @@ impl RigidMotion {
     }
 }
 
+#[inline]
 fn halves(v: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (v.fixed_rows::<3>(0).into(), v.fixed_rows::<3>(3).into())
 }
 
+#[inline]
 fn joined(v: Vector3<f64>, w: Vector3<f64>) -> Vector6<f64> {
     Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
 }
@@ -44,15 +46,18 @@ impl LieGroup for RigidMotion {
     type Algebra = Vector6<f64>;
     type Matrix = Matrix4<f64>;
 
+    #[inline]
     fn identity() -> Self {
         RigidMotion { translation: Vector3::zeros(), rotation: Rotation::identity() }
     }
 
+    #[inline]
     fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         RigidMotion { translation: -rotation.rotate(&self.translation), rotation }
     }
 
+    #[inline]
     fn compose(&self, first: &Self) -> Self {
         RigidMotion {
             translation: self.apply(&first.translation),

@@ -80,8 +80,8 @@ impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
         force.0.iter_mut().for_each(|f| *f = -*f);
         for body in 0..system.metric().bodies().len() {
             let turn = S::FREEDOMS * body + S::TRANSLATION..S::FREEDOMS * (body + 1);
-            let w = Vector3::from_column_slice(&velocity.0[turn.clone()]);
-            let u = Vector3::from_column_slice(&displacement.0[turn.clone()]);
+            let three = |v: &[f64]| Vector3::new(v[0], v[1], v[2]);
+            let (w, u) = (three(&velocity.0[turn.clone()]), three(&displacement.0[turn.clone()]));
             let gyroscopic = body_momentum::<S>(&stage.p.0, body).cross(&w);
             for (f, g) in force.0[turn.clone()].iter_mut().zip(gyroscopic.iter()) {
                 *f += g;

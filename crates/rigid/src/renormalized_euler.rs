@@ -91,6 +91,7 @@ impl<P: Potential, S: BodySpace> Integrator<Vec<f64>> for RenormalizedEuler<'_, 
 }
 
 /// `(q + q half) / |.|`
+#[inline]
 fn added(q: &[f64], half: &Vector3<f64>) -> Rotation {
     let (w, x) = (q[0], Vector3::new(q[1], q[2], q[3]));
     let (dw, dx) = (-x.dot(half), half * w + x.cross(half));

@@ -164,6 +164,7 @@ impl LieGroup for Rotation {
         v.cross(&w)
     }
 
+    #[inline]
     fn matrix(&self) -> Matrix3<f64> {
         self.rotation_matrix()
     }

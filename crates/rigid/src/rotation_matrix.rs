@@ -41,6 +41,7 @@ impl Rotation {
     }
 
     /// The matrix, whose columns are the body's axes as seen from the world.
+    #[inline]
     pub fn rotation_matrix(&self) -> Matrix3<f64> {
         let [w, x, y, z] = self.quaternion();
         let (xx, yy, zz) = (2.0 * x * x, 2.0 * y * y, 2.0 * z * z);

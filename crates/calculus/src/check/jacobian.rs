@@ -13,8 +13,8 @@ use crate::{Flat, SizeError, SplitMix64, first_non_finite};
 
 pub(super) fn check(
     settings: &DerivativeCheck,
-    f: impl Fn(&[f64]) -> Vec<f64>,
-    df: impl Fn(&[f64]) -> DMatrix<f64>,
+    f: &dyn Fn(&[f64]) -> Vec<f64>,
+    df: &dyn Fn(&[f64]) -> DMatrix<f64>,
     q: &[f64],
 ) -> Result<Report, DerivativeError> {
     settings.validate()?;
@@ -33,7 +33,7 @@ pub(super) fn check(
     };
     let defined = |q: &[f64]| first_non_finite(&f(q)).is_none();
     let mut record = Record::new(Derivative::Jacobian, n);
-    for q in settings.configurations(&Flat, n, q, defined, &mut random) {
+    for q in settings.configurations(&Flat, n, q, &defined, &mut random) {
         let matrix = df(&q);
         SizeError::check("the Jacobian's rows", m, matrix.nrows())?;
         SizeError::check("the Jacobian's columns", n, matrix.ncols())?;

@@ -32,24 +32,51 @@ enum Culprit {
 /// Entries of a row whose mirrors are looked at.
 const MIRRORS: usize = 3;
 
+/// A potential as the check asks it: by its address, so that the check is compiled once and not for
+/// every potential.
+pub(super) trait Examined {
+    fn freedoms(&self) -> usize;
+    fn energy_at(&self, q: &[f64]) -> f64;
+    fn add_differential_at(&self, q: &[f64], dv: Covector<&mut [f64]>);
+    fn add_hessian_at(&self, q: &[f64], blocks: &mut Blocks);
+}
+
+impl<P: Potential> Examined for P {
+    fn freedoms(&self) -> usize {
+        self.dim()
+    }
+
+    fn energy_at(&self, q: &[f64]) -> f64 {
+        self.energy(q)
+    }
+
+    fn add_differential_at(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.add_differential(q, dv);
+    }
+
+    fn add_hessian_at(&self, q: &[f64], blocks: &mut Blocks) {
+        self.add_hessian(q, blocks);
+    }
+}
+
 pub(super) fn check(
     settings: &DerivativeCheck,
-    space: &impl Space,
-    potential: &impl Potential,
+    space: &dyn Space,
+    potential: &dyn Examined,
     q: &[f64],
     comparison: Comparison,
 ) -> Result<Report, DerivativeError> {
     settings.validate()?;
-    let n = potential.dim();
+    let n = potential.freedoms();
     SizeError::check("the configuration's numbers", space.stored(n), q.len())?;
-    finite("the energy", q, vec![potential.energy(q)])?;
+    finite("the energy", q, vec![potential.energy_at(q)])?;
     let mut random = SplitMix64::new(settings.seed);
     // Beyond that, differentials overflow where energies do not yet.
-    let defined = |q: &[f64]| potential.energy(q).abs() < 1e150;
+    let defined = |q: &[f64]| potential.energy_at(q).abs() < 1e150;
     let mut first = Record::new(Derivative::Differential, n);
     let mut second = Record::new(Derivative::Hessian, n);
     let mut visit = None;
-    for q in settings.configurations(space, n, q, defined, &mut random) {
+    for q in settings.configurations(space, n, q, &defined, &mut random) {
         let scale = Scale::of(&q, settings.length);
         let at = At { space, potential, q: &q, scale: &scale, tolerance: settings.tolerance };
         // A wrong differential is the first thing to say, even where the Hessian is not usable.
@@ -66,36 +93,36 @@ pub(super) fn check(
 }
 
 /// A potential at one configuration.
-struct At<'a, S, P> {
-    space: &'a S,
-    potential: &'a P,
+struct At<'a> {
+    space: &'a dyn Space,
+    potential: &'a dyn Examined,
     q: &'a [f64],
     scale: &'a Scale,
     tolerance: f64,
 }
 
-impl<S: Space, P: Potential> At<'_, S, P> {
+impl At<'_> {
     /// The configuration moved by h along w.
     fn moved(&self, w: &[f64], h: f64) -> Vec<f64> {
         moved(self.space, self.q, w, h)
     }
 
     fn differential(&self, q: &[f64]) -> Vec<f64> {
-        self.added_to(q, vec![0.0; self.potential.dim()])
+        self.added_to(q, vec![0.0; self.potential.freedoms()])
     }
 
     /// What becomes of numbers to which the differential is added.
     fn added_to(&self, q: &[f64], before: Vec<f64>) -> Vec<f64> {
         let mut dv = Covector(before);
-        self.potential.add_differential(q, dv.view_mut());
+        self.potential.add_differential_at(q, dv.view_mut());
         dv.0
     }
 
     /// The Hessian, finite and with symmetric blocks.
     fn hessian(&self, visit: &mut Option<Vec<usize>>) -> Result<Entries, DerivativeError> {
-        let freedoms = self.potential.dim();
+        let freedoms = self.potential.freedoms();
         let mut blocks = Blocks::new(freedoms);
-        self.potential.add_hessian(self.q, &mut blocks);
+        self.potential.add_hessian_at(self.q, &mut blocks);
         if let Some((block, freedoms, entries)) = blocks.misfit {
             return Err(DerivativeError::BlockSize { block, entries, freedoms });
         }
@@ -139,7 +166,7 @@ impl<S: Space, P: Potential> At<'_, S, P> {
             largest: &[largest],
             floor: SAFETY * f64::EPSILON * self.scale.arguments * hessian_norm,
             scale: self.scale,
-            value: &|w, h| vec![self.potential.energy(&self.moved(w, h))],
+            value: &|w, h| vec![self.potential.energy_at(&self.moved(w, h))],
             product: &|w| vec![Covector(&dv).apply(&Vector(w))],
         };
         let differences = || {
@@ -198,9 +225,9 @@ impl<S: Space, P: Potential> At<'_, S, P> {
 
     /// The second derivative of the energy by the freedoms i and j.
     fn bend(&self, i: usize, j: usize) -> Estimate {
-        let n = self.potential.dim();
+        let n = self.potential.freedoms();
         let along = |w: &[f64]| {
-            let energy = |h: f64| self.potential.energy(&self.moved(w, h));
+            let energy = |h: f64| self.potential.energy_at(&self.moved(w, h));
             let steps = self.scale.steps(w);
             let range = (steps[0], steps[steps.len() - 1]);
             second_derivative(range, self.scale.arguments, energy)
@@ -219,7 +246,7 @@ impl<S: Space, P: Potential> At<'_, S, P> {
     /// along i, where the Hessian sides with the latter: component i is no derivative of an energy. With
     /// both slopes.
     fn asymmetry(&self, i: usize, hessian: &Entries) -> Option<(usize, f64, Estimate)> {
-        let n = self.potential.dim();
+        let n = self.potential.freedoms();
         let columns = |k: usize| {
             let w = unit(n, k);
             Ladder::climb(self.scale, &w, |h| self.differential(&self.moved(&w, h)))
@@ -242,7 +269,7 @@ impl<S: Space, P: Potential> At<'_, S, P> {
         random: &mut SplitMix64,
     ) -> Result<(), DerivativeError> {
         let claim = Claim {
-            freedoms: self.potential.dim(),
+            freedoms: self.potential.freedoms(),
             largest: &hessian.largest(),
             floor: 0.0,
             scale: self.scale,

@@ -72,6 +72,8 @@ const SHRINKAGE: f64 = 1.0 / 3.0;
 const STABILITY: f64 = 6.1;
 /// One step in so many is looked at for stiffness.
 const LOOK: u64 = 16;
+/// The stages that have a weight.
+const WEIGHTED: [usize; 8] = [1, 6, 7, 8, 9, 10, 11, 12];
 
 /// The Dormand-Prince method of order 8(5,3), bound to a field.
 #[derive(Clone, Debug)]
@@ -173,6 +175,7 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         self.before = 1.0 / could_be;
     }
 
+    #[inline]
     fn accept(&mut self, Attempt { h, to }: Attempt) {
         let last = &mut self.last;
         std::mem::swap(&mut last.y, &mut self.moment.y);
@@ -221,7 +224,7 @@ fn sixteenth_root(x: f64) -> f64 {
 fn finish<C: Storage>(next: &mut [f64], y: &[f64], h: f64, k: &[C; 13], [e5, e3]: [&mut [f64]; 2]) {
     let n = next.len();
     let (y, e5, e3) = (&y[..n], &mut e5[..n], &mut e3[..n]);
-    let k = [1, 6, 7, 8, 9, 10, 11, 12].map(|s: usize| &k[s - 1].as_ref()[..n]);
+    let k: [&[f64]; 8] = std::array::from_fn(|j| &k[WEIGHTED[j] - 1].as_ref()[..n]);
     for i in 0..n {
         let (mut slope, mut fifth) = (B[0] * k[0][i], E5[0] * k[0][i]);
         for j in 1..8 {
