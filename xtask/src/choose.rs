@@ -51,6 +51,7 @@ use grid::Grid;
 pub use json::json;
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
+use mesh_error::mesh_error;
 pub use mesh_error::{MeshError, Refined};
 pub use model::{Model, Sight};
 pub use picture::{chart, picture};
@@ -58,7 +59,6 @@ pub use reference::{Extrapolated, Reference, preferred};
 pub use run::{Course, End, Failure, Foresight, Measured, Trial, relative_to};
 pub use time::time;
 pub use verify::{Doubt, Seen, way_error};
-use mesh_error::mesh_error;
 use verify::{Finding, verify};
 
 /// What is asked.
@@ -222,14 +222,12 @@ fn settled(
         match verify(lab, &reference, at, tolerance, families) {
             Finding::Holds(seen) => {
                 reference.is_confirmed = true;
-                let said = |lab: &Lab, at: At| judge(lab, &reference, tolerance, at);
-                let mesh = mesh_error(lab, &reference, at, &said);
-                let answer = Answer::of(lab, reference, tolerance, Verdict::Chosen(at));
-                return Ok(Box::new(Answer { mesh, ..answer.seen(seen) }));
+                let chosen = Verdict::Chosen(at);
+                return Ok(Box::new(beside(lab, reference, tolerance, (at, chosen), seen)));
             }
             Finding::Unconfirmed(seen) => {
-                let answer = Answer::of(lab, reference, tolerance, Verdict::Unconfirmed(at));
-                return Ok(Box::new(answer.seen(seen)));
+                let chosen = Verdict::Unconfirmed(at);
+                return Ok(Box::new(beside(lab, reference, tolerance, (at, chosen), seen)));
             }
             Finding::Beyond(error) => lab.overrule(at, error),
             Finding::Larger(scale) => {
@@ -243,12 +241,27 @@ fn settled(
     Err(Box::new((reference, Doubt::Restless)))
 }
 
+/// A choice with what was seen of it, and the mesh's own error.
+fn beside(
+    lab: &mut Lab,
+    reference: Reference,
+    tolerance: f64,
+    (at, verdict): (At, Verdict),
+    seen: Seen,
+) -> Answer {
+    let said = |lab: &Lab, at: At| judge(lab, &reference, tolerance, at);
+    let mesh = mesh_error(lab, &reference, at, &said);
+    Answer { mesh, ..Answer::of(lab, reference, tolerance, verdict).seen(seen) }
+}
+
 /// A reference in closed form where there is one; else by the family that fits best, beside one that chooses its own steps and the cheapest
 /// there are; by what else there is where they come to none.
 pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference> {
     if let Some(&closed) = families.iter().find(|&&family| lab.family(family).is_closed) {
         let at = At { family: closed, rung: lab.family(closed).rungs.len() - 1 };
-        if lab.affords(at) && let Some(made) = Reference::at(lab, closed, at.rung) {
+        if lab.affords(at)
+            && let Some(made) = Reference::at(lab, closed, at.rung)
+        {
             return Some(made);
         }
     }

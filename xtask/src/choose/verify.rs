@@ -253,7 +253,9 @@ fn agreement(
             let off = apart_where_own(&other, truth, 1) / scale;
             if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
         }
-        Confirmed::By(first) => finer_agrees(lab, reference, (near, grid), (first, families), truth),
+        Confirmed::By(first) => {
+            finer_agrees(lab, reference, (near, grid), (first, families), truth)
+        }
     }
 }
 
@@ -283,7 +285,9 @@ fn finer_agrees(
             next.insert(at.family, at.rung + 1);
         }
         let rung = |lab: &Lab, family: usize| match next.get(&family) {
-            Some(&rung) => Some(At { family, rung }).filter(|at| at.rung < lab.family(family).rungs.len()),
+            Some(&rung) => {
+                Some(At { family, rung }).filter(|at| at.rung < lab.family(family).rungs.len())
+            }
             None => next_rung(lab, reference, near, family),
         };
         let others = families.iter().filter(|&&family| family != reference.family);

@@ -101,7 +101,12 @@ fn study(size: Size) -> Result<Study, StudyError> {
         charts: vec![distribution(&ratios, &efforts).into()],
         claims: vec![
             Claim::number("wrong answers", "0", tally.wrong as f64, (0.0, 0.0)),
-            Claim::number("part of the questions that is refused", "0.05 or less", shy, (0.0, 0.05)),
+            Claim::number(
+                "part of the questions that is refused",
+                "0.05 or less",
+                shy,
+                (0.0, 0.05),
+            ),
             Claim::number(
                 "the choice's work over that of the cheapest setting, in 19 of 20",
                 "1.1 or less",

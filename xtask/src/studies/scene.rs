@@ -10,8 +10,8 @@ use stationary_scene::{Run, Scene};
 
 use crate::chart::{Axis, Lines, Series};
 use crate::choose::{
-    Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, charted, chart,
-    choose,
+    Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, chart,
+    charted, choose,
 };
 use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError};
 
@@ -145,8 +145,7 @@ fn capital(line: &str) -> String {
 }
 
 fn by_time(answer: &Answer) -> Lines {
-    let mut lines =
-        Lines::new("By wall time", Axis::log("wall time", "s"), Axis::log("error", ""));
+    let mut lines = Lines::new("By wall time", Axis::log("wall time", "s"), Axis::log("error", ""));
     let mut names: Vec<&str> = answer.rows.iter().map(|row| row.method.as_str()).collect();
     names.sort_unstable();
     names.dedup();
