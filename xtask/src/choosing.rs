@@ -230,7 +230,7 @@ impl Watcher for Looking {
     fn keep(&mut self, _: &Checkpoint) {}
 
     fn parts(&mut self, step: u64) -> &[f64] {
-        if self.inside && step % self.stride == 0 { &PARTS } else { &[] }
+        if self.inside && step.is_multiple_of(self.stride) { &PARTS } else { &[] }
     }
 
     fn inside(&mut self, time: f64, observed: &[f64]) {

@@ -199,7 +199,7 @@ impl Watcher for Looking<'_> {
             }
             Reads::Parts => {}
         }
-        let late = now.step % CLOCK == 0 && Instant::now() >= self.deadline;
+        let late = now.step.is_multiple_of(CLOCK) && Instant::now() >= self.deadline;
         if late { Wish::Stop } else { Wish::GoOn }
     }
 
