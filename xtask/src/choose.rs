@@ -7,7 +7,8 @@
 //!
 //! Errors are relative to what [`relative_to`] says. The search compares runs at 20 moments of the
 //! horizon; what it chooses is then looked at in every step (`grid.rs`, `verify.rs`), and the reference
-//! is trusted only where another kind of method agrees with it there. Work is counted; wall time stands beside it and decides nothing but whether the budget is over.
+//! is trusted only where another kind of method agrees with it there. Work is counted; wall time stands
+//! beside it and decides nothing but whether the budget is over.
 
 mod answer;
 mod candidate;
@@ -254,7 +255,8 @@ fn beside(
     Answer { mesh, ..Answer::of(lab, reference, tolerance, verdict).seen(seen) }
 }
 
-/// A reference in closed form where there is one; else by the family that fits best, beside one that chooses its own steps and the cheapest
+/// A reference in closed form where there is one; else by the family that fits best, beside one that
+/// chooses its own steps and the cheapest
 /// there are; by what else there is where they come to none.
 pub fn refer(lab: &mut Lab, families: &[usize], enough: f64) -> Option<Reference> {
     if let Some(&closed) = families.iter().find(|&&family| lab.family(family).is_closed) {

@@ -4,8 +4,8 @@
 //! t = t_n,  t_(n-1) + theta (t_n - t_(n-1)),   theta = sqrt 5 - 2, sqrt 2 - 1, sqrt 3 - 1
 //! ```
 //! `t_n` the ends of equal steps, or of those that an adaptive method accepted: every step is looked into
-//! at three irrational parts, where nothing of the motion repeats; an accepted step, which is long and whose
-//! polynomial bends, at nine. A method of equal steps says what it
+//! at three irrational parts, where nothing of the motion repeats; at nine where steps are long: those
+//! that are accepted, and equal ones of which there are few. A method of equal steps says what it
 //! gives there by a step of that part; an adaptive one and modes are read off; steps of heat and of rods
 //! that break are joined by straight lines.
 
@@ -15,8 +15,9 @@ use super::ladder::MOMENTS;
 /// Irrational parts of a step.
 const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732_050_807_568_877_2];
 
-/// Parts of an accepted step.
-const BENT: usize = 9;
+/// Parts of a long step, and how many equal steps are long.
+const OF_LONG: usize = 9;
+const FEW: u64 = 80;
 
 /// Steps that are looked into at most; of more, every so manieth.
 const MOST: usize = 1 << 15;
@@ -70,19 +71,17 @@ impl Moments {
         let parts = MOMENTS << halvings;
         let length = horizon / parts as f64;
         let ends = (1..=parts).map(|part| part as f64 * length);
-        let mut moments = Moments::within(parts as usize, ends, &PARTS);
+        let mut moments = match parts <= FEW {
+            true => Moments::within(parts as usize, ends, &of_long()),
+            false => Moments::within(parts as usize, ends, &PARTS),
+        };
         moments.parts = Some(parts / moments.every as u64);
         moments
     }
 
     /// Of so many accepted steps that end there.
     pub fn accepted(count: usize, ends: impl Iterator<Item = f64>) -> Self {
-        let mut parts = [0.0; BENT];
-        // Of all irrational numbers this one's multiples lie the most evenly.
-        let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
-        (1..).zip(&mut parts).for_each(|(k, part)| *part = (f64::from(k) * golden).fract());
-        parts.sort_by(f64::total_cmp);
-        Moments::within(count, ends, &parts)
+        Moments::within(count, ends, &of_long())
     }
 
     fn within(count: usize, ends: impl Iterator<Item = f64>, parts: &[f64]) -> Self {
@@ -98,6 +97,15 @@ impl Moments {
         }
         Moments { times, parts: None, every, within: parts.len() }
     }
+}
+
+/// The parts of a long step: of all irrational numbers this one's multiples lie the most evenly.
+fn of_long() -> [f64; OF_LONG] {
+    let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
+    let mut parts = [0.0; OF_LONG];
+    (1..).zip(&mut parts).for_each(|(k, part)| *part = (f64::from(k) * golden).fract());
+    parts.sort_by(f64::total_cmp);
+    parts
 }
 
 /// The parts of one step from a time on, of length `h`, at which the moments lie: without its end.

@@ -6,8 +6,8 @@
 //! modes          N = 2^k              k = 0, 1, ...     in closed form; of heat also all
 //! ```
 //! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two
-//! such would be one run, and each would seem to confirm the other. All of it is data: a [`Rung`] is what to say otherwise in the text of a
-//! [`Model`], and a [`Family`] is a row of rungs of one kind. Whether a model allows a kind is
+//! such would be one run, and each would seem to confirm the other. All of it is data: a [`Rung`] is what
+//! to say otherwise in the text of a [`Model`], and a [`Family`] is a row of rungs of one kind. Whether a model allows a kind is
 //! asked of the scene itself, by parsing.
 
 use stationary_integrators::Evaluation;

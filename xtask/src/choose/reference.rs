@@ -11,8 +11,9 @@
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
 //! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
-//! where there is no third that did not, there are two alone. How fast those of own steps shrink is not trusted: at the border of
-//! stability a tighter tolerance may change less than it should. Where nothing in the scene takes energy,
+//! where there is no third that did not, there are two alone. Where something stops within a step, differences
+//! shrink over several rungs, not from each to the next. How fast those of own steps shrink is not trusted:
+//! at the border of stability a tighter tolerance may change less than it should. Where nothing in the scene takes energy,
 //! a reference is as uncertain as its energy changes, times a margin: what is asked for may hide it.
 
 use std::cmp::Reverse;

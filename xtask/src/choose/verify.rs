@@ -1,4 +1,4 @@
-//! Whether a choice keeps to the tolerance over its whole way, and whether the reference is to be trusted.
+//! Whether a choice keeps to the tolerance over its whole way, and whether its reference is trusted.
 //!
 //! ```text
 //! error          max_t |x(t) - x*(t)| / scale        over a grid that looks into every step
@@ -7,8 +7,8 @@
 //! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
 //! keeps the energy ten times better than the tolerance asks if nothing in the scene takes any. Where
 //! something does, or where there is but one kind of method, agreement alone is left: with another kind
-//! to half of the tolerance, or with itself. What agrees with energies that are kept, or with a closed
-//! form, need not come so near.
+//! to half of the tolerance, or with itself. What agrees with energies that are kept need come only as
+//! near as the tolerance, and with a closed form not so near.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -98,8 +98,11 @@ pub enum Finding {
 const KEPT: f64 = 0.1;
 /// Scales that differ by less are the same.
 const SAME_SCALE: f64 = 1.01;
-/// Where energy is kept, or the reference is a closed form, another kind need not come nearer than so many tolerances, nor than this.
-const LOOSE: f64 = 10.0;
+/// How near another kind must come, in tolerances: to what keeps its energy, and to a closed form, where
+/// it is never asked for more than a part of the scale. Energy alone does not do: one that is kept to a
+/// part of its largest value, in a close encounter, is lost against the others.
+const NEAR_KEPT: f64 = 1.0;
+const NEAR_CLOSED: f64 = 10.0;
 const NEAR: f64 = 0.1;
 /// Runs of other kinds that are looked at where the first is too far between the moments.
 const FINER: usize = 12;
@@ -190,9 +193,11 @@ pub fn verify(
     if BETWEEN * error + uncertainty > tolerance {
         return Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON)));
     }
-    let half = BARELY * tolerance;
-    let closed = lab.family(reference.family).is_closed;
-    let near = if keeps || closed { half.max(NEAR.min(LOOSE * tolerance)) } else { half };
+    let near = match lab.family(reference.family).is_closed {
+        true => (BARELY * tolerance).max(NEAR.min(NEAR_CLOSED * tolerance)),
+        false if keeps => NEAR_KEPT * tolerance,
+        false => BARELY * tolerance,
+    };
     let other = match agreement(lab, reference, (near, grid), families, &truth) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),

@@ -1,4 +1,4 @@
-//! The chooser on scenes that nobody has chosen: is it true, does it refuse, is it the cheapest, what does it cost?
+//! The chooser on scenes that nobody has chosen: true, shy, cheap?
 //!
 //! Random scenes of nine families and random questions, as `cargo xtask trials --only choosing` asks
 //! them: right and wrong are said by that referee. Of some of them every setting that could have been
