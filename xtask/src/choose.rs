@@ -222,6 +222,8 @@ fn settled(
         };
         match verify(lab, &reference, at, tolerance, families) {
             Finding::Holds(seen) => {
+                let (at, seen) =
+                    cheaper(lab, &reference, (at, seen), tolerance, families).unwrap_or((at, seen));
                 reference.is_confirmed = true;
                 let chosen = Verdict::Chosen(at);
                 return Ok(Box::new(beside(lab, reference, tolerance, (at, chosen), seen)));
@@ -240,6 +242,29 @@ fn settled(
         }
     }
     Err(Box::new((reference, Doubt::Restless)))
+}
+
+/// A run that was made to confirm the reference, and turned out to be cheaper than the choice and to hold
+/// as well.
+fn cheaper(
+    lab: &mut Lab,
+    reference: &Reference,
+    (chosen, _): (At, Seen),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<(At, Seen)> {
+    let at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+    if lab.seen(at)?.work >= lab.seen(chosen)?.work {
+        return None;
+    }
+    match verify(lab, reference, at, tolerance, families) {
+        Finding::Holds(seen) => Some((at, seen)),
+        Finding::Beyond(error) => {
+            lab.overrule(at, error);
+            None
+        }
+        _ => None,
+    }
 }
 
 /// A choice with what was seen of it, and the mesh's own error.

@@ -121,7 +121,8 @@ fn rejected(lab: &Lab, answer: &Answer, promised: f64, family: &str) -> Vec<Verd
             || matches!(row.judgement, Some(Judgement::Misses(_))) && row.word() == "misses it"
     };
     let judged = |row: &crate::choose::Row| {
-        let error = judged(lab, row.at, promised).ok()?;
+        // As it was run, and read off as often as the choice.
+        let error = judged(lab, row.at, promised).ok()?.max(as_run(lab, row.at, promised).ok()?);
         if error > 0.5 * promised || energy_is_off(lab, row.at) {
             return None;
         }
@@ -167,9 +168,26 @@ fn judged(lab: &Lab, at: At, promised: f64) -> Result<f64, String> {
     compared(&lab.ladder().written().text, &run, family.kind, promised)
 }
 
+/// The same at the samples of the chooser's own run: an adaptive method may take a long step by halves
+/// where it is asked for what lies within.
+fn as_run(lab: &Lab, at: At, promised: f64) -> Result<f64, String> {
+    let family = lab.family(at.family);
+    let model = lab.ladder().model(family);
+    let run = changed(&model.text, &family.rungs[at.rung].changes);
+    let run = Scene::parse("case.toml", &run).map_err(|error| error.to_string())?;
+    let run = run.run().map_err(|error| error.to_string())?;
+    let samples = run.times().iter().enumerate().skip(1);
+    let way: Vec<_> = samples.map(|(k, &t)| (t, run.observed(k).to_vec())).collect();
+    off(&lab.ladder().written().text, &way, promised)
+}
+
 fn compared(written: &str, run: &str, kind: Setting, promised: f64) -> Result<f64, String> {
+    off(written, &way(run, kind)?, promised)
+}
+
+/// The largest error of what was observed at times.
+fn off(written: &str, way: &[(f64, Vec<f64>)], promised: f64) -> Result<f64, String> {
     let scene = Scene::parse("case.toml", written).map_err(|error| error.to_string())?;
-    let way = way(run, kind)?;
     let times: Vec<f64> = way.iter().map(|(t, _)| *t).collect();
     let known = truth::truth(&scene, &times)?;
     if known.uncertain.is_nan() || known.uncertain > CERTAIN * promised {

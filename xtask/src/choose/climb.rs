@@ -218,7 +218,7 @@ impl<'a> Climb<'a> {
 
     /// The cheapest of all that meets the tolerance, by the reference as it is now; of equal ones
     /// that of the simplest model.
-    fn settle(&mut self) -> Option<At> {
+    pub fn settle(&mut self) -> Option<At> {
         let meeting = self.lab.used().filter(|(at, _)| {
             let said = judge(self.lab, &self.reference, self.tolerance, *at);
             matches!(said, Some(Judgement::Meets(_)))

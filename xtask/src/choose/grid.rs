@@ -4,8 +4,8 @@
 //! t = t_n,  t_(n-1) + theta (t_n - t_(n-1)),   theta = sqrt 5 - 2, sqrt 2 - 1, sqrt 3 - 1
 //! ```
 //! `t_n` the ends of equal steps, or of those that an adaptive method accepted: every step is looked into
-//! at three irrational parts, where nothing of the motion repeats; at nine where steps are long: those
-//! that are accepted, and equal ones of which there are few. A method of equal steps says what it
+//! at three irrational parts, where nothing of the motion repeats; at five where equal steps are few and
+//! long, at nine where they were accepted. A method of equal steps says what it
 //! gives there by a step of that part; an adaptive one and modes are read off; steps of heat and of rods
 //! that break are joined by straight lines.
 
@@ -15,8 +15,9 @@ use super::ladder::MOMENTS;
 /// Irrational parts of a step.
 const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732_050_807_568_877_2];
 
-/// Parts of a long step, and how many equal steps are long.
-const OF_LONG: usize = 9;
+/// Parts of an accepted step, and of equal ones that are so few that they are long.
+const OF_ACCEPTED: usize = 9;
+const OF_LONG: usize = 5;
 const FEW: u64 = 80;
 
 /// Steps that are looked into at most; of more, every so manieth.
@@ -72,7 +73,7 @@ impl Moments {
         let length = horizon / parts as f64;
         let ends = (1..=parts).map(|part| part as f64 * length);
         let mut moments = match parts <= FEW {
-            true => Moments::within(parts as usize, ends, &of_long()),
+            true => Moments::within(parts as usize, ends, &golden::<OF_LONG>()),
             false => Moments::within(parts as usize, ends, &PARTS),
         };
         moments.parts = Some(parts / moments.every as u64);
@@ -81,7 +82,7 @@ impl Moments {
 
     /// Of so many accepted steps that end there.
     pub fn accepted(count: usize, ends: impl Iterator<Item = f64>) -> Self {
-        Moments::within(count, ends, &of_long())
+        Moments::within(count, ends, &golden::<OF_ACCEPTED>())
     }
 
     fn within(count: usize, ends: impl Iterator<Item = f64>, parts: &[f64]) -> Self {
@@ -99,10 +100,10 @@ impl Moments {
     }
 }
 
-/// The parts of a long step: of all irrational numbers this one's multiples lie the most evenly.
-fn of_long() -> [f64; OF_LONG] {
+/// So many parts of a step: of all irrational numbers this one's multiples lie the most evenly.
+fn golden<const N: usize>() -> [f64; N] {
     let golden = 0.5 * (f64::sqrt(5.0) - 1.0);
-    let mut parts = [0.0; OF_LONG];
+    let mut parts = [0.0; N];
     (1..).zip(&mut parts).for_each(|(k, part)| *part = (f64::from(k) * golden).fract());
     parts.sort_by(f64::total_cmp);
     parts

@@ -214,6 +214,9 @@ pub fn verify(
         .then(|| off_places(&own, &truth));
     let (moments, every) =
         lab.moments(grid).map_or((0, 1), |moments| (moments.times.len(), moments.every));
+    // What the reference is made of is as wrong as that is uncertain.
+    let own = at == At { family: reference.family, rung: reference.finest };
+    let error = if own { error.max(uncertainty) } else { error };
     let seen = Seen { moments, every, error, energy, places, other: other.flatten() };
     match other {
         Some(_) => Finding::Holds(seen),
