@@ -8,6 +8,7 @@ mod flow;
 mod scenes;
 mod truth;
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use stationary_scene::{Checkpoint, Progress, Scene, Watcher, Wish};
@@ -213,9 +214,23 @@ fn way(text: &str, kind: Setting) -> Result<Vec<(f64, Vec<f64>)>, String> {
         Err(_) => scene,
     };
     let stride = scene.timing().steps().div_ceil(INSIDE).max(1);
-    let inside = kind == Setting::EqualSteps;
-    let mut looking = Looking { stride, inside, found: Vec::new() };
-    let run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
+    let mut looking = Looking {
+        reads: match kind {
+            Setting::EqualSteps => Reads::Parts { stride },
+            _ => Reads::Ends,
+        },
+        h: scene.timing().step(),
+        parts: Vec::new(),
+        ends: Vec::new(),
+        found: Vec::new(),
+    };
+    let mut run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
+    if kind == Setting::OwnSteps {
+        // A spike within a short accepted step would be passed over.
+        looking.reads = Reads::Times { ahead: within(&looking.ends).into() };
+        looking.found.clear();
+        run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
+    }
     let mut found = looking.found;
     if scene.heat().is_some() && kind == Setting::EqualSteps {
         // Steps of heat have no parts: straight lines.
@@ -233,10 +248,33 @@ fn way(text: &str, kind: Setting) -> Result<Vec<(f64, Vec<f64>)>, String> {
     Ok(found)
 }
 
+/// Parts of accepted steps, and their ends.
+fn within(ends: &[f64]) -> Vec<f64> {
+    let starts = [0.0].into_iter().chain(ends.iter().copied());
+    let each = starts.zip(ends).flat_map(|(start, &end)| {
+        PARTS.into_iter().chain([1.0]).map(move |part| start + part * (end - start))
+    });
+    let horizon = ends.last().copied().unwrap_or_default();
+    each.filter(|&t| t < horizon).collect()
+}
+
+/// What is looked at besides the ends of a scene's steps.
+enum Reads {
+    /// Parts of every so manieth of them.
+    Parts { stride: u64 },
+    /// Nothing.
+    Ends,
+    /// These times.
+    Times { ahead: VecDeque<f64> },
+}
+
 /// Keeps what it sees.
 struct Looking {
-    stride: u64,
-    inside: bool,
+    reads: Reads,
+    h: f64,
+    parts: Vec<f64>,
+    /// The ends of accepted steps.
+    ends: Vec<f64>,
     found: Vec<(f64, Vec<f64>)>,
 }
 
@@ -249,10 +287,25 @@ impl Watcher for Looking {
     fn keep(&mut self, _: &Checkpoint) {}
 
     fn parts(&mut self, step: u64) -> &[f64] {
-        if self.inside && step.is_multiple_of(self.stride) { &PARTS } else { &[] }
+        let end = step as f64 * self.h;
+        self.parts.clear();
+        match &mut self.reads {
+            Reads::Parts { stride } if step.is_multiple_of(*stride) => self.parts.extend(PARTS),
+            Reads::Parts { .. } | Reads::Ends => {}
+            Reads::Times { ahead } => {
+                let due = ahead.partition_point(|&t| t < end);
+                let part = |t: f64| ((t - (end - self.h)) / self.h).clamp(0.0, 1.0);
+                self.parts.extend(ahead.drain(..due).map(part));
+            }
+        }
+        &self.parts
     }
 
     fn inside(&mut self, time: f64, observed: &[f64]) {
         self.found.push((time, observed.to_vec()));
+    }
+
+    fn own_ends(&mut self, ends: &[f64]) {
+        self.ends.extend_from_slice(ends);
     }
 }
