@@ -19,7 +19,7 @@ use super::declaration::{Change, changed, number};
 use super::model::{Model, Sight};
 
 /// Moments at which runs are compared in the search, equally spaced over the horizon, the start left
-/// out. What is chosen is then compared over its whole way ([`Grid`](super::grid::Grid)).
+/// out. What is chosen is then compared over its whole way (`grid.rs`).
 pub const MOMENTS: u64 = 20;
 
 /// Samples from one moment to the next, of which scales are taken, where there are so many steps.
