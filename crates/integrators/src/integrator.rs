@@ -42,6 +42,24 @@ pub trait Integrator<C> {
     }
 }
 
+impl<C, I: Integrator<C> + ?Sized> Integrator<C> for Box<I> {
+    fn facts(&self) -> Facts {
+        (**self).facts()
+    }
+
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
+        (**self).step(state, h)
+    }
+
+    fn save(&self) -> Saved {
+        (**self).save()
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        (**self).load(saved)
+    }
+}
+
 /// What a step cost, and how it went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {

@@ -35,7 +35,8 @@
 //! explicit ones, one equation for the implicit ones); those of high order ([`Composition`],
 //! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
 //! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
-//! [`simulate`]; systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
+//! [`simulate`], and [`simulate_with_error`], which tells how far the motion is from the true one;
+//! systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
 //! [`BackwardDifferences`], [`integrate`]); orbits to many digits ([`Nystrom12`]); the potentials of
 //! chapter 0, momenta with the symmetries that keep them ([`Symmetry`]), and [`problems`] with known
 //! answers. Last, Hamilton's principle:
@@ -73,6 +74,7 @@ mod reversible;
 mod method;
 mod facts_table;
 mod simulate;
+mod global_error;
 mod first_order;
 mod nystrom;
 mod gravity;
@@ -117,6 +119,9 @@ pub use first_order::{
 };
 pub use gauss_legendre::GaussLegendre;
 pub use gautschi::{Filter, Gautschi, StiffnessError};
+pub use global_error::{
+    Estimated, EstimatedMoment, Trust, integrate_with_error, simulate_with_error,
+};
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use imex::Imex;
 pub use implicit_euler::ImplicitEuler;

@@ -7,7 +7,7 @@
 //! may end the simulation; it allocates only what it wants to. A state that was saved after k steps
 //! goes on from there with [`Horizon::resumed`], to the same bits.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use crate::{HorizonError, Integrator, SimulationError, State, StepError, StepReport};
 
@@ -84,6 +84,11 @@ impl Horizon {
         (self.time(self.done), self.time(self.steps))
     }
 
+    /// The steps that are left, counted from 1.
+    pub(crate) fn left(&self) -> RangeInclusive<u64> {
+        self.done + 1..=self.steps
+    }
+
     /// The number of steps.
     pub fn steps(&self) -> u64 {
         self.steps
@@ -152,7 +157,7 @@ pub fn simulate<C, I: Integrator<C> + ?Sized>(
         return Err(SimulationError { step, time: state.t, source });
     }
     state.t = start;
-    for step in horizon.done + 1..=horizon.steps {
+    for step in horizon.left() {
         let time = state.t;
         let report = integrator.step(state, horizon.step).map_err(|source| SimulationError {
             step,

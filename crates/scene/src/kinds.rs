@@ -1,36 +1,35 @@
 //! The kinds of scenes: what moves decides which methods there are, and how it is run.
+//!
+//! What is neither heat nor bodies is particles. To check a scene does not name what runs it, so that
+//! whoever only reads scenes compiles no steps.
 
 use crate::march::Watcher;
 use crate::{Checkpoint, Fault, Run, RunError, Scene};
 
-/// A kind of scene.
-pub(crate) struct Kind {
-    /// Whether a scene is of it.
-    of: fn(&Scene) -> bool,
-    /// An error where the scene's method cannot step what the scene has.
-    pub(crate) check: fn(&Scene) -> Result<(), Fault>,
-    /// Runs the scene to its horizon, or until the watcher breaks off.
-    pub(crate) run: fn(&Scene, Option<Checkpoint>, &mut dyn Watcher) -> Result<Run, RunError>,
-}
-
-/// What is neither heat nor bodies is particles.
-const KINDS: &[Kind] = &[
-    #[cfg(feature = "laplacian")]
-    Kind { of: |scene| scene.heat.is_some(), check: Scene::check_particles, run: Scene::run_heat },
-    #[cfg(feature = "rigid")]
-    Kind {
-        of: |scene| !scene.bodies.is_empty(),
-        check: Scene::check_bodies,
-        run: Scene::run_bodies,
-    },
-];
-
-const PARTICLES: Kind =
-    Kind { of: |_| true, check: Scene::check_particles, run: Scene::run_particles };
-
 impl Scene {
-    /// Its kind.
-    pub(crate) fn kind(&self) -> &'static Kind {
-        KINDS.iter().find(|kind| (kind.of)(self)).unwrap_or(&PARTICLES)
+    /// An error where the scene's method cannot step what the scene has.
+    pub(crate) fn check_kind(&self) -> Result<(), Fault> {
+        #[cfg(feature = "rigid")]
+        if !self.bodies.is_empty() {
+            return self.check_bodies();
+        }
+        self.check_particles()
+    }
+
+    /// Runs the scene to its horizon, or until the watcher breaks off.
+    pub(crate) fn run_kind(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run, RunError> {
+        #[cfg(feature = "laplacian")]
+        if self.heat.is_some() {
+            return self.run_heat(checkpoint, watcher);
+        }
+        #[cfg(feature = "rigid")]
+        if !self.bodies.is_empty() {
+            return self.run_bodies(checkpoint, watcher);
+        }
+        self.run_particles(checkpoint, watcher)
     }
 }

@@ -194,7 +194,7 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         watcher: &mut dyn Watcher,
     ) -> Result<Run, RunError> {
-        (self.kind().run)(self, checkpoint, watcher).map_err(|error| self.named(error))
+        self.run_kind(checkpoint, watcher).map_err(|error| self.named(error))
     }
 
     /// Samples, before the first one.

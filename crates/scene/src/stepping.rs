@@ -210,7 +210,7 @@ impl Scene {
             Stepping::LinearModes { count } => modes_in_range(count as u64).map(drop)?,
             _ => {}
         }
-        (self.kind().check)(self)
+        self.check_kind()
     }
 
     /// An error where the scene's method cannot step its particles, or let its heat flow.

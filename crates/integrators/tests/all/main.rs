@@ -12,6 +12,7 @@ mod first_order_facts;
 mod first_order_methods;
 mod first_order_runs;
 mod forces;
+mod global_errors;
 mod gautschi;
 mod hamilton;
 mod long_momenta;

@@ -3,6 +3,7 @@
 mod bad_input;
 mod encounters;
 mod fixed_orders;
+mod global_errors;
 mod kinetics;
 mod problem;
 pub mod reference;
@@ -40,6 +41,14 @@ pub const KINDS: &[Kind] = &[
                1e-3 down to 1e-10 of the motion, and it is more than 0.4 below the order",
         in_tests: 60,
         trial: fixed_orders::trial,
+    },
+    Kind {
+        name: "global-errors",
+        krate: "integrators",
+        rule: "fixed steps: the estimated error of the configuration, where it is said to be sure, off \
+               by more than a factor of 4",
+        in_tests: 100,
+        trial: global_errors::trial,
     },
     Kind {
         name: "bad-input-integrators",

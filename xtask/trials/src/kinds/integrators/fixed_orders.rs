@@ -19,13 +19,13 @@ use super::{encounters, smooth};
 use crate::{Draw, Verdict};
 
 /// Times at which the error is looked at.
-const TIMES: usize = 16;
+pub const TIMES: usize = 16;
 /// Errors above are as large as the motion, errors below are rounding.
 const ASYMPTOTIC: std::ops::Range<f64> = 1e-10..1e-3;
 /// The same for methods of order 1, whose errors are never small.
 const ASYMPTOTIC_OF_ORDER_1: std::ops::Range<f64> = 1e-10..1e-2;
 /// Errors below so many times the doubt about the truth say nothing.
-const DOUBTS: f64 = 10.0;
+pub const DOUBTS: f64 = 10.0;
 /// Steps between two of the times in the coarsest run.
 const COARSE: usize = 4;
 /// Most steps between two of the times.
@@ -181,7 +181,10 @@ fn fitting_end(
 }
 
 /// The states at these times, and how far a coarser reference is from them.
-fn truth((problem, start): (&InitialValue, &[f64]), times: &[f64]) -> Option<(Vec<Vec<f64>>, f64)> {
+pub fn truth(
+    (problem, start): (&InitialValue, &[f64]),
+    times: &[f64],
+) -> Option<(Vec<Vec<f64>>, f64)> {
     if let Some(at) = &problem.truth
         && start == problem.start
     {

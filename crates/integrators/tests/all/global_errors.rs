@@ -1,0 +1,170 @@
+//! Whether an estimated error is the true one, at every time, and whether it is said where it is not.
+
+use std::ops::ControlFlow;
+
+use stationary_calculus::{Metric, Potential, SizeError};
+use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, van_der_pol};
+use stationary_integrators::{
+    AdaptiveMethod, DormandPrince853, Horizon, Integrator, MechanicalField, Method, Moment,
+    RadauIia5, State, StepControl, StepError, StepReport, Tolerance, Trust,
+    integrate_with_error, simulate_with_error,
+};
+
+/// True errors that are neither rounding nor as large as the motion.
+const JUDGED: std::ops::Range<f64> = 1e-9..3e-2;
+
+/// The least and the largest estimate in units of the true error, over all times at which it can be
+/// relied on; nothing where there is none.
+fn effectivity<M: Metric, P: Potential, const N: usize>(
+    problem: &Problem<M, P, [f64; N]>,
+    method: Method,
+    steps: u64,
+) -> Option<(f64, f64)> {
+    let horizon = Horizon::divided(problem.period, steps).unwrap();
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    let mut state = problem.initial.clone();
+    let make = || method.integrator::<_, _, [f64; N]>(&problem.system);
+    simulate_with_error(make, &mut state, horizon, |now| {
+        let truth = problem.error(now.state.t, &now.state.q).unwrap();
+        if JUDGED.contains(&truth) && now.is_sure() {
+            let ratio = now.distance() / problem.scale / truth;
+            (least, most) = (least.min(ratio), most.max(ratio));
+        }
+        ControlFlow::Continue(())
+    })
+    .ok()?;
+    (most > 0.0).then_some((least, most))
+}
+
+#[test]
+fn an_estimate_is_half_to_twice_the_true_error_at_every_time() {
+    let mut judged = 0;
+    for &method in Method::ALL {
+        for steps in [64, 128, 256, 512, 1024] {
+            let orbit = effectivity(&kepler(0.3).unwrap(), method, steps);
+            let swing = effectivity(&pendulum(2.0).unwrap(), method, steps);
+            let spring = effectivity(&oscillator(1.0).unwrap(), method, steps);
+            for (least, most) in [orbit, swing, spring].into_iter().flatten() {
+                assert!(least > 0.5 && most < 2.0, "{method}, {steps}: {least} to {most}");
+                judged += 1;
+            }
+        }
+    }
+    assert!(judged > 150, "{judged}");
+}
+
+#[test]
+fn steps_that_are_too_long_are_told() {
+    let planet = kepler(0.95).unwrap();
+    let horizon = Horizon::divided(planet.period, 32).unwrap();
+    let mut state = planet.initial.clone();
+    let make = || Method::RungeKutta4.integrator::<_, _, [f64; 2]>(&planet.system);
+    let mut last = Trust::Converging { order: 4.0 };
+    simulate_with_error(make, &mut state, horizon, |now| {
+        last = now.trust;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(matches!(last, Trust::NotConverging { .. }), "{last:?}");
+}
+
+/// Steps that fail after so many.
+struct Breaking<I>(I, u32);
+
+impl<C, I: Integrator<C>> Integrator<C> for Breaking<I> {
+    fn facts(&self) -> stationary_integrators::Facts {
+        self.0.facts()
+    }
+
+    fn step(&mut self, state: &mut State<C>, h: f64) -> Result<StepReport, StepError> {
+        self.1 = self.1.checked_sub(1).ok_or(StepError::SingularLegendreTransform)?;
+        self.0.step(state, h)
+    }
+}
+
+#[test]
+fn a_step_that_fails_leaves_the_state_after_the_last_good_one() {
+    let planet = kepler(0.3).unwrap();
+    let horizon = Horizon::divided(planet.period, 100).unwrap();
+    let make = || {
+        let inner = Method::StormerVerlet.integrator::<_, _, [f64; 2]>(&planet.system)?;
+        // The quarters come to their third long step, and half of it.
+        Ok::<_, SizeError>(Breaking(inner, 10))
+    };
+    let (mut state, mut last) = (planet.initial.clone(), planet.initial.clone());
+    let failed = simulate_with_error(make, &mut state, horizon, |now| {
+        last = now.state.clone();
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
+    assert_eq!((failed.step, failed.source), (3, StepError::SingularLegendreTransform));
+    assert_eq!(state, last);
+    assert_eq!(state.t, horizon.time(2));
+}
+
+#[test]
+fn a_storage_of_another_size_is_refused_before_the_first_step() {
+    let planet = kepler(0.3).unwrap();
+    let horizon = Horizon::divided(1.0, 10).unwrap();
+    let make = || Method::StormerVerlet.integrator::<_, _, [f64; 3]>(&planet.system);
+    let mut state = State::new([0.0; 3], stationary_calculus::Covector([0.0; 3]));
+    let refused = simulate_with_error(make, &mut state, horizon, |_| ControlFlow::Continue(()));
+    assert!(matches!(refused.unwrap_err().source, StepError::Size(_)));
+}
+
+#[test]
+fn a_run_of_a_smaller_tolerance_tells_the_error_of_chosen_steps() {
+    let planet = kepler(0.6).unwrap();
+    let field = MechanicalField::new(&planet.system);
+    let start = [planet.initial.q.as_slice(), planet.initial.p.components()].concat();
+    let at = |tolerance| {
+        let control = StepControl::from(Tolerance::new(tolerance, tolerance).unwrap());
+        DormandPrince853::new(&field, control, Moment::new(0.0, start.clone())).unwrap()
+    };
+    let (mut loose, mut tight, mut judged) = (at(1e-6), at(1e-8), 0);
+    integrate_with_error(&mut loose, &mut tight, planet.horizon, |now| {
+        let q = [now.moment.y[0], now.moment.y[1]];
+        let truth = planet.error(now.moment.t, &q).unwrap() * planet.scale;
+        if (1e-6..3e-2).contains(&truth) {
+            let ratio = now.error[..2].iter().map(|x| x * x).sum::<f64>().sqrt() / truth;
+            assert!((0.5..2.0).contains(&ratio), "{ratio} at {}", now.moment.t);
+            judged += 1;
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(judged > 20, "{judged}");
+}
+
+#[test]
+fn the_error_of_a_stiff_run_is_told_too() {
+    let relaxation = van_der_pol(1000.0).unwrap();
+    let at = |tolerance| {
+        let control = StepControl::from(Tolerance::new(tolerance, tolerance).unwrap());
+        RadauIia5::new(&relaxation.field, control, relaxation.initial.clone()).unwrap()
+    };
+    let (mut loose, mut tight) = (at(1e-4), at(1e-7));
+    let mut last = Vec::new();
+    integrate_with_error(&mut loose, &mut tight, relaxation.end, |now| {
+        last = now.error.to_vec();
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let reached = loose.moment().y;
+    let told = [reached[0] + last[0], reached[1] + last[1]];
+    let (before, after) = (relaxation.error(&reached).unwrap(), relaxation.error(&told).unwrap());
+    assert!(after < 0.1 * before, "{after} of {before}");
+}
+
+#[test]
+fn runs_that_stand_at_two_moments_are_refused() {
+    let planet = kepler(0.6).unwrap();
+    let field = MechanicalField::new(&planet.system);
+    let start = [planet.initial.q.as_slice(), planet.initial.p.components()].concat();
+    let at = |t| {
+        let control = StepControl::from(Tolerance::new(1e-6, 1e-6).unwrap());
+        DormandPrince853::new(&field, control, Moment::new(t, start.clone())).unwrap()
+    };
+    let run = integrate_with_error(&mut at(0.0), &mut at(1.0), 2.0, |_| ControlFlow::Continue(()));
+    assert!(run.is_err());
+}
