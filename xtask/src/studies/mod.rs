@@ -8,6 +8,7 @@ mod convergence;
 mod damping;
 mod derivative;
 mod elasticity;
+mod error_estimates;
 mod hamilton;
 mod high_order;
 mod laplacian;
@@ -68,6 +69,7 @@ pub const STUDIES: &[Entry<'static>] = &[
     net_in_honey::STUDY,
     step_control::STUDY,
     tolerance_honesty::STUDY,
+    error_estimates::STUDY,
     multiscale::STUDY,
     newmark_damping::STUDY,
     hamilton::BOUNDARY_VALUE,

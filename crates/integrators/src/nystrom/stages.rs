@@ -173,7 +173,8 @@ where
 
     /// A first step, from how fast the state moves: the shortest of the times in which velocity
     /// and acceleration move it by its own size, and in which acceleration changes the velocity by
-    /// its own size, shortened as far as the tolerance lies below the motion in that time.
+    /// its own size, shortened as far as the tolerance lies below the motion in that time. A place
+    /// that is zero to the tolerance has no size, and no step is as short as the rounding of time.
     pub(super) fn first_step(
         &mut self,
         state: &State<C>,
@@ -187,16 +188,21 @@ where
         let speed = size_of(self.sum.components());
         self.system.metric().sharp(first.view(), self.sum.view_mut());
         let acceleration = size_of(self.sum.components());
-        let times = [place / speed, (place / acceleration).sqrt(), speed / acceleration];
+        let crossed = if place > 1.0 { place / speed } else { 0.0 };
+        let times = [crossed, (place / acceleration).sqrt(), speed / acceleration];
         let moves = times.into_iter().filter(|time| *time > 0.0 && time.is_finite());
         let time = moves.fold(f64::INFINITY, f64::min);
         if time == f64::INFINITY {
             return f64::MAX;
         }
         let motion = (speed * time).max(acceleration * time * time).max(1.0);
-        time * motion.powf(-1.0 / f64::from(T::ORDERS.1 + 1))
+        let short = time * motion.powf(-1.0 / f64::from(T::ORDERS.1 + 1));
+        short.max(CLOCK * state.t.abs())
     }
 }
+
+/// A first step is at least this part of the time at which it begins.
+const CLOCK: f64 = 1e-12;
 
 /// The root mean square of `u`, in units of what is tolerated between two states.
 #[inline(always)]

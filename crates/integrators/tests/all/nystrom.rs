@@ -318,6 +318,22 @@ fn a_body_at_rest_stays_there_in_one_step() {
 }
 
 /// What a run from a state that cannot be run from says; the state must stay as it was.
+#[test]
+fn a_start_that_is_zero_but_for_rounding_is_one_as_any_other() {
+    let system = oscillator(1.0).unwrap().system;
+    for x in [0.0, 1e-300, 1.8e-16, -1e-14, 1e-12, 1e-8] {
+        for start in [0.0, 4.71238898038469, 1e6] {
+            let mut state = State::new([x], Covector([1.0]));
+            state.t = start;
+            let mut nystrom = Nystrom12::new(&system, both(1e-13)).unwrap();
+            let work = nystrom.run(&mut state, start + 1.0, |_| Continue(())).unwrap();
+            let truth = x * 1.0_f64.cos() + 1.0_f64.sin();
+            assert!((state.q[0] - truth).abs() < 1e-9 * start.max(1e-3), "{x} at {start}");
+            assert!(work.steps + work.rejected < 60, "{x} at {start}: {work:?}");
+        }
+    }
+}
+
 fn refused(state: State<Vec<f64>>, end: f64) -> AdaptiveError {
     let problem = kepler(0.6).unwrap();
     let mut nystrom = Nystrom12::new(&problem.system, both(1e-9)).unwrap();

@@ -1,0 +1,292 @@
+//! How good an estimated global error is: its size over that of the true error, on every problem.
+
+use std::ops::ControlFlow;
+
+use stationary_calculus::{Column, Metric, Potential, Table};
+use stationary_integrators::problems::{
+    Problem, fermi_pasta_ulam, henon_heiles, kepler, oscillator, pendulum, pleiades,
+    spring_pendulum, three_bodies,
+};
+use stationary_integrators::{
+    AdaptiveMethod, DormandPrince853, Horizon, MechanicalField, Method, Moment, Nystrom8,
+    Nystrom12, NystromMethod12, State, StepControl, Tolerance, integrate_with_error,
+    simulate_with_error,
+};
+
+use crate::chart::{Axis, Lines, Series};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+
+/// Estimates of all methods of equal steps and of two that choose theirs.
+pub const STUDY: Entry<'static> = Entry {
+    id: "error-estimates",
+    krate: "integrators",
+    chapter: "4.5",
+    kind: Kind::LongRun,
+    title: "Estimated over true global errors, of all methods on nine problems",
+    run: &study,
+};
+
+/// Times at which estimates are judged.
+const TIMES: u64 = 32;
+/// Long steps between two of these times.
+const BETWEEN: [u64; 7] = [1, 2, 4, 8, 16, 32, 64];
+/// Tolerances of methods that choose their steps, and that of the run beside each in parts of it.
+const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+const TIGHTER: f64 = 1e-2;
+/// True errors, relative to a problem's size, that are neither rounding nor as large as the motion.
+const JUDGED: std::ops::Range<f64> = 1e-10..3e-2;
+/// True errors below so many times the reference's own doubt say nothing.
+const DOUBTS: f64 = 10.0;
+/// An estimate is good between half of the true error and twice it.
+const GOOD: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// An estimate at a time.
+#[derive(Clone, Copy)]
+struct Judged {
+    truth: f64,
+    ratio: f64,
+    is_sure: bool,
+}
+
+type Small<M, P, const N: usize> = Problem<M, P, [f64; N]>;
+
+struct Page {
+    table: Table,
+    equal: Vec<Judged>,
+    own: Vec<Judged>,
+}
+
+fn study(_: Size) -> Result<Study, StudyError> {
+    let at = StudyError::at;
+    let mut page = Page {
+        table: Table::new([
+            Column::exact("problem"),
+            Column::exact("steps"),
+            Column::exact("judged"),
+            Column::rounded("sure", 2, 0.0),
+            Column::rounded("good where sure", 3, 0.0),
+            Column::rounded("good of all", 2, 0.0),
+        ]),
+        equal: Vec::new(),
+        own: Vec::new(),
+    };
+    page.measure(oscillator(1.0).map_err(at("an oscillator"))?, 3.0)?;
+    page.measure(pendulum(2.0).map_err(at("a pendulum"))?, 3.0)?;
+    page.measure(kepler(0.3).map_err(at("a planet"))?, 3.0)?;
+    page.measure(kepler(0.8).map_err(at("a comet"))?, 1.0)?;
+    page.measure(spring_pendulum(100.0).map_err(at("a mass on a spring"))?, 5.0)?;
+    page.measure(fermi_pasta_ulam(10.0).map_err(at("springs"))?, 5.0)?;
+    page.measure(henon_heiles(0.1).map_err(at("a star"))?, 3.0)?;
+    page.measure(three_bodies().map_err(at("planets"))?, 1.0)?;
+    page.measure(pleiades().map_err(at("stars"))?, 1.0)?;
+    let claims = vec![
+        claim("equal steps, where the estimate is said to be sure", sure(&page.equal)),
+        claim("steps of a method's own, beside a run of a hundredth of its tolerance", page.own),
+    ];
+    Ok(Study {
+        conclusion: "From three runs in steps of h, h/2 and h/4 comes how far the finest is from the \
+                     truth, and how far that estimate may itself be off; it is sure where the runs \
+                     converge with the method's order and the doubt is at most a quarter of the \
+                     estimate. Then it is good, within a factor of two, nearly always; where it is not \
+                     sure, steps are too long or the error passes zero, and it may be anything. Of \
+                     methods that choose their steps the estimate is the distance to a run of a \
+                     hundredth of the tolerance."
+            .into(),
+        charts: vec![
+            quantiles("Equal steps, where sure", &sure(&page.equal)).into(),
+            quantiles("Equal steps, all estimates", &page.equal).into(),
+        ],
+        table: page.table,
+        claims,
+        ..STUDY.heading()
+    })
+}
+
+fn sure(all: &[Judged]) -> Vec<Judged> {
+    all.iter().copied().filter(|judged| judged.is_sure).collect()
+}
+
+fn share(all: &[Judged], is: impl Fn(&Judged) -> bool) -> f64 {
+    all.iter().filter(|judged| is(judged)).count() as f64 / all.len() as f64
+}
+
+fn claim(what: &str, judged: Vec<Judged>) -> Claim {
+    let good = share(&judged, |judged| GOOD.contains(&judged.ratio));
+    Claim::number(
+        format!("{what}: the part of estimates within a factor of two of the true error"),
+        "at least 0.9",
+        good,
+        (0.9, 1.0),
+    )
+}
+
+/// The estimate over the true error against the true error: the middle and where most are.
+fn quantiles(title: &str, all: &[Judged]) -> Lines {
+    let axes = (
+        Axis::log("true error, relative to the problem's size", ""),
+        Axis::log("estimate over true error", ""),
+    );
+    let mut chart = Lines::new(title, axes.0, axes.1);
+    for (name, part) in [("95 in 100 below", 0.95), ("median", 0.5), ("5 in 100 below", 0.05)] {
+        let mut points = Vec::new();
+        for decade in -10..-1 {
+            let range = 10.0_f64.powi(decade)..10.0_f64.powi(decade + 1);
+            let within = all.iter().filter(|judged| range.contains(&judged.truth));
+            let mut ratios: Vec<f64> = within.map(|judged| judged.ratio).collect();
+            ratios.sort_by(f64::total_cmp);
+            if let Some(&ratio) = ratios.get((part * ratios.len() as f64) as usize) {
+                points.push((10.0_f64.powf(f64::from(decade) + 0.5), ratio));
+            }
+        }
+        chart = chart.with(Series::new(name, points));
+    }
+    let ends = |y: f64| [(JUDGED.start, y), (JUDGED.end, y)];
+    chart.curve("half", ends(0.5)).curve("twice", ends(2.0))
+}
+
+impl Page {
+    fn measure<M: Metric, P: Potential, const N: usize>(
+        &mut self,
+        problem: Small<M, P, N>,
+        periods: f64,
+    ) -> Result<(), StudyError> {
+        let end = periods * problem.period;
+        let end = if problem.name == "pleiades" { problem.horizon } else { end };
+        let truth = Truth::of(&problem, end)?;
+        let mut equal = Vec::new();
+        for &method in Method::ALL {
+            for between in BETWEEN {
+                equal.extend(truth.of_equal_steps(&problem, method, between)?);
+            }
+        }
+        let field = MechanicalField::new(&problem.system);
+        let start = [problem.initial.q.as_slice(), problem.initial.p.components()].concat();
+        let mut own = Vec::new();
+        for tolerance in TOLERANCES {
+            let at = |tolerance| -> Result<_, StudyError> {
+                let control = Tolerance::new(tolerance, tolerance).map(StepControl::from);
+                let control = control.map_err(StudyError::at("a tolerance"))?;
+                Ok((control, Moment::new(0.0, start.clone())))
+            };
+            let [loose, tight] = [at(tolerance)?, at(TIGHTER * tolerance)?];
+            let name = StudyError::at::<stationary_integrators::AdaptiveError>;
+            let make = |(control, start)| DormandPrince853::new(&field, control, start);
+            let mut loose_run = make(loose.clone()).map_err(name(problem.name))?;
+            let mut tight_run = make(tight.clone()).map_err(name(problem.name))?;
+            own.extend(truth.of_own_steps(&problem, &mut loose_run, &mut tight_run)?);
+            let make = |(control, start)| NystromMethod12::new(&problem.system, control, start);
+            let mut loose_run = make(loose).map_err(name(problem.name))?;
+            let mut tight_run = make(tight).map_err(name(problem.name))?;
+            own.extend(truth.of_own_steps(&problem, &mut loose_run, &mut tight_run)?);
+        }
+        for (steps, judged) in [("equal", &equal), ("own", &own)] {
+            let good = |judged: &Judged| GOOD.contains(&judged.ratio);
+            self.table.push([
+                problem.name.into(),
+                steps.into(),
+                (judged.len() as u64).into(),
+                share(judged, |judged| judged.is_sure).into(),
+                share(&sure(judged), good).into(),
+                share(judged, good).into(),
+            ]);
+        }
+        self.equal.extend(equal);
+        self.own.extend(own);
+        Ok(())
+    }
+}
+
+/// A problem's configurations at the times, and how far they may themselves be off.
+struct Truth<const N: usize> {
+    every: f64,
+    at: Vec<[f64; N]>,
+    doubt: f64,
+}
+
+impl<const N: usize> Truth<N> {
+    /// By the Nystrom pair of order 12, compared with that of order 8.
+    fn of<M: Metric, P: Potential>(problem: &Small<M, P, N>, end: f64) -> Result<Self, StudyError> {
+        let control =
+            || Tolerance::new(1e-13, 1e-13).map_err(StudyError::at("the reference's tolerance"));
+        let every = end / TIMES as f64;
+        let (mut best, mut other) = (problem.initial.clone(), problem.initial.clone());
+        let mut twelve = Nystrom12::new(&problem.system, control()?.into())
+            .map_err(StudyError::at("the reference"))?;
+        let mut eight = Nystrom8::new(&problem.system, control()?.into())
+            .map_err(StudyError::at("the reference"))?;
+        let (mut all, mut doubt) = (Vec::new(), 0.0_f64);
+        for time in 1..=TIMES {
+            let to = time as f64 * every;
+            twelve
+                .run(&mut best, to, |_| ControlFlow::Continue(()))
+                .map_err(StudyError::at("the reference"))?;
+            eight
+                .run(&mut other, to, |_| ControlFlow::Continue(()))
+                .map_err(StudyError::at("the reference"))?;
+            doubt = doubt.max(distance(&best.q, &other.q));
+            all.push(best.q);
+        }
+        Ok(Truth { every, at: all, doubt })
+    }
+
+    fn judge<M, P>(
+        &self,
+        problem: &Small<M, P, N>,
+        (time, q): (u64, &[f64]),
+        estimate: f64,
+        is_sure: bool,
+    ) -> Option<Judged> {
+        let off = distance(&self.at[time as usize - 1], q);
+        let truth = off / problem.scale;
+        let known = JUDGED.contains(&truth) && off > DOUBTS * self.doubt;
+        known.then(|| Judged { truth, ratio: estimate / off, is_sure })
+    }
+
+    /// A run that fails says nothing.
+    fn of_equal_steps<M: Metric, P: Potential>(
+        &self,
+        problem: &Small<M, P, N>,
+        method: Method,
+        between: u64,
+    ) -> Result<Vec<Judged>, StudyError> {
+        let horizon = Horizon::divided(self.every * TIMES as f64, TIMES * between);
+        let horizon = horizon.map_err(StudyError::at("the horizon"))?;
+        let mut state: State<[f64; N]> = problem.initial.clone();
+        let mut judged = Vec::new();
+        let make = || method.integrator::<_, _, [f64; N]>(&problem.system);
+        let _ = simulate_with_error(make, &mut state, horizon, |now| {
+            if now.step % between == 0 {
+                let at = (now.step / between, now.state.q.as_slice());
+                judged.extend(self.judge(problem, at, now.distance(), now.is_sure()));
+            }
+            ControlFlow::Continue(())
+        });
+        Ok(judged)
+    }
+
+    /// From one of the times to the next, where both runs end a step.
+    fn of_own_steps<M, P>(
+        &self,
+        problem: &Small<M, P, N>,
+        loose: &mut dyn AdaptiveMethod<Vec<f64>>,
+        tight: &mut dyn AdaptiveMethod<Vec<f64>>,
+    ) -> Result<Vec<Judged>, StudyError> {
+        let mut judged = Vec::new();
+        for time in 1..=TIMES {
+            let to = time as f64 * self.every;
+            let mut last = 0.0;
+            let run = integrate_with_error(loose, tight, to, |now| {
+                last = now.error[..N].iter().map(|x| x * x).sum::<f64>().sqrt();
+                ControlFlow::Continue(())
+            });
+            run.map_err(StudyError::at(problem.name))?;
+            let at = (time, &loose.moment().y[..N]);
+            judged.extend(self.judge(problem, at, last, true));
+        }
+        Ok(judged)
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
