@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
+use stationary::program::{Progress, run_scene};
 use stationary_scene::Scene;
-use xtask::report::Progress;
-use xtask::run::run_scene;
 
 /// Runs a shipped scene into a fresh folder and returns its summary.
 fn run(name: &str) -> (String, PathBuf) {

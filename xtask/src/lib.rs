@@ -28,7 +28,6 @@ pub mod layers;
 pub mod licenses;
 pub mod readme;
 pub mod report;
-pub mod run;
 pub mod studies;
 pub mod study;
 

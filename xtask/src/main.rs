@@ -2,12 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::{Parser, Subcommand};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use stationary::program::{end_with_the_reader, failed};
 use stationary_scene::Scene;
 use xtask::check_page::check_page;
 use xtask::choose::{Question, Verdict, choose, emit, emitted, json, picture, time};
@@ -20,7 +17,6 @@ use xtask::readme::readmes;
 use xtask::report::{
     Outcome, Plan, Progress, Shard, catalogue, merge, report, select, shard, summary,
 };
-use xtask::run::{Job, Series, Start, run_job};
 use xtask::studies::{METHODS, STUDIES, scene};
 use xtask::study::{Entry, Size};
 
@@ -50,24 +46,9 @@ enum Task {
     },
     /// Finds the cheapest method and step, or tolerance, for an observable of a scene.
     Choose(Choose),
-    /// Runs a scene file and writes its trajectory, observables and picture.
-    Run {
-        /// The scene, a TOML file.
-        file: PathBuf,
-        /// Where to write.
-        #[arg(long, value_name = "DIR")]
-        out: PathBuf,
-        /// Writes a file a sample for ParaView as well.
-        #[arg(long)]
-        vtk: bool,
-        /// Goes on from the checkpoint that an interrupted run has left in DIR; starts anew where there is
-        /// none.
-        #[arg(long)]
-        resume: bool,
-        /// Says nothing but what failed.
-        #[arg(long)]
-        quiet: bool,
-    },
+    /// Runs, finds the words of, and begins scene files, as the program `stationary` does.
+    #[command(flatten)]
+    Stationary(stationary::program::Command),
     /// Tests promises on random problems, each with a referee that knows the truth by another way.
     Trials(stationary_trials::Arguments),
     /// Checks that every dependency may be used under the licences of the crates.
@@ -167,11 +148,7 @@ fn main() -> ExitCode {
         Task::Report(arguments) => run_report(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
         Task::Choose(arguments) => run_choose(&arguments),
-        Task::Run { file, out, vtk, resume, quiet } => {
-            let start = if resume { Start::Resumed } else { Start::Fresh };
-            let series = if vtk { Series::Vtk } else { Series::None };
-            run_file(&file, &out, start, series, quiet)
-        }
+        Task::Stationary(command) => command.run(),
         Task::Trials(arguments) => run_trials(&arguments),
         Task::Licenses => run_licenses(),
         Task::Layers => run_layers(),
@@ -186,28 +163,6 @@ fn main() -> ExitCode {
         Task::CheckPage { page } => run_check_page(&page),
     };
     done.unwrap_or_else(|error| failed(&error.to_string()))
-}
-
-/// Says what failed, with one `error:` at its head: what a scene's file has wrong begins with that word
-/// too, as a compiler's message does.
-fn failed(message: &str) -> ExitCode {
-    let lines = message.lines().map(|line| line.strip_prefix("error: ").unwrap_or(line));
-    eprintln!("error: {}", lines.collect::<Vec<_>>().join("\n"));
-    ExitCode::FAILURE
-}
-
-/// Ends the program without a word where nobody reads any more what it prints, as in `... | head -1`:
-/// Rust ignores that signal, and every `println!` would panic.
-#[cfg(unix)]
-fn end_with_the_reader() -> std::io::Result<()> {
-    let always = Arc::new(AtomicBool::new(true));
-    flag::register_conditional_default(signal_hook::consts::SIGPIPE, always).map(|_| ())
-}
-
-/// Elsewhere there is no such signal.
-#[cfg(not(unix))]
-fn end_with_the_reader() -> std::io::Result<()> {
-    Ok(())
 }
 
 fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {
@@ -285,32 +240,6 @@ fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
         _ => ExitCode::FAILURE,
     })
 }
-
-fn run_file(
-    file: &Path,
-    out: &Path,
-    start: Start,
-    series: Series,
-    quiet: bool,
-) -> Result<ExitCode, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // Who asks twice does not want to wait.
-        flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&stop))?;
-        flag::register(signal, Arc::clone(&stop))?;
-    }
-    let progress = if quiet { Progress::Hidden } else { Progress::Shown };
-    let ending = run_job(&Job { file, out, start, series, progress, stop: &stop })?;
-    if !quiet {
-        println!("{}\n{}\n{}", ending.summary, ending.summary.built, out.display());
-    }
-    let Some(step) = ending.stopped else { return Ok(ExitCode::SUCCESS) };
-    eprintln!("stopped after step {step}; the same command with --resume goes on");
-    Ok(ExitCode::from(INTERRUPTED))
-}
-
-/// What a shell says of a program that control-C has ended.
-const INTERRUPTED: u8 = 130;
 
 fn run_trials(arguments: &stationary_trials::Arguments) -> Result<ExitCode, Failure> {
     Ok(if arguments.run_with(choosing::KINDS)? { ExitCode::SUCCESS } else { ExitCode::FAILURE })

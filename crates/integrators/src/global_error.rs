@@ -11,7 +11,7 @@
 //! estimate is: by its last correction, which stands beside it as its doubt, and by `r`. Where that is
 //! not the order's, the steps are too long, the motion is chaotic or all is rounding; this is said with
 //! every estimate. Of a method that chooses its own steps the error is the distance to a run of a much
-//! smaller tolerance ([`integrate_with_error`]).
+//! smaller tolerance, and a third run between them tells how good that is ([`integrate_with_error`]).
 //!
 //! Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4 and II.8.
 
@@ -140,8 +140,7 @@ where
     if let Some(&time) = [first, end].iter().find(|time| !time.is_finite()) {
         return Err(failed(*steps.start(), state.t, StepError::Time(time)));
     }
-    let mut method =
-        || make().map_err(|error| failed(*steps.start(), state.t, error.into()));
+    let mut method = || make().map_err(|error| failed(*steps.start(), state.t, error.into()));
     let runs = [method()?, method()?, method()?];
     state.t = first;
     let mut three = Three::new(runs, state);
@@ -235,62 +234,74 @@ impl<C: Storage, I: Integrator<C>> Three<I, C> {
     }
 }
 
-/// What the observer sees after a step of the looser run.
+/// What the observer sees after a step of the loosest run.
 #[derive(Debug)]
 pub struct EstimatedMoment<'a, C> {
-    /// The moment at the step's end, of the looser run.
+    /// The moment at the step's end, of the loosest run.
     pub moment: &'a Moment<C>,
-    /// The tighter run's state there minus this one.
+    /// The tightest run's state there minus this one.
     pub error: &'a [f64],
+    /// How far the two tighter runs are apart: as far as the tightest may itself be off.
+    pub doubt: f64,
 }
 
-impl<C> EstimatedMoment<'_, C> {
+impl<C: AsRef<[f64]>> EstimatedMoment<'_, C> {
     /// The estimated distance of the state from the true one.
     pub fn distance(&self) -> f64 {
         norm(self.error)
     }
+
+    /// Whether the estimate can be relied on: its doubt is at most a quarter of it, and it is more than
+    /// rounding. It is not where the runs took the same steps, whatever their tolerances.
+    pub fn is_sure(&self) -> bool {
+        let distance = self.distance();
+        let rounding = 16.0 * ROUNDING * norm(self.moment.y.as_ref());
+        self.doubt <= DOUBTFUL * distance && distance > rounding
+    }
 }
 
-/// Runs a method to `end` beside one of a much smaller tolerance from the same moment, and shows at
-/// each of its steps how far they are apart: its error, but for that of the tighter run. Tolerances a
-/// hundred times apart make the estimate good to a few per cent where the method's error follows its
-/// tolerance.
+/// Runs a method to `end` beside two of smaller tolerances from the same moment, such as a tenth and a
+/// hundredth, and shows at each of its steps how far it is from the tightest: its error, but for that
+/// of the tightest run.
 ///
 /// # Errors
-/// [`AdaptiveError::Size`] and [`AdaptiveError::OutsideStep`] where the two do not stand at one moment
-/// of one size; else those of [`AdaptiveMethod::step`] and of [`AdaptiveMethod::interpolate`], from
-/// either. Both stand at their last good moments.
-pub fn integrate_with_error<C, A, B>(
-    loose: &mut A,
-    tight: &mut B,
+/// [`AdaptiveError::OutsideStep`] and [`AdaptiveError::Size`] where the runs do not stand at one moment
+/// with one size; else those of [`AdaptiveMethod::step`] and of [`AdaptiveMethod::interpolate`], from
+/// any. Each stands at its last good moment.
+pub fn integrate_with_error<C, A>(
+    [loose, middle, tight]: [&mut A; 3],
     end: f64,
     mut observe: impl FnMut(EstimatedMoment<'_, C>) -> ControlFlow<()>,
 ) -> Result<Outcome, AdaptiveError>
 where
     C: Storage,
     A: AdaptiveMethod<C> + ?Sized,
-    B: AdaptiveMethod<C> + ?Sized,
 {
-    let (start, other) = (loose.moment(), tight.moment());
-    if start.t != other.t {
-        let (t, at) = (other.t, start.t);
-        return Err(AdaptiveError::OutsideStep { t, from: at, to: at });
+    let start = loose.moment().t;
+    if let Some(t) = [middle.moment().t, tight.moment().t].into_iter().find(|t| *t != start) {
+        return Err(AdaptiveError::OutsideStep { t, from: start, to: start });
     }
-    let mut error = start.y.as_ref().to_vec();
-    while loose.moment().t < end {
+    let mut between = loose.moment().y.as_ref().to_vec();
+    let mut error = between.clone();
+    loop {
         loose.step(end)?;
         let to = loose.moment().t;
-        while tight.moment().t < to {
-            tight.step(end)?;
+        for (run, there) in [(&mut *middle, &mut between), (&mut *tight, &mut error)] {
+            while run.moment().t < to {
+                run.step(end)?;
+            }
+            run.interpolate(to, there)?;
         }
-        tight.interpolate(to, &mut error)?;
+        let doubt = distance(&between, &error);
         let moment = loose.moment();
         error.iter_mut().zip(moment.y.as_ref()).for_each(|(error, y)| *error -= y);
-        if observe(EstimatedMoment { moment, error: &error }).is_break() {
+        if observe(EstimatedMoment { moment, error: &error, doubt }).is_break() {
             return Ok(Outcome::BrokenOff);
         }
+        if to >= end {
+            return Ok(Outcome::Finished);
+        }
     }
-    Ok(Outcome::Finished)
 }
 
 fn norm(x: &[f64]) -> f64 {

@@ -242,6 +242,7 @@ mod walls;
 
 pub mod limits;
 pub mod problems;
+pub mod shipped;
 
 pub use body_shape::BodyShape;
 pub use built::Built;

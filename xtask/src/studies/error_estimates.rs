@@ -8,8 +8,8 @@ use stationary_integrators::problems::{
     spring_pendulum, three_bodies,
 };
 use stationary_integrators::{
-    AdaptiveMethod, DormandPrince853, Horizon, MechanicalField, Method, Moment, Nystrom8,
-    Nystrom12, NystromMethod12, State, StepControl, Tolerance, integrate_with_error,
+    AdaptiveError, AdaptiveMethod, DormandPrince853, Horizon, MechanicalField, Method, Moment,
+    Nystrom8, Nystrom12, NystromMethod12, State, StepControl, Tolerance, integrate_with_error,
     simulate_with_error,
 };
 
@@ -29,12 +29,16 @@ pub const STUDY: Entry<'static> = Entry {
 /// Times at which estimates are judged.
 const TIMES: u64 = 32;
 /// Long steps between two of these times.
-const BETWEEN: [u64; 7] = [1, 2, 4, 8, 16, 32, 64];
-/// Tolerances of methods that choose their steps, and that of the run beside each in parts of it.
+const BETWEEN: [u64; 6] = [1, 2, 4, 8, 16, 32];
+/// Tolerances of methods that choose their steps, and those of the three runs in parts of them.
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
-const TIGHTER: f64 = 1e-2;
+const TIGHTER: [f64; 3] = [1.0, 1e-1, 1e-2];
+/// The tolerance of the run that they are judged by.
+const TRUTH: f64 = 1e-13;
 /// True errors, relative to a problem's size, that are neither rounding nor as large as the motion.
 const JUDGED: std::ops::Range<f64> = 1e-10..3e-2;
+/// The same beside a run whose own error between its steps is larger.
+const JUDGED_OF_OWN: std::ops::Range<f64> = 1e-8..3e-2;
 /// True errors below so many times the reference's own doubt say nothing.
 const DOUBTS: f64 = 10.0;
 /// An estimate is good between half of the true error and twice it.
@@ -81,7 +85,7 @@ fn study(_: Size) -> Result<Study, StudyError> {
     page.measure(pleiades().map_err(at("stars"))?, 1.0)?;
     let claims = vec![
         claim("equal steps, where the estimate is said to be sure", sure(&page.equal)),
-        claim("steps of a method's own, beside a run of a hundredth of its tolerance", page.own),
+        claim("steps of a method's own, where the estimate is said to be sure", sure(&page.own)),
     ];
     Ok(Study {
         conclusion: "From three runs in steps of h, h/2 and h/4 comes how far the finest is from the \
@@ -90,11 +94,12 @@ fn study(_: Size) -> Result<Study, StudyError> {
                      estimate. Then it is good, within a factor of two, nearly always; where it is not \
                      sure, steps are too long or the error passes zero, and it may be anything. Of \
                      methods that choose their steps the estimate is the distance to a run of a \
-                     hundredth of the tolerance."
+                     hundredth of the tolerance, sure where one of a tenth is near to that."
             .into(),
         charts: vec![
             quantiles("Equal steps, where sure", &sure(&page.equal)).into(),
             quantiles("Equal steps, all estimates", &page.equal).into(),
+            quantiles("Steps of a method's own, where sure", &sure(&page.own)).into(),
         ],
         table: page.table,
         claims,
@@ -161,23 +166,29 @@ impl Page {
         }
         let field = MechanicalField::new(&problem.system);
         let start = [problem.initial.q.as_slice(), problem.initial.p.components()].concat();
+        let at = |tolerance| -> Result<_, StudyError> {
+            let control = Tolerance::new(tolerance, tolerance).map(StepControl::from);
+            let control = control.map_err(StudyError::at("a tolerance"))?;
+            Ok((control, Moment::new(0.0, start.clone())))
+        };
+        let failed = || StudyError::at::<AdaptiveError>(problem.name);
+        let explicit = |(control, start)| -> Result<Box<dyn AdaptiveMethod<Vec<f64>>>, StudyError> {
+            let method = DormandPrince853::new(&field, control, start).map_err(failed())?;
+            Ok(Box::new(method))
+        };
+        let nystrom = |(control, start)| -> Result<Box<dyn AdaptiveMethod<Vec<f64>>>, StudyError> {
+            let method = NystromMethod12::new(&problem.system, control, start);
+            Ok(Box::new(method.map_err(failed())?))
+        };
         let mut own = Vec::new();
         for tolerance in TOLERANCES {
-            let at = |tolerance| -> Result<_, StudyError> {
-                let control = Tolerance::new(tolerance, tolerance).map(StepControl::from);
-                let control = control.map_err(StudyError::at("a tolerance"))?;
-                Ok((control, Moment::new(0.0, start.clone())))
-            };
-            let [loose, tight] = [at(tolerance)?, at(TIGHTER * tolerance)?];
-            let name = StudyError::at::<stationary_integrators::AdaptiveError>;
-            let make = |(control, start)| DormandPrince853::new(&field, control, start);
-            let mut loose_run = make(loose.clone()).map_err(name(problem.name))?;
-            let mut tight_run = make(tight.clone()).map_err(name(problem.name))?;
-            own.extend(truth.of_own_steps(&problem, &mut loose_run, &mut tight_run)?);
-            let make = |(control, start)| NystromMethod12::new(&problem.system, control, start);
-            let mut loose_run = make(loose).map_err(name(problem.name))?;
-            let mut tight_run = make(tight).map_err(name(problem.name))?;
-            own.extend(truth.of_own_steps(&problem, &mut loose_run, &mut tight_run)?);
+            let [loose, middle, tight] = TIGHTER.map(|part| at(part * tolerance));
+            let (loose, middle, tight) = (loose?, middle?, tight?);
+            let all = (loose.clone(), middle.clone(), tight.clone());
+            let runs = [explicit(all.0)?, explicit(all.1)?, explicit(all.2)?];
+            own.extend(of_own_steps(&problem, runs, explicit(at(TRUTH)?)?, end)?);
+            let runs = [nystrom(loose)?, nystrom(middle)?, nystrom(tight)?];
+            own.extend(of_own_steps(&problem, runs, explicit(at(TRUTH)?)?, end)?);
         }
         for (steps, judged) in [("equal", &equal), ("own", &own)] {
             let good = |judged: &Judged| GOOD.contains(&judged.ratio);
@@ -263,27 +274,40 @@ impl<const N: usize> Truth<N> {
         });
         Ok(judged)
     }
+}
 
-    /// From one of the times to the next, where both runs end a step.
-    fn of_own_steps<M, P>(
-        &self,
-        problem: &Small<M, P, N>,
-        loose: &mut dyn AdaptiveMethod<Vec<f64>>,
-        tight: &mut dyn AdaptiveMethod<Vec<f64>>,
-    ) -> Result<Vec<Judged>, StudyError> {
-        let mut judged = Vec::new();
-        for time in 1..=TIMES {
-            let to = time as f64 * self.every;
-            let mut last = 0.0;
-            let run = integrate_with_error(loose, tight, to, |now| {
-                last = now.error[..N].iter().map(|x| x * x).sum::<f64>().sqrt();
-                ControlFlow::Continue(())
-            });
-            run.map_err(StudyError::at(problem.name))?;
-            let at = (time, &loose.moment().y[..N]);
-            judged.extend(self.judge(problem, at, last, true));
+/// At each of the method's own steps, beside a run of the smallest tolerance.
+fn of_own_steps<M, P, const N: usize>(
+    problem: &Small<M, P, N>,
+    mut runs: [Box<dyn AdaptiveMethod<Vec<f64>> + '_>; 3],
+    mut truth: Box<dyn AdaptiveMethod<Vec<f64>> + '_>,
+    end: f64,
+) -> Result<Vec<Judged>, StudyError> {
+    let (mut judged, mut there, mut broken) = (Vec::new(), vec![0.0; 2 * N], None);
+    let [loose, middle, tight] = runs.each_mut().map(|run| &mut **run);
+    let run = integrate_with_error([loose, middle, tight], end, |now| {
+        let t = now.moment.t;
+        let mut reach = || {
+            while truth.moment().t < t {
+                truth.step(end)?;
+            }
+            truth.interpolate(t, &mut there)
+        };
+        if let Err(error) = reach() {
+            broken = Some(error);
+            return ControlFlow::Break(());
         }
-        Ok(judged)
+        let truth = distance(&there, &now.moment.y);
+        if JUDGED_OF_OWN.contains(&(truth / problem.scale)) {
+            let ratio = now.distance() / truth;
+            judged.push(Judged { truth: truth / problem.scale, ratio, is_sure: now.is_sure() });
+        }
+        ControlFlow::Continue(())
+    });
+    run.map_err(StudyError::at(problem.name))?;
+    match broken {
+        Some(error) => Err(StudyError::at("the reference")(error)),
+        None => Ok(judged),
     }
 }
 

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use stationary_calculus::{Metric, Potential, SizeError};
 use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, van_der_pol};
 use stationary_integrators::{
-    AdaptiveMethod, DormandPrince853, Horizon, Integrator, MechanicalField, Method, Moment,
-    RadauIia5, State, StepControl, StepError, StepReport, Tolerance, Trust,
+    AdaptiveError, AdaptiveMethod, DormandPrince853, Horizon, Integrator, MechanicalField, Method,
+    Moment, RadauIia5, State, StepControl, StepError, StepReport, Tolerance, Trust,
     integrate_with_error, simulate_with_error,
 };
 
@@ -121,11 +121,11 @@ fn a_run_of_a_smaller_tolerance_tells_the_error_of_chosen_steps() {
         let control = StepControl::from(Tolerance::new(tolerance, tolerance).unwrap());
         DormandPrince853::new(&field, control, Moment::new(0.0, start.clone())).unwrap()
     };
-    let (mut loose, mut tight, mut judged) = (at(1e-6), at(1e-8), 0);
-    integrate_with_error(&mut loose, &mut tight, planet.horizon, |now| {
+    let (mut loose, mut middle, mut tight, mut judged) = (at(1e-6), at(1e-7), at(1e-8), 0);
+    integrate_with_error([&mut loose, &mut middle, &mut tight], planet.horizon, |now| {
         let q = [now.moment.y[0], now.moment.y[1]];
         let truth = planet.error(now.moment.t, &q).unwrap() * planet.scale;
-        if (1e-6..3e-2).contains(&truth) {
+        if JUDGED.contains(&truth) && now.is_sure() {
             let ratio = now.error[..2].iter().map(|x| x * x).sum::<f64>().sqrt() / truth;
             assert!((0.5..2.0).contains(&ratio), "{ratio} at {}", now.moment.t);
             judged += 1;
@@ -143,9 +143,9 @@ fn the_error_of_a_stiff_run_is_told_too() {
         let control = StepControl::from(Tolerance::new(tolerance, tolerance).unwrap());
         RadauIia5::new(&relaxation.field, control, relaxation.initial.clone()).unwrap()
     };
-    let (mut loose, mut tight) = (at(1e-4), at(1e-7));
+    let (mut loose, mut middle, mut tight) = (at(1e-4), at(1e-5), at(1e-7));
     let mut last = Vec::new();
-    integrate_with_error(&mut loose, &mut tight, relaxation.end, |now| {
+    integrate_with_error([&mut loose, &mut middle, &mut tight], relaxation.end, |now| {
         last = now.error.to_vec();
         ControlFlow::Continue(())
     })
@@ -165,6 +165,23 @@ fn runs_that_stand_at_two_moments_are_refused() {
         let control = StepControl::from(Tolerance::new(1e-6, 1e-6).unwrap());
         DormandPrince853::new(&field, control, Moment::new(t, start.clone())).unwrap()
     };
-    let run = integrate_with_error(&mut at(0.0), &mut at(1.0), 2.0, |_| ControlFlow::Continue(()));
-    assert!(run.is_err());
+    let runs = [&mut at(0.0), &mut at(0.0), &mut at(1.0)];
+    let run = integrate_with_error(runs, 2.0, |_| ControlFlow::Continue(()));
+    assert!(matches!(run, Err(AdaptiveError::OutsideStep { t: 1.0, .. })), "{run:?}");
+}
+
+#[test]
+fn runs_of_one_tolerance_are_sure_of_nothing() {
+    let planet = kepler(0.6).unwrap();
+    let field = MechanicalField::new(&planet.system);
+    let start = [planet.initial.q.as_slice(), planet.initial.p.components()].concat();
+    let at = || {
+        let control = StepControl::from(Tolerance::new(1e-6, 1e-6).unwrap());
+        DormandPrince853::new(&field, control, Moment::new(0.0, start.clone())).unwrap()
+    };
+    integrate_with_error([&mut at(), &mut at(), &mut at()], 20.0, |now| {
+        assert!(!now.is_sure());
+        ControlFlow::Continue(())
+    })
+    .unwrap();
 }

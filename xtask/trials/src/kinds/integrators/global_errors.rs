@@ -32,8 +32,7 @@ pub fn trial(draw: &mut Draw) -> Verdict {
     };
     let between = draw.log_uniform(1.0, 200.0).round() as u64;
     draw.note(format!("{method}, {between} long steps between two of {TIMES} times"));
-    let times: Vec<f64> =
-        (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
+    let times: Vec<f64> = (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
     let Some((truth, doubt)) = truth((&problem, &problem.start), &times) else {
         return Verdict::not_judged("the reference does not reach the end");
     };
@@ -68,8 +67,9 @@ pub fn trial(draw: &mut Draw) -> Verdict {
         (Err(error), _) => Verdict::refused(error),
         (Ok(_), None) => Verdict::not_judged("no time at which the estimate is said to be sure"),
         (Ok(_), Some((factor, off, time))) => {
-            let what =
-                format!("{method}: off by {off:.1e} at {time}, a factor of {factor:.2}, {seen} times");
+            let what = format!(
+                "{method}: off by {off:.1e} at {time}, a factor of {factor:.2}, {seen} times"
+            );
             Verdict::of(factor, FACTOR, &what)
         }
     }

@@ -4,12 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use stationary::program::{Ending, Job, Progress, RunSceneError, Series, Start, run_job};
 use stationary_scene::CheckpointError;
-use xtask::report::Progress;
-use xtask::run::{Ending, Job, RunSceneError, Series, Start, run_job};
 
 fn scene(name: &str) -> PathBuf {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/scene/scenes");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scene/scenes");
     scenes.join(format!("{name}.toml"))
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask run FILE --out DIR`: a scene file to a trajectory, with a bar while it runs.
+//! `stationary run FILE --out DIR`: a scene file to a trajectory, with a bar while it runs.
 //!
 //! The folder is made and tried before the run, and a step that is not stable is told. A run keeps a
 //! checkpoint in its folder, a fresh one every few seconds and one when it is asked to
@@ -8,16 +8,76 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use stationary_scene::{
-    Checkpoint, CheckpointError, Progress as Step, Run, RunError, Scene, SceneError, Summary,
-    Watcher, Wish, WriteError, make_folder,
+    Checkpoint, CheckpointError, Progress as Step, Run as SceneRun, RunError, Scene, SceneError,
+    Summary, Watcher, Wish, WriteError, make_folder,
 };
 
-use crate::report::Progress;
+/// Runs a scene file and writes its trajectory, observables and picture.
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    /// The scene, a TOML file.
+    file: PathBuf,
+    /// Where to write.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Writes a file a sample for ParaView as well.
+    #[arg(long)]
+    vtk: bool,
+    /// Goes on from the checkpoint that an interrupted run has left in DIR; starts anew where there is
+    /// none.
+    #[arg(long)]
+    resume: bool,
+    /// Says nothing but what failed.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// What a shell says of a program that control-C has ended.
+const INTERRUPTED: u8 = 130;
+
+impl Run {
+    /// Runs the scene until its horizon, or until the program is asked to end.
+    pub(super) fn run(&self) -> Result<ExitCode, Box<dyn std::error::Error>> {
+        let stop = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            // Who asks twice does not want to wait.
+            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&stop))?;
+            flag::register(signal, Arc::clone(&stop))?;
+        }
+        let ending = run_job(&Job {
+            file: &self.file,
+            out: &self.out,
+            start: if self.resume { Start::Resumed } else { Start::Fresh },
+            series: if self.vtk { Series::Vtk } else { Series::None },
+            progress: if self.quiet { Progress::Hidden } else { Progress::Shown },
+            stop: &stop,
+        })?;
+        if !self.quiet {
+            println!("{}\n{}\n{}", ending.summary, ending.summary.built, self.out.display());
+        }
+        let Some(step) = ending.stopped else { return Ok(ExitCode::SUCCESS) };
+        eprintln!("stopped after step {step}; the same command with --resume goes on");
+        Ok(ExitCode::from(INTERRUPTED))
+    }
+}
+
+/// Whether there is a bar, and warnings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// There is.
+    Shown,
+    /// There is not.
+    Hidden,
+}
 
 /// A scene that was not run to its end, or whose results were not written.
 #[derive(Debug, thiserror::Error)]
@@ -148,7 +208,7 @@ pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
     }
 }
 
-fn write(run: &Run, job: &Job<'_>) -> Result<(), WriteError> {
+fn write(run: &SceneRun, job: &Job<'_>) -> Result<(), WriteError> {
     run.write(job.out)?;
     match job.series {
         Series::Vtk => run.write_vtk(job.out),

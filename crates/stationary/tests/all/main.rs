@@ -1,0 +1,5 @@
+//! What the program does.
+
+mod new;
+mod runs;
+mod words;
