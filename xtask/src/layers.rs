@@ -58,6 +58,17 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Always("strsim"),
         ],
     ),
+    // The program's; a library that takes its crates by feature has none of them.
+    (
+        "stationary",
+        &[
+            Optional("clap"),
+            Optional("indicatif"),
+            Optional("serde_json"),
+            Optional("signal-hook"),
+            Optional("thiserror"),
+        ],
+    ),
     // The peers that timings are compared with: whoever does not compare does not build them.
     (
         "benches",

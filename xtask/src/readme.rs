@@ -47,6 +47,11 @@ fn of(library: &Package) -> Result<Readme, LayerError> {
     Ok(Readme { path: library.manifest_path.with_file_name("README.md"), text })
 }
 
+/// Whether a block of this language is a program: of Rust, with or without what its test is told.
+fn is_rust(language: &str) -> bool {
+    !matches!(language, "text" | "toml")
+}
+
 /// The module's comment as a page: links to items become code, hidden lines of programs go.
 fn front_page(source: &str) -> String {
     let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
@@ -56,13 +61,14 @@ fn front_page(source: &str) -> String {
         match (line.strip_prefix("```"), fence) {
             (Some(language), None) => {
                 fence = Some(language);
-                page.push_str(if language == "text" { "```text" } else { "```rust" });
+                page.push_str("```");
+                page.push_str(if is_rust(language) { "rust" } else { language });
             }
             (Some(_), Some(_)) => {
                 fence = None;
                 page.push_str("```");
             }
-            (None, Some(language)) if language != "text" && line.starts_with("# ") => continue,
+            (None, Some(language)) if is_rust(language) && line.starts_with("# ") => continue,
             (None, Some(_)) => page.push_str(line),
             (None, None) if line.starts_with('#') => {
                 page.push('#');

@@ -46,7 +46,9 @@ impl Shipped {
         let comment = self.text.lines().skip_while(|line| !line.starts_with("# "));
         let lines = comment.map_while(|line| line.strip_prefix("# "));
         let text = lines.collect::<Vec<_>>().join(" ");
-        text.split_inclusive(['.', '!']).next().unwrap_or_default().to_owned()
+        // A point within a number ends no sentence.
+        let end = text.find(". ").map_or(text.len(), |last| last + 1);
+        text[..end].to_owned()
     }
 }
 

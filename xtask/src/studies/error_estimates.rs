@@ -91,9 +91,9 @@ fn study(_: Size) -> Result<Study, StudyError> {
         conclusion: "From three runs in steps of h, h/2 and h/4 comes how far the finest is from the \
                      truth, and how far that estimate may itself be off; it is sure where the runs \
                      converge with the method's order and the doubt is at most a quarter of the \
-                     estimate. Then it is good, within a factor of two, nearly always; where it is not \
-                     sure, steps are too long or the error passes zero, and it may be anything. Of \
-                     methods that choose their steps the estimate is the distance to a run of a \
+                     estimate. Then it is good to a few per cent. Where it is not sure, steps are too \
+                     long or the error passes zero, and it is often much too large but seldom too \
+                     small. Of methods that choose their steps the estimate is the distance to a run of a \
                      hundredth of the tolerance, sure where one of a tenth is near to that."
             .into(),
         charts: vec![
