@@ -45,8 +45,8 @@ fn main() -> ExitCode {
             Ok(files) if !files.is_empty() => {
                 for file in files {
                     seen += 1;
-                    let found = looked_at(&file, &options)
-                        .unwrap_or_else(|error| vec![error.to_string()]);
+                    let found =
+                        looked_at(&file, &options).unwrap_or_else(|error| vec![error.to_string()]);
                     complaints += found.len();
                     found.iter().for_each(|words| eprintln!("{}: {words}", file.display()));
                 }

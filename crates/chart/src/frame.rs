@@ -200,13 +200,13 @@ pub(crate) fn draw_legend(
             let middle = y - 4.5;
             match &entry.swatch {
                 Swatch::Line(style) => {
-                    canvas.line("ln", (x + 1.0, middle), (x + 25.0, middle));
+                    canvas.line("ln", (x + 1.5, middle), (x + 24.5, middle));
                     if let Some(style) = style {
                         canvas.path("mk", &style.outline((x + 13.0, middle)));
                     }
                 }
                 Swatch::Arrow => {
-                    canvas.path("step", &arrow((x + 1.0, middle), (x + 25.0, middle)));
+                    canvas.path("step", &arrow((x + 1.5, middle), (x + 24.5, middle)));
                 }
                 Swatch::Bar => {
                     let (top, bottom) = (middle - 7.0, middle + 7.0);

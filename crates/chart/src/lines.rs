@@ -172,6 +172,7 @@ impl Lines {
         let mut crowd = Crowd::default();
         traces.iter().flat_map(|t| &t.pieces).for_each(|piece| crowd.add_polyline(piece));
 
+        judgement.keep_clear(&mut crowd, &frame);
         let front = self.draw_front(&mut canvas, &frame);
         let guides = self.draw_guides(&mut canvas, &frame);
         guides.iter().for_each(|(_, path)| crowd.add_polyline(path));
@@ -321,6 +322,14 @@ impl Judgement {
         let Rect { left, right, bottom, .. } = frame.plot;
         canvas.rect("meets", left, y, right - left, (bottom - y).max(0.0));
         canvas.line("guide", (left, y), (right, y));
+    }
+
+    /// Names stand beside the ring.
+    fn keep_clear(&self, crowd: &mut Crowd, frame: &Frame) {
+        let Some(((x, y), _)) = self.choice else { return };
+        if let (Some(x), Some(y)) = (frame.x.at(x), frame.y.at(y)) {
+            crowd.add_label(Rect::around((x, y), 24.0, 24.0));
+        }
     }
 
     /// Names the tolerance at its line and rings the choice, whose words stand from `below` on; says

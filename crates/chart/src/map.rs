@@ -170,8 +170,12 @@ impl Map {
             canvas.path("border", &d);
             let points: Vec<(f64, f64)> = visible.into_iter().flatten().collect();
             crowd.add_polyline(&points);
-            match straight_part(&points, text_width(&border.label, TEXT) + 8.0) {
+            let along = straight_parts(&points, text_width(&border.label, TEXT) + 8.0)
+                .into_iter()
+                .find(|part| crowd.has_no_label(&around(part)));
+            match along {
                 Some(part) => {
+                    crowd.add_label(around(&part));
                     let label = Label::plain(border.label.clone());
                     canvas.label_along("name over", part, &label);
                 }
@@ -181,9 +185,20 @@ impl Map {
     }
 }
 
-/// The ends of a part of the path that is as long as asked and bends by less than half a letter, as near
-/// the path's middle as there is one.
-fn straight_part(path: &[(f64, f64)], long: f64) -> Option<[(f64, f64); 2]> {
+/// What a label above a line takes, upright.
+fn around([a, b]: &[(f64, f64); 2]) -> Rect {
+    const HEIGHT: f64 = 18.0;
+    Rect {
+        left: a.0.min(b.0),
+        top: a.1.min(b.1) - HEIGHT,
+        right: a.0.max(b.0),
+        bottom: a.1.max(b.1),
+    }
+}
+
+/// The ends of parts of the path that are as long as asked and bend by less than half a letter, those
+/// near the path's middle first.
+fn straight_parts(path: &[(f64, f64)], long: f64) -> Vec<[(f64, f64); 2]> {
     const BEND: f64 = 5.0;
     let length = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
     let total: f64 = path.windows(2).map(|pair| length(pair[0], pair[1])).sum();
@@ -202,9 +217,9 @@ fn straight_part(path: &[(f64, f64)], long: f64) -> Option<[(f64, f64); 2]> {
     };
     let slack = total - long;
     if slack.is_nan() || slack < 0.0 {
-        return None;
+        return Vec::new();
     }
-    [0.5, 0.35, 0.65, 0.2, 0.8, 0.0, 1.0].into_iter().find_map(|share| {
+    let parts = [0.5, 0.35, 0.65, 0.2, 0.8, 0.0, 1.0].into_iter().filter_map(|share| {
         let start = share * slack;
         let (a, b) = (at(start)?, at(start + 0.999 * long)?);
         let chord = length(a, b);
@@ -214,7 +229,8 @@ fn straight_part(path: &[(f64, f64)], long: f64) -> Option<[(f64, f64); 2]> {
             across.abs() > BEND * chord
         });
         (!bent && chord > 0.95 * 0.999 * long).then_some([a, b])
-    })
+    });
+    parts.collect()
 }
 
 fn class(place: usize) -> String {
@@ -351,6 +367,21 @@ mod tests {
         assert_eq!(svg.matches("<title>").count(), 2, "its own and the rectangle's");
         assert!(svg.contains(">everywhere: stable</text>"), "{svg}");
         assert!(svg.contains("<title>stable\na: 0 to 29 m\na: 0 to 19 m</title>"), "{svg}");
+    }
+
+    #[test]
+    fn a_border_is_named_along_itself_where_it_is_straight() {
+        let line: Vec<(f64, f64)> =
+            (0..40).map(|i| f64::from(i) * 10.0).map(|x| (x, 0.5 * x)).collect();
+        let [a, b] = straight_parts(&line, 100.0)[0];
+        assert!(((b.0 - a.0).hypot(b.1 - a.1) - 100.0).abs() < 0.2);
+        assert!((0.5 * (a.0 + b.0) - 195.0).abs() < 1.0, "in the middle");
+        assert!(straight_parts(&line, 1000.0).is_empty());
+        let bent: Vec<(f64, f64)> = (0..40)
+            .map(|i| 0.08 * f64::from(i))
+            .map(|turn| (40.0 * turn.cos(), 40.0 * turn.sin()))
+            .collect();
+        assert!(straight_parts(&bent, 100.0).is_empty());
     }
 
     #[test]

@@ -89,6 +89,11 @@ impl Crowd {
         10_000 * covered + inked
     }
 
+    /// Whether a label would cover no other.
+    pub(crate) fn has_no_label(&self, spot: &Rect) -> bool {
+        self.labels.iter().all(|other| !other.overlaps(spot))
+    }
+
     /// The first spot that covers nothing.
     pub(crate) fn free(&self, spots: impl IntoIterator<Item = Rect>, page: &Rect) -> Option<Rect> {
         spots.into_iter().find(|spot| page.encloses(spot) && self.cost(spot) == 0)

@@ -124,14 +124,13 @@ impl<'a> Picture<'a> {
                     .into_iter()
                     .chain([[8.0, 18.0], [8.0, -10.0], [-8.0 - width, 18.0], [-8.0 - width, -10.0]])
                     .map(|[dx, dy]| [x + dx, y + dy - 12.0, x + dx + width, y + dy + 3.0]);
-            let free = |b: &[f64; 4]| {
-                let inside = b[0] > 4.0 && b[2] < WIDTH - 4.0;
-                inside
-                    && !taken
-                        .iter()
-                        .any(|t| b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3])
+            let inside = |b: &[f64; 4]| b[0] > 4.0 && b[2] < WIDTH - 4.0;
+            let covers = |b: &[f64; 4], t: &[f64; 4]| {
+                b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3]
             };
-            let chosen = places.clone().find(free).or_else(|| places.clone().next());
+            let free = |b: &[f64; 4]| inside(b) && !taken.iter().any(|t| covers(b, t));
+            let mut beside = places.clone();
+            let chosen = beside.find(free).or_else(|| places.clone().find(inside));
             let Some(chosen) = chosen else { continue };
             taken.push(chosen);
             canvas.text(Lettering::Name, (chosen[0], chosen[3] - 3.0), Anchor::Start, name);
