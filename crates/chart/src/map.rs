@@ -33,6 +33,9 @@ pub struct Map {
     pub borders: Vec<Border>,
 }
 
+/// A name of a border that is no wider stands beside it where it is bent.
+const SHORT: f64 = 90.0;
+
 /// A predicted border.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -97,7 +100,7 @@ impl Map {
         for (place, outcome) in self.outcomes.iter().enumerate() {
             self.draw_outcome(&mut canvas, &frame, (&columns, &rows), (place, outcome));
         }
-        self.draw_borders(&mut canvas, &frame);
+        let numbered = self.draw_borders(&mut canvas, &frame);
         self.name_the_only_outcome(&mut canvas, &frame);
         let entries: Vec<LegendEntry> = self
             .outcomes
@@ -109,6 +112,7 @@ impl Map {
                 text: outcome.clone(),
                 swatch: Swatch::Cell(place),
             })
+            .chain(numbered)
             .collect();
         let height = draw_legend(&mut canvas, &entries, frame.below, layout.width());
         Drawing { canvas, height }
@@ -158,8 +162,10 @@ impl Map {
         canvas.label("name", middle, Anchor::Middle, &Label::plain(words));
     }
 
-    fn draw_borders(&self, canvas: &mut Canvas, frame: &Frame) {
-        let mut crowd = Crowd::default();
+    /// Names each border along itself; one that is too short for its name has a number, which the legend
+    /// explains.
+    fn draw_borders(&self, canvas: &mut Canvas, frame: &Frame) -> Vec<LegendEntry> {
+        let (mut crowd, mut numbered) = (Crowd::default(), Vec::new());
         for border in &self.borders {
             let at = |&(x, y): &(f64, f64)| Some((frame.x.at(x)?, frame.y.at(y)?));
             let path: Vec<(f64, f64)> = border.points.iter().filter_map(at).collect();
@@ -179,9 +185,22 @@ impl Map {
                     let label = Label::plain(border.label.clone());
                     canvas.label_along("name over", part, &label);
                 }
-                None => draw_along(canvas, &mut crowd, &frame.data, &border.label, &points),
+                None if points.is_empty() => {}
+                None if text_width(&border.label, TEXT) <= SHORT => {
+                    draw_along(canvas, &mut crowd, &frame.data, &border.label, &points);
+                }
+                None => {
+                    let number = (numbered.len() + 1).to_string();
+                    draw_along(canvas, &mut crowd, &frame.data, &number, &points);
+                    numbered.push(LegendEntry {
+                        class: "ref".to_owned(),
+                        text: format!("{number}: {}", border.label),
+                        swatch: Swatch::Line(None),
+                    });
+                }
             }
         }
+        numbered
     }
 }
 
@@ -382,6 +401,19 @@ mod tests {
             .map(|turn| (40.0 * turn.cos(), 40.0 * turn.sin()))
             .collect();
         assert!(straight_parts(&bent, 100.0).is_empty());
+    }
+
+    #[test]
+    fn a_border_too_short_for_its_name_has_a_number_that_the_legend_explains() {
+        let axis = || Axis::linear("a", "m");
+        let mut map = Map::new("", axis(), axis(), ["stable", "lost"])
+            .border("a name that is far longer than its border", [(0.0, 0.0), (1.0, 1.0)])
+            .border("short", [(0.0, 9.0), (9.0, 9.0)]);
+        (0..10).for_each(|x| map.cell(f64::from(x), f64::from(x), "stable"));
+        map.cell(0.0, 9.0, "lost");
+        let svg = Chart::from(map).file("").unwrap();
+        assert!(svg.contains(">1</text>") && svg.contains(">short</text>"), "{svg}");
+        assert!(svg.contains(">1: a name that is far longer than its border</text>"), "{svg}");
     }
 
     #[test]
