@@ -14,5 +14,5 @@ macro_rules! pages {
 #[cfg(doctest)]
 pages! {
     introduction architecture report trials choose errata
-    calculus mesh integrators constraints rigid contact elasticity modal laplacian scene
+    calculus mesh integrators constraints rigid contact elasticity modal laplacian scene chart
 }

@@ -30,6 +30,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Optional("rayon"),
         ],
     ),
+    ("chart", &[Optional("serde")]),
     ("mesh", &[Always("nalgebra"), Always("thiserror"), Optional("vtkio")]),
     ("integrators", &[Always("nalgebra"), Always("thiserror"), Optional("serde")]),
     ("constraints", &[Always("nalgebra"), Always("thiserror")]),

@@ -12,13 +12,12 @@
 //! - [`kernels`]: what the hot kernels take as Cargo's own release profile builds them.
 //! - [`cargo`]: how these ask cargo.
 //!
-//! A study is a [`study::Study`]: a table, its [`chart`]s and its claims; the list of them is
+//! A study is a [`study::Study`]: a table, its [charts](stationary_chart) and its claims; the list of them is
 //! [`studies::STUDIES`]. All but that list knows nothing of physics.
 
 #![allow(clippy::missing_errors_doc, reason = "an unpublished tool: its errors end in a message")]
 
 pub mod cargo;
-pub mod chart;
 pub mod check_page;
 pub mod choose;
 pub mod choosing;
@@ -31,8 +30,6 @@ pub mod report;
 pub mod studies;
 pub mod study;
 
-mod pareto;
 mod timing;
 
-pub use pareto::pareto;
 pub use timing::{Wall, median_wall};

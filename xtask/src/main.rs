@@ -222,7 +222,7 @@ fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
     };
     let (answer, lab) = choose(file, &question)?;
     print!("{answer}");
-    emit(&arguments.chart, &picture(&answer))?;
+    emit(&arguments.chart, &picture(&answer)?)?;
     println!("\n{}", arguments.chart.display());
     if let Some(path) = &arguments.json {
         emit(path, &json(&answer)?)?;

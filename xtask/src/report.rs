@@ -17,7 +17,8 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::chart::{Layout, Medium, Styles};
+use stationary_chart::{ChartError, Layout, Medium, Styles};
+
 use crate::study::{Entry, Size, Study, StudyError};
 use files::Folder;
 pub use machine::Machine;
@@ -106,6 +107,14 @@ pub enum ReportError {
         /// What the system says.
         source: io::Error,
     },
+    /// A chart says what no drawing can show.
+    #[error("{file}: {source}")]
+    Chart {
+        /// The file in which it would be.
+        file: String,
+        /// What is wrong with it.
+        source: ChartError,
+    },
     /// A share of the report has no TOML form.
     #[error("shard.toml: {0}")]
     Toml(#[from] toml::ser::Error),
@@ -159,8 +168,11 @@ fn write(
     for study in outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()) {
         folder.write(&format!("{}.csv", study.id), &csv::csv(&study.table))?;
         for (i, chart) in study.charts.iter().enumerate() {
-            let svg = chart.svg(Layout::Wide, Medium::File, &styles, &study.conclusion);
-            folder.write(&chart_file(study.id, i), &svg)?;
+            let file = chart_file(study.id, i);
+            match chart.svg(Layout::Wide, Medium::File, &styles, &study.conclusion) {
+                Ok(svg) => folder.write(&file, &svg)?,
+                Err(source) => return Err(ReportError::Chart { file, source }),
+            }
         }
     }
     folder.write("report.json", &json::json(machine, outcomes)?)?;

@@ -5,8 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 use stationary_calculus::Table;
-
-use crate::chart::{Chart, significant};
+use stationary_chart::{Chart, ChartError, significant};
 
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -182,7 +181,7 @@ impl Entry<'_> {
     /// Runs the study and checks that it is the one which the list announces.
     ///
     /// # Errors
-    /// What the study returns, and [`StudyError::Mislabelled`].
+    /// What the study returns, [`StudyError::Chart`] and [`StudyError::Mislabelled`].
     pub fn measure(&self, size: Size) -> Result<Study, StudyError> {
         let study = (self.run)(size)?;
         let labels = [
@@ -191,6 +190,7 @@ impl Entry<'_> {
             ("chapter", self.chapter, study.chapter),
             ("kind", self.kind.words(), study.kind.words()),
         ];
+        study.charts.iter().try_for_each(Chart::check)?;
         match labels.into_iter().find(|(_, listed, own)| listed != own) {
             Some((label, listed, own)) => Err(StudyError::Mislabelled { label, listed, own }),
             None => Ok(study),
@@ -226,6 +226,9 @@ pub enum StudyError {
     /// It was measured elsewhere, and failed there.
     #[error("{0}")]
     Elsewhere(String),
+    /// A chart says what no drawing can show.
+    #[error("a chart: {0}")]
+    Chart(#[from] ChartError),
     /// The list of studies and the study disagree on what it is.
     #[error("the list says {label} `{listed}`, the study says `{own}`")]
     Mislabelled {

@@ -6,13 +6,12 @@
 //! Each shows the paths since the one before. One SVG file like the picture, whose lines and colours
 //! it shares.
 
-use std::fmt;
+use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone, significant};
 
 use crate::Run;
 use crate::drawing::thinned;
-use crate::ink::escaped;
 use crate::projection::Extent;
-use crate::sheet::{Axes, Sheet, styles};
+use crate::sheet::{Axes, Sheet};
 
 /// Moments, and how many stand side by side.
 const MOMENTS: usize = 6;
@@ -73,74 +72,45 @@ impl<'a> Film<'a> {
         [width, HEADER + rows * (self.frame_height() + CAPTION) + MARGIN]
     }
 
-    fn moment(&self, f: &mut fmt::Formatter<'_>, place: usize, sheet: &Sheet<'_>) -> fmt::Result {
+    /// The text of the SVG file.
+    pub(crate) fn svg(&self) -> String {
+        let [width, height] = self.size();
+        let mut canvas = Canvas::new(width, height);
+        let title = self.run.scene().title();
+        canvas.text(Lettering::Heading, (MARGIN, 38.0), Anchor::Start, title);
+        match &self.sheet {
+            Some(sheet) => {
+                (0..self.samples.len()).for_each(|place| self.moment(&mut canvas, place, sheet));
+            }
+            None => {
+                let words = "The scene is too large to draw.";
+                canvas.text(Lettering::Remark, (MARGIN, 90.0), Anchor::Start, words);
+            }
+        }
+        canvas.svg(Medium::File, title)
+    }
+
+    fn moment(&self, canvas: &mut Canvas, place: usize, sheet: &Sheet<'_>) {
         let (row, column) = (place / ACROSS, place % ACROSS);
         let x = MARGIN + column as f64 * (WIDTH + GAP);
         let y = HEADER + row as f64 * (self.frame_height() + CAPTION);
         let (sample, height) = (self.samples[place], self.frame_height());
-        writeln!(f, "<g transform=\"translate({x:.1} {y:.1})\">")?;
-        let frame = format!("width=\"{WIDTH}\" height=\"{height:.1}\" rx=\"4\"");
-        writeln!(f, "<rect class=\"frame\" {frame}/>")?;
         let moving = self.run.scene.moving(SPOTS);
         let before = place.checked_sub(1).map_or(sample, |before| self.samples[before]);
-        sheet.walls(f, &self.walls)?;
-        sheet.faces(f, sample)?;
-        sheet.paths(f, before..=sample, &moving, POINTS)?;
-        sheet.lines(f, sample, "end")?;
-        sheet.spots(f, sample, &moving, 3.5)?;
-        sheet.pins(f)?;
         let time = self.run.times().get(sample).copied().unwrap_or_default();
-        let caption = format!("t = {} {}", rounded(time), self.run.scene.units.time);
-        let at = format!("x=\"{:.1}\" y=\"{:.1}\"", 0.5 * WIDTH, height + 19.0);
-        writeln!(f, "<text class=\"mid\" {at}>{}</text>\n</g>", escaped(&caption))
-    }
-}
-
-/// The number with four digits, and no more zeros than it needs.
-fn rounded(x: f64) -> String {
-    let digits: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    if digits != 0.0 && !(1e-4..1e9).contains(&digits.abs()) {
-        return format!("{digits:e}");
-    }
-    digits.to_string()
-}
-
-impl fmt::Display for Film<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([width, height], title) = (self.size(), escaped(self.run.scene().title()));
-        let height = height.ceil();
-        writeln!(
-            f,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-             width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{title}\">"
-        )?;
-        writeln!(f, "<title>{title}</title>")?;
-        styles(f)?;
-        writeln!(f, "<rect class=\"paper\" width=\"{width}\" height=\"{height}\"/>")?;
-        writeln!(f, "<text class=\"title\" x=\"{MARGIN}\" y=\"38\">{title}</text>")?;
-        match &self.sheet {
-            Some(sheet) => {
-                for place in 0..self.samples.len() {
-                    self.moment(f, place, sheet)?;
-                }
-            }
-            None => writeln!(
-                f,
-                "<text class=\"soft\" x=\"{MARGIN}\" y=\"90\">The scene is too large to draw.</text>"
-            )?,
-        }
-        writeln!(f, "</svg>")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_rounded_to_four_digits() {
-        let all = [0.0, 0.1 + 0.2, 40_000.0, 123_456.0, 1.5e-9, 2.0e12];
-        let texts = all.map(rounded);
-        assert_eq!(texts, ["0", "0.3", "40000", "123500", "1.5e-9", "2e12"]);
+        let caption = format!("t = {} {}", significant(time, 4), self.run.scene.units.time);
+        canvas.moved((x, y), |canvas| {
+            let mut frame = Path::new();
+            frame.outline(&[(0.0, 0.0), (WIDTH, 0.0), (WIDTH, height), (0.0, height)]);
+            canvas.stroke(Tone::Faint, 1.0, &frame);
+            sheet.walls(canvas, &self.walls);
+            sheet.faces(canvas, sample);
+            sheet.paths(canvas, before..=sample, &moving, POINTS);
+            sheet.lines(canvas, sample, Tone::Strong);
+            sheet.spots(canvas, sample, &moving, 3.5);
+            sheet.pins(canvas);
+            let at = (0.5 * WIDTH, height + 19.0);
+            canvas.text(Lettering::Plain, at, Anchor::Middle, &caption);
+        });
     }
 }

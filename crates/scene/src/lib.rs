@@ -232,7 +232,6 @@ mod csv;
 mod drawing;
 mod field_tables;
 mod film;
-mod ink;
 mod picture;
 mod player;
 mod projection;

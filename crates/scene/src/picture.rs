@@ -5,12 +5,11 @@
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
 //! springs, faint where it starts and strong where it ends.
 
-use std::fmt;
+use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone};
 
 use crate::error::COORDINATES;
-use crate::ink::{COLOURS, escaped};
 use crate::projection::{Extent, round_length};
-use crate::sheet::{Axes, Sheet, styles};
+use crate::sheet::{Axes, Sheet, THICK, THIN, square};
 use crate::{Motion, Run};
 
 /// The paper, and the part of it that the scene may use.
@@ -20,6 +19,9 @@ const HEADER: f64 = 76.0;
 const FOOTER: f64 = 70.0;
 const TALLEST: f64 = 720.0;
 const FLATTEST: f64 = 240.0;
+
+/// The width of a scale.
+const SCALE: f64 = 1.4;
 
 /// Points of all paths together, and paths with a name; beyond these numbers only a part is drawn,
 /// evenly chosen.
@@ -57,12 +59,34 @@ impl<'a> Picture<'a> {
         self.run.times().len()
     }
 
+    /// The text of the SVG file.
+    pub(crate) fn svg(&self) -> String {
+        let mut canvas = Canvas::new(WIDTH, self.height.ceil());
+        self.header(&mut canvas);
+        match &self.sheet {
+            Some(sheet) => {
+                self.links(&mut canvas, sheet);
+                sheet.paths(&mut canvas, 0..=self.samples() - 1, &self.moving(), POINTS);
+                self.spots(&mut canvas, sheet);
+                self.names(&mut canvas, sheet);
+                self.bars(&mut canvas, sheet);
+                self.axes(&mut canvas, sheet);
+                self.legend(&mut canvas);
+            }
+            None => {
+                let words = "The scene is too large to draw.";
+                canvas.text(Lettering::Remark, (MARGIN, 110.0), Anchor::Start, words);
+            }
+        }
+        canvas.svg(Medium::File, self.run.scene().title())
+    }
+
     /// Springs and rods at the start and at the end; a rod that broke is missing there.
-    fn links(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
-        sheet.walls(f, &self.walls)?;
-        sheet.lines(f, 0, "start")?;
-        sheet.faces(f, self.samples() - 1)?;
-        sheet.lines(f, self.samples() - 1, "end")
+    fn links(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
+        sheet.walls(canvas, &self.walls);
+        sheet.lines(canvas, 0, Tone::Faint);
+        sheet.faces(canvas, self.samples() - 1);
+        sheet.lines(canvas, self.samples() - 1, Tone::Strong);
     }
 
     /// Followed particles that move, as many as have a path.
@@ -70,192 +94,133 @@ impl<'a> Picture<'a> {
         self.run.scene.moving(POINTS / 4)
     }
 
-    fn spots(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
+    fn spots(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
         let moving = self.moving();
         for (turn, &particle) in moving.iter().enumerate() {
-            let (turn, [x, y]) = (turn % COLOURS.len(), sheet.spot(0, particle));
-            writeln!(f, "<circle class=\"first c{turn}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>")?;
+            canvas.ring(Tone::Hue(turn), sheet.spot(0, particle), 3.0);
         }
-        sheet.spots(f, self.samples() - 1, &moving, 4.0)?;
-        sheet.pins(f)
+        sheet.spots(canvas, self.samples() - 1, &moving, 4.0);
+        sheet.pins(canvas);
     }
 
     /// Names beside the ends of paths, each where it covers no other.
-    fn names(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
+    fn names(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
         let last = self.samples() - 1;
         let mut taken: Vec<[f64; 4]> = Vec::new();
         let followed = self.run.scene().followed();
         if followed.len() > NAMES {
-            return Ok(());
+            return;
         }
         for &particle in &followed {
-            let [x, y] = sheet.spot(last, particle);
+            let (x, y) = sheet.spot(last, particle);
             taken.push([x - 5.0, y - 5.0, x + 5.0, y + 5.0]);
         }
         for &particle in &followed {
             let name = &self.run.scene().particles()[particle].name;
-            let [x, y] = sheet.spot(last, particle);
+            let (x, y) = sheet.spot(last, particle);
             let width = 7.5 * name.chars().count() as f64;
             let places =
                 [[8.0, 4.0], [-8.0 - width, 4.0], [-0.5 * width, -9.0], [-0.5 * width, 19.0]]
                     .into_iter()
                     .chain([[8.0, 18.0], [8.0, -10.0], [-8.0 - width, 18.0], [-8.0 - width, -10.0]])
                     .map(|[dx, dy]| [x + dx, y + dy - 12.0, x + dx + width, y + dy + 3.0]);
-            let free = |b: &[f64; 4]| {
-                let inside = b[0] > 4.0 && b[2] < WIDTH - 4.0;
-                inside
-                    && !taken
-                        .iter()
-                        .any(|t| b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3])
+            let inside = |b: &[f64; 4]| b[0] > 4.0 && b[2] < WIDTH - 4.0;
+            let covers = |b: &[f64; 4], t: &[f64; 4]| {
+                b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3]
             };
-            let chosen = places.clone().find(free).or_else(|| places.clone().next());
+            let free = |b: &[f64; 4]| inside(b) && !taken.iter().any(|t| covers(b, t));
+            let mut beside = places.clone();
+            let chosen = beside.find(free).or_else(|| places.clone().find(inside));
             let Some(chosen) = chosen else { continue };
             taken.push(chosen);
-            let (x, y) = (chosen[0], chosen[3] - 3.0);
-            writeln!(f, "<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(name))?;
+            canvas.text(Lettering::Name, (chosen[0], chosen[3] - 3.0), Anchor::Start, name);
         }
-        Ok(())
     }
 
-    fn header(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn header(&self, canvas: &mut Canvas) {
         let scene = self.run.scene();
         let unit = &scene.units().time;
         let end = self.run.times().last().copied().unwrap_or_default();
-        writeln!(
-            f,
-            "<text class=\"title\" x=\"{MARGIN}\" y=\"36\">{}</text>",
-            escaped(scene.title())
-        )?;
+        canvas.text(Lettering::Heading, (MARGIN, 36.0), Anchor::Start, scene.title());
         let line = format!(
             "{}, {} steps of {} {unit}, to t = {end} {unit}",
             scene.stepping(),
             self.run.cost().steps,
             scene.timing().step(),
         );
-        writeln!(f, "<text class=\"soft\" x=\"{MARGIN}\" y=\"56\">{}</text>", escaped(&line))
+        canvas.text(Lettering::Remark, (MARGIN, 56.0), Anchor::Start, &line);
     }
 
     /// A bar of a round length at the lower left; on a line, a second one for time.
-    fn bars(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
+    fn bars(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
         let (units, graph) = (self.run.scene().units(), sheet.axes == Axes::Graph);
         let (x, y) = (MARGIN, self.height - 24.0);
         let unit = if graph { &units.time } else { &units.length };
         let length = round_length(180.0 / sheet.scale[0]);
         let end = x + length * sheet.scale[0];
-        writeln!(
-            f,
-            "<path class=\"bar\" d=\"M{x:.1} {:.1}V{y:.1}H{end:.1}V{:.1}\"/>",
-            y - 5.0,
-            y - 5.0
-        )?;
-        let text = escaped(&format!("{length} {unit}"));
-        writeln!(f, "<text class=\"soft\" x=\"{x:.1}\" y=\"{:.1}\">{text}</text>", y - 10.0)?;
+        let bar = [(x, y - 5.0), (x, y), (end, y), (end, y - 5.0)];
+        canvas.stroke(Tone::Muted, SCALE, &Path::line(&bar));
+        let text = format!("{length} {unit}");
+        canvas.text(Lettering::Remark, (x, y - 10.0), Anchor::Start, &text);
         if graph {
             let length = round_length(120.0 / sheet.scale[1]);
-            let (x, top) = (16.0, y - 60.0 - length * sheet.scale[1]);
-            let foot = y - 60.0;
-            writeln!(
-                f,
-                "<path class=\"bar\" d=\"M{:.1} {top:.1}H{x:.1}V{foot:.1}H{:.1}\"/>",
-                x + 5.0,
-                x + 5.0
-            )?;
-            let text = escaped(&format!("{length} {}", units.length));
-            writeln!(
-                f,
-                "<text class=\"soft\" x=\"{:.1}\" y=\"{:.1}\">{text}</text>",
-                x - 4.0,
-                top - 6.0
-            )?;
+            let (x, foot) = (16.0, y - 60.0);
+            let top = foot - length * sheet.scale[1];
+            let bar = [(x + 5.0, top), (x, top), (x, foot), (x + 5.0, foot)];
+            canvas.stroke(Tone::Muted, SCALE, &Path::line(&bar));
+            let text = format!("{length} {}", units.length);
+            canvas.text(Lettering::Remark, (x - 4.0, top - 6.0), Anchor::Start, &text);
         }
-        Ok(())
     }
 
     /// The three axes as they are seen, at the lower right.
-    fn axes(&self, f: &mut fmt::Formatter<'_>, sheet: &Sheet<'_>) -> fmt::Result {
+    fn axes(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
         const ARM: f64 = 24.0;
-        let Axes::Seen(projection) = sheet.axes else { return Ok(()) };
+        let Axes::Seen(projection) = sheet.axes else { return };
         let (x, y) = (WIDTH - MARGIN - ARM, self.height - 38.0);
         for (c, axis) in COORDINATES.iter().enumerate().take(self.run.scene().dimension()) {
             let [right, up] = projection.of(std::array::from_fn(|i| f64::from(u8::from(i == c))));
             if right.hypot(up) < 0.15 {
                 continue;
             }
-            let end = [x + ARM * right, y - ARM * up];
-            writeln!(f, "<path class=\"bar\" d=\"M{x:.1} {y:.1}L{:.1} {:.1}\"/>", end[0], end[1])?;
-            let at = [x + (ARM + 9.0) * right, y - (ARM + 9.0) * up + 4.0];
-            writeln!(
-                f,
-                "<text class=\"soft mid\" x=\"{:.1}\" y=\"{:.1}\">{axis}</text>",
-                at[0], at[1]
-            )?;
+            let arm = [(x, y), (x + ARM * right, y - ARM * up)];
+            canvas.stroke(Tone::Muted, SCALE, &Path::line(&arm));
+            let at = (x + (ARM + 9.0) * right, y - (ARM + 9.0) * up + 4.0);
+            canvas.text(Lettering::Remark, at, Anchor::Middle, axis);
         }
-        Ok(())
     }
 
     /// What the marks mean, in the middle of the foot: only those that are there.
-    fn legend(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn legend(&self, canvas: &mut Canvas) {
         let scene = self.run.scene();
         let y = self.height - 28.0;
         let mut x = MARGIN + 230.0;
-        let mut entry = |f: &mut fmt::Formatter<'_>, mark: &str, words: &str| -> fmt::Result {
-            writeln!(f, "<g transform=\"translate({x:.1} {y:.1})\">{mark}")?;
-            writeln!(f, "<text class=\"soft\" x=\"26\" y=\"4\">{words}</text></g>")?;
+        let mut entry = |words: &str, mark: &dyn Fn(&mut Canvas, f64)| {
+            mark(canvas, x);
+            canvas.text(Lettering::Remark, (x + 26.0, y + 4.0), Anchor::Start, words);
             x += 40.0 + 7.0 * words.len() as f64;
-            Ok(())
         };
         // Half of the line faint, as at the start, and half strong, as at the end.
-        let bar = |kind: &str| {
-            let line = |class, from| format!("<path class=\"{kind} {class}\" d=\"M{from} 0h11\"/>");
-            line("start", 0) + &line("end", 11)
+        let line = |width: f64| {
+            move |canvas: &mut Canvas, x: f64| {
+                for (tone, from) in [(Tone::Faint, x), (Tone::Strong, x + 11.0)] {
+                    canvas.stroke(tone, width, &Path::line(&[(from, y), (from + 11.0, y)]));
+                }
+            }
         };
         if !self.moving().is_empty() {
-            entry(f, "<circle class=\"first ink\" cx=\"12\" cy=\"0\" r=\"3\"/>", "start")?;
-            entry(f, "<circle class=\"last\" cx=\"12\" cy=\"0\" r=\"4\"/>", "end")?;
+            entry("start", &|canvas, x| canvas.ring(Tone::Ink, (x + 12.0, y), 3.0));
+            entry("end", &|canvas, x| canvas.dot(Tone::Ink, (x + 12.0, y), 4.0));
         }
         if scene.lines().next().is_some() {
-            let words = if scene.bodies().is_empty() { "springs" } else { "bodies" };
-            entry(f, &bar("springs"), words)?;
+            entry(if scene.bodies().is_empty() { "springs" } else { "bodies" }, &line(THIN));
         }
         if !scene.rods().is_empty() {
-            entry(f, &bar("rods"), "rods")?;
+            entry("rods", &line(THICK));
         }
         if scene.particles().iter().any(|particle| particle.motion == Motion::Pinned) {
-            let mark = "<rect class=\"pin\" x=\"9\" y=\"-3.5\" width=\"7\" height=\"7\"/>";
-            entry(f, mark, "pinned")?;
+            entry("pinned", &|canvas, x| canvas.fill(Tone::Ink, 1.0, &square((x + 12.5, y))));
         }
-        Ok(())
-    }
-}
-
-impl fmt::Display for Picture<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (height, title) = (self.height.ceil(), escaped(self.run.scene().title()));
-        writeln!(
-            f,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" \
-             width=\"{WIDTH}\" height=\"{height}\" role=\"img\" aria-label=\"{title}\">"
-        )?;
-        writeln!(f, "<title>{title}</title>")?;
-        styles(f)?;
-        writeln!(f, "<rect class=\"paper\" width=\"{WIDTH}\" height=\"{height}\"/>")?;
-        self.header(f)?;
-        match &self.sheet {
-            Some(sheet) => {
-                self.links(f, sheet)?;
-                sheet.paths(f, 0..=self.samples() - 1, &self.moving(), POINTS)?;
-                self.spots(f, sheet)?;
-                self.names(f, sheet)?;
-                self.bars(f, sheet)?;
-                self.axes(f, sheet)?;
-                self.legend(f)?;
-            }
-            None => writeln!(
-                f,
-                "<text class=\"soft\" x=\"{MARGIN}\" y=\"110\">The scene is too large to draw.</text>"
-            )?,
-        }
-        writeln!(f, "</svg>")
     }
 }
 

@@ -18,9 +18,9 @@ use std::io::{self, Write};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
+use stationary_chart::{escaped, variables};
 
 use crate::drawing::thinned;
-use crate::ink::{escaped, variables};
 use crate::{Motion, Run};
 use charts::{Chart, charts};
 

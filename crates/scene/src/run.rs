@@ -498,8 +498,8 @@ impl Run {
             let summary = self.summary();
             write!(out, "{summary}\n{}", summary.built)
         })?;
-        write_file(&folder.join("picture.svg"), |out| write!(out, "{}", self.picture()))?;
-        write_file(&folder.join("film.svg"), |out| write!(out, "{}", self.film()))?;
+        write_file(&folder.join("picture.svg"), |out| out.write_all(self.picture().as_bytes()))?;
+        write_file(&folder.join("film.svg"), |out| out.write_all(self.film().as_bytes()))?;
         write_file(&folder.join("player.html"), |out| player::write(self, out))
     }
 
@@ -514,11 +514,11 @@ impl Run {
 
     /// The picture of the run, as the text of an SVG file.
     pub fn picture(&self) -> String {
-        picture::Picture::of(self).to_string()
+        picture::Picture::of(self).svg()
     }
 
     /// A few moments of the run side by side, as the text of an SVG file.
     pub fn film(&self) -> String {
-        film::Film::of(self).to_string()
+        film::Film::of(self).svg()
     }
 }

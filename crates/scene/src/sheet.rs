@@ -3,12 +3,20 @@
 //! Lines are drawn at one sample, in a tone: springs and edges of bodies thin, rods thick, those that
 //! broke not at all. Pinned particles are squares, followed ones spots of a colour each.
 
-use std::fmt;
 use std::ops::RangeInclusive;
 
+use stationary_chart::{Canvas, Path, Tone};
+
 use crate::Run;
-use crate::ink::{self, COLOURS};
 use crate::projection::{Extent, Projection};
+
+/// Widths of springs and edges of bodies, of rods, and of paths.
+pub(crate) const THIN: f64 = 0.9;
+pub(crate) const THICK: f64 = 2.0;
+const PATH: f64 = 1.2;
+/// How much of a face and of a wall is seen.
+const FACE: f64 = 0.16;
+const WALL: f64 = 0.5;
 
 /// Lines of a kind drawn at one time; beyond this number only a part is drawn, evenly chosen.
 const LINES: usize = 20_000;
@@ -90,139 +98,100 @@ impl<'a> Sheet<'a> {
     }
 
     /// Where a particle is on paper.
-    pub(crate) fn spot(&self, sample: usize, particle: usize) -> [f64; 2] {
+    pub(crate) fn spot(&self, sample: usize, particle: usize) -> (f64, f64) {
         self.on_paper(self.axes.of_particle(self.run, sample, particle))
     }
 
-    fn on_paper(&self, x: [f64; 2]) -> [f64; 2] {
-        [
+    fn on_paper(&self, x: [f64; 2]) -> (f64, f64) {
+        (
             self.centre[0] + self.scale[0] * (x[0] - self.middle[0]),
             self.centre[1] - self.scale[1] * (x[1] - self.middle[1]),
-        ]
+        )
     }
 
     /// What nothing enters.
-    pub(crate) fn walls(&self, f: &mut fmt::Formatter<'_>, walls: &[[[f64; 2]; 4]]) -> fmt::Result {
+    pub(crate) fn walls(&self, canvas: &mut Canvas, walls: &[[[f64; 2]; 4]]) {
         for corners in walls {
-            let [a, b, c, d] = corners.map(|corner| self.on_paper(corner));
-            write!(f, "<path class=\"wall\" d=\"M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
-            writeln!(f, "L{:.1} {:.1}L{:.1} {:.1}Z\"/>", c[0], c[1], d[0], d[1])?;
+            let mut path = Path::new();
+            path.outline(&corners.map(|corner| self.on_paper(corner)));
+            canvas.fill(Tone::Faint, WALL, &path);
         }
-        Ok(())
     }
 
     /// Springs, edges of bodies, and the rods that are left.
-    pub(crate) fn lines(
-        &self,
-        f: &mut fmt::Formatter<'_>,
-        sample: usize,
-        tone: &str,
-    ) -> fmt::Result {
+    pub(crate) fn lines(&self, canvas: &mut Canvas, sample: usize, tone: Tone) {
         let springs: Vec<[usize; 2]> = self.run.scene.lines().collect();
         let rods: Vec<[usize; 2]> = self.run.rods_at(sample).collect();
-        for (kind, lines) in [("springs", springs), ("rods", rods)] {
-            if lines.is_empty() {
-                continue;
+        for (width, lines) in [(THIN, springs), (THICK, rods)] {
+            let mut path = Path::new();
+            for ends in lines.iter().step_by(lines.len().div_ceil(LINES).max(1)) {
+                path.through(ends.map(|end| self.spot(sample, end)));
             }
-            write!(f, "<path class=\"{kind} {tone}\" d=\"")?;
-            for ends in lines.iter().step_by(lines.len().div_ceil(LINES)) {
-                let [a, b] = ends.map(|end| self.spot(sample, end));
-                write!(f, "M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
+            if !path.is_empty() {
+                canvas.stroke(tone, width, &path);
             }
-            writeln!(f, "\"/>")?;
         }
-        Ok(())
     }
 
     /// Faces, of which all are seen through.
-    pub(crate) fn faces(&self, f: &mut fmt::Formatter<'_>, sample: usize) -> fmt::Result {
+    pub(crate) fn faces(&self, canvas: &mut Canvas, sample: usize) {
         let faces = self.run.scene.surface();
         if faces.is_empty() || faces.len() > LINES {
-            return Ok(());
+            return;
         }
-        write!(f, "<path class=\"face\" d=\"")?;
+        let mut path = Path::new();
         for face in faces {
-            let [a, b, c] = face.corners.map(|corner| self.spot(sample, corner));
-            write!(f, "M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])?;
-            write!(f, "L{:.1} {:.1}Z", c[0], c[1])?;
+            path.outline(&face.corners.map(|corner| self.spot(sample, corner)));
         }
-        writeln!(f, "\"/>")
+        canvas.fill(Tone::Hue(0), FACE, &path);
     }
 
-    /// Paths of particles, of which the first has the first colour, with about so many points in all.
+    /// Paths of particles, of which the first has the first hue, with about so many points in all.
     pub(crate) fn paths(
         &self,
-        f: &mut fmt::Formatter<'_>,
+        canvas: &mut Canvas,
         samples: RangeInclusive<usize>,
         particles: &[usize],
         points: usize,
-    ) -> fmt::Result {
+    ) {
         let (first, last) = samples.into_inner();
         let stride = ((last - first + 1) * particles.len()).div_ceil(points).max(1);
         for (turn, &particle) in particles.iter().enumerate() {
-            write!(f, "<path class=\"path c{}\" d=\"", turn % COLOURS.len())?;
-            let mut pen = 'M';
-            let mut before = String::new();
-            for sample in (first..last).step_by(stride).chain([last]) {
-                let [x, y] = self.spot(sample, particle);
-                let point = format!("{x:.1} {y:.1}");
-                if point != before {
-                    write!(f, "{pen}{point}")?;
-                    (pen, before) = ('L', point);
-                }
-            }
-            writeln!(f, "\"/>")?;
+            let samples = (first..last).step_by(stride).chain([last]);
+            let mut path = Path::new();
+            path.through(samples.map(|sample| self.spot(sample, particle)));
+            canvas.stroke(Tone::Hue(turn), PATH, &path);
         }
-        Ok(())
     }
 
-    /// Spots of particles, of which the first has the first colour.
+    /// Spots of particles, of which the first has the first hue.
     pub(crate) fn spots(
         &self,
-        f: &mut fmt::Formatter<'_>,
+        canvas: &mut Canvas,
         sample: usize,
         particles: &[usize],
         radius: f64,
-    ) -> fmt::Result {
+    ) {
         for (turn, &particle) in particles.iter().enumerate() {
-            let (turn, [x, y]) = (turn % COLOURS.len(), self.spot(sample, particle));
-            writeln!(
-                f,
-                "<circle class=\"last f{turn}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>"
-            )?;
+            canvas.dot(Tone::Hue(turn), self.spot(sample, particle), radius);
         }
-        Ok(())
     }
 
     /// Squares where particles are pinned.
-    pub(crate) fn pins(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    pub(crate) fn pins(&self, canvas: &mut Canvas) {
         for pin in self.run.scene.pins() {
-            let [x, y] = self.spot(0, pin).map(|x| x - 3.5);
-            let square = "width=\"7\" height=\"7\"";
-            writeln!(f, "<rect class=\"pin\" x=\"{x:.1}\" y=\"{y:.1}\" {square}/>")?;
+            canvas.fill(Tone::Ink, 1.0, &square(self.spot(0, pin)));
         }
-        Ok(())
     }
 }
 
-/// Classes and colours of a drawing, for light and for dark paper.
-pub(crate) fn styles(f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    writeln!(f, "<style>\n{}svg{{max-width:100%;max-height:100vh}}", ink::variables("svg"))?;
-    writeln!(f, "text{{font:13px system-ui,sans-serif;fill:var(--ink)}}")?;
-    writeln!(f, ".title{{font-size:20px;font-weight:600}}.soft{{fill:var(--soft)}}")?;
-    writeln!(f, ".mid{{text-anchor:middle}}.paper{{fill:var(--paper)}}")?;
-    writeln!(f, ".name{{paint-order:stroke;stroke:var(--paper);stroke-width:3px}}")?;
-    let thin = ".path,.springs,.rods,.bar";
-    writeln!(f, "{thin}{{fill:none;stroke-linejoin:round;stroke-linecap:round}}")?;
-    writeln!(f, ".path{{stroke-width:1.2}}.springs{{stroke-width:.9}}.rods{{stroke-width:2}}")?;
-    writeln!(f, ".start{{stroke:var(--start)}}.end{{stroke:var(--end)}}")?;
-    writeln!(f, ".bar{{stroke:var(--soft);stroke-width:1.4}}.pin{{fill:var(--ink)}}")?;
-    writeln!(f, ".frame{{fill:none;stroke:var(--start)}}.face{{fill:var(--c0);opacity:.16}}")?;
-    writeln!(f, ".wall{{fill:var(--start);opacity:.5}}")?;
-    writeln!(f, ".first{{fill:var(--paper);stroke-width:1.4}}.ink{{stroke:var(--ink)}}")?;
-    writeln!(f, ".last{{fill:var(--ink);stroke:var(--paper);stroke-width:1.4}}")?;
-    for i in 0..COLOURS.len() {
-        write!(f, ".c{i}{{stroke:var(--c{i})}}.f{i}{{fill:var(--c{i})}}")?;
-    }
-    writeln!(f, "\n</style>")
+/// The mark of what is pinned.
+pub(crate) fn square((x, y): (f64, f64)) -> Path {
+    const HALF: f64 = 3.5;
+    let mut path = Path::new();
+    path.outline(
+        &[(-HALF, -HALF), (HALF, -HALF), (HALF, HALF), (-HALF, HALF)]
+            .map(|(right, down)| (x + right, y + down)),
+    );
+    path
 }

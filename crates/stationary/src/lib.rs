@@ -2,6 +2,7 @@
 //! program that runs scene files.
 //!
 //! ```text
+//! chart        how is a measurement shown?                   curves, maps, bars, ladders as SVG
 //! calculus     is this derivative right?                     assert_derivatives(&potential, &q)
 //! mesh         what does space consist of?                   segments, triangles, tetrahedra
 //! integrators  how does a system get to a moment later?      (q, p) -> Phi_h(q, p)
@@ -30,6 +31,8 @@
 
 #[cfg(feature = "calculus")]
 pub use stationary_calculus as calculus;
+#[cfg(feature = "chart")]
+pub use stationary_chart as chart;
 #[cfg(feature = "constraints")]
 pub use stationary_constraints as constraints;
 #[cfg(feature = "contact")]

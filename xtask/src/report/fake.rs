@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Chart, Lines, Map, Mark, Portrait, Series};
 
-use crate::chart::{Axis, Chart, Lines, Map, Mark, Portrait, Series};
 use crate::study::{Claim, Entry, Kind, Measure, Size, Study, StudyError};
 
 pub(super) const STUDIES: &[Entry<'static>] = &[

@@ -1,4 +1,4 @@
-// Shows what the nearest point, or the cell under the pointer, says.
+// Shows what the nearest point, or the cell or bar under the pointer, says.
 (() => {
   const tip = document.getElementById("tip");
   const reach = 28;
@@ -35,7 +35,7 @@
         best = point;
       }
     }
-    return best ?? event.target.closest(".cell");
+    return best ?? event.target.closest(".cell, .bar");
   }
   function show(chart, event) {
     const mark = nearest(chart, event);

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use stationary_calculus::{Cell, Column, Precision, Table};
+use stationary_chart::{Layout, Medium, Styles, escaped, sheet, significant};
 
 use super::{Machine, Outcome, chart_file};
-use crate::chart::{Layout, Medium, Styles, escaped, sheet, significant};
 use crate::study::{Claim, Evidence, Size, Study};
 
 /// Longer tables are cut; the CSV has all of them.
@@ -163,7 +163,14 @@ fn study_body(study: &Study, styles: &Styles) -> String {
     let mut text = String::from("<figure>\n");
     for chart in &study.charts {
         for layout in [Layout::Wide, Layout::Narrow] {
-            text += &chart.svg(layout, Medium::Inline, styles, &described(study, chart.title()));
+            let description = described(study, chart.title());
+            match chart.svg(layout, Medium::Inline, styles, &description) {
+                Ok(svg) => text += &svg,
+                Err(error) => {
+                    let error = escaped(&error.to_string());
+                    let _ = write!(text, "<p class=\"broken\">No chart: {error}.</p>");
+                }
+            }
             text.push('\n');
         }
     }

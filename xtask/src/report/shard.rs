@@ -12,11 +12,11 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stationary_calculus::{Cell, Column, Precision, Table};
+use stationary_chart::Chart;
 
 use super::files::Folder;
 use super::measure::measure;
 use super::{Machine, Outcome, Plan, ReportError};
-use crate::chart::Chart;
 use crate::study::{Claim, Entry, Size, Study, StudyError};
 
 /// The name of the file.

@@ -9,8 +9,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Lines, Mark, Series};
 
-use crate::chart::{Axis, Lines, Mark, Series};
 use crate::choose::{
     Found, Lab, Question, Reference, Verdict, answer, exhaustive, laboratory, preferred, refer,
     way_error,

@@ -5,9 +5,9 @@
 //! cheaper is run as well.
 
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Lines, Mark, Series};
 use stationary_trials::{Draw, Plan};
 
-use crate::chart::{Axis, Lines, Mark, Series};
 use crate::choose::{Verdict, answer, exhaustive, preferred, refer};
 use crate::choosing::{KINDS, posed};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,10 +1,10 @@
 //! Convergence of every integrator on two problems with known answers.
 
 use stationary_calculus::{Cell, Column, Metric, Potential, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, kepler, pendulum};
 use stationary_integrators::{Convergence, Method};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Kepler's problem at e = 0.6.

@@ -6,6 +6,7 @@
 
 use nalgebra::Complex;
 use stationary_calculus::{Column, Covector, Energy, Number, Table};
+use stationary_chart::{Axis, Map};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
     AdaptiveMethod, DormandPrince853, Drag, Integrator, Mechanical, MechanicalField, Moment,
@@ -15,7 +16,6 @@ use stationary_integrators::{
 
 use super::stability::spaced;
 use super::stability_regions::dormand_prince_growth;
-use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The damped oscillator.

@@ -1,8 +1,8 @@
 //! Figure 2.1: the error of a finite difference against its step.
 
 use stationary_calculus::{Column, Table, Vector, differences, hat, hat_differential};
+use stationary_chart::{Axis, Lines, Series};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// The derivative of the hat function, right and wrong.

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Column, Metric, Potential, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{
     Problem, fermi_pasta_ulam, henon_heiles, kepler, oscillator, pendulum, pleiades,
     spring_pendulum, three_bodies,
@@ -13,7 +14,6 @@ use stationary_integrators::{
     simulate_with_error,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Estimates of all methods of equal steps and of two that choose theirs.

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Column, Covector, Energy, Number, Table, loglog_slope};
+use stationary_chart::{Axis, BarSeries, Bars, Lines, Series, significant};
 use stationary_integrators::problems::pendulum;
 use stationary_integrators::{
     Action, Horizon, Impulse, Integrator, Load, Mechanical, Observation, Quadrature, Sampled,
     State, Stationary, Variational, bump, simulate, simulate_with_impulses,
 };
 
-use crate::chart::{Axis, Lines, Mark, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// A short force against the impulse that it tends to.
@@ -275,9 +275,10 @@ fn boundary_value() -> Result<Study, StudyError> {
         Column::rounded("distance from the motion", 2, 1e-7),
         Column::rounded("differential of the action", 2, 1e-7),
     ]);
-    let mut index = Lines::new(
+    let mut index = Bars::new(
         "Ways to lower the action",
-        Axis::linear("duration", "half periods"),
+        "duration [half periods]",
+        durations().map(|duration| significant(duration, 2)),
         Axis::linear("index", ""),
     );
     let mut claims = Vec::new();
@@ -301,8 +302,7 @@ fn boundary_value() -> Result<Study, StudyError> {
                 found.differential.into(),
             ]);
         }
-        let points = course.iter().map(|found| (found.duration, found.index as f64));
-        index = index.with(Series::new(name, points).marked(Mark::LineAndMarkers));
+        index = index.with(BarSeries::new(name, course.iter().map(|found| found.index as f64)));
         claims.extend(claims_of(name, &course));
     }
     let mut bends = Lines::new(
@@ -337,13 +337,17 @@ fn boundary_value() -> Result<Study, StudyError> {
     })
 }
 
+/// Half periods.
+fn durations() -> impl Iterator<Item = f64> {
+    (0..20).map(|i| 0.1 + 0.2 * f64::from(i))
+}
+
 fn course<E: Energy<1> + Copy>(
     energy: E,
     momentum: f64,
     half_period: f64,
 ) -> Result<Vec<Found>, StudyError> {
-    let durations = (0..20).map(|i| 0.1 + 0.2 * f64::from(i));
-    durations.map(|duration| found(energy, momentum, half_period, duration)).collect()
+    durations().map(|duration| found(energy, momentum, half_period, duration)).collect()
 }
 
 fn claims_of(name: &str, course: &[Found]) -> Vec<Claim> {

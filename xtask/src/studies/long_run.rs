@@ -1,12 +1,12 @@
 //! A million steps: what each method does to energy, momentum and the planet's place.
 
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
+use stationary_chart::{Axis, Chart, Lines, Series};
 use stationary_integrators::problems::kepler;
 use stationary_integrators::{
     Conservation, EnergyBehavior, Integrator, Method, State, Symplecticity, angular_momentum,
 };
 
-use crate::chart::{Axis, Chart, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Energy, angular momentum and error over many orbits.

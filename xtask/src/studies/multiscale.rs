@@ -7,9 +7,9 @@ use nalgebra::dmatrix;
 use stationary_calculus::{
     BilinearForm, Column, Covector, DiagonalMetric, Potential, Sink, System, Table,
 };
+use stationary_chart::{Axis, Map};
 use stationary_integrators::{Filter, Gautschi, Imex, Integrator, State, StormerVerlet};
 
-use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Step against frequency ratio.

@@ -1,10 +1,10 @@
 //! Error against cost on a net with drag so strong that it creeps: a stiff scene.
 
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_scene::{Run, Scene, SceneError};
 
 use super::work_precision::cost_at;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::median_wall;
 

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, matrix};
 use stationary_calculus::{Column, Covector, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
     ImplicitEuler, Integrator, Newmark, NewmarkWeights, ParameterError, State, Trapezoid,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Spectral radius against h omega.

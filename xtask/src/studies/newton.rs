@@ -3,8 +3,8 @@
 use stationary_calculus::{
     Cell, Table, newton_against_initial_guesses, newton_against_wrong_derivatives,
 };
+use stationary_chart::{Axis, Lines, Series};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// Iterations against an injected error of the derivative.

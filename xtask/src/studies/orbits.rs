@@ -7,6 +7,7 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Cell, Column, Metric, Potential, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, henon_heiles, kepler, pleiades};
 use stationary_integrators::{
     Horizon, Method, Nystrom, Nystrom8, Nystrom12, NystromPair, Pair8, Pair12, State, Tolerance,
@@ -14,7 +15,6 @@ use stationary_integrators::{
 };
 
 use super::work_precision::cost_at;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::median_wall;
 

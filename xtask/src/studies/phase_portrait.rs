@@ -1,10 +1,10 @@
 //! Figure 4.1: one step of every method through the whirlpool of the oscillator.
 
 use stationary_calculus::{Column, Covector, Table};
+use stationary_chart::{Axis, Portrait, Series};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{EnergyBehavior, Method, State};
 
-use crate::chart::{Axis, Portrait, Series};
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 
 /// One step of every method.

@@ -6,9 +6,9 @@
 use std::path::Path;
 
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_scene::{Run, Scene};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::choose::{
     Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, chart,
     charted, choose,

@@ -2,10 +2,10 @@
 //! does not.
 
 use stationary_calculus::{Column, Covector, Metric, Potential, Table};
+use stationary_chart::{Axis, Map};
 use stationary_integrators::problems::{Problem, oscillator, spring_pendulum};
 use stationary_integrators::{Method, Stability, State};
 
-use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The linear oscillator.

@@ -9,12 +9,12 @@
 
 use nalgebra::Complex;
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Map};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, Jacobian, Moment,
     RadauIia5, StepControl, Tolerance, VectorField,
 };
 
-use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The methods for first-order systems.

@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{StiffProblem, hires, robertson, van_der_pol};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, RadauIia5, StepControl,
@@ -11,7 +12,6 @@ use stationary_integrators::{
 };
 
 use super::work_precision::cost_at;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::median_wall;
 

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Column, Covector, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{kepler, oscillator, three_bodies};
 use stationary_integrators::{
     Conservation, Convergence, ErrorGrowth, Horizon, Integrator, Method, Stability, State,
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale, simulate,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Table 4.1.

@@ -8,6 +8,7 @@
 use std::ops::ControlFlow;
 
 use stationary_calculus::{Cell, Column, Metric, Potential, System, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{
     Problem, StiffProblem, hires, kepler, oscillator, pendulum, pleiades, robertson, van_der_pol,
 };
@@ -16,7 +17,6 @@ use stationary_integrators::{
     NystromMethod8, NystromMethod12, RadauIia5, StepControl, Tolerance, VectorField, integrate,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// All adaptive methods on orbits, a pendulum and stiff reactions.

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Chart, Lines, Series};
 use stationary_trials::{Kind as Promise, Plan, Tally};
 
-use crate::chart::{Axis, Chart, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study};
 
 /// All kinds of trials.

@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use stationary_calculus::{Cell, Column, Metric, Potential, Storage, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, kepler};
 use stationary_integrators::{
     Delivered, Evaluation, Horizon, Integrator, Method, SimulationError, deliver, simulate,
 };
 
 use super::reference::{Samples, with_reference};
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::{Wall, median_wall};
 

@@ -32,7 +32,7 @@ const addChart = (declared) => {
   values.className = "values";
   chart.outputs = chart.words.map((word, k) => {
     const output = document.createElement("span");
-    output.style.color = `var(--c${k % COLOURS})`;
+    output.style.color = `var(--s${k % COLOURS})`;
     values.append(output);
     return output;
   });
@@ -98,7 +98,7 @@ const drawChart = (chart) => {
     pen.stroke();
   });
   pen.font = "12px system-ui, sans-serif";
-  pen.fillStyle = stage.colours.soft;
+  pen.fillStyle = stage.colours.muted;
   if (!chart.still) {
     pen.fillText(shown(most), 5, 12);
     pen.fillText(shown(least), 5, box.height - 4);

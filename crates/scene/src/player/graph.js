@@ -15,7 +15,7 @@ const drawGraph = () => {
   const cut = across(now.time);
   for (let particle = 0; particle < count; particle++) {
     const turnOf = data.followed.indexOf(particle);
-    pen.strokeStyle = turnOf < 0 ? stage.colours.soft : colour(turnOf);
+    pen.strokeStyle = turnOf < 0 ? stage.colours.muted : colour(turnOf);
     pen.beginPath();
     for (let sample = 0; sample < times.length; sample += stride)
       pen.lineTo(across(times[sample]), upward(sampled(sample, particle, 0)));
@@ -47,7 +47,7 @@ const drawGraph = () => {
   pen.lineWidth = 1;
   pen.stroke();
   const pairs = (ends, style, width, keep) => strokeLines(ends, keep, style, width);
-  pairs(motion.springs, stage.colours.end, 2, () => true);
+  pairs(motion.springs, stage.colours.strong, 2, () => true);
   pairs(motion.rods, stage.colours.ink, 3, (rod) => now.time < motion.lasts[rod]);
   drawMarks();
   drawNames();
@@ -62,14 +62,14 @@ const drawGrid = (across, upward, low, high) => {
     pen.moveTo(frame.left, upward(k * step));
     pen.lineTo(stage.width - frame.right, upward(k * step));
     pen.stroke();
-    write(shown(k * step), frame.left - 8, upward(k * step) + 4, stage.colours.soft, "right");
+    write(shown(k * step), frame.left - 8, upward(k * step) + 4, stage.colours.muted, "right");
   }
-  write(`x [${data.units.length}]`, 14, 24, stage.colours.soft);
+  write(`x [${data.units.length}]`, 14, 24, stage.colours.muted);
   const ticks = round((motion.end - motion.start) / 4 || 1);
   for (let k = Math.ceil(motion.start / ticks); k * ticks <= motion.end * (1 + 1e-12); k++) {
     const x = across(k * ticks);
     const align = x > stage.width - frame.right - 20 ? "right" : "center";
-    write(shown(k * ticks), x, stage.height - frame.bottom + 18, stage.colours.soft, align);
+    write(shown(k * ticks), x, stage.height - frame.bottom + 18, stage.colours.muted, align);
   }
-  write(`t [${data.units.time}]`, stage.width - frame.right, stage.height - 8, stage.colours.soft, "right");
+  write(`t [${data.units.time}]`, stage.width - frame.right, stage.height - 8, stage.colours.muted, "right");
 };

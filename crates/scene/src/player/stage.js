@@ -3,8 +3,8 @@ const canvas = document.getElementById("scene");
 const pen = canvas.getContext("2d");
 const stage = { width: 1, height: 1, middle: 1, colours: {}, paths: "trail", names: data.names.length <= 12 };
 
-const COLOURS = 7;
-const colour = (turn) => stage.colours[`c${turn % COLOURS}`];
+const COLOURS = 8;
+const colour = (turn) => stage.colours[`s${turn % COLOURS}`];
 
 // Takes over the page's size and colours.
 const measure = () => {
@@ -17,8 +17,8 @@ const measure = () => {
   canvas.height = Math.round(stage.height * ratio);
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["paper", "ink", "soft", "start", "end", "line", "face", "accent", ...Array(COLOURS).keys()]) {
-    const key = typeof name === "number" ? `c${name}` : name;
+  for (const name of ["paper", "ink", "muted", "faint", "strong", "line", "face", "accent", ...Array(COLOURS).keys()]) {
+    const key = typeof name === "number" ? `s${name}` : name;
     stage.colours[key] = style.getPropertyValue(`--${key}`).trim();
   }
 };
@@ -79,8 +79,8 @@ const drawScale = () => {
     pen.fillRect(x + k, y, 1.5, 10);
   }
   write(title, x, y - 8, stage.colours.ink);
-  write(shown(least), x, y + 26, stage.colours.soft);
-  write(shown(largest), x + width, y + 26, stage.colours.soft, "right");
+  write(shown(least), x, y + 26, stage.colours.muted);
+  write(shown(largest), x + width, y + 26, stage.colours.muted, "right");
 };
 
 // The canvas a unit of the scene, at a nearness to the eye.
@@ -117,8 +117,8 @@ const drawSolids = () => {
     }
   };
   if (!data.wired) line(edges, stage.colours.ink, 1.4);
-  else if (!data.field) line(edges, stage.colours.end, 0.5);
-  line(motion.springs, stage.colours.end, 1.2);
+  else if (!data.field) line(edges, stage.colours.strong, 0.5);
+  line(motion.springs, stage.colours.strong, 1.2);
   const project = projector();
   for (const [centre, radius] of data.balls) {
     const [cx, cy, depth] = project(...centre);
@@ -164,7 +164,7 @@ const drawSolids = () => {
 // What nothing enters, behind everything else.
 const drawWalls = (project) => {
   pen.fillStyle = stage.colours.line;
-  pen.strokeStyle = stage.colours.soft;
+  pen.strokeStyle = stage.colours.muted;
   pen.lineWidth = 0.8;
   for (const corners of data.walls) {
     pen.beginPath();
@@ -205,7 +205,7 @@ const drawFloor = (project) => {
     const corners = motion.faces.subarray(k, k + 3);
     corners.forEach((corner, i) => line(at(corner), at(corners[(i + 1) % 3])));
   }
-  pen.strokeStyle = stage.colours.soft;
+  pen.strokeStyle = stage.colours.muted;
   pen.globalAlpha = 0.22;
   pen.lineWidth = 1.6;
   pen.stroke();
@@ -306,10 +306,10 @@ const drawMeasure = () => {
   pen.lineTo(x, y);
   pen.lineTo(x + length * scale, y);
   pen.lineTo(x + length * scale, y - 5);
-  pen.strokeStyle = stage.colours.soft;
+  pen.strokeStyle = stage.colours.muted;
   pen.lineWidth = 1.4;
   pen.stroke();
-  write(`${shown(length)} ${data.units.length}`, x, y - 10, stage.colours.soft);
+  write(`${shown(length)} ${data.units.length}`, x, y - 10, stage.colours.muted);
   const [right, up] = axes();
   const [cx, cy] = [stage.width - 46, stage.height - 42];
   ["x", "y", "z"].slice(0, motion.dimension).forEach((name, c) => {
@@ -317,10 +317,10 @@ const drawMeasure = () => {
     pen.beginPath();
     pen.moveTo(cx, cy);
     pen.lineTo(cx + 24 * right[c], cy - 24 * up[c]);
-    pen.strokeStyle = stage.colours.soft;
+    pen.strokeStyle = stage.colours.muted;
     pen.lineWidth = 1.4;
     pen.stroke();
-    write(name, cx + 33 * right[c], cy - 33 * up[c] + 4, stage.colours.soft, "center");
+    write(name, cx + 33 * right[c], cy - 33 * up[c] + 4, stage.colours.muted, "center");
   });
 };
 
@@ -336,7 +336,7 @@ const drawStage = () => {
   drawPaths(project);
   if (motion.faces.length || data.balls.length) drawSolids();
   else {
-    strokeLines(motion.springs, () => true, stage.colours.end, motion.springs.length > 4000 ? 0.8 : 1.2);
+    strokeLines(motion.springs, () => true, stage.colours.strong, motion.springs.length > 4000 ? 0.8 : 1.2);
     for (let k = 0; data.field && k < motion.edges.length; k += 2) {
       const ends = motion.edges.subarray(k, k + 2);
       const own = shade(0.5 * (motion.values[ends[0]] + motion.values[ends[1]]));

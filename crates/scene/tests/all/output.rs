@@ -145,8 +145,8 @@ fn rods_that_break_leave_the_page_and_the_film_at_their_time() {
     assert_eq!(broken, expected);
     let film = run.film();
     let rods: Vec<usize> = film
-        .lines()
-        .filter(|line| line.starts_with("<path class=\"rods end\""))
+        .split("<path ")
+        .filter(|path| path.starts_with("class=\"strong pen\" stroke-width=\"2\""))
         .map(|line| line.matches('M').count())
         .collect();
     assert_eq!((rods.len(), rods[0]), (6, 18));
@@ -174,7 +174,7 @@ fn a_run_on_a_line_is_written_like_any_other() {
     let (data, _) = page(&run, "line");
     assert_eq!(data["dimension"], 1);
     assert_eq!(singles(&data["positions"]).len(), 2 * run.times().len());
-    assert!(run.film().contains("<path class=\"springs end\""));
+    assert!(run.film().contains("<path class=\"strong pen\" stroke-width=\"0.9\""));
 }
 
 #[test]

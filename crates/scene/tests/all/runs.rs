@@ -352,10 +352,9 @@ fn a_picture_shows_paths_names_springs_and_a_scale() {
     }
     assert!(!picture.contains("NaN") && !picture.contains("inf"));
     let picture = net().run().unwrap().picture();
-    assert!(
-        picture.contains("class=\"springs start\"") && picture.contains("class=\"springs end\"")
-    );
-    assert_eq!(picture.matches("class=\"pin\"").count(), 3, "two pins and the legend's");
+    let springs = |tone: &str| format!("<path class=\"{tone} pen\" stroke-width=\"0.9\"");
+    assert!(picture.contains(&springs("faint")) && picture.contains(&springs("strong")));
+    assert_eq!(picture.matches("class=\"ref fill\"").count(), 3, "two pins and the legend's");
     assert!(!picture.contains("http://") || picture.matches("http").count() == 1, "no network");
 }
 

@@ -1,10 +1,10 @@
 //! A chain of rods: what a step costs, link by link.
 
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{RodProblem, writhing_chain};
 use stationary_constraints::{ConstrainedIntegrator, Many, Rattle, Solver};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::median_wall;
 

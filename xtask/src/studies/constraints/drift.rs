@@ -6,10 +6,10 @@
 //! For one rod in the plane lambda has a closed form; the motion is stepped by RK4.
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_constraints::problems::{Pendulum, pendulum};
 
 use super::spaced;
-use crate::chart::{Axis, Lines, Map, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Gain against step, and the drift without gains.

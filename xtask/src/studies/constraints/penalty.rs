@@ -1,12 +1,12 @@
 //! The penalty: where it is stable, and how well it holds.
 
 use stationary_calculus::{Column, DiagonalMetric, System, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_constraints::Penalty;
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_integrators::{Integrator, StormerVerlet};
 
 use super::spaced;
-use crate::chart::{Axis, Lines, Map, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Stiffness against step.

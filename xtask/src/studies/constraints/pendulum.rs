@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use stationary_calculus::{Cell, Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Few, Links, Penalty, Rattle,
@@ -10,7 +11,6 @@ use stationary_constraints::{
 };
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of every way against step and cost.

@@ -1,10 +1,10 @@
 //! A masonry arch: how rough its joints must be for it to stand.
 
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Lines, Portrait, Series};
 use stationary_contact::{Arch, ContactError, Dimension, Planar};
 use stationary_integrators::State;
 
-use crate::chart::{Axis, Lines, Portrait, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// How far an arch sinks against its friction.

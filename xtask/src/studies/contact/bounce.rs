@@ -1,11 +1,11 @@
 //! A ball bounces: how high, for each choice of when the impulse is given.
 
 use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
 
 use super::spaced;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of the rebound height against the step.

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{Collider, ContactError, Detector, Shape, TouchingBodies};
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Acceleration against the angle.

@@ -1,13 +1,13 @@
 //! The impact laws, scored on impacts whose answers or invariants are known.
 
 use stationary_calculus::{Cell, Column, Table, Vector};
+use stationary_chart::{Axis, BarSeries, Bars};
 use stationary_contact::problems::{
     ImpactProblem, ball_in_corner, bernoulli_wedge, listed_twice, newtons_cradle, nine_ball_break,
     three_balls,
 };
 use stationary_contact::{ContactError, ImpactLaw};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Each law on each impact.
@@ -92,9 +92,10 @@ fn study(_: Size) -> Result<Study, StudyError> {
         Column::exact("passes"),
         Column::exact("contacts or systems solved"),
     ]);
-    let mut cradle = Lines::new(
+    let mut cradle = Bars::new(
         "Two balls arrive at a cradle of five",
-        Axis::linear("ball", ""),
+        "ball",
+        (1..=5).map(|ball: u32| ball.to_string()),
         Axis::linear("velocity after", "m/s"),
     );
     let mut claims = Vec::new();
@@ -118,9 +119,8 @@ fn study(_: Size) -> Result<Study, StudyError> {
                 };
                 breaks_away &= score.velocity.iter().enumerate().all(right);
                 if moving == 2 {
-                    let points =
-                        (1..=5).map(|ball| (f64::from(ball), score.velocity[ball as usize - 1]));
-                    cradle = cradle.with(Series::new(facts.name, points));
+                    let velocities = score.velocity.iter().copied();
+                    cradle = cradle.with(BarSeries::new(facts.name, velocities));
                 }
             }
             let mut cells: Vec<Cell> = vec![facts.name.into(), name.into()];

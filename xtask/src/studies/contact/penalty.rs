@@ -1,11 +1,11 @@
 //! A ball against a penalty wall: where the step is too large, and how far it is from rigid.
 
 use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_contact::{Balls, ContactError, Inequality, OneSidedPenalty, Wall};
 use stationary_integrators::{Integrator, State, StormerVerlet};
 
 use super::spaced;
-use crate::chart::{Axis, Lines, Map, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Stiffness against step.
@@ -105,7 +105,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
             "the smallest of the worst errors of the speed where h ω exceeds 2.2",
             "more than 1: thrown out",
             beyond,
-            (1.0, f64::MAX),
+            (1.0, f64::INFINITY),
         ),
         Claim::number("slope of the depth against stiffness", "-1/2", slope, (-0.505, -0.495)),
     ];

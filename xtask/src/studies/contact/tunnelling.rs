@@ -3,10 +3,10 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Column, Table};
+use stationary_chart::{Axis, Map};
 use stationary_contact::{Closeness, Moving, particle_meets_triangle};
 
 use super::spaced;
-use crate::chart::{Axis, Map};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Speed against thickness.

@@ -1,13 +1,13 @@
 //! Where Saint Venant-Kirchhoff gives way under pressure, beside materials that do not.
 
 use stationary_calculus::{Column, SparseCholesky, SymmetricMatrix, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, FixedCorotated, Freedoms, Held, Lame, LinearSegment, Material, NeoHookean,
     SaintVenantKirchhoff, Solid,
 };
 use stationary_mesh::bar;
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Stress against stretch, and the stretch at which a bar becomes unstable.

@@ -1,13 +1,13 @@
 //! How fast short waves travel through a mesh, with either mass.
 
 use stationary_calculus::{Column, Metric, Potential, ProductSink, Table, Vector};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Freedoms, Held, Lame, LinearSegment, SaintVenantKirchhoff, Solid,
     galerkin_mass, lumped_mass,
 };
 use stationary_mesh::bar;
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Speed of waves against their length.

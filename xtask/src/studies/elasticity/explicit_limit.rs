@@ -4,6 +4,7 @@ use stationary_calculus::{
     Column, Covector, DiagonalMetric, Metric, Potential, ProductSink, SizeError, SplitMix64,
     System, Table, Vector, loglog_slope,
 };
+use stationary_chart::{Axis, Lines, Mark, Series};
 use stationary_elasticity::{
     ElasticityError, Elements, Freedoms, Lame, LinearTriangle, SaintVenantKirchhoff, Solid,
     lumped_mass,
@@ -11,7 +12,6 @@ use stationary_elasticity::{
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_mesh::{Diagonals, rectangle};
 
-use crate::chart::{Axis, Lines, Mark, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The largest stable step against the size of the triangles, for three stiffnesses.

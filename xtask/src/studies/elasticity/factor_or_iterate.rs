@@ -6,12 +6,12 @@ use stationary_calculus::{
     Column, ConjugateGradient, DiagonalMetric, HessianSolver, IterativeSolver, Ordering,
     SparseSolver, Table, loglog_slope,
 };
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Elements, Freedoms, Lame, LinearTetrahedron, NeoHookean, Solid, lumped_mass,
 };
 use stationary_mesh::cuboid;
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Work, time and memory of both against freedoms.

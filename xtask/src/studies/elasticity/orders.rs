@@ -1,6 +1,7 @@
 //! Errors of elements against the size of the mesh, where the answer is known.
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Errors, PlaneWaves, manufactured_errors};
 use stationary_elasticity::{
     Lame, LinearSegment, LinearTetrahedron, LinearTriangle, QuadraticSegment, QuadraticTetrahedron,
@@ -10,7 +11,6 @@ use stationary_mesh::{
     Diagonals, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, rectangle,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Orders of convergence in one, two and three dimensions.

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Beam, LE1_STRESS, SheetFamily, elliptic_membrane_stress};
 use stationary_elasticity::{ElasticityError, Lame};
 use stationary_mesh::Diagonals;
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// NAFEMS LE1: error of a stress against freedoms.

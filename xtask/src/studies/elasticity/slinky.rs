@@ -1,6 +1,7 @@
 //! A band that is let go at the top: its lower end stays until the wave arrives.
 
 use stationary_calculus::{Column, Covector, Newton, System, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Freedoms, Held, Lame, LinearSegment, SaintVenantKirchhoff, Solid,
     Statics, lumped_mass,
@@ -8,7 +9,6 @@ use stationary_elasticity::{
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_mesh::{Mesh, bar};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Fall of both ends against time, and the time at which the lower one starts.

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use stationary_calculus::{Column, Metric, SplitMix64, Table, Vector, loglog_slope};
+use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_laplacian::problems::interval;
 use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
 
-use crate::chart::{Axis, Lines, Map, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Step against mesh size.

@@ -3,10 +3,10 @@
 use stationary_calculus::{
     Column, Potential, SparseCholesky, SymmetricMatrix, Table, loglog_slope,
 };
+use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::problems::{Spectral, square};
 use stationary_laplacian::{ExactHeat, Heat, HeatMethod, LaplacianError, lowest_modes};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error against counted multiplications.

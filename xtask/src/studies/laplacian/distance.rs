@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector2;
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::{GeodesicDistance, LaplacianError, ShortestPaths};
 use stationary_mesh::{Diagonals, IntrinsicSurface, disc, icosphere, rectangle};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error and stated error against mesh size, heat time and mesh quality, and what the latter costs.

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Column, Metric, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::{Domain, Elements, Heat, HeatMethod, LaplacianError};
 use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, MeshError, rectangle, torus};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Undershoot against shear.
@@ -115,7 +115,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
             let cells = [family.name.into(), angle.into()];
             table.push(cells.into_iter().chain(lows.map(Into::into)).collect::<Vec<_>>());
             for (way, low) in lows.into_iter().enumerate() {
-                series[way].push((angle, low.max(1e-18)));
+                series[way].push((angle, low));
                 worst[way] = worst[way].max(low);
             }
         }
@@ -140,8 +140,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
                      the surface is the same, only its edges are others. The sheet has a boundary, \
                      whose sides no flip mends where they face an obtuse angle: there the sides \
                      must be split as well. Plain cotangents go negative on obtuse angles, and the \
-                     exact mass and Crank-Nicolson break the principle on any mesh. What is \
-                     exactly zero is drawn at 1e-18."
+                     exact mass and Crank-Nicolson break the principle on any mesh. Arrows \
+                     at the foot stand for exactly zero."
             .into(),
         table,
         charts,

@@ -1,12 +1,12 @@
 //! Eigenvalues of four domains against those of the continuum.
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::problems::{
     Spectral, disc, interval, lumped_interval_spectrum, sphere, square,
 };
 use stationary_laplacian::{LaplacianError, lowest_modes};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Relative error of an eigenvalue against mesh size.

@@ -1,6 +1,7 @@
 //! Frequencies of a bar, a block and two beams against closed forms.
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{
     BeamTheory, Ends, bar_frequencies, sliding_block, sliding_block_frequencies, vibrating_bar,
     vibrating_beam,
@@ -16,7 +17,6 @@ use stationary_mesh::{
 use stationary_modal::ModalError;
 
 use super::frequencies;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Errors of frequencies against the size of a cell.

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use stationary_calculus::{Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{FV32_HERTZ, Vibration, fv32};
 use stationary_elasticity::{ElasticityError, LinearTriangle, QuadraticTriangle};
 use stationary_mesh::{MeshError, QuadraticTriangles, tapered_membrane};
 
 use super::frequencies;
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Errors of the frequencies against freedoms.

@@ -1,10 +1,10 @@
 //! How many modes an answer needs.
 
 use stationary_calculus::{Column, Covector, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_modal::problems::fixed_chain;
 use stationary_modal::{Answer, Linearized, RigidMotions};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of a chain's answer against the number of modes.

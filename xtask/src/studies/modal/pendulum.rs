@@ -1,10 +1,10 @@
 //! How large a motion linear modes can follow: a pendulum.
 
 use stationary_calculus::{Column, Table, Vector, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{PendulumPotential, pendulum};
 use stationary_modal::{Linearized, Motion, RigidMotions};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of linear modes against the amplitude.

@@ -5,13 +5,13 @@ use std::time::Instant;
 use stationary_calculus::{
     Column, Covector, DiagonalMetric, SparseSolver, System, Table, Vector, loglog_slope,
 };
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Ends, vibrating_beam};
 use stationary_elasticity::{DeadLoad, ElasticityError, Linear, QuadraticTriangle, Solid};
 use stationary_integrators::{ImplicitMidpoint, Integrator, State, StepError};
 use stationary_mesh::{Diagonals, MeshError, QuadraticTriangles, rectangle};
 use stationary_modal::{Answer, Linearized, ModalError, Modes, Reduced, RigidMotions};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of a beam's tip against modes and against multiplications.

@@ -4,6 +4,7 @@ use stationary_calculus::{
     Column, Covector, DiagonalMetric, Metric, MetricError, Potential, SizeError, System, Table,
     Vector, loglog_slope,
 };
+use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Freedoms, Lame, QuadraticTriangle, SaintVenantKirchhoff, Solid, lumped_mass,
 };
@@ -11,7 +12,6 @@ use stationary_integrators::{Integrator, State, StepError, StormerVerlet};
 use stationary_mesh::{Diagonals, MeshError, QuadraticTriangles, rectangle};
 use stationary_modal::{Linearized, ModalError, Motion, RigidMotions, Subspace};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error of three reductions against the amplitude.

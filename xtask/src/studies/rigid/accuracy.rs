@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_rigid::problems::{LOGARITHMS, REFERENCES};
 use stationary_rigid::{
     LieGroup, Rotation, right_jacobian, right_jacobian_derivative, right_jacobian_inverse,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Relative errors at every angle.

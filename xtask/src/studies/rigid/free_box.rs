@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::EnergyBehavior;
 use stationary_rigid::problems::tumbling_box;
 use stationary_rigid::{BodyMethod, BodySpace, FreeTop, LieGroup, Poses, spatial_angular_momentum};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Energy and angular momentum of a tumbling box over many steps.
@@ -131,7 +131,12 @@ fn kept(method: BodyMethod, marks: &[Mark], survived: bool) -> Result<Vec<Claim>
             .collect();
         if !survived {
             let claim = format!("{name} loses more than a tenth of the angular momentum");
-            return Ok(vec![Claim::number(claim, "more than 0.1", last.momentum, (0.1, f64::MAX))]);
+            return Ok(vec![Claim::number(
+                claim,
+                "more than 0.1",
+                last.momentum,
+                (0.1, f64::INFINITY),
+            )]);
         }
         let power = loglog_slope(&points).unwrap_or(f64::NAN);
         let claim = format!("{name}: the power of time with which energy drifts");

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_rigid::problems::BodyProblem;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, EulerAngles, Free, LieGroup, Orientations,
     RigidMotion, Rotation,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The error of the attitude against how close the turn passes by gimbal lock.
@@ -95,7 +95,7 @@ fn study(_: Size) -> Result<Study, StudyError> {
             "in Euler angles: the worst error over that of a turn that misses by a radian",
             "a million times or more",
             worst(&euler) / euler[0].1,
-            (1e6, f64::MAX),
+            (1e6, f64::INFINITY),
         ),
         Claim::number(
             "in Euler angles: the power of the miss that the error goes with",

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Cell, Column, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::{EnergyBehavior, State};
 use stationary_rigid::problems::{KOVALEVSKAYA as TOP_OF_HERS, TOP, kovalevskaya_top, nodding_top};
 use stationary_rigid::{BodyMethod, BodySpace, Orientations, tilt};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The bounds of nutation, by every method.
@@ -157,7 +157,7 @@ fn fourth_integral(size: Size) -> Result<Study, StudyError> {
             Claim::number(text, "below 1.5: bounded", growth, (1.0, 1.5))
         } else {
             let text = format!("{name}: its growth in the last nine tenths of the time");
-            Claim::number(text, "above 1.5: it drifts away", growth, (1.5, f64::MAX))
+            Claim::number(text, "above 1.5: it drifts away", growth, (1.5, f64::INFINITY))
         });
         chart = chart.with(Series::new(name, marks));
     }

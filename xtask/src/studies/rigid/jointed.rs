@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Cell, Column, Covector, Metric, Space, Table, Vector, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{
     ConstrainedIntegrator, ConstraintError, Few, FreeMotion, Rattle, Redundancy,
 };
@@ -12,7 +13,6 @@ use stationary_rigid::{
     LieGroup, Poses, Rotation, Weight,
 };
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The attitude of a box on its corner against the step.
@@ -133,7 +133,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         claims.push(if motion == "straight" {
             let last = points[points.len() - 1].1;
             let text = "straight: the error that no step takes away, rad";
-            Claim::number(text, "more than 0.1", last, (0.1, f64::MAX))
+            Claim::number(text, "more than 0.1", last, (0.1, f64::INFINITY))
         } else {
             let order = loglog_slope(&points[2..]).unwrap_or(f64::NAN);
             Claim::number(format!("{motion}: order"), "2", order, (1.9, 2.1))

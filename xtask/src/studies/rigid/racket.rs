@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::{Cell, Column, Table};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_rigid::problems::thrown_racket;
 use stationary_rigid::{BodyMethod, FreeTop, LieGroup, Rotation};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The time between flips against how far the throw is off the axis.

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector2;
 use stationary_calculus::{Cell, Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{ConstrainedIntegrator, Few, Penalty, Rattle, Redundancy, Rod, Rods};
 use stationary_integrators::{Integrator, State, StormerVerlet, UniformGravity};
 use stationary_rigid::{LieGroup, PlanarMass, PlanarRotation, PlanarWeight};
 
-use crate::chart::{Axis, Lines, Series};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// Error against work of the three models.

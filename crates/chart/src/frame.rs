@@ -1,11 +1,12 @@
 //! The frame of a chart: title, axes, grid, and the rectangle that is left for the data.
 
-use super::axis::{Along, Axis, Ruler, Ticks};
-use super::canvas::{Anchor, Canvas, polyline};
-use super::label::{LINE, Label, TEXT, text_width, wrapped};
-use super::place::Rect;
-use super::stroke::{arrow, hatch};
-use super::style::Style;
+use crate::axis::{Along, Axis, Ruler, Ticks};
+use crate::canvas::{Anchor, Canvas};
+use crate::label::{LINE, Label, TEXT, text_width, wrapped};
+use crate::path::polyline;
+use crate::place::Rect;
+use crate::stroke::{arrow, hatching};
+use crate::style::Style;
 
 /// For which width a chart is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,14 +26,14 @@ impl Layout {
         }
     }
 
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Layout::Wide => "wide",
             Layout::Narrow => "narrow",
         }
     }
 
-    pub(super) fn plot_height(self) -> f64 {
+    pub(crate) fn plot_height(self) -> f64 {
         match self {
             Layout::Wide => 360.0,
             Layout::Narrow => 290.0,
@@ -42,7 +43,7 @@ impl Layout {
 
 /// How the plot fills its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Aspect {
+pub(crate) enum Aspect {
     /// As wide as there is room.
     Free,
     /// A unit is as long along x as along y.
@@ -50,27 +51,29 @@ pub(super) enum Aspect {
 }
 
 /// What a frame is made from.
-pub(super) struct Plan<'a> {
-    pub(super) layout: Layout,
-    pub(super) title: &'a str,
-    pub(super) axes: (&'a Axis, &'a Axis),
+pub(crate) struct Plan<'a> {
+    pub(crate) layout: Layout,
+    pub(crate) title: &'a str,
+    pub(crate) axes: (&'a Axis, &'a Axis),
     /// Extents; their pixels are not used.
-    pub(super) x: Ruler,
-    pub(super) y: Ruler,
+    pub(crate) x: Ruler,
+    pub(crate) y: Ruler,
+    /// Names of the whole numbers from 0 along x, where it has no numbers of its own.
+    pub(crate) categories: &'a [String],
     /// Room kept for labels right of the plot.
-    pub(super) right: f64,
-    pub(super) aspect: Aspect,
+    pub(crate) right: f64,
+    pub(crate) aspect: Aspect,
 }
 
 /// Axes in place.
-pub(super) struct Frame {
-    pub(super) plot: Rect,
+pub(crate) struct Frame {
+    pub(crate) plot: Rect,
     /// The plot without the lane of failures.
-    pub(super) data: Rect,
-    pub(super) x: Ruler,
-    pub(super) y: Ruler,
+    pub(crate) data: Rect,
+    pub(crate) x: Ruler,
+    pub(crate) y: Ruler,
     /// Where the drawing may go on below the axes.
-    pub(super) below: f64,
+    pub(crate) below: f64,
 }
 
 const FAILED: &str = "failed";
@@ -80,7 +83,7 @@ const BELOW_LANE: f64 = 10.0;
 impl Frame {
     /// Draws title, axes and grid. `lane` says how much of the top the failures need, once it is
     /// known where they are on the x axis.
-    pub(super) fn draw(canvas: &mut Canvas, plan: Plan, lane: impl FnOnce(&Ruler) -> f64) -> Self {
+    pub(crate) fn draw(canvas: &mut Canvas, plan: Plan, lane: impl FnOnce(&Ruler) -> f64) -> Self {
         let width = plan.layout.width();
         let height = plan.layout.plot_height();
         let rough = plan.y.over((height, 0.0)).ticks(Along::Vertical);
@@ -104,16 +107,20 @@ impl Frame {
         if lane > 0.0 {
             canvas.rect("lane", plot.left, plot.top, room, lane);
             let at = (plot.left - 8.0, plot.top + 0.5 * lane + 4.5);
-            canvas.text("muted", at, Anchor::End, &Label::plain(FAILED));
+            canvas.label("muted", at, Anchor::End, &Label::plain(FAILED));
         }
-        let (x_ticks, y_ticks) = (x.ticks(Along::Horizontal), y.ticks(Along::Vertical));
+        let x_ticks = match plan.categories {
+            [] => x.ticks(Along::Horizontal),
+            names => x.named_ticks(names),
+        };
+        let y_ticks = y.ticks(Along::Vertical);
         draw_grid(canvas, &data, &x_ticks, &y_ticks, width);
         let mut below = plot.bottom + 22.0;
         for line in plan.axes.0.heading(x_ticks.left_out, width - 8.0) {
             below += LINE;
             let half = 0.5 * line.width();
             let middle = (0.5 * (plot.left + plot.right)).max(half + 4.0).min(width - half - 4.0);
-            canvas.text("muted", (middle, below), Anchor::Middle, &line);
+            canvas.label("muted", (middle, below), Anchor::Middle, &line);
         }
         Frame { plot, data, x, y, below: below + 16.0 }
     }
@@ -123,12 +130,12 @@ fn draw_head(canvas: &mut Canvas, title: &str, heading: &[Label], width: f64) ->
     let mut baseline = 0.0;
     for line in wrapped(title, width - 8.0, 15.5) {
         baseline += 20.0;
-        canvas.text("title", (0.0, baseline), Anchor::Start, &Label::plain(line));
+        canvas.label("title", (0.0, baseline), Anchor::Start, &Label::plain(line));
     }
     baseline += if title.is_empty() { 0.0 } else { 6.0 };
     for line in heading {
         baseline += LINE;
-        canvas.text("muted", (0.0, baseline), Anchor::Start, line);
+        canvas.label("muted", (0.0, baseline), Anchor::Start, line);
     }
     baseline + 12.0
 }
@@ -140,7 +147,7 @@ fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64)
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 6.0));
             // A wide label at the end of the axis would leave the chart.
             let middle = tick.pixel.min(width - 0.5 * label.width() - 2.0);
-            canvas.text("tl", (middle, plot.bottom + 20.0), Anchor::Middle, label);
+            canvas.label("tl", (middle, plot.bottom + 20.0), Anchor::Middle, label);
         } else {
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 3.0));
         }
@@ -148,7 +155,7 @@ fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64)
     for tick in &y.ticks {
         if let Some(label) = &tick.label {
             canvas.line("grid", (plot.left, tick.pixel), (plot.right, tick.pixel));
-            canvas.text("tl", (plot.left - 8.0, tick.pixel + 4.5), Anchor::End, label);
+            canvas.label("tl", (plot.left - 8.0, tick.pixel + 4.5), Anchor::End, label);
         } else {
             canvas.line("tick", (plot.left - 3.0, tick.pixel), (plot.left, tick.pixel));
         }
@@ -158,24 +165,26 @@ fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64)
 }
 
 /// One entry of a legend.
-pub(super) struct LegendEntry {
-    pub(super) class: String,
-    pub(super) text: String,
-    pub(super) swatch: Swatch,
+pub(crate) struct LegendEntry {
+    pub(crate) class: String,
+    pub(crate) text: String,
+    pub(crate) swatch: Swatch,
 }
 
 /// What stands before a legend's text.
-pub(super) enum Swatch {
+pub(crate) enum Swatch {
     /// A piece of line, with a marker where there is a style.
     Line(Option<Style>),
     /// An arrow.
     Arrow,
+    /// A bar.
+    Bar,
     /// A cell of the outcome at this place in its map's list.
     Cell(usize),
 }
 
 /// Draws a legend in rows from `top`, and says where it ends.
-pub(super) fn draw_legend(
+pub(crate) fn draw_legend(
     canvas: &mut Canvas,
     entries: &[LegendEntry],
     top: f64,
@@ -191,24 +200,26 @@ pub(super) fn draw_legend(
             let middle = y - 4.5;
             match &entry.swatch {
                 Swatch::Line(style) => {
-                    canvas.line("ln", (x + 1.0, middle), (x + 25.0, middle));
+                    canvas.line("ln", (x + 1.5, middle), (x + 24.5, middle));
                     if let Some(style) = style {
                         canvas.path("mk", &style.outline((x + 13.0, middle)));
                     }
                 }
                 Swatch::Arrow => {
-                    canvas.path("step", &arrow((x + 1.0, middle), (x + 25.0, middle)));
+                    canvas.path("step", &arrow((x + 1.5, middle), (x + 24.5, middle)));
+                }
+                Swatch::Bar => {
+                    let (top, bottom) = (middle - 7.0, middle + 7.0);
+                    canvas.path("bar", &format!("M{x} {top}h24V{bottom}h-24z"));
                 }
                 Swatch::Cell(place) => {
                     let (left, right) = (x, x + 24.0);
                     let (top, bottom) = (middle - 7.0, middle + 7.0);
                     canvas.path("cell", &format!("M{left} {top}H{right}V{bottom}H{left}z"));
-                    for (l, r) in [(left, left + 12.0), (left + 12.0, right)] {
-                        canvas.path("hatch", &hatch(*place, (l, top), (r, bottom)));
-                    }
+                    canvas.path("hatch", &hatching(*place, &[Rect { left, top, right, bottom }]));
                 }
             }
-            canvas.text("name", (x + 32.0, y), Anchor::Start, &Label::plain(entry.text.clone()));
+            canvas.label("name", (x + 32.0, y), Anchor::Start, &Label::plain(entry.text.clone()));
         });
         x += room;
     }

@@ -5,7 +5,7 @@
 ///
 /// ```
 /// let points = [(1.0, 9.0), (2.0, 3.0), (3.0, 4.0), (4.0, 1.0)];
-/// assert_eq!(xtask::pareto(&points), [0, 1, 3]);
+/// assert_eq!(stationary_chart::pareto(&points), [0, 1, 3]);
 /// ```
 pub fn pareto(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =

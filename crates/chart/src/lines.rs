@@ -1,19 +1,20 @@
 //! Curves and points over two axes, with reference slopes, failures and the Pareto front.
 
-use serde::{Deserialize, Serialize};
-
-use super::Drawing;
-use super::axis::{Axis, Place, Ruler, Scale};
-use super::canvas::{Anchor, Canvas, polyline};
-use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
-use super::label::{Label, TEXT, text_width};
-use super::place::{Crowd, Rect, spread};
-use super::series::{Mark, Series, Trace, quantity};
-use super::style::Styles;
+use crate::axis::{Axis, Place, Ruler, Scale};
+use crate::canvas::{Anchor, Canvas};
+use crate::chart::Drawing;
+use crate::error::ChartError;
+use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use crate::label::{Label, TEXT, significant, text_width};
 use crate::pareto::pareto;
+use crate::path::polyline;
+use crate::place::{Crowd, Rect, spread};
+use crate::series::{Mark, Series, Trace, Weight, quantity};
+use crate::style::Styles;
 
 /// Curves and points over two axes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Lines {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -30,9 +31,11 @@ pub struct Lines {
 }
 
 /// A thin dashed line that shows a prediction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Guide {
     /// `y` grows as `x` to a power (on logarithmic axes), or with a constant slope (on linear ones).
+    /// Left out where the point has no place.
     Slope {
         /// The power, or the slope.
         slope: f64,
@@ -41,7 +44,7 @@ pub enum Guide {
         /// What it says.
         label: String,
     },
-    /// A curve through points.
+    /// A curve through points; those without a place are left out.
     Curve {
         /// The points.
         points: Vec<(f64, f64)>,
@@ -51,7 +54,8 @@ pub enum Guide {
 }
 
 /// Whether the Pareto front is marked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Front {
     /// The chart is not a choice between methods.
     Unmarked,
@@ -100,7 +104,7 @@ impl Lines {
     }
 
     /// The points on the Pareto front, by increasing x, each with the name of its series.
-    pub(super) fn front_points(&self) -> Vec<(&str, (f64, f64))> {
+    pub(crate) fn front_points(&self) -> Vec<(&str, (f64, f64))> {
         let named: Vec<(&str, (f64, f64))> = self
             .series
             .iter()
@@ -110,31 +114,73 @@ impl Lines {
         pareto(&points).into_iter().map(|i| named[i]).collect()
     }
 
-    pub(super) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {
+    /// The names that have a look of their own.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.named().map(|series| series.name.clone()).collect()
+    }
+
+    fn named(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().filter(|series| series.weight == Weight::Full)
+    }
+
+    fn has_rest(&self) -> bool {
+        self.series.iter().any(|series| series.weight == Weight::Rest)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ChartError> {
+        for guide in &self.guides {
+            if let Guide::Slope { slope, .. } = *guide
+                && (self.x.scale != self.y.scale || !slope.is_finite())
+            {
+                return Err(ChartError::Slope { slope, x: self.x.scale, y: self.y.scale });
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {
+        self.draw_judged(layout, styles, &Judgement::default())
+    }
+
+    /// Draws with a tolerance and a choice over it.
+    pub(crate) fn draw_judged(
+        &self,
+        layout: Layout,
+        styles: &Styles,
+        judgement: &Judgement,
+    ) -> Drawing {
         let labels = self.labels(layout);
-        let mut canvas = Canvas::default();
+        let mut canvas = Canvas::new(layout.width(), 1.0);
         let plan = Plan {
             layout,
             title: &self.title,
             axes: (&self.x, &self.y),
             x: self.extent(self.x.scale, |(x, _)| x, self.failed_at()),
-            y: self.extent(self.y.scale, |(_, y)| y, Vec::new()),
+            y: self.extent(self.y.scale, |(_, y)| y, judgement.tolerance.into_iter().collect()),
+            categories: &[],
             right: labels.room(),
             aspect: Aspect::Free,
         };
         let frame = Frame::draw(&mut canvas, plan, |x| Failures::of(self, x).lane());
-        let traces: Vec<Trace> = self
+        judgement.draw_region(&mut canvas, &frame);
+        let mut traces: Vec<Trace> = self
             .series
             .iter()
             .map(|s| Trace::of(s, (&self.x, &self.y), &frame, styles.of(&s.name)))
             .collect();
+        Trace::widen_what_is_covered(&mut traces);
         let mut crowd = Crowd::default();
         traces.iter().flat_map(|t| &t.pieces).for_each(|piece| crowd.add_polyline(piece));
 
+        judgement.keep_clear(&mut crowd, &frame);
         let front = self.draw_front(&mut canvas, &frame);
         let guides = self.draw_guides(&mut canvas, &frame);
         guides.iter().for_each(|(_, path)| crowd.add_polyline(path));
-        traces.iter().for_each(|trace| trace.draw(&mut canvas));
+        // What is thin and grey covers nothing.
+        for weight in [Weight::Rest, Weight::Full] {
+            let of_weight = self.series.iter().zip(&traces).filter(|(s, _)| s.weight == weight);
+            of_weight.for_each(|(_, trace)| trace.draw(&mut canvas));
+        }
         let failures = Failures::of(self, &frame.x);
         failures.draw(&mut canvas, self, &frame, styles);
 
@@ -155,13 +201,23 @@ impl Lines {
         {
             draw_along(&mut canvas, &mut crowd, &page, text, path);
         }
+        let below = judgement.draw_choice(&mut canvas, &mut crowd, &frame, below);
+        if traces.iter().all(Trace::is_empty) && guides.iter().all(|(_, path)| path.is_empty()) {
+            let middle = |a: f64, b: f64| 0.5 * (a + b);
+            let at = (
+                middle(frame.data.left, frame.data.right),
+                middle(frame.data.top, frame.data.bottom),
+            );
+            canvas.label("muted", at, Anchor::Middle, &Label::plain("no data"));
+        }
         Drawing { canvas, height: below }
     }
 
     fn labels(&self, layout: Layout) -> Labels {
-        let names = self.series.iter().map(|s| text_width(&s.name, TEXT));
-        let widest = names.fold(0.0, f64::max);
-        let fits = widest <= 190.0 && self.series.len() as f64 * GAP <= layout.plot_height();
+        let widest = self.named().map(|s| text_width(&s.name, TEXT)).fold(0.0, f64::max);
+        let fits = widest <= 190.0
+            && self.named().count() as f64 * GAP <= layout.plot_height()
+            && !self.has_rest();
         match layout {
             Layout::Wide if fits => Labels::Direct { room: widest + COLUMN + 4.0 },
             Layout::Wide | Layout::Narrow => Labels::Legend,
@@ -195,7 +251,7 @@ impl Lines {
         for guide in &self.guides {
             let (label, path) = match guide {
                 Guide::Slope { slope, through, label } => {
-                    (label, slope_path(frame, *slope, *through, (self.x.scale, self.y.scale)))
+                    (label, slope_path(frame, *slope, *through))
                 }
                 Guide::Curve { points, label } => {
                     let at = |&(x, y): &(f64, f64)| Some((frame.x.at(x)?, frame.y.at(y)?));
@@ -217,7 +273,7 @@ impl Lines {
             .filter_map(|(i, (series, trace))| {
                 let failure = || failures.last_of(i, frame).map(|at| [at, at]);
                 let [start, end] = trace.ends().or_else(failure)?;
-                Some(End { name: series.name.clone(), class: trace.style.class(), start, end })
+                Some(End { name: series.name.clone(), class: trace.class.clone(), start, end })
             })
             .collect()
     }
@@ -229,9 +285,13 @@ impl Lines {
         layout: Layout,
         styles: &Styles,
     ) -> f64 {
+        let rest = self.has_rest().then(|| LegendEntry {
+            class: "rest".to_owned(),
+            text: "the others".to_owned(),
+            swatch: Swatch::Line(None),
+        });
         let entries: Vec<LegendEntry> = self
-            .series
-            .iter()
+            .named()
             .map(|series| LegendEntry {
                 class: styles.of(&series.name).class(),
                 text: series.name.clone(),
@@ -242,8 +302,57 @@ impl Lines {
                     }
                 },
             })
+            .chain(rest)
             .collect();
         draw_legend(canvas, &entries, frame.below, layout.width())
+    }
+}
+
+/// What a ladder adds: an error that may be made, and the point that was chosen for it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Judgement {
+    pub(crate) tolerance: Option<f64>,
+    pub(crate) choice: Option<((f64, f64), String)>,
+}
+
+impl Judgement {
+    /// What meets the tolerance, down to the axis.
+    fn draw_region(&self, canvas: &mut Canvas, frame: &Frame) {
+        let Some(y) = self.tolerance.and_then(|tolerance| frame.y.at(tolerance)) else { return };
+        let Rect { left, right, bottom, .. } = frame.plot;
+        canvas.rect("meets", left, y, right - left, (bottom - y).max(0.0));
+        canvas.line("guide", (left, y), (right, y));
+    }
+
+    /// Names stand beside the ring.
+    fn keep_clear(&self, crowd: &mut Crowd, frame: &Frame) {
+        let Some(((x, y), _)) = self.choice else { return };
+        if let (Some(x), Some(y)) = (frame.x.at(x), frame.y.at(y)) {
+            crowd.add_label(Rect::around((x, y), 24.0, 24.0));
+        }
+    }
+
+    /// Names the tolerance at its line and rings the choice, whose words stand from `below` on; says
+    /// where they end.
+    fn draw_choice(
+        &self,
+        canvas: &mut Canvas,
+        crowd: &mut Crowd,
+        frame: &Frame,
+        below: f64,
+    ) -> f64 {
+        if let Some((tolerance, y)) = self.tolerance.and_then(|t| Some((t, frame.y.at(t)?))) {
+            let path = [(frame.plot.left, y), (frame.plot.right, y)];
+            let text = format!("meets {} below", significant(tolerance, 3));
+            draw_along(canvas, crowd, &frame.data, &text, &path);
+        }
+        let Some(((x, y), words)) = &self.choice else { return below };
+        let (Some(x), Some(y)) = (frame.x.at(*x), frame.y.at(*y)) else { return below };
+        canvas.circle("choice", (x, y), 9.0);
+        canvas.circle("choice", (13.0, below + 9.5), 7.0);
+        let words = Label::plain(format!("chosen: {words}"));
+        canvas.label("name", (32.0, below + 14.0), Anchor::Start, &words);
+        below + 24.0
     }
 }
 
@@ -333,12 +442,12 @@ fn beside(end: (f64, f64), start: (f64, f64), width: f64) -> impl Iterator<Item 
 
 fn draw_name(canvas: &mut Canvas, label: &End, at: (f64, f64)) {
     canvas.group(&label.class, |canvas| {
-        canvas.text("name over", at, Anchor::Start, &Label::plain(label.name.clone()));
+        canvas.label("name over", at, Anchor::Start, &Label::plain(label.name.clone()));
     });
 }
 
 /// A label in muted ink beside a path, where it covers least.
-pub(super) fn draw_along(
+pub(crate) fn draw_along(
     canvas: &mut Canvas,
     crowd: &mut Crowd,
     page: &Rect,
@@ -363,7 +472,7 @@ pub(super) fn draw_along(
     if let Some(spot) = crowd.best(spots, page) {
         crowd.add_label(spot);
         let at = (spot.left, spot.bottom - 4.0);
-        canvas.text("muted over", at, Anchor::Start, &Label::plain(text));
+        canvas.label("muted over", at, Anchor::Start, &Label::plain(text));
     }
 }
 
@@ -383,20 +492,10 @@ fn along(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// The straight line of a slope, from one side of the plot to the other.
-fn slope_path(
-    frame: &Frame,
-    slope: f64,
-    through: (f64, f64),
-    scales: (Scale, Scale),
-) -> Vec<(f64, f64)> {
+fn slope_path(frame: &Frame, slope: f64, through: (f64, f64)) -> Vec<(f64, f64)> {
     let (Some(x), Some(y)) = (frame.x.at(through.0), frame.y.at(through.1)) else {
         return Vec::new();
     };
-    // A power law is straight on two logarithmic axes, a constant slope on two linear ones; on mixed
-    // axes neither is, and nothing is drawn.
-    if scales.0 != scales.1 || !slope.is_finite() {
-        return Vec::new();
-    }
     let fall = slope * frame.y.density() / frame.x.density();
     let at = |side: f64| (side, y - fall * (side - x));
     vec![at(frame.plot.left), at(frame.plot.right)]
@@ -412,7 +511,7 @@ struct Cross {
     tip: String,
 }
 
-const ROW: f64 = 17.0;
+pub(crate) const ROW: f64 = 17.0;
 const ROWS: usize = 8;
 
 impl Failures {
@@ -451,7 +550,11 @@ impl Failures {
 
     fn draw(&self, canvas: &mut Canvas, lines: &Lines, frame: &Frame, styles: &Styles) {
         for cross in &self.0 {
-            let class = styles.of(&lines.series[cross.series].name).class();
+            let series = &lines.series[cross.series];
+            let class = match series.weight {
+                Weight::Full => styles.of(&series.name).class(),
+                Weight::Rest => "rest".to_owned(),
+            };
             let at = (cross.x, Failures::height(cross.row, frame));
             let mark = r#"<path class="fail" d="M-4 -4L4 4M-4 4L4 -4"/>"#;
             canvas.point(&class, at, &cross.tip, mark);

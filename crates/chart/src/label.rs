@@ -1,30 +1,30 @@
 //! The text of a chart: runs of characters, some raised, whose width can be estimated without a font.
 
 /// Size of every text in a chart, in pixels of the chart's own layout.
-pub(super) const TEXT: f64 = 13.0;
+pub(crate) const TEXT: f64 = 13.0;
 /// Size of a raised exponent, the smallest text there is.
-pub(super) const RAISED: f64 = 11.0;
+pub(crate) const RAISED: f64 = 11.0;
 /// Distance between two lines of text.
-pub(super) const LINE: f64 = 18.0;
+pub(crate) const LINE: f64 = 18.0;
 
 /// A piece of a label.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Run {
+pub(crate) enum Run {
     Plain(String),
     Raised(String),
 }
 
 /// One line of text.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Label(pub(super) Vec<Run>);
+pub(crate) struct Label(pub(crate) Vec<Run>);
 
 impl Label {
-    pub(super) fn plain(text: impl Into<String>) -> Self {
+    pub(crate) fn plain(text: impl Into<String>) -> Self {
         Label(vec![Run::Plain(text.into())])
     }
 
     /// `10` with an exponent; the first two powers are plain, as one writes them.
-    pub(super) fn power_of_ten(exponent: i32) -> Self {
+    pub(crate) fn power_of_ten(exponent: i32) -> Self {
         match exponent {
             0 => Label::plain("1"),
             1 => Label::plain("10"),
@@ -33,20 +33,20 @@ impl Label {
     }
 
     /// `2·10` with an exponent.
-    pub(super) fn multiple(mantissa: u32, exponent: i32) -> Self {
+    pub(crate) fn multiple(mantissa: u32, exponent: i32) -> Self {
         if mantissa == 1 {
             return Label::power_of_ten(exponent);
         }
         Label(vec![Run::Plain(format!("{mantissa}·10")), Run::Raised(signed(exponent))])
     }
 
-    pub(super) fn then(mut self, other: Label) -> Self {
+    pub(crate) fn then(mut self, other: Label) -> Self {
         self.0.extend(other.0);
         self
     }
 
     /// Width in pixels, rather too large than too small.
-    pub(super) fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         self.0
             .iter()
             .map(|run| match run {
@@ -63,7 +63,7 @@ fn signed(integer: i32) -> String {
 }
 
 /// A number at a fixed count of decimals, with a true minus sign.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     // Rounding must not leave a minus before nothing.
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
@@ -73,7 +73,8 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// A number with at most `digits` significant digits, for a tooltip or a table.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
@@ -98,7 +99,7 @@ fn trimmed(number: &str) -> &str {
 }
 
 /// Width of a text in a sans-serif face, in pixels: a table by class of letter, on the wide side.
-pub(super) fn text_width(text: &str, size: f64) -> f64 {
+pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().map(letter_width).sum::<f64>() * size
 }
 
@@ -114,7 +115,7 @@ fn letter_width(letter: char) -> f64 {
 }
 
 /// Breaks a text into lines no wider than `width`, between words.
-pub(super) fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

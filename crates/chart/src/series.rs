@@ -1,15 +1,15 @@
 //! A named series of points, and what is left of it once axes give its points a place.
 
-use serde::{Deserialize, Serialize};
-
-use super::axis::{Axis, Place, Scale, measure};
-use super::canvas::{Canvas, polyline};
-use super::frame::Frame;
-use super::label::significant;
-use super::style::Style;
+use crate::axis::{Axis, Place, Scale, is_number, measure};
+use crate::canvas::Canvas;
+use crate::frame::Frame;
+use crate::label::significant;
+use crate::path::polyline;
+use crate::style::Style;
 
 /// How a series is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mark {
     /// A line; its points show when pointed at.
     Line,
@@ -19,8 +19,20 @@ pub enum Mark {
     LineAndMarkers,
 }
 
+/// How much of a chart a series takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Weight {
+    /// A colour, and a name on the chart.
+    #[default]
+    Full,
+    /// One of many that are thin and grey together; its points say its name when pointed at.
+    Rest,
+}
+
 /// A named series of points. The name decides colour and marker throughout the report.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Series {
     /// The name, as every other chart spells it.
     pub name: String,
@@ -30,6 +42,12 @@ pub struct Series {
     pub failures: Vec<(f64, String)>,
     /// How it is drawn.
     pub mark: Mark,
+    /// What each point says besides its numbers, in the order of the points; may be shorter.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub notes: Vec<String>,
+    /// How much of the chart it takes.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub weight: Weight,
 }
 
 impl Series {
@@ -37,7 +55,14 @@ impl Series {
     pub fn new(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
         let mark = if points.len() <= 40 { Mark::LineAndMarkers } else { Mark::Line };
-        Series { name: name.into(), points, failures: Vec::new(), mark }
+        Series {
+            name: name.into(),
+            points,
+            failures: Vec::new(),
+            mark,
+            notes: Vec::new(),
+            weight: Weight::Full,
+        }
     }
 
     /// Adds a failure, which stays on the chart with its reason.
@@ -54,19 +79,33 @@ impl Series {
         self
     }
 
+    /// Says these words at its points, in their order, besides their numbers.
+    #[must_use]
+    pub fn noted(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.notes = notes.into_iter().collect();
+        self
+    }
+
+    /// Draws it thin and grey, as one of the rest.
+    #[must_use]
+    pub fn as_rest(mut self) -> Self {
+        self.weight = Weight::Rest;
+        self
+    }
+
     /// The points that the axes can show.
-    pub(super) fn shown<'a>(
+    pub(crate) fn shown<'a>(
         &'a self,
         x: Scale,
         y: Scale,
-    ) -> impl Iterator<Item = (f64, f64)> + use<'a> {
+    ) -> impl Iterator<Item = (f64, f64)> + Clone + use<'a> {
         let placed = move |p: &&(f64, f64)| measure(x, p.0).is_some() && measure(y, p.1).is_some();
         self.points.iter().filter(placed).copied()
     }
 
     /// Given failures and points without a finite value, of which each run counts once.
-    pub(super) fn all_failures(&self) -> Vec<(f64, String)> {
-        let finite = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite();
+    pub(crate) fn all_failures(&self) -> Vec<(f64, String)> {
+        let finite = |p: &(f64, f64)| is_number(p.0) && is_number(p.1);
         let mut failures = self.failures.clone();
         for (i, point) in self.points.iter().enumerate() {
             let first_of_run = i == 0 || finite(&self.points[i - 1]);
@@ -80,10 +119,13 @@ impl Series {
 
 /// A series in pixels.
 #[derive(Clone, Debug)]
-pub(super) struct Trace {
-    pub(super) style: Style,
+pub(crate) struct Trace {
+    style: Style,
+    pub(crate) class: String,
+    /// How many later curves cover it.
+    covered: usize,
     /// The line, in pieces where it is interrupted.
-    pub(super) pieces: Vec<Vec<(f64, f64)>>,
+    pub(crate) pieces: Vec<Vec<(f64, f64)>>,
     /// Points that can be pointed at, with what they say.
     points: Vec<((f64, f64), String)>,
     /// Points beyond the start of a logarithmic axis, moved to the edge.
@@ -99,21 +141,31 @@ const MOST_POINTS: usize = 200;
 const LONG: usize = 1500;
 /// A line longer than this, in pixels, goes up and down many times and is drawn finer.
 const OSCILLATING: f64 = 4000.0;
+/// Points closer than this are seen as one.
+const HIDDEN: f64 = 2.0;
+/// A curve is not drawn wider than for so many that cover it.
+const MOST_COVERED: usize = 3;
 /// Closer markers than this hide the line.
 const MARKERS_APART: f64 = 13.0;
 
 impl Trace {
-    pub(super) fn of(series: &Series, axes: (&Axis, &Axis), frame: &Frame, style: Style) -> Self {
+    pub(crate) fn of(series: &Series, axes: (&Axis, &Axis), frame: &Frame, style: Style) -> Self {
         let mut trace = Trace {
             style,
+            covered: 0,
+            class: match series.weight {
+                Weight::Full => style.class(),
+                Weight::Rest => "rest".to_owned(),
+            },
             pieces: vec![Vec::new()],
             points: Vec::new(),
             beyond: Vec::new(),
-            mark: series.mark,
+            mark: if series.weight == Weight::Full { series.mark } else { unmarked(series.mark) },
         };
         let stride = series.points.len().div_ceil(MOST_POINTS);
         for (i, &(x, y)) in series.points.iter().enumerate() {
-            let tip = || tip(&series.name, axes, (x, y));
+            let note = series.notes.get(i).map(|note| format!("\n{note}")).unwrap_or_default();
+            let tip = || tip(&series.name, axes, (x, y)) + &note;
             match (frame.x.place(x), frame.y.place(y)) {
                 (Place::At(x), Place::At(y)) => {
                     if let Some(piece) = trace.pieces.last_mut() {
@@ -140,15 +192,46 @@ impl Trace {
         trace
     }
 
+    /// Curves that later ones cover are drawn wider, so that all of them are seen.
+    pub(crate) fn widen_what_is_covered(traces: &mut [Trace]) {
+        for place in 0..traces.len() {
+            let (before, after) = traces.split_at_mut(place + 1);
+            before[place].covered =
+                after.iter().filter(|later| later.covers(&before[place])).count().min(MOST_COVERED);
+        }
+    }
+
+    /// Whether each point of another curve is hidden by one of this.
+    fn covers(&self, other: &Trace) -> bool {
+        let points = |trace: &Trace| trace.pieces.iter().map(Vec::len).sum::<usize>();
+        points(other) > 0
+            && points(other) <= points(self)
+            && self.pieces.len() == other.pieces.len()
+            && self.pieces.iter().zip(&other.pieces).all(|(own, covered)| {
+                own.len() == covered.len()
+                    && own.iter().zip(covered).all(|(a, b)| distance(*a, *b) < HIDDEN)
+            })
+    }
+
+    /// Whether nothing of it is seen.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.pieces.is_empty() && self.beyond.is_empty()
+    }
+
     /// The first and the last point that has a place, from left to right.
-    pub(super) fn ends(&self) -> Option<[(f64, f64); 2]> {
+    pub(crate) fn ends(&self) -> Option<[(f64, f64); 2]> {
         let first = *self.pieces.first()?.first()?;
         let last = *self.pieces.last()?.last()?;
         Some(if first.0 <= last.0 { [first, last] } else { [last, first] })
     }
 
-    pub(super) fn draw(&self, canvas: &mut Canvas) {
-        canvas.group(&self.style.class(), |canvas| {
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
+        let class = match self.covered {
+            0 => self.class.clone(),
+            times => format!("{} wide{times}", self.class),
+        };
+        let larger = 1.0 + 0.5 * self.covered as f64;
+        canvas.group(&class, |canvas| {
             if self.mark != Mark::Markers {
                 let pieces: Vec<_> = self.pieces.iter().map(|piece| thinned(piece)).collect();
                 let d: String = pieces.iter().map(|piece| polyline(piece)).collect();
@@ -162,7 +245,7 @@ impl Trace {
                     self.mark == Mark::Markers || self.mark == Mark::LineAndMarkers && clear;
                 if marked {
                     last_marked = Some(*at);
-                    canvas.point("", *at, tip, &self.style.mark());
+                    canvas.point("", *at, tip, &self.style.mark(larger));
                 } else {
                     canvas.point("", *at, tip, r#"<circle class="hid" r="4"/>"#);
                 }
@@ -176,13 +259,18 @@ impl Trace {
     }
 }
 
+/// Markers of the rest would be as loud as those of the others.
+fn unmarked(mark: Mark) -> Mark {
+    if mark == Mark::LineAndMarkers { Mark::Line } else { mark }
+}
+
 /// What a point says when pointed at.
-pub(super) fn tip(name: &str, axes: (&Axis, &Axis), point: (f64, f64)) -> String {
+pub(crate) fn tip(name: &str, axes: (&Axis, &Axis), point: (f64, f64)) -> String {
     format!("{name}\n{}\n{}", quantity(axes.0, point.0), quantity(axes.1, point.1))
 }
 
 /// `step: 0.125 s`
-pub(super) fn quantity(axis: &Axis, value: f64) -> String {
+pub(crate) fn quantity(axis: &Axis, value: f64) -> String {
     let text = format!("{}: {} {}", axis.title, significant(value, 4), axis.unit);
     text.trim_end().to_owned()
 }

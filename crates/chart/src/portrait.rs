@@ -1,19 +1,20 @@
 //! A phase portrait: a vector field, curves, and steps from a point, on axes of equal scale.
 
-use serde::{Deserialize, Serialize};
+use crate::axis::{Axis, Ruler, Scale};
+use crate::canvas::{Anchor, Canvas};
+use crate::chart::Drawing;
+use crate::error::ChartError;
+use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use crate::label::{Label, TEXT, text_width};
+use crate::place::{Crowd, Rect};
+use crate::series::{Series, Trace, tip};
+use crate::stroke::arrow;
+use crate::style::Styles;
 
-use super::Drawing;
-use super::axis::{Axis, Ruler, Scale};
-use super::canvas::{Anchor, Canvas};
-use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
-use super::label::{Label, TEXT, text_width};
-use super::place::{Crowd, Rect};
-use super::series::{Series, Trace, tip};
-use super::stroke::arrow;
-use super::style::Styles;
-
-/// A vector field with curves and steps, on axes of equal scale. Both axes are linear.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// A vector field with curves and steps, on axes of equal scale. Both axes are linear; arrows of the field
+/// that are not finite are left out, curves have gaps there.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Portrait {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -30,7 +31,8 @@ pub struct Portrait {
 }
 
 /// One step of a method, as an arrow.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepArrow {
     /// The method, as every other chart spells it.
     pub name: String,
@@ -68,15 +70,37 @@ impl Portrait {
         self
     }
 
-    pub(super) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {
-        let mut canvas = Canvas::default();
+    /// The names that have a look of their own.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let curves = self.curves.iter().map(|curve| curve.name.clone());
+        curves.chain(self.steps.iter().map(|step| step.name.clone())).collect()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ChartError> {
+        if let Some(axis) = [&self.x, &self.y].into_iter().find(|a| a.scale == Scale::Log) {
+            return Err(ChartError::Logarithmic { chart: "portraits", axis: axis.title.clone() });
+        }
+        let placed = |(x, y): (f64, f64)| x.is_finite() && y.is_finite();
+        match self.steps.iter().find(|step| !(placed(step.from) && placed(step.to))) {
+            Some(StepArrow { name, from, to }) => {
+                Err(ChartError::Step { name: name.clone(), from: *from, to: *to })
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn draw(&self, layout: Layout, styles: &Styles) -> Drawing {
+        let mut canvas = Canvas::new(layout.width(), 1.0);
         let frame = Frame::draw(&mut canvas, self.plan(layout), |_| 0.0);
         self.draw_field(&mut canvas, &frame);
         let mut crowd = Crowd::default();
         let mut names: Vec<Name> = Vec::new();
-        for curve in &self.curves {
+        let trace =
+            |curve: &Series| Trace::of(curve, (&self.x, &self.y), &frame, styles.of(&curve.name));
+        let mut traces: Vec<Trace> = self.curves.iter().map(trace).collect();
+        Trace::widen_what_is_covered(&mut traces);
+        for (curve, trace) in self.curves.iter().zip(traces) {
             let style = styles.of(&curve.name);
-            let trace = Trace::of(curve, (&self.x, &self.y), &frame, style);
             trace.draw(&mut canvas);
             trace.pieces.iter().for_each(|piece| crowd.add_polyline(piece));
             let path: Vec<(f64, f64)> = trace.pieces.into_iter().flatten().collect();
@@ -118,7 +142,8 @@ impl Portrait {
         let x = Ruler::covering(Scale::Linear, shown().map(|p| p.0), 0.06, (0.0, 1.0));
         let y = Ruler::covering(Scale::Linear, shown().map(|p| p.1), 0.06, (0.0, 1.0));
         let axes = (&self.x, &self.y);
-        Plan { layout, title: &self.title, axes, x, y, right: 14.0, aspect: Aspect::Equal }
+        let (categories, right) = (&[][..], 14.0);
+        Plan { layout, title: &self.title, axes, x, y, categories, right, aspect: Aspect::Equal }
     }
 
     fn draw_field(&self, canvas: &mut Canvas, frame: &Frame) {
@@ -199,6 +224,6 @@ fn spots(crowd: &mut Crowd, plot: &Rect, names: &[Name], width: f64) -> Option<V
 fn draw_name(canvas: &mut Canvas, name: &Name, spot: Rect) {
     let at = (spot.left, spot.bottom - 4.0);
     canvas.group(&name.class, |canvas| {
-        canvas.text("name over", at, Anchor::Start, &Label::plain(name.text.clone()));
+        canvas.label("name over", at, Anchor::Start, &Label::plain(name.text.clone()));
     });
 }

@@ -1,11 +1,14 @@
 //! An axis: what it shows, how it maps values to pixels, and where its ticks are.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
 
-use super::label::{Label, TEXT, fixed, wrapped};
+use crate::label::{Label, TEXT, fixed, wrapped};
 
 /// How an axis is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+///
+/// A number that is not finite, or beyond 1e300, has no place on either.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Scale {
     /// Equal differences are equally long.
     Linear,
@@ -13,8 +16,18 @@ pub enum Scale {
     Log,
 }
 
+impl fmt::Display for Scale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Scale::Linear => "linear",
+            Scale::Log => "logarithmic",
+        })
+    }
+}
+
 /// What an axis shows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Axis {
     /// The quantity, in words.
     pub title: String,
@@ -37,7 +50,7 @@ impl Axis {
 
     /// The title with its unit in brackets, and before the unit the power of ten that the ticks
     /// leave out, on as many lines as the width asks for.
-    pub(super) fn heading(&self, left_out: i32, width: f64) -> Vec<Label> {
+    pub(crate) fn heading(&self, left_out: i32, width: f64) -> Vec<Label> {
         let mut lines: Vec<Label> =
             wrapped(&self.title, width, TEXT).into_iter().map(Label::plain).collect();
         let Some(unit) = self.unit_label(left_out) else { return lines };
@@ -64,7 +77,7 @@ impl Axis {
 
 /// Where a value is on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// At this pixel.
     At(f64),
     /// Zero or negative on a logarithmic axis: before its start.
@@ -75,30 +88,35 @@ pub(super) enum Place {
 
 /// An axis with its extent, laid over pixels from `start` to `end` (which may run backwards).
 #[derive(Clone, Debug)]
-pub(super) struct Ruler {
+pub(crate) struct Ruler {
     scale: Scale,
     low: f64,
     high: f64,
     start: f64,
     end: f64,
+    /// Whether all values are whole numbers, between which there is nothing.
+    whole: bool,
 }
 
 impl Ruler {
     /// Covers the values that have a place, with `margin` (a share of the extent) on both sides.
-    pub(super) fn covering(
+    pub(crate) fn covering(
         scale: Scale,
         values: impl IntoIterator<Item = f64>,
         margin: f64,
         (start, end): (f64, f64),
     ) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut whole = scale == Scale::Linear;
         for value in values.into_iter().filter_map(|value| measure(scale, value)) {
             low = low.min(value);
             high = high.max(value);
+            whole &= value.fract() == 0.0;
         }
         if low > high {
-            (low, high) = (0.0, 1.0);
+            (low, high, whole) = (0.0, 1.0, false);
         }
+        whole &= high - low >= 1.0;
         // A single value, or values apart by rounding only, still need an extent to be seen in.
         let narrowest = match scale {
             Scale::Log => 0.3,
@@ -114,25 +132,25 @@ impl Ruler {
             (low, high) = (middle - half, middle + half);
         }
         let margin = margin * (high - low);
-        Ruler { scale, low: low - margin, high: high + margin, start, end }
+        Ruler { scale, low: low - margin, high: high + margin, start, end, whole }
     }
 
     /// The same extent over other pixels.
-    pub(super) fn over(&self, (start, end): (f64, f64)) -> Self {
+    pub(crate) fn over(&self, (start, end): (f64, f64)) -> Self {
         Ruler { start, end, ..self.clone() }
     }
 
     /// Length of the extent, in units (or decades) of the axis.
-    pub(super) fn extent(&self) -> f64 {
+    pub(crate) fn extent(&self) -> f64 {
         self.high - self.low
     }
 
-    pub(super) fn start(&self) -> f64 {
+    pub(crate) fn start(&self) -> f64 {
         self.start
     }
 
-    pub(super) fn place(&self, value: f64) -> Place {
-        if !value.is_finite() {
+    pub(crate) fn place(&self, value: f64) -> Place {
+        if !is_number(value) {
             return Place::Nowhere;
         }
         match measure(self.scale, value) {
@@ -142,7 +160,7 @@ impl Ruler {
     }
 
     /// The pixel of a value that has one.
-    pub(super) fn at(&self, value: f64) -> Option<f64> {
+    pub(crate) fn at(&self, value: f64) -> Option<f64> {
         match self.place(value) {
             Place::At(pixel) => Some(pixel),
             Place::Before | Place::Nowhere => None,
@@ -155,15 +173,23 @@ impl Ruler {
     }
 
     /// Pixels per unit (or decade).
-    pub(super) fn density(&self) -> f64 {
+    pub(crate) fn density(&self) -> f64 {
         (self.end - self.start).abs() / (self.high - self.low)
     }
 }
 
+/// Larger numbers leave no room for the arithmetic of an axis: they count as infinite.
+const LARGEST: f64 = 1e300;
+
+/// Whether a value can have a place on some axis.
+pub(crate) fn is_number(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// The value as the axis measures it: itself, or its decimal logarithm.
-pub(super) fn measure(scale: Scale, value: f64) -> Option<f64> {
+pub(crate) fn measure(scale: Scale, value: f64) -> Option<f64> {
     match scale {
-        _ if !value.is_finite() => None,
+        _ if !is_number(value) => None,
         Scale::Linear => Some(value),
         Scale::Log if value > 0.0 => Some(value.log10()),
         Scale::Log => None,
@@ -172,27 +198,27 @@ pub(super) fn measure(scale: Scale, value: f64) -> Option<f64> {
 
 /// A tick: where, and what it says; minor ticks say nothing.
 #[derive(Clone, Debug)]
-pub(super) struct Tick {
-    pub(super) pixel: f64,
-    pub(super) label: Option<Label>,
+pub(crate) struct Tick {
+    pub(crate) pixel: f64,
+    pub(crate) label: Option<Label>,
 }
 
 /// The ticks of an axis and the power of ten that their labels leave out.
 #[derive(Clone, Debug)]
-pub(super) struct Ticks {
-    pub(super) ticks: Vec<Tick>,
-    pub(super) left_out: i32,
+pub(crate) struct Ticks {
+    pub(crate) ticks: Vec<Tick>,
+    pub(crate) left_out: i32,
 }
 
 impl Ticks {
-    pub(super) fn widest(&self) -> f64 {
+    pub(crate) fn widest(&self) -> f64 {
         self.ticks.iter().filter_map(|t| t.label.as_ref()).map(Label::width).fold(0.0, f64::max)
     }
 }
 
 /// How much room a tick's label needs along its axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Along {
+pub(crate) enum Along {
     /// Labels side by side: their width counts.
     Horizontal,
     /// Labels above each other: their height counts.
@@ -209,8 +235,20 @@ impl Along {
 }
 
 impl Ruler {
+    /// A tick a category, as many of them with a name as there is room for.
+    pub(crate) fn named_ticks(&self, names: &[String]) -> Ticks {
+        let labels: Vec<Label> = names.iter().map(|name| Label::plain(name.clone())).collect();
+        let widest = labels.iter().map(Label::width).fold(0.0, f64::max) + 8.0;
+        let stride = (widest / self.density()).ceil().max(1.0) as usize;
+        let ticks = labels.into_iter().enumerate().filter_map(|(i, label)| {
+            let label = i.is_multiple_of(stride).then_some(label);
+            Some(Tick { pixel: self.at(i as f64)?, label })
+        });
+        Ticks { ticks: ticks.collect(), left_out: 0 }
+    }
+
     /// As many ticks as there is room for, at round numbers.
-    pub(super) fn ticks(&self, along: Along) -> Ticks {
+    pub(crate) fn ticks(&self, along: Along) -> Ticks {
         match self.scale {
             Scale::Linear => self.linear_ticks(self.low, self.high, along),
             Scale::Log if self.extent() < 2.2 => self.ticks_within_decades(along),
@@ -232,7 +270,7 @@ impl Ruler {
             let step = mantissa * 10_f64.powi(exponent);
             let first = (low / step).ceil();
             let count = ((high / step).floor() - first) as usize + 1;
-            if !step.is_normal() || count > 60 {
+            if !step.is_normal() || count > 60 || self.whole && step < 1.0 {
                 continue;
             }
             let decimals = (left_out - exponent).clamp(0, 15) as usize;
@@ -328,7 +366,7 @@ impl Ruler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::label::Run;
+    use crate::label::Run;
 
     fn text(label: &Label) -> String {
         label
@@ -350,6 +388,14 @@ mod tests {
     fn linear_ticks_are_round_numbers() {
         let ruler = Ruler::covering(Scale::Linear, [0.0, 10.0], 0.0, (0.0, 300.0));
         assert_eq!(texts(&ruler), ["0", "2", "4", "6", "8", "10"]);
+    }
+
+    #[test]
+    fn between_whole_numbers_there_is_no_tick() {
+        let ruler = Ruler::covering(Scale::Linear, [0.0, 3.0, 1.0, 2.0], 0.04, (0.0, 600.0));
+        assert_eq!(texts(&ruler), ["0", "1", "2", "3"]);
+        let ruler = Ruler::covering(Scale::Linear, [0.0, 3.0, 1.5], 0.04, (0.0, 600.0));
+        assert!(texts(&ruler).len() > 4);
     }
 
     #[test]

@@ -1,44 +1,21 @@
 //! How a series looks: a colour, a marker and a dash that follow its name through the whole report.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 
-use super::canvas::{number, polyline};
-
-/// Colours after Okabe and Ito, moved in lightness so that a line has contrast 3 and a text 4.5 on
-/// both papers, and so that neighbours differ in lightness for those who see fewer hues.
-pub(super) const PALETTE: [Colour; 8] = [
-    Colour { line: "#1769c4", text: "#155fb3", dark: "#4c95ec" },
-    Colour { line: "#cf4a0a", text: "#b84108", dark: "#f3672f" },
-    Colour { line: "#0c8a68", text: "#0a7458", dark: "#45d3a6" },
-    Colour { line: "#8c1d64", text: "#8c1d64", dark: "#c77fb0" },
-    Colour { line: "#c38410", text: "#8f6008", dark: "#ecb240" },
-    Colour { line: "#4699cf", text: "#23749f", dark: "#8cd6f6" },
-    Colour { line: "#5e4a12", text: "#5e4a12", dark: "#f9eb9a" },
-    Colour { line: "#3d4349", text: "#3d4349", dark: "#dfe3e8" },
-];
-
-/// Paper in light and in dark.
-pub(super) const PAPER: (&str, &str) = ("#ffffff", "#15181c");
-
-/// One hue on light paper, as line and as text, and on dark paper.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Colour {
-    pub(super) line: &'static str,
-    pub(super) text: &'static str,
-    pub(super) dark: &'static str,
-}
+use crate::canvas::number;
+use crate::palette::HUES;
+use crate::path::polyline;
 
 const MARKERS: usize = 8;
 /// Names that are no method: what measured ones are compared with. They are drawn in ink.
 const NEUTRAL: [&str; 2] = ["exact", "reference"];
 /// The place after the palette stands for ink.
-const INK: usize = PALETTE.len();
+const INK: usize = HUES;
 
 /// The look of one name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Style {
-    pub(super) colour: usize,
+    pub(crate) colour: usize,
     marker: usize,
     dash: usize,
 }
@@ -46,12 +23,12 @@ pub struct Style {
 impl Style {
     /// The look that a place in the list of known names gives.
     fn listed(place: usize) -> Self {
-        let round = place / PALETTE.len();
-        Style { colour: place % PALETTE.len(), marker: (place + round) % MARKERS, dash: round % 3 }
+        let round = place / HUES;
+        Style { colour: place % HUES, marker: (place + round) % MARKERS, dash: round % 3 }
     }
 
     /// The classes of everything drawn for the name.
-    pub(super) fn class(&self) -> String {
+    pub(crate) fn class(&self) -> String {
         match self.dash {
             _ if self.colour == INK => "ref".to_owned(),
             0 => format!("s{}", self.colour),
@@ -59,13 +36,17 @@ impl Style {
         }
     }
 
-    /// The marker as an element, centred at the origin.
-    pub(super) fn mark(&self) -> String {
-        format!(r#"<path class="mk" d="{}"/>"#, self.outline((0.0, 0.0)))
+    /// The marker as an element, centred at the origin and this much larger than usual.
+    pub(crate) fn mark(&self, larger: f64) -> String {
+        let outline = self.outline((0.0, 0.0));
+        match larger {
+            1.0 => format!(r#"<path class="mk" d="{outline}"/>"#),
+            _ => format!(r#"<path class="mk" transform="scale({larger})" d="{outline}"/>"#),
+        }
     }
 
     /// Path data of the marker.
-    pub(super) fn outline(&self, centre: (f64, f64)) -> String {
+    pub(crate) fn outline(&self, centre: (f64, f64)) -> String {
         match self.marker {
             0 => circle(centre, 4.2),
             1 => polygon(centre, 5.2, 4, 45.0),
@@ -140,7 +121,7 @@ impl Styles {
 /// The first look whose colour, then marker, is least taken.
 fn unlike(taken: &[Style]) -> Style {
     let uses = |colour: usize| taken.iter().filter(|style| style.colour == colour).count();
-    let colour = (0..PALETTE.len()).min_by_key(|&colour| uses(colour)).unwrap_or(0);
+    let colour = (0..HUES).min_by_key(|&colour| uses(colour)).unwrap_or(0);
     let marked = |marker: usize| taken.iter().filter(|style| style.marker == marker).count();
     // A marker of its own even where the colour is free: it is all that is left without hue.
     let marker = (0..MARKERS)
@@ -150,61 +131,9 @@ fn unlike(taken: &[Style]) -> Style {
     Style { colour, marker, dash: uses(colour) % 3 }
 }
 
-/// The style sheet of every chart. Plain values come before the variables, for viewers that know no
-/// variables.
-pub(crate) fn sheet() -> String {
-    let mut light = String::new();
-    let mut dark = String::new();
-    let mut rules = String::new();
-    // Writing to a String cannot fail.
-    for (i, Colour { line, text, dark: bright }) in PALETTE.iter().enumerate() {
-        let _ = write!(light, "--s{i}:{line};--t{i}:{text};");
-        let _ = write!(dark, "--s{i}:{bright};--t{i}:{bright};");
-        let _ = writeln!(
-            rules,
-            ".s{i}{{color:{line};color:var(--s{i})}} .chart .s{i} text{{fill:{text};fill:var(--t{i})}}"
-        );
-    }
-    let (paper, night) = PAPER;
-    format!(
-        ":root{{--paper:{paper};{light}{LIGHT}}}\n\
-         @media screen and (prefers-color-scheme:dark){{:root{{--paper:{night};{dark}{DARK}}}}}\n\
-         {rules}{}",
-        include_str!("chart.css")
-    )
-}
-
-const LIGHT: &str = "--ink:#1d2126;--muted:#5a626b;--grid:#e8eaed;--axis:#9aa1a9;--halo:#f6d98b;\
-    --lane:#fbf3f0;--o0:#cfe3f4;--o1:#f1b79a;--o2:#f7e3a4;--o3:#e3bfd6;--o4:#d5d8dc;";
-const DARK: &str = "--ink:#eceff2;--muted:#a3abb4;--grid:#272c32;--axis:#626a73;--halo:#6a5620;\
-    --lane:#251d1b;--o0:#1c3850;--o1:#7d3a1d;--o2:#655419;--o3:#603350;--o4:#444a51;";
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// WCAG 2 relative luminance.
-    fn luminance(hex: &str) -> f64 {
-        let channel = |i: usize| {
-            let c = f64::from(u8::from_str_radix(&hex[i..i + 2], 16).unwrap()) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-        };
-        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
-    }
-
-    fn contrast(a: &str, b: &str) -> f64 {
-        let (a, b) = (luminance(a), luminance(b));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    }
-
-    #[test]
-    fn lines_and_texts_have_contrast_on_both_papers() {
-        for colour in PALETTE {
-            assert!(contrast(colour.line, PAPER.0) >= 3.0, "{colour:?}");
-            assert!(contrast(colour.text, PAPER.0) >= 4.5, "{colour:?}");
-            assert!(contrast(colour.dark, PAPER.1) >= 4.5, "{colour:?}");
-        }
-    }
 
     fn names(names: &[&str]) -> Vec<String> {
         names.iter().map(|name| (*name).to_owned()).collect()

@@ -2,28 +2,28 @@
 
 /// A rectangle in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rect {
-    pub(super) left: f64,
-    pub(super) top: f64,
-    pub(super) right: f64,
-    pub(super) bottom: f64,
+pub(crate) struct Rect {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
 }
 
 impl Rect {
-    pub(super) fn around((x, y): (f64, f64), width: f64, height: f64) -> Self {
+    pub(crate) fn around((x, y): (f64, f64), width: f64, height: f64) -> Self {
         let (w, h) = (0.5 * width, 0.5 * height);
         Rect { left: x - w, top: y - h, right: x + w, bottom: y + h }
     }
 
-    pub(super) fn contains(&self, (x, y): (f64, f64)) -> bool {
+    pub(crate) fn contains(&self, (x, y): (f64, f64)) -> bool {
         self.left <= x && x <= self.right && self.top <= y && y <= self.bottom
     }
 
-    pub(super) fn encloses(&self, other: &Rect) -> bool {
+    pub(crate) fn encloses(&self, other: &Rect) -> bool {
         self.contains((other.left, other.top)) && self.contains((other.right, other.bottom))
     }
 
-    pub(super) fn overlaps(&self, other: &Rect) -> bool {
+    pub(crate) fn overlaps(&self, other: &Rect) -> bool {
         self.left < other.right
             && other.left < self.right
             && self.top < other.bottom
@@ -31,7 +31,7 @@ impl Rect {
     }
 
     /// The part of a segment inside, if any (Liang-Barsky).
-    pub(super) fn clip(&self, a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
+    pub(crate) fn clip(&self, a: (f64, f64), b: (f64, f64)) -> Option<[(f64, f64); 2]> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for (slope, room) in [
@@ -55,14 +55,14 @@ impl Rect {
 
 /// What is already drawn: a label must not cover it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Crowd {
+pub(crate) struct Crowd {
     ink: Vec<(f64, f64)>,
     labels: Vec<Rect>,
 }
 
 impl Crowd {
     /// Ink along a polyline, sampled every few pixels.
-    pub(super) fn add_polyline(&mut self, points: &[(f64, f64)]) {
+    pub(crate) fn add_polyline(&mut self, points: &[(f64, f64)]) {
         self.ink.extend_from_slice(points);
         for pair in points.windows(2) {
             let (a, b) = (pair[0], pair[1]);
@@ -72,7 +72,7 @@ impl Crowd {
         }
     }
 
-    pub(super) fn add_label(&mut self, label: Rect) {
+    pub(crate) fn add_label(&mut self, label: Rect) {
         self.labels.push(label);
     }
 
@@ -89,14 +89,19 @@ impl Crowd {
         10_000 * covered + inked
     }
 
+    /// Whether a label would cover no other.
+    pub(crate) fn has_no_label(&self, spot: &Rect) -> bool {
+        self.labels.iter().all(|other| !other.overlaps(spot))
+    }
+
     /// The first spot that covers nothing.
-    pub(super) fn free(&self, spots: impl IntoIterator<Item = Rect>, page: &Rect) -> Option<Rect> {
+    pub(crate) fn free(&self, spots: impl IntoIterator<Item = Rect>, page: &Rect) -> Option<Rect> {
         spots.into_iter().find(|spot| page.encloses(spot) && self.cost(spot) == 0)
     }
 
     /// The spot that covers least, the first of equals; `None` when each leaves the page or covers
     /// another label.
-    pub(super) fn best(&self, spots: impl IntoIterator<Item = Rect>, page: &Rect) -> Option<Rect> {
+    pub(crate) fn best(&self, spots: impl IntoIterator<Item = Rect>, page: &Rect) -> Option<Rect> {
         let spots = spots.into_iter().filter(|spot| page.encloses(spot));
         spots
             .map(|spot| (self.cost(&spot), spot))
@@ -110,7 +115,7 @@ impl Crowd {
 /// `low` and `high`. Order is kept; if there is no room for all, they are evenly spaced.
 ///
 /// With `z_i = y_i - i gap` this is isotonic regression, solved by pooling neighbours.
-pub(super) fn spread(ideal: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
+pub(crate) fn spread(ideal: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
     let count = ideal.len();
     let gap = gap.min((high - low) / (count.max(2) - 1) as f64);
     let mut order: Vec<usize> = (0..count).collect();

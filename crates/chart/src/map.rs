@@ -3,20 +3,21 @@
 //! Neighbouring cells of one outcome are drawn as one rectangle: a page of maps with thousands of
 //! cells each would take seconds to open.
 
-use serde::{Deserialize, Serialize};
-
-use super::Drawing;
-use super::axis::{Axis, Ruler, Scale, measure};
-use super::canvas::{Canvas, number, polyline};
-use super::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
-use super::label::significant;
-use super::lines::draw_along;
-use super::place::Crowd;
-use super::series::quantity;
-use super::stroke::hatch;
+use crate::axis::{Axis, Ruler, Scale, measure};
+use crate::canvas::{Anchor, Canvas, number};
+use crate::chart::Drawing;
+use crate::error::ChartError;
+use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use crate::label::{Label, TEXT, significant, text_width};
+use crate::lines::draw_along;
+use crate::path::polyline;
+use crate::place::{Crowd, Rect};
+use crate::series::quantity;
+use crate::stroke::hatching;
 
 /// Outcomes in a plane of two parameters.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Map {
     /// What is seen; may be empty where the study's title says it.
     pub title: String,
@@ -32,8 +33,12 @@ pub struct Map {
     pub borders: Vec<Border>,
 }
 
+/// A name of a border that is no wider stands beside it where it is bent.
+const SHORT: f64 = 90.0;
+
 /// A predicted border.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Border {
     /// What it says.
     pub label: String,
@@ -65,16 +70,29 @@ impl Map {
         self
     }
 
-    pub(super) fn draw(&self, layout: Layout) -> Drawing {
+    pub(crate) fn check(&self) -> Result<(), ChartError> {
+        for &(x, y, place) in &self.cells {
+            if measure(self.x.scale, x).is_none() || measure(self.y.scale, y).is_none() {
+                return Err(ChartError::Cell { x, y });
+            }
+            if place >= self.outcomes.len() {
+                return Err(ChartError::Outcome { place, outcomes: self.outcomes.len() });
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn draw(&self, layout: Layout) -> Drawing {
         let columns = Edges::between(self.x.scale, self.cells.iter().map(|c| c.0));
         let rows = Edges::between(self.y.scale, self.cells.iter().map(|c| c.1));
-        let mut canvas = Canvas::default();
+        let mut canvas = Canvas::new(layout.width(), 1.0);
         let plan = Plan {
             layout,
             title: &self.title,
             axes: (&self.x, &self.y),
             x: columns.ruler(),
             y: rows.ruler(),
+            categories: &[],
             right: 14.0,
             aspect: Aspect::Free,
         };
@@ -82,16 +100,19 @@ impl Map {
         for (place, outcome) in self.outcomes.iter().enumerate() {
             self.draw_outcome(&mut canvas, &frame, (&columns, &rows), (place, outcome));
         }
-        self.draw_borders(&mut canvas, &frame);
+        let numbered = self.draw_borders(&mut canvas, &frame);
+        self.name_the_only_outcome(&mut canvas, &frame);
         let entries: Vec<LegendEntry> = self
             .outcomes
             .iter()
             .enumerate()
+            .filter(|(place, _)| self.cells.iter().any(|cell| cell.2 == *place))
             .map(|(place, outcome)| LegendEntry {
                 class: class(place),
                 text: outcome.clone(),
                 swatch: Swatch::Cell(place),
             })
+            .chain(numbered)
             .collect();
         let height = draw_legend(&mut canvas, &entries, frame.below, layout.width());
         Drawing { canvas, height }
@@ -110,28 +131,41 @@ impl Map {
         let corners = |block: &Block| {
             let [left, right] = columns.ends(block.columns).map(|x| frame.x.at(x).unwrap_or(0.0));
             let [bottom, top] = rows.ends(block.rows).map(|y| frame.y.at(y).unwrap_or(0.0));
-            ((left, top), (right, bottom))
+            Rect { left, top, right, bottom }
         };
         canvas.group(&class(place), |canvas| {
             for block in blocks(&cells) {
-                let (a, b) = corners(&block);
+                let area = corners(&block);
                 let x = range(&self.x, columns.values(block.columns));
                 let y = range(&self.y, rows.values(block.rows));
-                canvas.cell(&cell_path(a, b), &format!("{outcome}\n{x}\n{y}"));
+                canvas.tipped("cell", &cell_path(area), &format!("{outcome}\n{x}\n{y}"));
             }
         });
-        let hatched: String = cells
-            .iter()
-            .map(|&[x, y]| {
-                let (a, b) = corners(&Block { columns: [x, x], rows: [y, y] });
-                hatch(place, a, b)
-            })
-            .collect();
-        canvas.path("hatch", &hatched);
+        let covered = blocks(&cells);
+        let areas: Vec<Rect> = covered.iter().map(corners).collect();
+        canvas.path("hatch", &hatching(place, &areas));
     }
 
-    fn draw_borders(&self, canvas: &mut Canvas, frame: &Frame) {
-        let mut crowd = Crowd::default();
+    /// A plane of one colour looks as if nothing was drawn: it says what it is.
+    fn name_the_only_outcome(&self, canvas: &mut Canvas, frame: &Frame) {
+        let words = match self.cells.first() {
+            None => "no data".to_owned(),
+            Some(first) if self.cells.iter().all(|cell| cell.2 == first.2) => {
+                format!("everywhere: {}", self.outcomes[first.2])
+            }
+            Some(_) => return,
+        };
+        let middle = (
+            0.5 * (frame.plot.left + frame.plot.right),
+            0.5 * (frame.plot.top + frame.plot.bottom) + 4.5,
+        );
+        canvas.label("name", middle, Anchor::Middle, &Label::plain(words));
+    }
+
+    /// Names each border along itself; one that is too short for its name has a number, which the legend
+    /// explains.
+    fn draw_borders(&self, canvas: &mut Canvas, frame: &Frame) -> Vec<LegendEntry> {
+        let (mut crowd, mut numbered) = (Crowd::default(), Vec::new());
         for border in &self.borders {
             let at = |&(x, y): &(f64, f64)| Some((frame.x.at(x)?, frame.y.at(y)?));
             let path: Vec<(f64, f64)> = border.points.iter().filter_map(at).collect();
@@ -142,9 +176,80 @@ impl Map {
             canvas.path("border", &d);
             let points: Vec<(f64, f64)> = visible.into_iter().flatten().collect();
             crowd.add_polyline(&points);
-            draw_along(canvas, &mut crowd, &frame.data, &border.label, &points);
+            let along = straight_parts(&points, text_width(&border.label, TEXT) + 8.0)
+                .into_iter()
+                .find(|part| crowd.has_no_label(&around(part)));
+            match along {
+                Some(part) => {
+                    crowd.add_label(around(&part));
+                    let label = Label::plain(border.label.clone());
+                    canvas.label_along("name over", part, &label);
+                }
+                None if points.is_empty() => {}
+                None if text_width(&border.label, TEXT) <= SHORT => {
+                    draw_along(canvas, &mut crowd, &frame.data, &border.label, &points);
+                }
+                None => {
+                    let number = (numbered.len() + 1).to_string();
+                    draw_along(canvas, &mut crowd, &frame.data, &number, &points);
+                    numbered.push(LegendEntry {
+                        class: "ref".to_owned(),
+                        text: format!("{number}: {}", border.label),
+                        swatch: Swatch::Line(None),
+                    });
+                }
+            }
         }
+        numbered
     }
+}
+
+/// What a label above a line takes, upright.
+fn around([a, b]: &[(f64, f64); 2]) -> Rect {
+    const HEIGHT: f64 = 18.0;
+    Rect {
+        left: a.0.min(b.0),
+        top: a.1.min(b.1) - HEIGHT,
+        right: a.0.max(b.0),
+        bottom: a.1.max(b.1),
+    }
+}
+
+/// The ends of parts of the path that are as long as asked and bend by less than half a letter, those
+/// near the path's middle first.
+fn straight_parts(path: &[(f64, f64)], long: f64) -> Vec<[(f64, f64); 2]> {
+    const BEND: f64 = 5.0;
+    let length = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
+    let total: f64 = path.windows(2).map(|pair| length(pair[0], pair[1])).sum();
+    let at = |distance: f64| {
+        let mut left = distance;
+        path.windows(2).find_map(|pair| {
+            let own = length(pair[0], pair[1]);
+            if left <= own && own > 0.0 {
+                let t = left / own;
+                let along = |a: f64, b: f64| a + t * (b - a);
+                return Some((along(pair[0].0, pair[1].0), along(pair[0].1, pair[1].1)));
+            }
+            left -= own;
+            None
+        })
+    };
+    let slack = total - long;
+    if slack.is_nan() || slack < 0.0 {
+        return Vec::new();
+    }
+    let parts = [0.5, 0.35, 0.65, 0.2, 0.8, 0.0, 1.0].into_iter().filter_map(|share| {
+        let start = share * slack;
+        let (a, b) = (at(start)?, at(start + 0.999 * long)?);
+        let chord = length(a, b);
+        // How far the path's own points between leave the chord.
+        let bent = (1..8).filter_map(|k| at(start + 0.125 * f64::from(k) * long)).any(|p| {
+            let across = (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0);
+            across.abs() > BEND * chord
+        });
+        (!bent && chord > 0.95 * 0.999 * long).then_some([a, b])
+    });
+    parts.collect()
 }
 
 fn class(place: usize) -> String {
@@ -186,7 +291,7 @@ fn range(axis: &Axis, [first, last]: [f64; 2]) -> String {
 }
 
 /// Path data of a cell, a hair larger than it is so that neighbours leave no seam.
-fn cell_path((left, top): (f64, f64), (right, bottom): (f64, f64)) -> String {
+fn cell_path(Rect { left, top, right, bottom }: Rect) -> String {
     let (w, h) = (number(right - left + 0.3), number(bottom - top + 0.3));
     format!("M{} {}h{w}v{h}h-{w}z", number(left), number(top))
 }
@@ -247,6 +352,7 @@ impl Edges {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Chart;
 
     #[test]
     fn cells_meet_halfway_as_their_axis_measures() {
@@ -276,9 +382,38 @@ mod tests {
         let axis = || Axis::linear("a", "m");
         let mut map = Map::new("", axis(), axis(), ["stable"]);
         (0..30).for_each(|x| (0..20).for_each(|y| map.cell(f64::from(x), f64::from(y), "stable")));
-        let svg = map.draw(Layout::Wide).canvas.finish();
-        assert_eq!(svg.matches("<title>").count(), 1);
+        let svg = Chart::from(map).file("").unwrap();
+        assert_eq!(svg.matches("<title>").count(), 2, "its own and the rectangle's");
+        assert!(svg.contains(">everywhere: stable</text>"), "{svg}");
         assert!(svg.contains("<title>stable\na: 0 to 29 m\na: 0 to 19 m</title>"), "{svg}");
+    }
+
+    #[test]
+    fn a_border_is_named_along_itself_where_it_is_straight() {
+        let line: Vec<(f64, f64)> =
+            (0..40).map(|i| f64::from(i) * 10.0).map(|x| (x, 0.5 * x)).collect();
+        let [a, b] = straight_parts(&line, 100.0)[0];
+        assert!(((b.0 - a.0).hypot(b.1 - a.1) - 100.0).abs() < 0.2);
+        assert!((0.5 * (a.0 + b.0) - 195.0).abs() < 1.0, "in the middle");
+        assert!(straight_parts(&line, 1000.0).is_empty());
+        let bent: Vec<(f64, f64)> = (0..40)
+            .map(|i| 0.08 * f64::from(i))
+            .map(|turn| (40.0 * turn.cos(), 40.0 * turn.sin()))
+            .collect();
+        assert!(straight_parts(&bent, 100.0).is_empty());
+    }
+
+    #[test]
+    fn a_border_too_short_for_its_name_has_a_number_that_the_legend_explains() {
+        let axis = || Axis::linear("a", "m");
+        let mut map = Map::new("", axis(), axis(), ["stable", "lost"])
+            .border("a name that is far longer than its border", [(0.0, 0.0), (1.0, 1.0)])
+            .border("short", [(0.0, 9.0), (9.0, 9.0)]);
+        (0..10).for_each(|x| map.cell(f64::from(x), f64::from(x), "stable"));
+        map.cell(0.0, 9.0, "lost");
+        let svg = Chart::from(map).file("").unwrap();
+        assert!(svg.contains(">1</text>") && svg.contains(">short</text>"), "{svg}");
+        assert!(svg.contains(">1: a name that is far longer than its border</text>"), "{svg}");
     }
 
     #[test]
