@@ -15,6 +15,7 @@ mod candidate;
 mod charted;
 mod climb;
 mod declaration;
+mod effort;
 mod emit;
 mod error;
 mod exhaustive;
@@ -31,7 +32,9 @@ mod reference;
 mod run;
 mod surrogate;
 mod time;
+mod track;
 mod verify;
+mod way;
 
 use std::fs;
 use std::path::Path;
@@ -45,10 +48,11 @@ pub use charted::charted;
 pub use climb::{Climb, Judgement, judge};
 use climb::{rungs_to_go, sort};
 pub use declaration::{Change, changed};
+pub use effort::{Effort, Purpose};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use exhaustive::{Found, exhaustive};
-use grid::Grid;
+use grid::{Grid, Within};
 pub use json::json;
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
@@ -155,6 +159,7 @@ pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
     let mut enough = ENOUGH * tolerance;
     let mut last: Option<(Reference, Doubt)> = None;
     for _ in 0..DOUBTS {
+        lab.turn_to(Purpose::Reference);
         let families = preferred(lab, enough);
         let made = refer(lab, &families, enough);
         let Some(reference) =
@@ -199,7 +204,7 @@ fn hardly_moves(lab: &mut Lab, reference: &Reference) -> bool {
     let at = At { family: reference.family, rung: reference.finest };
     let scene = &lab.ladder().written().scene;
     let Some(observable) = scene.observables().first().copied() else { return false };
-    let look = lab.look(at, Grid::Equal { halvings: STILL });
+    let look = lab.look(at, &Grid::Equal { halvings: STILL }, Within::Parts);
     look.is_some_and(|look| look.scale(&observable) <= 10.0 * reference.course.scale)
 }
 
@@ -215,6 +220,7 @@ fn settled(
 ) -> Result<Box<Answer>, Box<(Reference, Doubt)>> {
     for _ in 0..CHOICES {
         let mut climb = Climb::new(lab, reference, tolerance);
+        climb.lab.turn_to(Purpose::Search);
         let chosen = climb.search();
         reference = climb.reference.clone();
         let Some(at) = chosen else {
@@ -276,6 +282,7 @@ fn beside(
     seen: Seen,
 ) -> Answer {
     let said = |lab: &Lab, at: At| judge(lab, &reference, tolerance, at);
+    lab.turn_to(Purpose::Mesh);
     let mesh = mesh_error(lab, &reference, at, &said);
     Answer { mesh, ..Answer::of(lab, reference, tolerance, verdict).seen(seen) }
 }

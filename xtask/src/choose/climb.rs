@@ -24,6 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stationary_integrators::Evaluation;
 
+use super::effort::Purpose;
 use super::lab::{At, Lab};
 use super::ladder::{Family, Kind};
 use super::reference::Reference;
@@ -311,7 +312,10 @@ impl<'a> Climb<'a> {
         let mut said = self.said(at);
         while self.refinements > 0 && self.deserves(at, &said, work) {
             self.refinements -= 1;
-            let Some(finer) = self.reference.refined(self.lab) else { break };
+            self.lab.turn_to(Purpose::Reference);
+            let finer = self.reference.refined(self.lab);
+            self.lab.turn_to(Purpose::Search);
+            let Some(finer) = finer else { break };
             self.reference = finer;
             said = self.said(at);
         }

@@ -152,7 +152,7 @@ fn the_answer_as_json_says_the_same() {
     assert_eq!(told["choice"]["method"], row.method.as_str());
     assert_eq!(told["choice"]["work"], row.work);
     assert_eq!(told["reference"]["confirmed"], true);
-    assert_eq!(told["cost"]["search"], answer.spent);
+    assert_eq!(told["cost"]["search"], answer.spent.total());
     assert!(told["mesh"]["error"].as_f64().unwrap() > 0.0);
     let rejected = told["rejected"].as_array().unwrap();
     assert_eq!(rejected.len(), answer.failed().len());

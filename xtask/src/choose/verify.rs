@@ -16,10 +16,11 @@ use std::fmt;
 use stationary_scene::Observable;
 
 use super::climb::rungs_to_go;
+use super::effort::Purpose;
 use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
-use super::ladder::Kind;
 use super::look::{Look, apart, apart_where_own, keeps_energy};
+use super::way::{Way, nothing};
 use super::reference::{Extrapolated, Reference};
 use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 
@@ -28,8 +29,10 @@ use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 pub struct Seen {
     /// At how many moments it was looked at.
     pub moments: usize,
-    /// Every so manieth step was looked into.
+    /// Every so manieth step was looked at.
     pub every: usize,
+    /// Into so many steps; nothing where into all of them.
+    pub steps: Option<usize>,
     /// Its error in the observable.
     pub error: f64,
     /// How far its energy is off, relative to the largest kinetic energy.
@@ -108,34 +111,34 @@ const NEAR: f64 = 0.1;
 const FINER: usize = 12;
 /// How much larger an error may be between two moments.
 const BETWEEN: f64 = 1.05;
-/// Halvings of the grid for modes, which have no steps.
-const OF_MODES: u32 = 6;
+/// The part of the tolerance to which what is read off between samples is known.
+const RESOLVED: f64 = 0.02;
 
-impl Grid {
-    /// A grid that looks into every step of a run.
-    pub fn of(lab: &Lab, at: At) -> Grid {
-        match lab.family(at.family).kind {
-            Kind::EqualSteps => Grid::Equal { halvings: at.rung as u32 },
-            Kind::OwnSteps => Grid::Accepted(at),
-            Kind::Modes => Grid::Equal { halvings: OF_MODES },
-        }
-    }
-}
-
-/// A reference over its whole way, and its uncertainty in the observable's own unit.
-pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, f64)> {
+/// A reference over its whole way, and its uncertainty in the observable's own unit; read off where its
+/// samples tell it to within `allowed`.
+pub fn whole(
+    lab: &mut Lab,
+    reference: &Reference,
+    (grid, within): (&Grid, Within),
+    allowed: f64,
+) -> Option<(Look, f64)> {
     let at = |rung: usize| At { family: reference.family, rung };
-    let fine = lab.look(at(reference.finest), grid)?;
+    let (fine, mut off) = lab.read(at(reference.finest), (grid, within), allowed)?;
     let leads = reference.extrapolated == Extrapolated::Yes;
+    let power = f64::from(1_u32 << lab.family(reference.family).order);
+    let weight = if leads { 1.0 / (power - 1.0) } else { 1.0 };
     // What is not extrapolated is compared at the ends of steps: parts of them cost as much.
-    let within = if leads { Within::Parts } else { Within::Ends };
-    let middle = lab.look_within(at(reference.before), grid, within)?;
-    let every = if leads { 1 } else { lab.moments(grid)?.within + 1 };
+    let compared = if leads { within } else { Within::Ends };
+    let before = at(reference.before);
+    let (middle, other) = lab.read(before, (grid, compared), allowed / weight)?;
+    let every = match (within, compared) {
+        (Within::Parts, Within::Ends) => lab.moments(grid, within)?.within + 1,
+        _ => 1,
+    };
     let differs = apart_where_own(&fine, &middle, every);
     let mut best = Look::clone(&fine);
     if leads {
-        let power = f64::from(1_u32 << lab.family(reference.family).order);
-        let weight = 1.0 / (power - 1.0);
+        off += weight * other;
         let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
         for (best, other) in
             [(&mut best.values, &middle.values), (&mut best.places, &middle.places)]
@@ -149,14 +152,67 @@ pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, 
     let own = reference.uncertainty * reference.course.scale;
     let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
     let uncertainty = if own > 0.0 { own * grown } else { differs };
-    Some((best, uncertainty))
+    Some((best, uncertainty + off))
 }
 
-/// The error of a run over its whole way by a reference; nothing where one of them has none.
-pub fn way_error(lab: &mut Lab, reference: &Reference, at: At) -> Option<f64> {
+/// The same at all moments of a way.
+fn whole_way(
+    lab: &mut Lab,
+    reference: &Reference,
+    way: &Way,
+    allowed: f64,
+) -> Option<(Look, f64)> {
+    let mut all: Option<(Look, f64)> = None;
+    for (grid, within) in &way.grids {
+        let (next, uncertainty) = whole(lab, reference, (grid, *within), allowed)?;
+        all = Some(match all {
+            None => (next, uncertainty),
+            Some((before, other)) => (before.and(&next), uncertainty.max(other)),
+        });
+    }
+    all
+}
+
+/// A run at all moments of a way, read off where its samples tell it to within `allowed`.
+fn run_on(lab: &mut Lab, at: At, way: &Way, allowed: f64) -> Option<Look> {
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let (next, _) = lab.read(at, (grid, *within), allowed)?;
+        all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
+    }
+    all
+}
+
+/// What a run itself gives at all moments of a way: within steps, by parts of them.
+fn own_on(lab: &mut Lab, at: At, way: &Way) -> Option<Look> {
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let next = match within {
+            Within::Ends => lab.read(at, (grid, *within), 0.0)?.0,
+            Within::Parts => lab.look(at, grid, *within)?,
+        };
+        all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
+    }
+    all
+}
+
+/// What may be lost by reading a run off between its samples, in the observable's unit.
+fn allowed(reference: &Reference, tolerance: f64) -> f64 {
+    RESOLVED * tolerance * reference.course.scale
+}
+
+/// The error of a run over its whole way by a reference, to a small part of the tolerance; nothing where
+/// one of them has none.
+pub fn way_error(
+    lab: &mut Lab,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+) -> Option<f64> {
     let grid = Grid::of(lab, at);
-    let (truth, _) = whole(lab, reference, grid)?;
-    let own = lab.look(at, grid)?;
+    let own = lab.look(at, &grid, Within::Parts)?;
+    let allowed = allowed(reference, tolerance);
+    let (truth, _) = whole(lab, reference, (&grid, Within::Parts), allowed)?;
     Some(apart(&own.values, &truth.values) / reference.course.scale)
 }
 
@@ -168,40 +224,66 @@ pub fn verify(
     tolerance: f64,
     families: &[usize],
 ) -> Finding {
-    let grid = Grid::of(lab, at);
-    let Some(own) = lab.look(at, grid) else { return Finding::Doubtful(Doubt::Unseen) };
-    let Some((truth, uncertainty)) = whole(lab, reference, grid) else {
-        return Finding::Doubtful(Doubt::Unseen);
+    lab.turn_to(Purpose::WithinReference);
+    let least = nothing(&reference.course, tolerance);
+    if let Some(some) = Way::some(lab, reference, at, least)
+        && let Some(finding) = verify_on(lab, reference, (at, &some), tolerance, families)
+    {
+        return finding;
+    }
+    let all = Way::all(lab, at);
+    let finding = verify_on(lab, reference, (at, &all), tolerance, families);
+    finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Looks at a choice at the moments of a way; nothing where these do not tell.
+fn verify_on(
+    lab: &mut Lab,
+    reference: &Reference,
+    (at, way): (At, &Way),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<Finding> {
+    let allowed = allowed(reference, tolerance);
+    lab.turn_to(Purpose::WithinChoice);
+    let Some(own) = own_on(lab, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
+    lab.turn_to(Purpose::WithinReference);
+    let Some((truth, uncertainty)) = whole_way(lab, reference, way, allowed) else {
+        return Some(Finding::Doubtful(Doubt::Unseen));
     };
     let scene = &lab.ladder().written().scene;
     let observable = scene.observables().first().copied().unwrap_or(Observable::Energy);
     let keeps = keeps_energy(scene);
     let scale = truth.scale(&observable);
     if scale > SAME_SCALE * reference.course.scale {
-        return Finding::Larger(scale);
+        return Some(Finding::Larger(scale));
     }
     let scale = reference.course.scale;
     if keeps && truth.drift() > KEPT * tolerance {
-        return Finding::Doubtful(Doubt::Energy(truth.drift()));
+        return Some(Finding::Doubtful(Doubt::Energy(truth.drift())));
     }
     let uncertainty = uncertainty / scale;
     if uncertainty > BARELY * tolerance {
-        return Finding::Doubtful(Doubt::Uncertain(uncertainty));
+        return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
     let error = apart(&own.values, &truth.values) / scale;
     // What is sampled may be larger in between.
     if BETWEEN * error + uncertainty > tolerance {
-        return Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON)));
+        return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
+    }
+    if way.foretold(lab, &own, &truth) / scale + uncertainty > tolerance {
+        return None;
     }
     let near = match lab.family(reference.family).is_closed {
         true => (BARELY * tolerance).max(NEAR.min(NEAR_CLOSED * tolerance)),
         false if keeps => NEAR_KEPT * tolerance,
         false => BARELY * tolerance,
     };
-    let other = match agreement(lab, reference, (near, grid), families, &truth) {
+    lab.turn_to(Purpose::Confirmation);
+    let other = match agreement(lab, reference, (near, way, allowed), families, &truth) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),
-        Agreement::Disagrees(off) => return Finding::Doubtful(Doubt::Disagrees(off)),
+        Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),
         Agreement::None => None,
     };
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
@@ -212,16 +294,17 @@ pub fn verify(
     });
     let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
         .then(|| off_places(&own, &truth));
-    let (moments, every) =
-        lab.moments(grid).map_or((0, 1), |moments| (moments.times.len(), moments.every));
+    let every = way.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
+    let every = every.map(|moments| moments.every).max().unwrap_or(1);
     // What the reference is made of is as wrong as that is uncertain.
-    let own = at == At { family: reference.family, rung: reference.finest };
-    let error = if own { error.max(uncertainty) } else { error };
-    let seen = Seen { moments, every, error, energy, places, other: other.flatten() };
-    match other {
+    let is_reference = at == At { family: reference.family, rung: reference.finest };
+    let error = if is_reference { error.max(uncertainty) } else { error };
+    let (moments, steps) = (own.values.len() - 1, way.steps());
+    let seen = Seen { moments, every, steps, error, energy, places, other: other.flatten() };
+    Some(match other {
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
-    }
+    })
 }
 
 /// The largest distance of a place from where it should be, relative to the largest way of one.
@@ -247,7 +330,7 @@ enum Agreement {
 fn agreement(
     lab: &mut Lab,
     reference: &Reference,
-    (near, grid): (f64, Grid),
+    (near, way, allowed): (f64, &Way, f64),
     families: &[usize],
     truth: &Look,
 ) -> Agreement {
@@ -257,12 +340,14 @@ fn agreement(
         Confirmed::No => Agreement::None,
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
-            let Some((other, _)) = whole(lab, &other, grid) else { return Agreement::None };
+            let Some((other, _)) = whole_way(lab, &other, way, allowed) else {
+                return Agreement::None;
+            };
             let off = apart_where_own(&other, truth, 1) / scale;
             if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
         }
         Confirmed::By(first) => {
-            finer_agrees(lab, reference, (near, grid), (first, families), truth)
+            finer_agrees(lab, reference, (near, way, allowed), (first, families), truth)
         }
     }
 }
@@ -271,7 +356,7 @@ fn agreement(
 fn finer_agrees(
     lab: &mut Lab,
     reference: &Reference,
-    (near, grid): (f64, Grid),
+    (near, way, allowed): (f64, &Way, f64),
     (first, families): (At, &[usize]),
     truth: &Look,
 ) -> Agreement {
@@ -282,8 +367,12 @@ fn finer_agrees(
     let mut at = first;
     for _ in 0..FINER {
         lab.measure(at);
-        if let Some(other) = lab.look(at, grid) {
+        lab.turn_to(Purpose::WithinOther);
+        let look = run_on(lab, at, way, allowed);
+        lab.turn_to(Purpose::Confirmation);
+        if let Some(other) = look {
             let off = apart_where_own(&other, truth, 1) / reference.course.scale;
+            if std::env::var("DBG").is_ok() { eprintln!("other {} r{} off {off:e} near {near:e}", lab.family(at.family).name, at.rung); }
             if off <= near {
                 return Agreement::With(at, off);
             }

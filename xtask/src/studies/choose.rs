@@ -156,9 +156,9 @@ fn case(asked: &Asked, lab: &mut Lab, truth: &Reference, tolerance: f64) -> Opti
     lab.forget();
     let answer = answer(lab, tolerance);
     let row = answer.choice()?;
-    let error = way_error(lab, truth, row.at)?;
+    let error = way_error(lab, truth, row.at, tolerance)?;
     let chosen = Found { at: row.at, work: row.work, error };
-    let spent = answer.spent as f64;
+    let spent = answer.spent.total() as f64;
     let written = written(lab, truth, &chosen, tolerance) as f64;
     let (effort, effort_written) = (spent / row.work as f64, spent / written);
     let all: Vec<usize> = (0..lab.ladder().families.len()).collect();

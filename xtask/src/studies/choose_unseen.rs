@@ -132,7 +132,7 @@ fn search(case: u64) -> Option<Searched> {
     let mut lab = lab.ok()?;
     let answer = answer(&mut lab, asked.tolerance);
     let Verdict::Chosen(at) = answer.verdict else { return None };
-    let (work, spent) = (answer.choice()?.work, answer.spent);
+    let (work, spent) = (answer.choice()?.work, answer.spent.total());
     lab.forget();
     let enough = asked.tolerance / TRUTH;
     let families = preferred(&lab, enough);
