@@ -36,6 +36,7 @@ mod track;
 mod verify;
 mod way;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -377,7 +378,9 @@ fn confirmed(
         return Confirmed::Alone;
     }
     // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
-    // higher order does not agree, one of a lower order must be much cheaper.
+    // higher order does not agree, one of a lower order must be much cheaper. Where it is far to such a
+    // run, what coarser ones lead to is cheaper.
+    let mut led: BTreeSet<At> = BTreeSet::new();
     while !lab.late() {
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
         let unlikely = |at: At| {
@@ -393,6 +396,20 @@ fn confirmed(
         };
         let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
         let cheapest = next.min_by_key(|&at| (dear(at), at));
+        let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
+        let tried = |family: usize| led.iter().filter(|at| at.family == family).count();
+        let leading =
+            leading.filter(|(_, at)| !led.contains(at) && tried(at.family) < LEADS).min();
+        if let Some((work, at)) = leading
+            && cheapest.is_none_or(|direct| work < dear(direct))
+            && work <= most.min(lab.left())
+        {
+            led.insert(at);
+            if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
+                return Confirmed::Led(Box::new(other));
+            }
+            continue;
+        }
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
             break;
         };
@@ -426,6 +443,7 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
         None => 0,
         Some(at) => match judge(lab, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
+                let error = at_the_end(lab, at, error).min(SMALL);
                 at.rung + rungs_to_go(lab.family(family), tolerance, error)
             }
             _ => at.rung + 1,
@@ -442,6 +460,40 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
     let others = (0..lab.ladder().families.len()).filter(alike).filter_map(last).filter(stable);
     let rung = others.map(|at| at.rung + 1).fold(own, usize::max);
     (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
+}
+
+/// The work of three runs of a family of equal steps that may lead to the reference, and the finest of
+/// them: what is left of an error is about its square.
+fn lead(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<(u64, At)> {
+    let own = lab.family(family);
+    let tried = lab.used().filter(|(at, _)| at.family == family);
+    let errors = tried.filter_map(|(at, _)| match judge(lab, reference, tolerance, at)? {
+        Judgement::Misses(error) => Some((at.rung, at_the_end(lab, at, error))),
+        _ => None,
+    });
+    let is_low = own.kind == Kind::EqualSteps && LEADING.contains(&own.order);
+    let (rung, error) = errors.last().filter(|(_, error)| is_low && *error < SMALL)?;
+    let halvings = (error / tolerance.sqrt()).log2() / f64::from(own.order);
+    let coarsest = rung + halvings.ceil().max(0.0) as usize;
+    let at = |rung: usize| At { family, rung };
+    let whole = |at: At| lab.seen(at).is_some_and(|run| run.whole().is_some());
+    let three = (coarsest..coarsest + 3).map(at);
+    let work = three.filter(|&at| at.rung < own.rungs.len() && !whole(at));
+    let work = work.map(|at| lab.predicted(at)).sum();
+    (coarsest + 2 < own.rungs.len()).then_some((work, at(coarsest + 2)))
+}
+
+/// An error above this says little of what finer steps lead to.
+const SMALL: f64 = 0.3;
+/// The orders of which coarse runs lead to what is far from them.
+const LEADING: std::ops::RangeInclusive<u32> = 1..=2;
+/// How often a family's runs may lead nowhere.
+const LEADS: usize = 2;
+
+/// The error that a run comes to which was stopped, where errors grow as they began.
+fn at_the_end(lab: &Lab, at: At, error: f64) -> f64 {
+    let moments = lab.seen(at).map_or(0, |run| run.course.values.len().saturating_sub(1));
+    error * MOMENTS as f64 / moments.max(1) as f64
 }
 
 /// What another family's rungs lead to, where that agrees with the reference though they themselves

@@ -254,7 +254,8 @@ impl Lab {
         self.predicted(at) <= self.left()
     }
 
-    fn left(&self) -> u64 {
+    /// Work that may still be spent.
+    pub fn left(&self) -> u64 {
         self.most_work.saturating_sub(self.spent())
     }
 

@@ -385,7 +385,8 @@ fn failure(error: &RunError) -> Failure {
     match source {
         Some(StepFailure::Step(
             StepError::NonFiniteConfiguration { .. } | StepError::NonFiniteMomentum { .. },
-        )) => Failure::Unstable(said),
+        ))
+        | Some(StepFailure::Overflow { .. }) => Failure::Unstable(said),
         _ => Failure::NotConverged(said),
     }
 }

@@ -20,6 +20,7 @@ use super::effort::Purpose;
 use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
 use super::look::{Look, apart, apart_where_own, keeps_energy};
+use super::ladder::MOMENTS;
 use super::way::{Way, nothing};
 use super::reference::{Extrapolated, Reference};
 use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
@@ -111,6 +112,9 @@ const NEAR: f64 = 0.1;
 const FINER: usize = 12;
 /// How much larger an error may be between two moments.
 const BETWEEN: f64 = 1.05;
+/// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
+const LEAST_HALVINGS: u32 = 1;
+const MOST_HALVINGS: u32 = 7;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
 
@@ -173,14 +177,37 @@ fn whole_way(
     all
 }
 
-/// A run at all moments of a way, read off where its samples tell it to within `allowed`.
-fn run_on(lab: &mut Lab, at: At, way: &Way, allowed: f64) -> Option<Look> {
+/// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
+/// where its samples tell it there, else at these samples.
+fn off_other(
+    lab: &mut Lab,
+    reference: &Reference,
+    at: At,
+    (way, truth): (&Way, &Look),
+    allowed: f64,
+) -> Option<f64> {
+    let track = lab.seen(at)?.track.clone();
     let mut all: Option<Look> = None;
     for (grid, within) in &way.grids {
-        let (next, _) = lab.read(at, (grid, *within), allowed)?;
-        all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
+        let moments = lab.moments(grid, *within)?;
+        let reading = track.as_ref().map(|track| track.read(&moments.times));
+        let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
+            let ends = samples(lab, at);
+            let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
+            let (truth, _) = whole(lab, reference, (&ends, Within::Ends), allowed)?;
+            return Some(apart_where_own(&other, &truth, 1));
+        };
+        all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
     }
-    all
+    Some(apart_where_own(&all?, truth, 1))
+}
+
+/// The samples of a run, and where these are few, parts of its steps too.
+fn samples(lab: &Lab, at: At) -> Grid {
+    let track = lab.seen(at).and_then(|run| run.track.as_ref());
+    let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
+    let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
+    Grid::Equal { halvings: halvings.max(LEAST_HALVINGS) }
 }
 
 /// What a run itself gives at all moments of a way: within steps, by parts of them.
@@ -368,11 +395,10 @@ fn finer_agrees(
     for _ in 0..FINER {
         lab.measure(at);
         lab.turn_to(Purpose::WithinOther);
-        let look = run_on(lab, at, way, allowed);
+        let off = off_other(lab, reference, at, (way, truth), allowed);
         lab.turn_to(Purpose::Confirmation);
-        if let Some(other) = look {
-            let off = apart_where_own(&other, truth, 1) / reference.course.scale;
-            if std::env::var("DBG").is_ok() { eprintln!("other {} r{} off {off:e} near {near:e}", lab.family(at.family).name, at.rung); }
+        if let Some(off) = off {
+            let off = off / reference.course.scale;
             if off <= near {
                 return Agreement::With(at, off);
             }

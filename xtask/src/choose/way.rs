@@ -38,6 +38,10 @@ struct Foretold {
 /// One of so many parts is looked into, and so many at least; half of them where errors are the largest.
 const ONE_OF: usize = 16;
 const AT_LEAST: usize = 12;
+/// So few do where all errors are below that part of the tolerance; and all that are above this one.
+const FEW: usize = 6;
+const FAR: f64 = 0.1;
+const LARGE: f64 = 0.7;
 /// How much larger an error may be than those of other steps foretell.
 const MARGIN: f64 = 1.25;
 /// The part of the tolerance below which an error is nothing.
@@ -69,10 +73,6 @@ impl Way {
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
         let parts = (MOMENTS << sampled) as usize;
-        let count = AT_LEAST.max(parts / ONE_OF);
-        if count >= parts {
-            return None;
-        }
         let ends = (Grid::Equal { halvings: sampled }, Within::Ends);
         let (own, _) = lab.read(at, (&ends.0, ends.1), 0.0)?;
         let (truth, _) = whole(lab, reference, (&ends.0, ends.1), least)?;
@@ -84,6 +84,14 @@ impl Way {
                 largest + distance(&errors[part], &errors[part + 1])
             })
             .collect();
+        // What is far below the tolerance needs few witnesses.
+        let most = least / NOTHING;
+        let at_least = if bounds.iter().all(|&bound| bound < FAR * most) { FEW } else { AT_LEAST };
+        let large = bounds.iter().filter(|&&bound| bound > LARGE * most).count();
+        let count = at_least.max(parts / ONE_OF).max(2 * large);
+        if 2 * count > 3 * parts / 2 {
+            return None;
+        }
         let looked = looked(&bounds, count);
         let each = 1_u64 << (halvings - sampled);
         let chosen = (0..parts as u64).filter(|&part| looked[part as usize]);
