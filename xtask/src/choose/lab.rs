@@ -197,11 +197,7 @@ impl Lab {
     /// or the budget is over.
     pub fn measure_finer(&mut self, finer: usize, at: At, most: u64) -> Option<&Measured> {
         let (family, own) = (&self.ladder.families[at.family], &self.ladder.finer[finer]);
-        let mut pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
-        if family.kind == Kind::EqualSteps && family.evaluation == Evaluation::Explicit {
-            // A wave crosses shorter cells in shorter steps.
-            pieces *= f64::from(2 << finer);
-        }
+        let pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
         if self.late() || self.predicted(at) as f64 * pieces > most.min(self.left()) as f64 {
             return None;
         }

@@ -272,11 +272,10 @@ pub fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
 }
 
-/// The largest distance of two looks where both are their runs' own; every so manieth moment of the
-/// first is one of the second.
-pub fn apart_where_own(a: &Look, b: &Look, every: usize) -> f64 {
-    let own = a.is_own.iter().step_by(every).zip(&b.is_own).map(|(a, b)| *a && *b);
-    let rows = own.zip(a.values.iter().step_by(every).zip(&b.values)).filter(|(own, _)| *own);
+/// The largest distance of two looks where both are their runs' own.
+pub fn apart_where_own(a: &Look, b: &Look) -> f64 {
+    let own = a.is_own.iter().zip(&b.is_own).map(|(a, b)| *a && *b);
+    let rows = own.zip(a.values.iter().zip(&b.values)).filter(|(own, _)| *own);
     let each = rows.map(|(_, (a, b))| distance(a, b));
     each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
 }

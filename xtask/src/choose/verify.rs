@@ -118,63 +118,63 @@ const MOST_HALVINGS: u32 = 7;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
 
-/// A reference over its whole way, and its uncertainty in the observable's own unit; read off where its
-/// samples tell it to within `allowed`.
-pub fn whole(
+/// A reference at the moments of a grid, and how far it may be off since it is read off between its
+/// samples, where these tell it to within `allowed` of the observable.
+pub fn told(
     lab: &mut Lab,
     reference: &Reference,
     (grid, within): (&Grid, Within),
     allowed: f64,
 ) -> Option<(Look, f64)> {
     let at = |rung: usize| At { family: reference.family, rung };
-    let (fine, mut off) = lab.read(at(reference.finest), (grid, within), allowed)?;
-    let leads = reference.extrapolated == Extrapolated::Yes;
-    let power = f64::from(1_u32 << lab.family(reference.family).order);
-    let weight = if leads { 1.0 / (power - 1.0) } else { 1.0 };
-    // What is not extrapolated is compared at the ends of steps: parts of them cost as much.
-    let compared = if leads { within } else { Within::Ends };
-    let before = at(reference.before);
-    let (middle, other) = lab.read(before, (grid, compared), allowed / weight)?;
-    let every = match (within, compared) {
-        (Within::Parts, Within::Ends) => lab.moments(grid, within)?.within + 1,
-        _ => 1,
-    };
-    let differs = apart_where_own(&fine, &middle, every);
+    let (fine, off) = lab.read(at(reference.finest), (grid, within), allowed)?;
     let mut best = Look::clone(&fine);
-    if leads {
-        off += weight * other;
-        let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
-        for (best, other) in
-            [(&mut best.values, &middle.values), (&mut best.places, &middle.places)]
-        {
-            for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
-                *x = led(*x, *y);
-            }
-        }
-        best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
+    if reference.extrapolated == Extrapolated::No {
+        return Some((best, off));
     }
-    let own = reference.uncertainty * reference.course.scale;
-    let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
-    let uncertainty = if own > 0.0 { own * grown } else { differs };
-    Some((best, uncertainty + off))
+    let weight = 1.0 / (f64::from(1_u32 << lab.family(reference.family).order) - 1.0);
+    let (middle, other) = lab.read(at(reference.before), (grid, within), allowed / weight)?;
+    let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
+    for (best, other) in [(&mut best.values, &middle.values), (&mut best.places, &middle.places)] {
+        for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
+            *x = led(*x, *y);
+        }
+    }
+    best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
+    Some((best, off + weight * other))
 }
 
-/// The same at all moments of a way.
+/// The uncertainty of a reference over its whole way, in the observable's own unit: grown as its last two
+/// runs differ more at their samples than at the moments.
+fn uncertainty(lab: &mut Lab, reference: &Reference, way: &Way) -> Option<f64> {
+    let at = |rung: usize| At { family: reference.family, rung };
+    let (fine, middle) = (at(reference.finest), at(reference.before));
+    let (grid, within) = match lab.seen(middle).is_some_and(|run| run.track.is_some()) {
+        true => (samples(lab, middle, way.halvings()), Within::Ends),
+        false => way.grids.first()?.clone(),
+    };
+    let (fine, _) = lab.read(fine, (&grid, within), 0.0)?;
+    let (middle, _) = lab.read(middle, (&grid, within), 0.0)?;
+    let differs = apart_where_own(&fine, &middle);
+    let own = reference.uncertainty * reference.course.scale;
+    let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
+    Some(if own > 0.0 { own * grown } else { differs })
+}
+
+/// A reference at all moments of a way, and its uncertainty there.
 fn whole_way(
     lab: &mut Lab,
     reference: &Reference,
     way: &Way,
     allowed: f64,
 ) -> Option<(Look, f64)> {
-    let mut all: Option<(Look, f64)> = None;
+    let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
     for (grid, within) in &way.grids {
-        let (next, uncertainty) = whole(lab, reference, (grid, *within), allowed)?;
-        all = Some(match all {
-            None => (next, uncertainty),
-            Some((before, other)) => (before.and(&next), uncertainty.max(other)),
-        });
+        let (next, off) = told(lab, reference, (grid, *within), allowed)?;
+        all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
+        most = most.max(off);
     }
-    all
+    Some((all?, most + uncertainty(lab, reference, way)?))
 }
 
 /// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
@@ -192,22 +192,22 @@ fn off_other(
         let moments = lab.moments(grid, *within)?;
         let reading = track.as_ref().map(|track| track.read(&moments.times));
         let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
-            let ends = samples(lab, at);
+            let ends = samples(lab, at, LEAST_HALVINGS);
             let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
-            let (truth, _) = whole(lab, reference, (&ends, Within::Ends), allowed)?;
-            return Some(apart_where_own(&other, &truth, 1));
+            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed)?;
+            return Some(apart_where_own(&other, &truth));
         };
         all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
     }
-    Some(apart_where_own(&all?, truth, 1))
+    Some(apart_where_own(&all?, truth))
 }
 
 /// The samples of a run, and where these are few, parts of its steps too.
-fn samples(lab: &Lab, at: At) -> Grid {
+fn samples(lab: &Lab, at: At, least: u32) -> Grid {
     let track = lab.seen(at).and_then(|run| run.track.as_ref());
     let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
     let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
-    Grid::Equal { halvings: halvings.max(LEAST_HALVINGS) }
+    Grid::Equal { halvings: halvings.max(least.min(LEAST_HALVINGS)) }
 }
 
 /// What a run itself gives at all moments of a way: within steps, by parts of them.
@@ -239,7 +239,7 @@ pub fn way_error(
     let grid = Grid::of(lab, at);
     let own = lab.look(at, &grid, Within::Parts)?;
     let allowed = allowed(reference, tolerance);
-    let (truth, _) = whole(lab, reference, (&grid, Within::Parts), allowed)?;
+    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed)?;
     Some(apart(&own.values, &truth.values) / reference.course.scale)
 }
 
@@ -370,7 +370,7 @@ fn agreement(
             let Some((other, _)) = whole_way(lab, &other, way, allowed) else {
                 return Agreement::None;
             };
-            let off = apart_where_own(&other, truth, 1) / scale;
+            let off = apart_where_own(&other, truth) / scale;
             if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
         }
         Confirmed::By(first) => {

@@ -17,7 +17,7 @@ use super::ladder::{Kind, MOMENTS};
 use super::look::Look;
 use super::reference::Reference;
 use super::run::{Course, distance};
-use super::verify::whole;
+use super::verify::told;
 
 /// Where a choice is looked at.
 pub struct Way {
@@ -75,7 +75,7 @@ impl Way {
         let parts = (MOMENTS << sampled) as usize;
         let ends = (Grid::Equal { halvings: sampled }, Within::Ends);
         let (own, _) = lab.read(at, (&ends.0, ends.1), 0.0)?;
-        let (truth, _) = whole(lab, reference, (&ends.0, ends.1), least)?;
+        let (truth, _) = told(lab, reference, (&ends.0, ends.1), least)?;
         let errors: Vec<Vec<f64>> = own.values.iter().zip(&truth.values).map(off).collect();
         let sizes: Vec<f64> = errors.iter().map(|error| size(error)).collect();
         let bounds: Vec<f64> = (0..parts)
@@ -117,6 +117,14 @@ impl Way {
         let ratio = ratio.fold(1.0, f64::max);
         let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
         MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
+    }
+
+    /// How often its equal parts are halved twentieths of the horizon; none of other steps.
+    pub fn halvings(&self) -> u32 {
+        match self.grids.first() {
+            Some((Grid::Equal { halvings } | Grid::Some { halvings, .. }, _)) => *halvings,
+            _ => 0,
+        }
     }
 
     /// Steps that are looked into, where not all are.
