@@ -36,7 +36,7 @@ mod track;
 mod verify;
 mod way;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -381,7 +381,13 @@ fn confirmed(
     // higher order does not agree, one of a lower order must be much cheaper. Where it is far to such a
     // run, what coarser ones lead to is cheaper.
     let mut led: BTreeSet<At> = BTreeSet::new();
+    // What each sort of method has cost so far: none is tried long before another is.
+    let mut spent: BTreeMap<(Kind, bool), u64> = BTreeMap::new();
     while !lab.late() {
+        let begun = lab.spent();
+        let so_far = |lab: &Lab, family: usize| {
+            spent.get(&kind_of(lab.family(family))).copied().unwrap_or_default()
+        };
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
         let unlikely = |at: At| {
             let order = lab.family(at.family).order;
@@ -395,19 +401,22 @@ fn confirmed(
             })
         };
         let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
-        let cheapest = next.min_by_key(|&at| (dear(at), at));
+        let cheapest = next.min_by_key(|&at| (dear(at) + so_far(lab, at.family), at));
         let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
         let tried = |family: usize| led.iter().filter(|at| at.family == family).count();
         let leading =
             leading.filter(|(_, at)| !led.contains(at) && tried(at.family) < LEADS).min();
         if let Some((work, at)) = leading
-            && cheapest.is_none_or(|direct| work < dear(direct))
+            && cheapest.is_none_or(|direct| {
+                work + so_far(lab, at.family) < dear(direct) + so_far(lab, direct.family)
+            })
             && work <= most.min(lab.left())
         {
             led.insert(at);
             if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
                 return Confirmed::Led(Box::new(other));
             }
+            *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
             continue;
         }
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
@@ -420,6 +429,7 @@ fn confirmed(
         if agrees(lab, at) {
             return Confirmed::By(at);
         }
+        *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
     }
     for family in others {
         for rung in 1..lab.family(family).rungs.len() {
@@ -433,6 +443,11 @@ fn confirmed(
         }
     }
     Confirmed::No
+}
+
+/// Sorts of methods that do well and badly together: equal steps and own, with equations and without.
+fn kind_of(family: &Family) -> (Kind, bool) {
+    (family.kind, family.evaluation == Evaluation::Implicit)
 }
 
 /// The next rung of a family that may agree with the reference, finer than what others of its sort
