@@ -36,7 +36,7 @@ mod track;
 mod verify;
 mod way;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -206,7 +206,8 @@ fn hardly_moves(lab: &mut Lab, reference: &Reference) -> bool {
     let scene = &lab.ladder().written().scene;
     let Some(observable) = scene.observables().first().copied() else { return false };
     let look = lab.look(at, &Grid::Equal { halvings: STILL }, Within::Parts);
-    look.is_some_and(|look| look.scale(&observable) <= 10.0 * reference.course.scale)
+    let most = reference.course.scale.max(reference.course.rounding);
+    look.is_some_and(|look| look.scale(&observable) <= 10.0 * most)
 }
 
 /// Halvings of the grid that shows whether something moves between the moments.
@@ -344,7 +345,7 @@ enum Confirmed {
 
 /// Work that is spent on another kind's agreement, in runs of all that was run before: of a run
 /// that agrees, and of runs that lead to where it is.
-const PATIENCE: u64 = 4;
+const PATIENCE: u64 = 10;
 
 /// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
@@ -380,7 +381,7 @@ fn confirmed(
     // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
     // higher order does not agree, one of a lower order must be much cheaper. Where it is far to such a
     // run, what coarser ones lead to is cheaper.
-    let mut led: BTreeSet<At> = BTreeSet::new();
+    let mut led: Vec<At> = Vec::new();
     // What each sort of method has cost so far: none is tried long before another is.
     let mut spent: BTreeMap<(Kind, bool), u64> = BTreeMap::new();
     while !lab.late() {
@@ -403,16 +404,24 @@ fn confirmed(
         let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
         let cheapest = next.min_by_key(|&at| (dear(at) + so_far(lab, at.family), at));
         let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
-        let tried = |family: usize| led.iter().filter(|at| at.family == family).count();
+        let tried = |family: usize| {
+            let of = sort(lab.family(family));
+            led.iter().filter(|at| sort(lab.family(at.family)) == of).count()
+        };
+        // Of one sort, the same rungs lead to the same.
+        let new = |at: At| {
+            let of = sort(lab.family(at.family));
+            led.iter().all(|led| sort(lab.family(led.family)) != of || led.rung < at.rung)
+        };
         let leading =
-            leading.filter(|(_, at)| !led.contains(at) && tried(at.family) < LEADS).min();
+            leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
         if let Some((work, at)) = leading
             && cheapest.is_none_or(|direct| {
                 work + so_far(lab, at.family) < dear(direct) + so_far(lab, direct.family)
             })
             && work <= most.min(lab.left())
         {
-            led.insert(at);
+            led.push(at);
             if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
                 return Confirmed::Led(Box::new(other));
             }
@@ -502,14 +511,17 @@ fn lead(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Opti
 const SMALL: f64 = 0.3;
 /// The orders of which coarse runs lead to what is far from them.
 const LEADING: std::ops::RangeInclusive<u32> = 1..=2;
-/// How often a family's runs may lead nowhere.
-const LEADS: usize = 2;
+/// How often the runs of a sort of families may lead nowhere.
+const LEADS: usize = 3;
 
 /// The error that a run comes to which was stopped, where errors grow as they began.
 fn at_the_end(lab: &Lab, at: At, error: f64) -> f64 {
     let moments = lab.seen(at).map_or(0, |run| run.course.values.len().saturating_sub(1));
     error * MOMENTS as f64 / moments.max(1) as f64
 }
+
+/// How uncertain what runs lead to may be by itself, in tolerances.
+const VAGUE: f64 = 4.0;
 
 /// What another family's rungs lead to, where that agrees with the reference though they themselves
 /// are too coarse.
@@ -521,7 +533,8 @@ fn extrapolation_agrees(
 ) -> Option<Reference> {
     let other = Reference::at(lab, at.family, at.rung)?;
     let apart = reference.error(&other.course);
-    let agrees = other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance);
+    // Of two answers that agree by luck, the less certain one would be elsewhere at most moments.
+    let agrees = other.uncertainty <= VAGUE * tolerance && apart.is_ok_and(|apart| apart <= tolerance);
     agrees.then_some(other)
 }
 

@@ -38,6 +38,8 @@ pub struct Course {
     pub scale: f64,
     /// Whether that is no more than rounding of what the scene's sizes are.
     pub is_still: bool,
+    /// That rounding.
+    pub rounding: f64,
 }
 
 /// How a rung failed.
@@ -300,9 +302,10 @@ fn course(run: &Run, moments: usize, samples: usize) -> Course {
     let kinetic = run.kinetic_energies().iter().take(seen).copied().fold(0.0, f64::max);
     let broken = run.broken().iter().map(|broken| broken.rod).collect();
     let scale = scale(run, seen, kinetic);
-    let is_still = scale <= ROUNDING * size(run, &energies);
+    let rounding = ROUNDING * size(run, &energies);
+    let is_still = scale <= rounding;
     let scale = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
-    Course { values, energies, kinetic, broken, scale, is_still }
+    Course { values, energies, kinetic, broken, scale, is_still, rounding }
 }
 
 /// A scale below this part of a scene's sizes is rounding.

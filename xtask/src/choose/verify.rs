@@ -371,7 +371,10 @@ fn agreement(
                 return Agreement::None;
             };
             let off = apart_where_own(&other, truth) / scale;
-            if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
+            match off <= near {
+                true => Agreement::With(at, off),
+                false => finer_agrees(lab, reference, (near, way, allowed), (at, families), truth),
+            }
         }
         Confirmed::By(first) => {
             finer_agrees(lab, reference, (near, way, allowed), (first, families), truth)
