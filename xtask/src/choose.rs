@@ -6,7 +6,7 @@
 //! - [`Answer`]: the choice, the runners-up, what failed and how; never a way that was not run.
 //!
 //! Errors are relative to what [`relative_to`] says. The search compares runs at 20 moments of the
-//! horizon; what it chooses is then looked at in every step (`grid.rs`, `verify.rs`), and the reference
+//! horizon; what it chooses is then looked at over its whole way (`way.rs`, `verify.rs`), and the reference
 //! is trusted only where another kind of method agrees with it there. Work is counted; wall time stands
 //! beside it and decides nothing but whether the budget is over.
 
@@ -413,8 +413,7 @@ fn confirmed(
             let of = sort(lab.family(at.family));
             led.iter().all(|led| sort(lab.family(led.family)) != of || led.rung < at.rung)
         };
-        let leading =
-            leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
+        let leading = leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
         if let Some((work, at)) = leading
             && cheapest.is_none_or(|direct| {
                 work + so_far(lab, at.family) < dear(direct) + so_far(lab, direct.family)
@@ -534,7 +533,8 @@ fn extrapolation_agrees(
     let other = Reference::at(lab, at.family, at.rung)?;
     let apart = reference.error(&other.course);
     // Of two answers that agree by luck, the less certain one would be elsewhere at most moments.
-    let agrees = other.uncertainty <= VAGUE * tolerance && apart.is_ok_and(|apart| apart <= tolerance);
+    let agrees =
+        other.uncertainty <= VAGUE * tolerance && apart.is_ok_and(|apart| apart <= tolerance);
     agrees.then_some(other)
 }
 

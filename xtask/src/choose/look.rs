@@ -10,8 +10,8 @@ use super::declaration::changed;
 use super::grid::{Moments, inside, is_at, until};
 use super::ladder::{Kind, Rung};
 use super::model::{Model, Sight};
-use super::track::moving;
 use super::run::{counted, distance, drift, norm};
+use super::track::moving;
 
 /// A run at the moments of a grid.
 #[derive(Clone, Debug)]

@@ -119,16 +119,14 @@ impl Track {
             row.copy_from_slice(self.row(nearest));
             return 0.0;
         }
-        let first = |points: usize| {
-            (place as usize + 1).saturating_sub(points / 2).min(last + 1 - points)
-        };
+        let first =
+            |points: usize| (place as usize + 1).saturating_sub(points / 2).min(last + 1 - points);
         let add = |row: &mut [f64], first: usize, points: usize| {
             row.fill(0.0);
             let x = place - first as f64;
             for k in 0..points {
                 let others = (0..points).filter(|&j| j != k);
-                let weight: f64 =
-                    others.map(|j| (x - j as f64) / (k as f64 - j as f64)).product();
+                let weight: f64 = others.map(|j| (x - j as f64) / (k as f64 - j as f64)).product();
                 row.iter_mut().zip(self.row(first + k)).for_each(|(sum, x)| *sum += weight * x);
             }
         };
@@ -151,9 +149,8 @@ fn moved(model: &Model) -> Vec<usize> {
 
 /// What is not pinned, by number.
 pub fn moving(scene: &Scene) -> impl Iterator<Item = usize> {
-    let moves = |(_, particle): &(usize, &stationary_scene::Particle)| {
-        particle.motion != Motion::Pinned
-    };
+    let moves =
+        |(_, particle): &(usize, &stationary_scene::Particle)| particle.motion != Motion::Pinned;
     scene.particles().iter().enumerate().filter(moves).map(|(number, _)| number)
 }
 

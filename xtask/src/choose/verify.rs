@@ -1,8 +1,9 @@
 //! Whether a choice keeps to the tolerance over its whole way, and whether its reference is trusted.
 //!
 //! ```text
-//! error          max_t |x(t) - x*(t)| / scale        over a grid that looks into every step
-//! uncertainty    of x*, grown as its last two runs differ more over the grid than at the moments
+//! error          max_t |x(t) - x*(t)| / scale        over its whole way (`way.rs`)
+//! uncertainty    of x*, grown as its last two runs differ more at their samples than at the moments,
+//!                and by what is lost where it is read off between them (`track.rs`)
 //! ```
 //! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
 //! keeps the energy ten times better than the tolerance asks if nothing in the scene takes any. Where
@@ -19,10 +20,10 @@ use super::climb::rungs_to_go;
 use super::effort::Purpose;
 use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
-use super::look::{Look, apart, apart_where_own, keeps_energy};
 use super::ladder::MOMENTS;
-use super::way::{Way, nothing};
+use super::look::{Look, apart, apart_where_own, keeps_energy};
 use super::reference::{Extrapolated, Reference};
+use super::way::{Way, nothing};
 use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 
 /// What a choice was found to be over its whole way.
@@ -162,12 +163,7 @@ fn uncertainty(lab: &mut Lab, reference: &Reference, way: &Way) -> Option<f64> {
 }
 
 /// A reference at all moments of a way, and its uncertainty there.
-fn whole_way(
-    lab: &mut Lab,
-    reference: &Reference,
-    way: &Way,
-    allowed: f64,
-) -> Option<(Look, f64)> {
+fn whole_way(lab: &mut Lab, reference: &Reference, way: &Way, allowed: f64) -> Option<(Look, f64)> {
     let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
     for (grid, within) in &way.grids {
         let (next, off) = told(lab, reference, (grid, *within), allowed)?;
@@ -230,12 +226,7 @@ fn allowed(reference: &Reference, tolerance: f64) -> f64 {
 
 /// The error of a run over its whole way by a reference, to a small part of the tolerance; nothing where
 /// one of them has none.
-pub fn way_error(
-    lab: &mut Lab,
-    reference: &Reference,
-    at: At,
-    tolerance: f64,
-) -> Option<f64> {
+pub fn way_error(lab: &mut Lab, reference: &Reference, at: At, tolerance: f64) -> Option<f64> {
     let grid = Grid::of(lab, at);
     let own = lab.look(at, &grid, Within::Parts)?;
     let allowed = allowed(reference, tolerance);

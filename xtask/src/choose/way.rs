@@ -95,8 +95,7 @@ impl Way {
         let looked = looked(&bounds, count);
         let each = 1_u64 << (halvings - sampled);
         let chosen = (0..parts as u64).filter(|&part| looked[part as usize]);
-        let steps: Arc<[u64]> =
-            chosen.flat_map(|part| part * each..(part + 1) * each).collect();
+        let steps: Arc<[u64]> = chosen.flat_map(|part| part * each..(part + 1) * each).collect();
         let within = (Grid::Some { halvings, parts: steps }, Within::Parts);
         let foretold = Some(Foretold { bounds, looked, least });
         Some(Way { grids: vec![ends, within], foretold })
