@@ -252,8 +252,8 @@ fn settled(
     Err(Box::new((reference, Doubt::Restless)))
 }
 
-/// A run that was made to confirm the reference, and turned out to be cheaper than the choice and to hold
-/// as well.
+/// A run that was made to confirm the reference, or a coarser one of its family, that turned out to be
+/// cheaper than the choice and to hold as well.
 fn cheaper(
     lab: &mut Lab,
     reference: &Reference,
@@ -261,19 +261,28 @@ fn cheaper(
     tolerance: f64,
     families: &[usize],
 ) -> Option<(At, Seen)> {
-    let at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+    lab.turn_to(Purpose::Search);
+    let mut at = Climb::new(lab, reference.clone(), tolerance).settle()?;
     if lab.seen(at)?.work >= lab.seen(chosen)?.work {
         return None;
     }
-    match verify(lab, reference, at, tolerance, families) {
-        Finding::Holds(seen) => Some((at, seen)),
-        Finding::Beyond(error) => {
-            lab.overrule(at, error);
-            None
+    at = Climb::new(lab, reference.clone(), tolerance).settle_below(at)?;
+    for _ in 0..COARSER {
+        match verify(lab, reference, at, tolerance, families) {
+            Finding::Holds(seen) => return Some((at, seen)),
+            Finding::Beyond(error) => lab.overrule(at, error),
+            _ => return None,
         }
-        _ => None,
+        at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+        if lab.seen(at)?.work >= lab.seen(chosen)?.work {
+            return None;
+        }
     }
+    None
 }
+
+/// Cheaper runs than the choice that are looked at.
+const COARSER: usize = 2;
 
 /// A choice with what was seen of it, and the mesh's own error.
 fn beside(

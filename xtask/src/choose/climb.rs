@@ -227,6 +227,13 @@ impl<'a> Climb<'a> {
         meeting.min_by_key(|(at, run)| (run.work, Reverse(self.simplicity(*at)))).map(|(at, _)| at)
     }
 
+    /// The same, where coarser rungs than this one are tried too.
+    pub fn settle_below(&mut self, at: At) -> Option<At> {
+        self.best = Some((at, self.lab.seen(at)?.work));
+        self.descend(at);
+        self.settle()
+    }
+
     /// What was run for the reference is judged; the coarsest rung of its family that meets the
     /// tolerance, where one does.
     fn take_over(&mut self, family: usize) -> Option<usize> {

@@ -111,21 +111,21 @@ fn study(size: Size) -> Result<Study, StudyError> {
             ),
             Claim::number(
                 "the choice's work over that of the cheapest setting, in 19 of 20",
-                "2.5 or less",
+                "1.5 or less",
                 at(&ratios, 0.95),
-                (0.0, 2.5),
+                (0.0, 1.5),
             ),
             Claim::number(
                 "work of choosing over that of the choice, in the middle",
-                "40 or less",
+                "18 or less",
                 at(&efforts, 0.5),
-                (0.0, 40.0),
+                (0.0, 18.0),
             ),
             Claim::number(
                 "work of choosing over that of the choice, in 19 of 20",
-                "200 or less",
+                "60 or less",
                 at(&efforts, 0.95),
-                (0.0, 200.0),
+                (0.0, 60.0),
             ),
         ],
         ..STUDY.heading()
