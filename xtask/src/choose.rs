@@ -6,7 +6,7 @@
 //! - [`Answer`]: the choice, the runners-up, what failed and how; never a way that was not run.
 //!
 //! Errors are relative to what [`relative_to`] says. The search compares runs at 20 moments of the
-//! horizon; what it chooses is then looked at in every step (`grid.rs`, `verify.rs`), and the reference
+//! horizon; what it chooses is then looked at over its whole way (`way.rs`, `verify.rs`), and the reference
 //! is trusted only where another kind of method agrees with it there. Work is counted; wall time stands
 //! beside it and decides nothing but whether the budget is over.
 
@@ -15,6 +15,7 @@ mod candidate;
 mod charted;
 mod climb;
 mod declaration;
+mod effort;
 mod emit;
 mod error;
 mod exhaustive;
@@ -31,8 +32,11 @@ mod reference;
 mod run;
 mod surrogate;
 mod time;
+mod track;
 mod verify;
+mod way;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -45,10 +49,11 @@ pub use charted::charted;
 pub use climb::{Climb, Judgement, judge};
 use climb::{rungs_to_go, sort};
 pub use declaration::{Change, changed};
+pub use effort::{Effort, Purpose};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use exhaustive::{Found, exhaustive};
-use grid::Grid;
+use grid::{Grid, Within};
 pub use json::json;
 pub use lab::{At, Lab};
 pub use ladder::{Family, Kind, Ladder, MOMENTS, Rung};
@@ -155,6 +160,7 @@ pub fn answer(lab: &mut Lab, tolerance: f64) -> Answer {
     let mut enough = ENOUGH * tolerance;
     let mut last: Option<(Reference, Doubt)> = None;
     for _ in 0..DOUBTS {
+        lab.turn_to(Purpose::Reference);
         let families = preferred(lab, enough);
         let made = refer(lab, &families, enough);
         let Some(reference) =
@@ -199,8 +205,9 @@ fn hardly_moves(lab: &mut Lab, reference: &Reference) -> bool {
     let at = At { family: reference.family, rung: reference.finest };
     let scene = &lab.ladder().written().scene;
     let Some(observable) = scene.observables().first().copied() else { return false };
-    let look = lab.look(at, Grid::Equal { halvings: STILL });
-    look.is_some_and(|look| look.scale(&observable) <= 10.0 * reference.course.scale)
+    let look = lab.look(at, &Grid::Equal { halvings: STILL }, Within::Parts);
+    let most = reference.course.scale.max(reference.course.rounding);
+    look.is_some_and(|look| look.scale(&observable) <= 10.0 * most)
 }
 
 /// Halvings of the grid that shows whether something moves between the moments.
@@ -215,6 +222,7 @@ fn settled(
 ) -> Result<Box<Answer>, Box<(Reference, Doubt)>> {
     for _ in 0..CHOICES {
         let mut climb = Climb::new(lab, reference, tolerance);
+        climb.lab.turn_to(Purpose::Search);
         let chosen = climb.search();
         reference = climb.reference.clone();
         let Some(at) = chosen else {
@@ -244,8 +252,8 @@ fn settled(
     Err(Box::new((reference, Doubt::Restless)))
 }
 
-/// A run that was made to confirm the reference, and turned out to be cheaper than the choice and to hold
-/// as well.
+/// A run that was made to confirm the reference, or a coarser one of its family, that turned out to be
+/// cheaper than the choice and to hold as well.
 fn cheaper(
     lab: &mut Lab,
     reference: &Reference,
@@ -253,19 +261,28 @@ fn cheaper(
     tolerance: f64,
     families: &[usize],
 ) -> Option<(At, Seen)> {
-    let at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+    lab.turn_to(Purpose::Search);
+    let mut at = Climb::new(lab, reference.clone(), tolerance).settle()?;
     if lab.seen(at)?.work >= lab.seen(chosen)?.work {
         return None;
     }
-    match verify(lab, reference, at, tolerance, families) {
-        Finding::Holds(seen) => Some((at, seen)),
-        Finding::Beyond(error) => {
-            lab.overrule(at, error);
-            None
+    at = Climb::new(lab, reference.clone(), tolerance).settle_below(at)?;
+    for _ in 0..COARSER {
+        match verify(lab, reference, at, tolerance, families) {
+            Finding::Holds(seen) => return Some((at, seen)),
+            Finding::Beyond(error) => lab.overrule(at, error),
+            _ => return None,
         }
-        _ => None,
+        at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+        if lab.seen(at)?.work >= lab.seen(chosen)?.work {
+            return None;
+        }
     }
+    None
 }
+
+/// Cheaper runs than the choice that are looked at.
+const COARSER: usize = 2;
 
 /// A choice with what was seen of it, and the mesh's own error.
 fn beside(
@@ -276,6 +293,7 @@ fn beside(
     seen: Seen,
 ) -> Answer {
     let said = |lab: &Lab, at: At| judge(lab, &reference, tolerance, at);
+    lab.turn_to(Purpose::Mesh);
     let mesh = mesh_error(lab, &reference, at, &said);
     Answer { mesh, ..Answer::of(lab, reference, tolerance, verdict).seen(seen) }
 }
@@ -336,7 +354,7 @@ enum Confirmed {
 
 /// Work that is spent on another kind's agreement, in runs of all that was run before: of a run
 /// that agrees, and of runs that lead to where it is.
-const PATIENCE: u64 = 4;
+const PATIENCE: u64 = 10;
 
 /// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
@@ -370,8 +388,16 @@ fn confirmed(
         return Confirmed::Alone;
     }
     // The cheapest run that may agree, again and again: each rules out a rung. Where a family of a
-    // higher order does not agree, one of a lower order must be much cheaper.
+    // higher order does not agree, one of a lower order must be much cheaper. Where it is far to such a
+    // run, what coarser ones lead to is cheaper.
+    let mut led: Vec<At> = Vec::new();
+    // What each sort of method has cost so far: none is tried long before another is.
+    let mut spent: BTreeMap<(Kind, bool), u64> = BTreeMap::new();
     while !lab.late() {
+        let begun = lab.spent();
+        let so_far = |lab: &Lab, family: usize| {
+            spent.get(&kind_of(lab.family(family))).copied().unwrap_or_default()
+        };
         let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
         let unlikely = |at: At| {
             let order = lab.family(at.family).order;
@@ -385,7 +411,31 @@ fn confirmed(
             })
         };
         let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
-        let cheapest = next.min_by_key(|&at| (dear(at), at));
+        let cheapest = next.min_by_key(|&at| (dear(at) + so_far(lab, at.family), at));
+        let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
+        let tried = |family: usize| {
+            let of = sort(lab.family(family));
+            led.iter().filter(|at| sort(lab.family(at.family)) == of).count()
+        };
+        // Of one sort, the same rungs lead to the same.
+        let new = |at: At| {
+            let of = sort(lab.family(at.family));
+            led.iter().all(|led| sort(lab.family(led.family)) != of || led.rung < at.rung)
+        };
+        let leading = leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
+        if let Some((work, at)) = leading
+            && cheapest.is_none_or(|direct| {
+                work + so_far(lab, at.family) < dear(direct) + so_far(lab, direct.family)
+            })
+            && work <= most.min(lab.left())
+        {
+            led.push(at);
+            if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
+                return Confirmed::Led(Box::new(other));
+            }
+            *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
+            continue;
+        }
         let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
             break;
         };
@@ -396,6 +446,7 @@ fn confirmed(
         if agrees(lab, at) {
             return Confirmed::By(at);
         }
+        *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
     }
     for family in others {
         for rung in 1..lab.family(family).rungs.len() {
@@ -411,6 +462,11 @@ fn confirmed(
     Confirmed::No
 }
 
+/// Sorts of methods that do well and badly together: equal steps and own, with equations and without.
+fn kind_of(family: &Family) -> (Kind, bool) {
+    (family.kind, family.evaluation == Evaluation::Implicit)
+}
+
 /// The next rung of a family that may agree with the reference, finer than what others of its sort
 /// were too coarse for.
 fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<At> {
@@ -419,6 +475,7 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
         None => 0,
         Some(at) => match judge(lab, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
+                let error = at_the_end(lab, at, error).min(SMALL);
                 at.rung + rungs_to_go(lab.family(family), tolerance, error)
             }
             _ => at.rung + 1,
@@ -437,6 +494,43 @@ fn next_rung(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) ->
     (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
 }
 
+/// The work of three runs of a family of equal steps that may lead to the reference, and the finest of
+/// them: what is left of an error is about its square.
+fn lead(lab: &Lab, reference: &Reference, tolerance: f64, family: usize) -> Option<(u64, At)> {
+    let own = lab.family(family);
+    let tried = lab.used().filter(|(at, _)| at.family == family);
+    let errors = tried.filter_map(|(at, _)| match judge(lab, reference, tolerance, at)? {
+        Judgement::Misses(error) => Some((at.rung, at_the_end(lab, at, error))),
+        _ => None,
+    });
+    let is_low = own.kind == Kind::EqualSteps && LEADING.contains(&own.order);
+    let (rung, error) = errors.last().filter(|(_, error)| is_low && *error < SMALL)?;
+    let halvings = (error / tolerance.sqrt()).log2() / f64::from(own.order);
+    let coarsest = rung + halvings.ceil().max(0.0) as usize;
+    let at = |rung: usize| At { family, rung };
+    let whole = |at: At| lab.seen(at).is_some_and(|run| run.whole().is_some());
+    let three = (coarsest..coarsest + 3).map(at);
+    let work = three.filter(|&at| at.rung < own.rungs.len() && !whole(at));
+    let work = work.map(|at| lab.predicted(at)).sum();
+    (coarsest + 2 < own.rungs.len()).then_some((work, at(coarsest + 2)))
+}
+
+/// An error above this says little of what finer steps lead to.
+const SMALL: f64 = 0.3;
+/// The orders of which coarse runs lead to what is far from them.
+const LEADING: std::ops::RangeInclusive<u32> = 1..=2;
+/// How often the runs of a sort of families may lead nowhere.
+const LEADS: usize = 3;
+
+/// The error that a run comes to which was stopped, where errors grow as they began.
+fn at_the_end(lab: &Lab, at: At, error: f64) -> f64 {
+    let moments = lab.seen(at).map_or(0, |run| run.course.values.len().saturating_sub(1));
+    error * MOMENTS as f64 / moments.max(1) as f64
+}
+
+/// How uncertain what runs lead to may be by itself, in tolerances.
+const VAGUE: f64 = 4.0;
+
 /// What another family's rungs lead to, where that agrees with the reference though they themselves
 /// are too coarse.
 fn extrapolation_agrees(
@@ -447,7 +541,9 @@ fn extrapolation_agrees(
 ) -> Option<Reference> {
     let other = Reference::at(lab, at.family, at.rung)?;
     let apart = reference.error(&other.course);
-    let agrees = other.uncertainty <= tolerance && apart.is_ok_and(|apart| apart <= tolerance);
+    // Of two answers that agree by luck, the less certain one would be elsewhere at most moments.
+    let agrees =
+        other.uncertainty <= VAGUE * tolerance && apart.is_ok_and(|apart| apart <= tolerance);
     agrees.then_some(other)
 }
 

@@ -18,8 +18,8 @@ pub use scenes::Asked;
 
 use crate::choose::Kind as Setting;
 use crate::choose::{
-    Answer, At, Change, ChooseError, Doubt, Failure, Judgement, Lab, Question, Verdict as Said,
-    answer, changed, laboratory,
+    Answer, At, Change, ChooseError, Doubt, Failure, Judgement, Lab, MOMENTS, Question,
+    Verdict as Said, answer, changed, laboratory,
 };
 
 /// The kinds of trials of the chooser.
@@ -29,7 +29,8 @@ pub const KINDS: &[Kind] = &[Kind {
     rule: "a choice without a warning whose observable is farther from the truth than the tolerance \
            times the scale that it states, at the end of a step or at five parts of it; \
            a run rejected for wrong physics or for its error that keeps to half of the tolerance, \
-           and whose energy is right",
+           and whose energy is right; refused where a run of a sixtieth of the work that the question \
+           may take keeps to the tolerance, else apart, as is a contact that leads elsewhere itself",
     in_tests: 50,
     trial,
 }];
@@ -42,6 +43,8 @@ const INSIDE: u64 = 4000;
 const READINGS: u64 = 4000;
 /// Counted work that a question may take.
 const MOST_WORK: u64 = 8_000_000;
+/// The work of a choice that is found within that: choosing costs up to sixty runs of it.
+const EXPECTED: u64 = MOST_WORK / 60;
 /// The part of the tolerance that the truth must be known to.
 const CERTAIN: f64 = 0.01;
 /// Rejected runs that are looked at.
@@ -68,12 +71,13 @@ fn trial(draw: &mut Draw) -> Verdict {
     };
     let answer = answer(&mut lab, asked.tolerance);
     let family = asked.family;
+    let refused = |lab: &mut Lab, why: &str| refused(lab, &asked, why);
     let row = match answer.verdict {
         Said::Chosen(at) => at,
-        Said::Unconfirmed(_) => return Verdict::refused(format!("{family}: not confirmed")),
-        Said::NoneMeets => return Verdict::refused(format!("{family}: none meets")),
-        Said::Uncertain => return Verdict::refused(format!("{family}: uncertain")),
-        Said::Doubtful(doubt) => return Verdict::refused(format!("{family}: {}", word(doubt))),
+        Said::Unconfirmed(_) => return refused(&mut lab, "not confirmed"),
+        Said::NoneMeets => return refused(&mut lab, "none meets"),
+        Said::Uncertain => return refused(&mut lab, "uncertain"),
+        Said::Doubtful(doubt) => return refused(&mut lab, word(doubt)),
         Said::Still if is_still(&asked.text, &lab) => return Verdict::due(),
         Said::Still => return Verdict::wrong(format!("{family}: it moves, and is said not to")),
     };
@@ -82,6 +86,11 @@ fn trial(draw: &mut Draw) -> Verdict {
     };
     let promised = asked.tolerance * scale;
     let verdict = match judged(&lab, row, promised) {
+        Ok(error) if error > promised && contact_errs(&lab, row, promised) => {
+            return Verdict::apart(format!(
+                "{family}: contact itself leads elsewhere, by {error:.1e} of {promised:.1e}"
+            ));
+        }
         Ok(error) => {
             let name = &lab.family(row.family).name;
             let setting = lab.family(row.family).rungs[row.rung].setting;
@@ -90,6 +99,79 @@ fn trial(draw: &mut Draw) -> Verdict {
         Err(why) => return Verdict::not_judged(format!("{family}: {why}")),
     };
     rejected(&lab, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
+}
+
+/// A refusal: was there a choice? Where things overlap at the start, there is no motion to choose for.
+fn refused(lab: &mut Lab, asked: &Asked, why: &str) -> Verdict {
+    let family = asked.family;
+    if let Err(error) = lab.ladder().written().scene.run()
+        && error.to_string().contains("overlap")
+    {
+        return Verdict::apart(format!("{family}: it starts overlapping"));
+    }
+    match existed(lab, asked.tolerance) {
+        Ok(Some(name)) => Verdict::refused(format!("{family}: {why}, though {name} does")),
+        Ok(None) => Verdict::apart(format!("{family}: {why}, and no choice exists")),
+        Err(unknown) => Verdict::not_judged(format!("{family}: {why}; {unknown}")),
+    }
+}
+
+/// A method that keeps to the tolerance along its way, by the truth, for so little work that choosing it
+/// was to be expected; every setting of each is tried, and the first few that do at the moments are looked
+/// at along their way.
+fn existed(lab: &mut Lab, tolerance: f64) -> Result<Option<String>, String> {
+    let scene = lab.ladder().written().scene.clone();
+    let horizon = scene.timing().horizon();
+    let times: Vec<f64> = (1..=MOMENTS).map(|k| k as f64 * horizon / MOMENTS as f64).collect();
+    let known = truth::truth(&scene, &times)?;
+    let mut looked = 0;
+    for family in 0..lab.ladder().families.len() {
+        if !lab.family(family).converges() {
+            continue;
+        }
+        for rung in 0..lab.family(family).rungs.len() {
+            let at = At { family, rung };
+            if looked >= WITNESSES || lab.family(family).rungs[rung].least_work > EXPECTED {
+                break;
+            }
+            lab.forget();
+            let run = lab.measure(at);
+            if run.work > EXPECTED {
+                break;
+            }
+            let Some(course) = run.whole() else { continue };
+            let promised = tolerance * course.scale;
+            let errors = course.values.iter().skip(1).zip(&known.values).map(|(x, truth)| {
+                x.iter().zip(truth).map(|(x, truth)| (x - truth).powi(2)).sum::<f64>().sqrt()
+            });
+            let close = errors.fold(0.0, f64::max) <= promised;
+            if !close {
+                continue;
+            }
+            looked += 1;
+            if judged(lab, at, promised).is_ok_and(|error| error <= promised) {
+                return Ok(Some(lab.family(family).name.clone()));
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// Runs that are looked at along their way, where a question was refused.
+const WITNESSES: usize = 3;
+
+/// Whether a scene in which things touch comes to another motion than the truth, however fine its steps:
+/// then it is its contact that errs.
+fn contact_errs(lab: &Lab, at: At, promised: f64) -> bool {
+    let rungs = &lab.family(at.family).rungs;
+    let touches = lab.ladder().written().scene.contact().is_some();
+    let mut finest: Vec<usize> = (at.rung + 1..rungs.len()).collect();
+    finest.retain(|&rung| rungs[rung].least_work < EXPECTED);
+    finest.drain(..finest.len().saturating_sub(2));
+    let errs = |&rung: &usize| {
+        judged(lab, At { rung, ..at }, promised).is_ok_and(|error| error > promised)
+    };
+    touches && finest.len() == 2 && finest.iter().all(errs)
 }
 
 /// A doubt without its number.

@@ -121,7 +121,13 @@ impl<B: BodySystem> Moving for Bodies<'_, B> {
     }
 
     fn failed(&self, step: u64, time: f64, source: StepFailure, run: Run) -> RunError {
-        run.stopped(step, time, source)
+        let h = self.scene.timing.step();
+        let turn = |body| h * self.system.motion(&self.state, body).angular_velocity.norm();
+        let turns: Vec<f64> = (0..self.scene.bodies.len()).map(turn).collect();
+        match self.scene.turn_named(&source, &turns) {
+            Some(words) => run.stopped_by(Some(words), step, time, source),
+            None => run.stopped(step, time, source),
+        }
     }
 
     fn save(&mut self) -> Saved {

@@ -85,8 +85,15 @@ pub enum AssemblyError {
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),
     /// Nothing at rest was found from which what is hung could be let go.
-    #[error("static equilibrium did not converge: {0}")]
-    Equilibrium(#[from] NewtonError),
+    #[error("static equilibrium did not converge: {source}")]
+    Equilibrium {
+        /// The freedom of the largest acceleration where the search ended.
+        freedom: usize,
+        /// Of so many that were free in the search: what is hung is not.
+        freedoms: usize,
+        /// Why not.
+        source: NewtonError,
+    },
     /// Modes that cannot be had.
     #[error(transparent)]
     Modal(#[from] ModalError),

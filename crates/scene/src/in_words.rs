@@ -13,7 +13,7 @@ use crate::upper::ContactError;
 use crate::upper::LaplacianError;
 #[cfg(feature = "modal")]
 use crate::upper::ModalError;
-use crate::{AssemblyError, JointKind, RunError, Scene, SceneJoint};
+use crate::{AssemblyError, JointKind, Motion, RunError, Scene, SceneJoint};
 
 impl Scene {
     /// The same error in the scene's names.
@@ -36,6 +36,13 @@ impl Scene {
                 })
             }
             AssemblyError::Adaptive(error) => self.adaptive_named(error),
+            AssemblyError::Equilibrium { freedom, freedoms, .. } => {
+                self.searched(*freedom, *freedoms).map(|(particle, axis)| {
+                    format!(
+                        "{source}; the largest acceleration left is that of `{particle}` in {axis}"
+                    )
+                })
+            }
             _ => None,
         };
         RunError::Assembly(match words {
@@ -87,6 +94,30 @@ impl Scene {
         let vertices = Vertices::new(self);
         let &particle = vertices.particles.get(freedom / self.dimension)?;
         Some((&self.particles[particle].name, COORDINATES[freedom % self.dimension]))
+    }
+
+    /// The same of a search for rest with so many freedoms, in which what is hung may have been held.
+    fn searched(&self, freedom: usize, freedoms: usize) -> Option<(&str, &'static str)> {
+        if freedoms == self.freedoms() {
+            return self.particle_of(freedom);
+        }
+        let moved = self.particles.iter().enumerate().filter(|(number, particle)| {
+            matches!(particle.motion, Motion::Free { .. }) && !self.hung.contains(number)
+        });
+        let (_, particle) = moved.skip(freedom / self.dimension).next()?;
+        Some((&particle.name, COORDINATES[freedom % self.dimension]))
+    }
+
+    /// What a step of bodies says in which a rotation was not found: that of the body which turns the most
+    /// in it, by so many radians.
+    pub(crate) fn turn_named(&self, failure: &StepFailure, turns: &[f64]) -> Option<String> {
+        let StepFailure::Step(StepError::Newton(error)) = failure else { return None };
+        let largest = (0..turns.len()).max_by(|&a, &b| turns[a].total_cmp(&turns[b]))?;
+        let (body, turn) = (&self.bodies.get(largest)?.name, turns[largest]);
+        Some(format!(
+            "the implicit step was not solved: {error}; `{body}` turns the most in it, by {turn:.2} \
+             radians; take a smaller step"
+        ))
     }
 
     /// The body to which a number belongs.
@@ -239,6 +270,8 @@ fn not_finite(what: &str, body: &str) -> String {
 
 #[cfg(all(test, feature = "default"))]
 mod tests {
+    use stationary_calculus::{NewtonError, NewtonFailure};
+
     use super::*;
 
     fn joined(dimension: usize, joints: &str) -> Scene {
@@ -283,6 +316,34 @@ mod tests {
                 assert_eq!(words, format!("{name} {rest}"));
             }
         }
+    }
+
+    #[test]
+    fn a_rotation_that_is_not_found_is_told_as_that_of_the_body_that_turns_the_most() {
+        let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 1\nhorizon = 2\n\
+            bodies = [\n\
+            { name = \"slow\", mass = 1, box = [1, 2, 3], position = [9, 0, 0] },\n\
+            { name = \"fast\", mass = 1, box = [1, 2, 3], position = [0, 0, 0], \
+            angular_velocity = [1, 90, 1] }]";
+        let error = Scene::parse("a.toml", text).unwrap().run().unwrap_err();
+        let words = error.to_string();
+        assert!(words.contains("`fast` turns the most in it, by 90.01 radians"), "{words}");
+    }
+
+    #[test]
+    fn a_rest_that_is_not_found_is_told_with_the_particle_that_is_farthest_from_it() {
+        let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 1\n\
+            uniform_gravity = { acceleration = [0, -9.81] }\nparticles = [\n\
+            { name = \"a\", mass = 1, position = [0, 0] },\n\
+            { name = \"b\", mass = 1, position = [1, 0] },\n\
+            { name = \"c\", mass = 2, position = [2, 0] }]\n\
+            springs = [{ between = [\"a\", \"b\"], stiffness = 1 }]";
+        let scene = Scene { hung: vec![1], ..Scene::parse("a.toml", text).unwrap() };
+        let source = NewtonError { failure: NewtonFailure::Unbounded, history: Vec::new() };
+        let error = AssemblyError::Equilibrium { freedom: 3, freedoms: 4, source };
+        let words = scene.named(RunError::Assembly(error)).to_string();
+        let told = "the largest acceleration left is that of `c` in y";
+        assert!(words.ends_with(told), "{words}");
     }
 
     #[test]

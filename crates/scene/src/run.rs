@@ -4,7 +4,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use stationary_calculus::{Covector, Metric, Potential, Vector, first_non_finite};
+use stationary_calculus::{Metric, Potential, Vector, first_non_finite};
 use stationary_integrators::{
     Cost, State, StepError, angular_momentum, angular_momentum_scale, linear_momentum,
     linear_momentum_scale,
@@ -14,6 +14,7 @@ use crate::csv::{self, write_file};
 use crate::error::{StepFailure, unknown};
 use crate::march::{Watcher, Wish};
 use crate::observable::Moment;
+use crate::rest::most_accelerated;
 use crate::system::{SceneProblem, Vertices};
 use crate::{
     Built, Checkpoint, ContactImpulse, Interruption, RunError, Scene, Stop, Summary, WriteError,
@@ -313,21 +314,26 @@ impl<'a, const D: usize> Recorder<'a, D> {
     /// The freedom of the largest acceleration, or the first whose acceleration is not finite.
     fn most_accelerated(&self, q: &[f64]) -> usize {
         let system = &self.problem.system;
-        let (mut dv, mut a) = (Covector(vec![0.0; system.dim()]), Vector(vec![0.0; system.dim()]));
-        system.potential().add_differential(q, dv.view_mut());
-        system.metric().sharp(dv.view(), a.view_mut());
-        let a = a.components();
-        let larger =
-            |largest: usize, i: usize| if a[i].abs() > a[largest].abs() { i } else { largest };
-        first_non_finite(a).unwrap_or_else(|| (0..a.len()).fold(0, larger))
+        most_accelerated(system.metric(), system.potential(), q)
     }
 }
 
 impl Run {
     /// The error of a step, from a time, that failed after all this.
     pub(crate) fn stopped(self, step: u64, time: f64, source: StepFailure) -> RunError {
-        let unit = self.scene.units.time.clone();
         let named = self.scene.failure_named(&source, &[]);
+        self.stopped_by(named, step, time, source)
+    }
+
+    /// The same in words of its own.
+    pub(crate) fn stopped_by(
+        self,
+        named: Option<String>,
+        step: u64,
+        time: f64,
+        source: StepFailure,
+    ) -> RunError {
+        let unit = self.scene.units.time.clone();
         let reason = named.unwrap_or_else(|| source.to_string());
         let unstable = self.scene.unstable_step();
         let run = Box::new(self);

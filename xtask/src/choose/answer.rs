@@ -7,6 +7,7 @@ use stationary_calculus::{Cell, Column, Table};
 use stationary_scene::Observable;
 
 use super::climb::{Judgement, judge};
+use super::effort::Effort;
 use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
 use super::mesh_error::MeshError;
@@ -71,7 +72,7 @@ pub struct Answer {
     /// What is known of the mesh's own error; nothing where the scene has no mesh.
     pub mesh: Option<MeshError>,
     /// The work of all runs.
-    pub spent: u64,
+    pub spent: Effort,
 }
 
 impl Answer {
@@ -85,7 +86,7 @@ impl Answer {
             made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
             seen: None,
             mesh: None,
-            spent: lab.spent(),
+            spent: lab.effort(),
         }
     }
 
@@ -99,7 +100,7 @@ impl Answer {
             seen: None,
             mesh: None,
             reference: Some(reference),
-            spent: lab.spent(),
+            spent: lab.effort(),
         }
     }
 
@@ -119,14 +120,17 @@ impl Answer {
     /// What was looked at beside the observable's error at the moments, in words.
     pub fn beside(&self) -> Vec<String> {
         let (Some(seen), Some(row)) = (&self.seen, self.choice()) else { return Vec::new() };
-        let which = match (row.setting.starts_with("modes"), seen.every) {
-            (true, _) => format!("each {}th of the horizon", seen.moments / 4),
-            (false, 1) => "each of its steps".to_owned(),
-            (false, every) => format!("every {every}th of its steps"),
+        let steps = match row.setting.starts_with("modes") {
+            true => "parts of the horizon",
+            false => "its steps",
+        };
+        let which = match (seen.steps, seen.every) {
+            (Some(count), _) => format!("at the end of {steps} and within {count} of them"),
+            (None, 1) => format!("in and at the end of each of {steps}"),
+            (None, every) => format!("in and at the end of every {every}th of {steps}"),
         };
         let mut said = vec![format!(
-            "over its whole way the error is at most {:.1e}, sampled at {} moments, in and at the end of \
-             {which}",
+            "over its whole way the error is at most {:.1e}, sampled at {} moments, {which}",
             seen.error, seen.moments
         )];
         let off = [
@@ -404,10 +408,11 @@ impl fmt::Display for Answer {
         match self.choice() {
             Some(row) => writeln!(
                 f,
-                "search cost: {:.1} x the chosen run",
-                self.spent as f64 / row.work.max(1) as f64
+                "search cost: {:.1} x the chosen run ({})",
+                self.spent.total() as f64 / row.work.max(1) as f64,
+                self.spent.in_runs(row.work)
             ),
-            None => writeln!(f, "{} differentials were spent", self.spent),
+            None => writeln!(f, "{} differentials were spent", self.spent.total()),
         }
     }
 }

@@ -24,6 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stationary_integrators::Evaluation;
 
+use super::effort::Purpose;
 use super::lab::{At, Lab};
 use super::ladder::{Family, Kind};
 use super::reference::Reference;
@@ -226,6 +227,13 @@ impl<'a> Climb<'a> {
         meeting.min_by_key(|(at, run)| (run.work, Reverse(self.simplicity(*at)))).map(|(at, _)| at)
     }
 
+    /// The same, where coarser rungs than this one are tried too.
+    pub fn settle_below(&mut self, at: At) -> Option<At> {
+        self.best = Some((at, self.lab.seen(at)?.work));
+        self.descend(at);
+        self.settle()
+    }
+
     /// What was run for the reference is judged; the coarsest rung of its family that meets the
     /// tolerance, where one does.
     fn take_over(&mut self, family: usize) -> Option<usize> {
@@ -311,7 +319,10 @@ impl<'a> Climb<'a> {
         let mut said = self.said(at);
         while self.refinements > 0 && self.deserves(at, &said, work) {
             self.refinements -= 1;
-            let Some(finer) = self.reference.refined(self.lab) else { break };
+            self.lab.turn_to(Purpose::Reference);
+            let finer = self.reference.refined(self.lab);
+            self.lab.turn_to(Purpose::Search);
+            let Some(finer) = finer else { break };
             self.reference = finer;
             said = self.said(at);
         }

@@ -51,7 +51,7 @@ pub fn exhaustive(
             if error > tolerance || best.is_some_and(|best| work >= best.work) {
                 continue;
             }
-            match way_error(lab, truth, at) {
+            match way_error(lab, truth, at, tolerance) {
                 Some(error) if error <= tolerance => best = Some(Found { at, work, error }),
                 _ => {}
             }

@@ -9,6 +9,8 @@
 //! gives there by a step of that part; an adaptive one and modes are read off; steps of heat and of rods
 //! that break are joined by straight lines.
 
+use std::sync::Arc;
+
 use super::lab::At;
 use super::ladder::MOMENTS;
 
@@ -27,12 +29,19 @@ const MOST: usize = 1 << 15;
 const SAME: f64 = 1e-6;
 
 /// Whose steps say where whole ways are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Grid {
     /// Equal parts of the horizon: a twentieth, halved so often.
     Equal {
         /// See there.
         halvings: u32,
+    },
+    /// Some of these parts.
+    Some {
+        /// See there.
+        halvings: u32,
+        /// Which, counted from 0, in the order of time.
+        parts: Arc<[u64]>,
     },
     /// The steps that an adaptive rung accepted.
     Accepted(At),
@@ -78,6 +87,20 @@ impl Moments {
         };
         moments.parts = Some(parts / moments.every as u64);
         moments
+    }
+
+    /// Of some of them.
+    pub fn some(halvings: u32, some: &[u64], horizon: f64) -> Self {
+        let parts = MOMENTS << halvings;
+        let length = horizon / parts as f64;
+        let long = golden::<OF_LONG>();
+        let thetas = if parts <= FEW { long.as_slice() } else { PARTS.as_slice() };
+        let each = some.iter().flat_map(|&part| {
+            let start = part as f64 * length;
+            let inside = thetas.iter().map(move |theta| start + theta * length);
+            inside.chain([(part + 1) as f64 * length])
+        });
+        Moments { times: each.collect(), parts: Some(parts), every: 1, within: thetas.len() }
     }
 
     /// Of so many accepted steps that end there.

@@ -99,7 +99,7 @@ pub fn json(answer: &Answer) -> serde_json::Result<String> {
             confirmed: reference.is_confirmed,
             scale: reference.course.scale,
         }),
-        cost: Cost { search: answer.spent, choice: choice.map(|row| row.work) },
+        cost: Cost { search: answer.spent.total(), choice: choice.map(|row| row.work) },
     };
     serde_json::to_string_pretty(&told).map(|text| text + "\n")
 }

@@ -6,9 +6,10 @@ use std::time::Instant;
 
 use stationary_integrators::Evaluation;
 
+use super::effort::{Effort, Purpose};
 use super::grid::{Grid, Moments, Within};
 use super::ladder::{Family, Kind, Ladder};
-use super::look::{Look, accepted, look};
+use super::look::{Look, look};
 use super::run::{End, Failure, Measured, Trial, measure};
 
 /// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
@@ -32,10 +33,8 @@ pub struct Lab {
     runs: BTreeMap<At, Measured>,
     /// What the question has seen of them.
     used: BTreeMap<At, Measured>,
-    /// Moments of grids; nothing where a run does not come to its end.
-    moments: BTreeMap<Grid, Option<Arc<Moments>>>,
-    /// For which of them the question has paid.
-    read: BTreeSet<Grid>,
+    /// Moments of grids.
+    moments: BTreeMap<(Grid, Within), Arc<Moments>>,
     /// Rungs over their whole way; nothing where one cannot be looked at.
     looks: BTreeMap<(At, Grid, Within), Option<Arc<Look>>>,
     /// What the question has seen of these.
@@ -44,7 +43,8 @@ pub struct Lab {
     finer: BTreeMap<(usize, At), Measured>,
     /// Errors over the whole way, where they are larger than at the moments.
     ways: BTreeMap<At, f64>,
-    spent: u64,
+    effort: Effort,
+    purpose: Purpose,
     deadline: Instant,
     most_work: u64,
 }
@@ -57,12 +57,12 @@ impl Lab {
             runs: BTreeMap::new(),
             used: BTreeMap::new(),
             moments: BTreeMap::new(),
-            read: BTreeSet::new(),
             looks: BTreeMap::new(),
             looked: BTreeSet::new(),
             finer: BTreeMap::new(),
             ways: BTreeMap::new(),
-            spent: 0,
+            effort: Effort::default(),
+            purpose: Purpose::Reference,
             deadline,
             most_work: u64::MAX,
         }
@@ -89,60 +89,65 @@ impl Lab {
     pub fn forget(&mut self) {
         self.used.clear();
         self.looked.clear();
-        self.read.clear();
         self.ways.clear();
-        self.spent = 0;
+        self.effort = Effort::default();
     }
 
     /// The rung at the moments of a grid; nothing where it fails there or the budget is over.
-    pub fn look(&mut self, at: At, grid: Grid) -> Option<Arc<Look>> {
-        self.look_within(at, grid, Within::Parts)
-    }
-
-    /// The same at the ends of the grid's steps alone, or also within them.
-    pub fn look_within(&mut self, at: At, grid: Grid, within: Within) -> Option<Arc<Look>> {
-        let moments = self.moments(grid)?;
-        let key = (at, grid, within);
+    pub fn look(&mut self, at: At, grid: &Grid, within: Within) -> Option<Arc<Look>> {
+        let moments = self.moments(grid, within)?;
+        let key = (at, grid.clone(), within);
         if !self.looks.contains_key(&key) {
-            let moments = match within {
-                Within::Parts => moments,
-                Within::Ends => Arc::new(moments.ends()),
-            };
             let family = &self.ladder.families[at.family];
             let rung = &family.rungs[at.rung];
             let model = self.ladder.model(family);
             let seen = look(&self.ladder.name, model, (family.kind, rung), &moments, self.deadline);
-            self.looks.insert(key, seen.map(Arc::new));
+            self.looks.insert(key.clone(), seen.map(Arc::new));
         }
         let seen = self.looks[&key].clone();
         if self.looked.insert(key) {
             let known = self.used.get(&at).map_or(0, |run| run.work);
-            self.spent += seen.as_ref().map_or(known, |look| look.work.max(known));
+            self.spend(seen.as_ref().map_or(known, |look| look.work.max(known)));
         }
-        seen.filter(|_| self.spent <= self.most_work)
+        seen.filter(|_| self.spent() <= self.most_work)
     }
 
-    /// The moments of a grid; nothing where its run does not come to its end.
-    pub fn moments(&mut self, grid: Grid) -> Option<Arc<Moments>> {
-        if !self.moments.contains_key(&grid) {
+    /// The same, read off where the run's samples tell it to within so much of the observable, which
+    /// costs nothing; and how far it may then be off.
+    pub fn read(
+        &mut self,
+        at: At,
+        (grid, within): (&Grid, Within),
+        allowed: f64,
+    ) -> Option<(Arc<Look>, f64)> {
+        let moments = self.moments(grid, within)?;
+        let track = self.used.get(&at).and_then(|run| run.track.clone());
+        if let Some(reading) = track.map(|track| track.read(&moments.times))
+            && reading.off <= allowed
+        {
+            return Some((Arc::new(reading.look), reading.off));
+        }
+        Some((self.look(at, grid, within)?, 0.0))
+    }
+
+    /// The moments of a grid, all or the ends of its steps; nothing where its run did not come to its end.
+    pub fn moments(&mut self, grid: &Grid, within: Within) -> Option<Arc<Moments>> {
+        let key = (grid.clone(), within);
+        if !self.moments.contains_key(&key) {
             let horizon = self.ladder.written().scene.timing().horizon();
-            let moments = match grid {
-                Grid::Equal { halvings } => Some(Moments::equal(halvings, horizon)),
+            let all = match grid {
+                Grid::Equal { halvings } => Moments::equal(*halvings, horizon),
+                Grid::Some { halvings, parts } => Moments::some(*halvings, parts, horizon),
                 Grid::Accepted(at) => {
-                    let family = &self.ladder.families[at.family];
-                    let (model, rung) = (self.ladder.model(family), &family.rungs[at.rung]);
-                    accepted(&self.ladder.name, model, rung, self.deadline)
-                        .map(|ends| Moments::accepted(ends.len(), ends.into_iter()))
+                    let ends = self.used.get(at).filter(|run| run.end == End::Whole)?;
+                    let ends = &ends.accepted;
+                    Moments::accepted(ends.len(), ends.iter().copied())
                 }
             };
-            self.moments.insert(grid, moments.map(Arc::new));
+            let moments = if within == Within::Ends { all.ends() } else { all };
+            self.moments.insert(key.clone(), Arc::new(moments));
         }
-        if let Grid::Accepted(at) = grid
-            && self.read.insert(grid)
-        {
-            self.spent += self.used.get(&at).map_or(0, |run| run.work);
-        }
-        self.moments[&grid].clone()
+        self.moments.get(&key).cloned()
     }
 
     /// Keeps the error of a rung over its whole way, where the moments have shown a smaller one.
@@ -182,7 +187,7 @@ impl Lab {
                 self.runs.insert(at, run.clone());
                 run
             });
-            self.spent += seen.work;
+            self.spend(seen.work);
             self.used.insert(at, seen);
         }
         &self.used[&at]
@@ -192,11 +197,7 @@ impl Lab {
     /// or the budget is over.
     pub fn measure_finer(&mut self, finer: usize, at: At, most: u64) -> Option<&Measured> {
         let (family, own) = (&self.ladder.families[at.family], &self.ladder.finer[finer]);
-        let mut pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
-        if family.kind == Kind::EqualSteps && family.evaluation == Evaluation::Explicit {
-            // A wave crosses shorter cells in shorter steps.
-            pieces *= f64::from(2 << finer);
-        }
+        let pieces = own.pieces as f64 / self.ladder.model(family).pieces as f64;
         if self.late() || self.predicted(at) as f64 * pieces > most.min(self.left()) as f64 {
             return None;
         }
@@ -206,7 +207,7 @@ impl Lab {
             let run = measure(&self.ladder.name, own, rung, None, self.deadline);
             self.finer.insert(key, run);
         }
-        self.spent += self.finer[&key].work;
+        self.spend(self.finer[&key].work);
         self.finer.get(&key)
     }
 
@@ -222,12 +223,26 @@ impl Lab {
 
     /// The counted work of all that was asked.
     pub fn spent(&self) -> u64 {
-        self.spent
+        self.effort.total()
+    }
+
+    /// The same, by what it was spent on.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Says what the next runs are for, and returns what the last ones were for.
+    pub fn turn_to(&mut self, purpose: Purpose) -> Purpose {
+        std::mem::replace(&mut self.purpose, purpose)
+    }
+
+    fn spend(&mut self, work: u64) {
+        self.effort.add(self.purpose, work);
     }
 
     /// Whether the time is over, or the work that may be done.
     pub fn late(&self) -> bool {
-        self.spent >= self.most_work || Instant::now() >= self.deadline
+        self.spent() >= self.most_work || Instant::now() >= self.deadline
     }
 
     /// Whether there is work left for a rung.
@@ -235,8 +250,9 @@ impl Lab {
         self.predicted(at) <= self.left()
     }
 
-    fn left(&self) -> u64 {
-        self.most_work - self.spent.min(self.most_work)
+    /// Work that may still be spent.
+    pub fn left(&self) -> u64 {
+        self.most_work.saturating_sub(self.spent())
     }
 
     /// The work that a rung will take: its own where it was run, else by the nearest of its family

@@ -22,8 +22,12 @@ use super::model::{Model, Sight};
 /// out. What is chosen is then compared over its whole way (`grid.rs`).
 pub const MOMENTS: u64 = 20;
 
-/// Samples from one moment to the next, of which scales are taken, where there are so many steps.
+/// Samples from one moment to the next, of which scales are taken, where there are so many steps; of a
+/// few things many more, by which runs are read off between them (`track.rs`).
 const SAMPLES: u64 = 16;
+const MOST_SAMPLES: u64 = 128;
+/// Freedoms of all samples.
+const MOST_NUMBERS: u64 = 1_000_000;
 
 /// Halvings of the coarsest step: at most this many, and at most so many steps.
 const HALVINGS: u32 = 20;
@@ -196,7 +200,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
                     ("tolerance", None),
                     ("modes", None),
                     ("step", Some(number(step))),
-                    ("sample_every", Some((every / SAMPLES).max(1).to_string())),
+                    ("sample_every", Some((every / samples(scene)).max(1).to_string())),
                 ];
                 let ahead = if candidate.factors_once { hessian } else { 0 };
                 rung(step, says, ahead + per_step * steps)
@@ -230,6 +234,13 @@ fn rungs(candidate: &Candidate, model: &Model) -> Vec<Rung> {
             })
             .collect(),
     }
+}
+
+/// Samples from one moment to the next: a power of two.
+fn samples(scene: &Scene) -> u64 {
+    let room = MOST_NUMBERS / (MOMENTS * scene.freedoms().max(1) as u64);
+    let power = 1_u64 << room.max(1).ilog2();
+    power.clamp(SAMPLES, MOST_SAMPLES)
 }
 
 /// The number of all modes of a heated body, where they are few enough to be found: besides the

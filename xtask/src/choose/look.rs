@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use stationary_integrators::Cost;
 use stationary_scene::{Checkpoint, Observable, Progress, Scene, Stepping, Watcher, Wish};
 use toml::{Table, Value};
 
@@ -9,7 +10,8 @@ use super::declaration::changed;
 use super::grid::{Moments, inside, is_at, until};
 use super::ladder::{Kind, Rung};
 use super::model::{Model, Sight};
-use super::run::{distance, drift, norm};
+use super::run::{counted, distance, drift, norm};
+use super::track::moving;
 
 /// A run at the moments of a grid.
 #[derive(Clone, Debug)]
@@ -31,7 +33,7 @@ pub struct Look {
 }
 
 /// Places that are compared beside the observable.
-const PLACES: usize = 6;
+pub const PLACES: usize = 6;
 
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;
@@ -87,10 +89,7 @@ pub fn look(
     if looking.found.len() < times.len() {
         return None;
     }
-    let cost = run.cost();
-    let counted =
-        cost.steps.max(cost.differentials + cost.energies) + rung.hessian_work * cost.hessians;
-    let work = model.pieces * (counted as f64 * (1.0 + looking.taken as f64 / steps as f64)) as u64;
+    let work = model.pieces * taken(run.cost(), rung, (kind, looking.taken, steps));
     let rows: Vec<Vec<f64>> = [start].into_iter().chain(looking.found).collect();
     if rows.iter().flatten().any(|x| !x.is_finite()) {
         return None;
@@ -117,6 +116,16 @@ pub fn look(
     })
 }
 
+/// Counted work with that of parts of steps: of what is read off, a part is no more than a reading.
+fn taken(cost: Cost, rung: &Rung, (kind, parts, steps): (Kind, u64, u64)) -> u64 {
+    if kind != Kind::EqualSteps {
+        let read = Cost { steps: cost.steps + parts, ..cost };
+        return counted(read, rung.hessian_work);
+    }
+    let own = counted(cost, rung.hessian_work);
+    (own as f64 * (1.0 + parts as f64 / steps as f64)) as u64
+}
+
 /// Whether steps have no parts: straight lines join their ends.
 fn joins(model: &Model, kind: Kind) -> bool {
     let breaking = model.scene.rods().iter().any(|rod| rod.strength.is_finite());
@@ -128,12 +137,10 @@ fn joins(model: &Model, kind: Kind) -> bool {
 fn beside(model: &Model) -> Vec<Value> {
     let mut all = vec![Value::from("energy"), Value::from("kinetic-energy")];
     if matches!(model.sight, Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. }) {
-        let moves = |particle: &&stationary_scene::Particle| {
-            particle.motion != stationary_scene::Motion::Pinned
-        };
-        for particle in model.scene.particles().iter().filter(moves).take(PLACES) {
+        for number in moving(&model.scene).take(PLACES) {
             let mut place = Table::new();
-            place.insert("position".to_owned(), particle.name.as_str().into());
+            let name = model.scene.particles()[number].name.as_str();
+            place.insert("position".to_owned(), name.into());
             all.push(Value::Table(place));
         }
     }
@@ -223,34 +230,21 @@ impl Watcher for Looking<'_> {
     }
 }
 
-/// The ends of the steps that an adaptive run accepts; nothing where it fails, or the time is over.
-pub fn accepted(name: &str, model: &Model, rung: &Rung, deadline: Instant) -> Option<Vec<f64>> {
-    let scene = Scene::parse_at(name, &changed(&model.text, &rung.changes)).ok()?;
-    let mut counting = Counting { ends: Vec::new(), deadline };
-    scene.run_from(None, &mut counting).ok()?;
-    let whole = counting.ends.last().is_some_and(|&end| end >= scene.timing().horizon());
-    whole.then_some(counting.ends)
-}
-
-/// Keeps the ends of accepted steps.
-struct Counting {
-    ends: Vec<f64>,
-    deadline: Instant,
-}
-
-impl Watcher for Counting {
-    fn stepped(&mut self, _: Progress<'_>) -> Wish {
-        if Instant::now() >= self.deadline { Wish::Stop } else { Wish::GoOn }
-    }
-
-    fn keep(&mut self, _: &Checkpoint) {}
-
-    fn own_ends(&mut self, ends: &[f64]) {
-        self.ends.extend_from_slice(ends);
-    }
-}
-
 impl Look {
+    /// This one's moments, and then others' without their start.
+    pub fn and(mut self, other: &Look) -> Self {
+        let rest = |rows: &[Vec<f64>]| rows.iter().skip(1).cloned().collect::<Vec<_>>();
+        self.values.extend(rest(&other.values));
+        self.places.extend(rest(&other.places));
+        self.energies.extend(other.energies.iter().skip(1));
+        self.is_own.extend(other.is_own.iter().skip(1));
+        self.kinetic = self.kinetic.max(other.kinetic);
+        for (largest, other) in self.momenta.iter_mut().zip(other.momenta) {
+            *largest = largest.max(other);
+        }
+        self
+    }
+
     /// What errors of the observable are relative to, over the whole way.
     pub fn scale(&self, observable: &Observable) -> f64 {
         match observable {
@@ -278,11 +272,10 @@ pub fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
 }
 
-/// The largest distance of two looks where both are their runs' own; every so manieth moment of the
-/// first is one of the second.
-pub fn apart_where_own(a: &Look, b: &Look, every: usize) -> f64 {
-    let own = a.is_own.iter().step_by(every).zip(&b.is_own).map(|(a, b)| *a && *b);
-    let rows = own.zip(a.values.iter().step_by(every).zip(&b.values)).filter(|(own, _)| *own);
+/// The largest distance of two looks where both are their runs' own.
+pub fn apart_where_own(a: &Look, b: &Look) -> f64 {
+    let own = a.is_own.iter().zip(&b.is_own).map(|(a, b)| *a && *b);
+    let rows = own.zip(a.values.iter().zip(&b.values)).filter(|(own, _)| *own);
     let each = rows.map(|(_, (a, b))| distance(a, b));
     each.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
 }

@@ -11,6 +11,7 @@ use std::fmt;
 use super::climb::Judgement;
 use super::lab::{At, Lab};
 use super::ladder::Kind;
+use super::model::Sight;
 use super::reference::Reference;
 use super::run::apart;
 
@@ -42,6 +43,8 @@ pub struct Refined {
 
 /// Settings that are tried on a finer mesh, where coarser ones are not stable.
 const STABLE: usize = 4;
+/// Runs of the written mesh that the first finer one may cost.
+const WORTH: u64 = 10;
 /// Below this ratio differences do not shrink.
 const SHRINKING: f64 = 1.5;
 /// The ratio of linear elements, where no second mesh shows it.
@@ -58,6 +61,10 @@ pub fn mesh_error(
     if scene.solids().is_empty() && scene.heat().is_none() {
         return None;
     }
+    // What stands for a body as a whole has no cells.
+    if matches!(lab.ladder().model(lab.family(chosen.family)).sight, Sight::Rigid | Sight::Points) {
+        return None;
+    }
     let work = lab.seen(chosen)?.work;
     let finer = &lab.ladder().finer;
     let (count, words) = (finer.len(), finer.first().map(|model| model.words.clone()));
@@ -68,12 +75,16 @@ pub fn mesh_error(
     let Some(at) = written.min_by_key(|(_, run)| run.work).map(|(at, _)| at) else {
         return Some(MeshError::Unknown("no run of the mesh as it is written keeps to it"));
     };
-    let own = lab.seen(at)?.course.values.clone();
+    let (own, written_work) = (lab.seen(at)?.course.values.clone(), lab.seen(at)?.work);
     let mut courses = vec![own];
     let mut works = Vec::new();
     for model in 0..count {
-        // As much again as was spent before, and no more.
-        let Some((values, work)) = run_finer(lab, model, at, lab.spent()) else { break };
+        // As much again as was spent before, and no more, but that the first is worth some runs.
+        let most = match model {
+            0 => lab.spent().max(WORTH * written_work),
+            _ => lab.spent() / 2,
+        };
+        let Some((values, work)) = run_finer(lab, reference, (model, at), most) else { break };
         courses.push(values);
         works.push(work);
     }
@@ -100,7 +111,12 @@ pub fn mesh_error(
 }
 
 /// A setting on a finer mesh, or the coarsest finer one that is stable there.
-fn run_finer(lab: &mut Lab, model: usize, at: At, most: u64) -> Option<(Vec<Vec<f64>>, u64)> {
+fn run_finer(
+    lab: &mut Lab,
+    reference: &Reference,
+    (model, at): (usize, At),
+    most: u64,
+) -> Option<(Vec<Vec<f64>>, u64)> {
     let family = lab.family(at.family);
     let rungs = match family.kind {
         Kind::EqualSteps => at.rung..(at.rung + STABLE).min(family.rungs.len()),
@@ -108,7 +124,10 @@ fn run_finer(lab: &mut Lab, model: usize, at: At, most: u64) -> Option<(Vec<Vec<
     };
     for rung in rungs {
         let run = lab.measure_finer(model, At { rung, ..at }, most)?;
-        if let Some(course) = run.whole() {
+        // What is not stable may come to its end all the same.
+        if let Some(course) = run.whole()
+            && reference.error(course).is_ok()
+        {
             return Some((course.values.clone(), run.work));
         }
     }

@@ -9,16 +9,19 @@
 //! misses: its error is the largest of all moments.
 
 use std::fmt;
-use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use stationary_integrators::{Cost, StepError};
-use stationary_scene::{Observable, Run, RunError, Scene, StepFailure};
+use stationary_scene::{
+    Checkpoint, Observable, Progress, Run, RunError, Scene, StepFailure, Watcher, Wish,
+};
 
 use super::declaration::changed;
 use super::ladder::{MOMENTS, Rung};
 use super::model::Model;
 use super::reference::Reference;
+use super::track::Track;
 
 /// What an observable did in a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,6 +38,8 @@ pub struct Course {
     pub scale: f64,
     /// Whether that is no more than rounding of what the scene's sizes are.
     pub is_still: bool,
+    /// That rounding.
+    pub rounding: f64,
 }
 
 /// How a rung failed.
@@ -88,6 +93,10 @@ pub struct Measured {
     pub course: Course,
     /// How it ended.
     pub end: End,
+    /// All its samples, where it came to its end and they are at equal distances.
+    pub track: Option<Arc<Track>>,
+    /// The ends of the steps that an adaptive method accepted.
+    pub accepted: Arc<[f64]>,
 }
 
 /// What a run is stopped by as soon as it shows at a moment.
@@ -170,6 +179,7 @@ impl Measured {
         part.course.energies.truncate(last + 1);
         part.work = self.works[last];
         part.end = End::Cut;
+        part.track = None;
         part
     }
 }
@@ -194,30 +204,19 @@ pub fn measure(
         Err(error) => {
             let end = End::Failed(Failure::NotConverged(first_line(&error.to_string())));
             let course = Course::default();
-            return Measured { work: 0, works: Vec::new(), wall: start.elapsed(), course, end };
+            let (works, wall, accepted) = (Vec::new(), start.elapsed(), Arc::default());
+            return Measured { work: 0, works, wall, course, end, track: None, accepted };
         }
     };
     let (every, hessian) = (scene.timing().steps() / MOMENTS, rung.hessian_work);
     let samples = (every / scene.timing().sample_every()) as usize;
-    let work = |cost: Cost| model.pieces * counted(cost, hessian);
-    let (mut works, mut end) = (vec![0], End::Whole);
-    let run = scene.run_watched(|now| {
-        let late = now.step % LOOK == 0 && Instant::now() >= deadline;
-        if late {
-            end = End::Failed(Failure::OutOfBudget);
-            return ControlFlow::Break(());
-        }
-        if now.step % every == 0 {
-            works.push(work(now.cost));
-            let lost =
-                |trial: &Trial<'_>| trial.is_lost(works.len() - 1, now.observed, work(now.cost));
-            if now.step < now.steps && trial.is_some_and(lost) {
-                end = End::Cut;
-                return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
-    });
+    let pieces = model.pieces;
+    let work = |cost: Cost| pieces * counted(cost, hessian);
+    let (works, end) = (vec![0], End::Whole);
+    let mut judging =
+        Judging { every, work: &work, trial, deadline, works, end, accepted: Vec::new() };
+    let run = scene.run_from(None, &mut judging);
+    let Judging { mut works, end, accepted, .. } = judging;
     let wall = start.elapsed();
     let (partial, failed) = match &run {
         Ok(run) => (Some(run), None),
@@ -232,11 +231,52 @@ pub fn measure(
         }
         None => end,
     };
+    let whole = partial.filter(|_| end == End::Whole);
+    let track = whole.and_then(|run| Track::of(run, model)).map(Arc::new);
     let work = partial.map_or(0, |run| work(run.cost()));
-    Measured { work, works, wall, course, end }
+    Measured { work, works, wall, course, end, track, accepted: accepted.into() }
 }
 
-fn counted(cost: Cost, hessian_work: u64) -> u64 {
+/// Looks on while a run is made, and stops it where its trial is lost or the time is over.
+struct Judging<'t> {
+    /// Steps from one moment to the next.
+    every: u64,
+    work: &'t dyn Fn(Cost) -> u64,
+    trial: Option<&'t Trial<'t>>,
+    deadline: Instant,
+    works: Vec<u64>,
+    end: End,
+    accepted: Vec<f64>,
+}
+
+impl Watcher for Judging<'_> {
+    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+        if now.step.is_multiple_of(LOOK) && Instant::now() >= self.deadline {
+            self.end = End::Failed(Failure::OutOfBudget);
+            return Wish::Stop;
+        }
+        if now.step.is_multiple_of(self.every) {
+            let work = (self.work)(now.cost);
+            self.works.push(work);
+            let moment = self.works.len() - 1;
+            let lost = |trial: &Trial<'_>| trial.is_lost(moment, now.observed, work);
+            if now.step < now.steps && self.trial.is_some_and(lost) {
+                self.end = End::Cut;
+                return Wish::Stop;
+            }
+        }
+        Wish::GoOn
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+
+    fn own_ends(&mut self, ends: &[f64]) {
+        self.accepted.extend_from_slice(ends);
+    }
+}
+
+/// Counted work of one element.
+pub fn counted(cost: Cost, hessian_work: u64) -> u64 {
     cost.steps.max(cost.differentials + cost.energies) + hessian_work * cost.hessians
 }
 
@@ -262,9 +302,10 @@ fn course(run: &Run, moments: usize, samples: usize) -> Course {
     let kinetic = run.kinetic_energies().iter().take(seen).copied().fold(0.0, f64::max);
     let broken = run.broken().iter().map(|broken| broken.rod).collect();
     let scale = scale(run, seen, kinetic);
-    let is_still = scale <= ROUNDING * size(run, &energies);
+    let rounding = ROUNDING * size(run, &energies);
+    let is_still = scale <= rounding;
     let scale = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
-    Course { values, energies, kinetic, broken, scale, is_still }
+    Course { values, energies, kinetic, broken, scale, is_still, rounding }
 }
 
 /// A scale below this part of a scene's sizes is rounding.
@@ -347,7 +388,8 @@ fn failure(error: &RunError) -> Failure {
     match source {
         Some(StepFailure::Step(
             StepError::NonFiniteConfiguration { .. } | StepError::NonFiniteMomentum { .. },
-        )) => Failure::Unstable(said),
+        ))
+        | Some(StepFailure::Overflow { .. }) => Failure::Unstable(said),
         _ => Failure::NotConverged(said),
     }
 }

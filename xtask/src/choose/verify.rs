@@ -1,8 +1,9 @@
 //! Whether a choice keeps to the tolerance over its whole way, and whether its reference is trusted.
 //!
 //! ```text
-//! error          max_t |x(t) - x*(t)| / scale        over a grid that looks into every step
-//! uncertainty    of x*, grown as its last two runs differ more over the grid than at the moments
+//! error          max_t |x(t) - x*(t)| / scale        over its whole way (`way.rs`)
+//! uncertainty    of x*, grown as its last two runs differ more at their samples than at the moments,
+//!                and by what is lost where it is read off between them (`track.rs`)
 //! ```
 //! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
 //! keeps the energy ten times better than the tolerance asks if nothing in the scene takes any. Where
@@ -16,11 +17,13 @@ use std::fmt;
 use stationary_scene::Observable;
 
 use super::climb::rungs_to_go;
+use super::effort::Purpose;
 use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
-use super::ladder::Kind;
+use super::ladder::MOMENTS;
 use super::look::{Look, apart, apart_where_own, keeps_energy};
 use super::reference::{Extrapolated, Reference};
+use super::way::{Way, nothing};
 use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 
 /// What a choice was found to be over its whole way.
@@ -28,8 +31,10 @@ use super::{BARELY, Confirmed, PATIENCE, confirmed, next_rung};
 pub struct Seen {
     /// At how many moments it was looked at.
     pub moments: usize,
-    /// Every so manieth step was looked into.
+    /// Every so manieth step was looked at.
     pub every: usize,
+    /// Into so many steps; nothing where into all of them.
+    pub steps: Option<usize>,
     /// Its error in the observable.
     pub error: f64,
     /// How far its energy is off, relative to the largest kinetic energy.
@@ -108,55 +113,124 @@ const NEAR: f64 = 0.1;
 const FINER: usize = 12;
 /// How much larger an error may be between two moments.
 const BETWEEN: f64 = 1.05;
-/// Halvings of the grid for modes, which have no steps.
-const OF_MODES: u32 = 6;
+/// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
+const LEAST_HALVINGS: u32 = 1;
+const MOST_HALVINGS: u32 = 7;
+/// The part of the tolerance to which what is read off between samples is known.
+const RESOLVED: f64 = 0.02;
 
-impl Grid {
-    /// A grid that looks into every step of a run.
-    pub fn of(lab: &Lab, at: At) -> Grid {
-        match lab.family(at.family).kind {
-            Kind::EqualSteps => Grid::Equal { halvings: at.rung as u32 },
-            Kind::OwnSteps => Grid::Accepted(at),
-            Kind::Modes => Grid::Equal { halvings: OF_MODES },
+/// A reference at the moments of a grid, and how far it may be off since it is read off between its
+/// samples, where these tell it to within `allowed` of the observable.
+pub fn told(
+    lab: &mut Lab,
+    reference: &Reference,
+    (grid, within): (&Grid, Within),
+    allowed: f64,
+) -> Option<(Look, f64)> {
+    let at = |rung: usize| At { family: reference.family, rung };
+    let (fine, off) = lab.read(at(reference.finest), (grid, within), allowed)?;
+    let mut best = Look::clone(&fine);
+    if reference.extrapolated == Extrapolated::No {
+        return Some((best, off));
+    }
+    let weight = 1.0 / (f64::from(1_u32 << lab.family(reference.family).order) - 1.0);
+    let (middle, other) = lab.read(at(reference.before), (grid, within), allowed / weight)?;
+    let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
+    for (best, other) in [(&mut best.values, &middle.values), (&mut best.places, &middle.places)] {
+        for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
+            *x = led(*x, *y);
         }
     }
+    best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
+    Some((best, off + weight * other))
 }
 
-/// A reference over its whole way, and its uncertainty in the observable's own unit.
-pub fn whole(lab: &mut Lab, reference: &Reference, grid: Grid) -> Option<(Look, f64)> {
+/// The uncertainty of a reference over its whole way, in the observable's own unit: grown as its last two
+/// runs differ more at their samples than at the moments.
+fn uncertainty(lab: &mut Lab, reference: &Reference, way: &Way) -> Option<f64> {
     let at = |rung: usize| At { family: reference.family, rung };
-    let fine = lab.look(at(reference.finest), grid)?;
-    let leads = reference.extrapolated == Extrapolated::Yes;
-    // What is not extrapolated is compared at the ends of steps: parts of them cost as much.
-    let within = if leads { Within::Parts } else { Within::Ends };
-    let middle = lab.look_within(at(reference.before), grid, within)?;
-    let every = if leads { 1 } else { lab.moments(grid)?.within + 1 };
-    let differs = apart_where_own(&fine, &middle, every);
-    let mut best = Look::clone(&fine);
-    if leads {
-        let power = f64::from(1_u32 << lab.family(reference.family).order);
-        let weight = 1.0 / (power - 1.0);
-        let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
-        for (best, other) in
-            [(&mut best.values, &middle.values), (&mut best.places, &middle.places)]
-        {
-            for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
-                *x = led(*x, *y);
-            }
-        }
-        best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
-    }
+    let (fine, middle) = (at(reference.finest), at(reference.before));
+    let (grid, within) = match lab.seen(middle).is_some_and(|run| run.track.is_some()) {
+        true => (samples(lab, middle, way.halvings()), Within::Ends),
+        false => way.grids.first()?.clone(),
+    };
+    let (fine, _) = lab.read(fine, (&grid, within), 0.0)?;
+    let (middle, _) = lab.read(middle, (&grid, within), 0.0)?;
+    let differs = apart_where_own(&fine, &middle);
     let own = reference.uncertainty * reference.course.scale;
     let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
-    let uncertainty = if own > 0.0 { own * grown } else { differs };
-    Some((best, uncertainty))
+    Some(if own > 0.0 { own * grown } else { differs })
 }
 
-/// The error of a run over its whole way by a reference; nothing where one of them has none.
-pub fn way_error(lab: &mut Lab, reference: &Reference, at: At) -> Option<f64> {
+/// A reference at all moments of a way, and its uncertainty there.
+fn whole_way(lab: &mut Lab, reference: &Reference, way: &Way, allowed: f64) -> Option<(Look, f64)> {
+    let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
+    for (grid, within) in &way.grids {
+        let (next, off) = told(lab, reference, (grid, *within), allowed)?;
+        all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
+        most = most.max(off);
+    }
+    Some((all?, most + uncertainty(lab, reference, way)?))
+}
+
+/// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
+/// where its samples tell it there, else at these samples.
+fn off_other(
+    lab: &mut Lab,
+    reference: &Reference,
+    at: At,
+    (way, truth): (&Way, &Look),
+    allowed: f64,
+) -> Option<f64> {
+    let track = lab.seen(at)?.track.clone();
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let moments = lab.moments(grid, *within)?;
+        let reading = track.as_ref().map(|track| track.read(&moments.times));
+        let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
+            let ends = samples(lab, at, LEAST_HALVINGS);
+            let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
+            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed)?;
+            return Some(apart_where_own(&other, &truth));
+        };
+        all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
+    }
+    Some(apart_where_own(&all?, truth))
+}
+
+/// The samples of a run, and where these are few, parts of its steps too.
+fn samples(lab: &Lab, at: At, least: u32) -> Grid {
+    let track = lab.seen(at).and_then(|run| run.track.as_ref());
+    let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
+    let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
+    Grid::Equal { halvings: halvings.max(least.min(LEAST_HALVINGS)) }
+}
+
+/// What a run itself gives at all moments of a way: within steps, by parts of them.
+fn own_on(lab: &mut Lab, at: At, way: &Way) -> Option<Look> {
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let next = match within {
+            Within::Ends => lab.read(at, (grid, *within), 0.0)?.0,
+            Within::Parts => lab.look(at, grid, *within)?,
+        };
+        all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
+    }
+    all
+}
+
+/// What may be lost by reading a run off between its samples, in the observable's unit.
+fn allowed(reference: &Reference, tolerance: f64) -> f64 {
+    RESOLVED * tolerance * reference.course.scale
+}
+
+/// The error of a run over its whole way by a reference, to a small part of the tolerance; nothing where
+/// one of them has none.
+pub fn way_error(lab: &mut Lab, reference: &Reference, at: At, tolerance: f64) -> Option<f64> {
     let grid = Grid::of(lab, at);
-    let (truth, _) = whole(lab, reference, grid)?;
-    let own = lab.look(at, grid)?;
+    let own = lab.look(at, &grid, Within::Parts)?;
+    let allowed = allowed(reference, tolerance);
+    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed)?;
     Some(apart(&own.values, &truth.values) / reference.course.scale)
 }
 
@@ -168,40 +242,66 @@ pub fn verify(
     tolerance: f64,
     families: &[usize],
 ) -> Finding {
-    let grid = Grid::of(lab, at);
-    let Some(own) = lab.look(at, grid) else { return Finding::Doubtful(Doubt::Unseen) };
-    let Some((truth, uncertainty)) = whole(lab, reference, grid) else {
-        return Finding::Doubtful(Doubt::Unseen);
+    lab.turn_to(Purpose::WithinReference);
+    let least = nothing(&reference.course, tolerance);
+    if let Some(some) = Way::some(lab, reference, at, least)
+        && let Some(finding) = verify_on(lab, reference, (at, &some), tolerance, families)
+    {
+        return finding;
+    }
+    let all = Way::all(lab, at);
+    let finding = verify_on(lab, reference, (at, &all), tolerance, families);
+    finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Looks at a choice at the moments of a way; nothing where these do not tell.
+fn verify_on(
+    lab: &mut Lab,
+    reference: &Reference,
+    (at, way): (At, &Way),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<Finding> {
+    let allowed = allowed(reference, tolerance);
+    lab.turn_to(Purpose::WithinChoice);
+    let Some(own) = own_on(lab, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
+    lab.turn_to(Purpose::WithinReference);
+    let Some((truth, uncertainty)) = whole_way(lab, reference, way, allowed) else {
+        return Some(Finding::Doubtful(Doubt::Unseen));
     };
     let scene = &lab.ladder().written().scene;
     let observable = scene.observables().first().copied().unwrap_or(Observable::Energy);
     let keeps = keeps_energy(scene);
     let scale = truth.scale(&observable);
     if scale > SAME_SCALE * reference.course.scale {
-        return Finding::Larger(scale);
+        return Some(Finding::Larger(scale));
     }
     let scale = reference.course.scale;
     if keeps && truth.drift() > KEPT * tolerance {
-        return Finding::Doubtful(Doubt::Energy(truth.drift()));
+        return Some(Finding::Doubtful(Doubt::Energy(truth.drift())));
     }
     let uncertainty = uncertainty / scale;
     if uncertainty > BARELY * tolerance {
-        return Finding::Doubtful(Doubt::Uncertain(uncertainty));
+        return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
     let error = apart(&own.values, &truth.values) / scale;
     // What is sampled may be larger in between.
     if BETWEEN * error + uncertainty > tolerance {
-        return Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON)));
+        return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
+    }
+    if way.foretold(lab, &own, &truth) / scale + uncertainty > tolerance {
+        return None;
     }
     let near = match lab.family(reference.family).is_closed {
         true => (BARELY * tolerance).max(NEAR.min(NEAR_CLOSED * tolerance)),
         false if keeps => NEAR_KEPT * tolerance,
         false => BARELY * tolerance,
     };
-    let other = match agreement(lab, reference, (near, grid), families, &truth) {
+    lab.turn_to(Purpose::Confirmation);
+    let other = match agreement(lab, reference, (near, way, allowed), families, &truth) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),
-        Agreement::Disagrees(off) => return Finding::Doubtful(Doubt::Disagrees(off)),
+        Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),
         Agreement::None => None,
     };
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
@@ -212,16 +312,17 @@ pub fn verify(
     });
     let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
         .then(|| off_places(&own, &truth));
-    let (moments, every) =
-        lab.moments(grid).map_or((0, 1), |moments| (moments.times.len(), moments.every));
+    let every = way.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
+    let every = every.map(|moments| moments.every).max().unwrap_or(1);
     // What the reference is made of is as wrong as that is uncertain.
-    let own = at == At { family: reference.family, rung: reference.finest };
-    let error = if own { error.max(uncertainty) } else { error };
-    let seen = Seen { moments, every, error, energy, places, other: other.flatten() };
-    match other {
+    let is_reference = at == At { family: reference.family, rung: reference.finest };
+    let error = if is_reference { error.max(uncertainty) } else { error };
+    let (moments, steps) = (own.values.len() - 1, way.steps());
+    let seen = Seen { moments, every, steps, error, energy, places, other: other.flatten() };
+    Some(match other {
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
-    }
+    })
 }
 
 /// The largest distance of a place from where it should be, relative to the largest way of one.
@@ -247,7 +348,7 @@ enum Agreement {
 fn agreement(
     lab: &mut Lab,
     reference: &Reference,
-    (near, grid): (f64, Grid),
+    (near, way, allowed): (f64, &Way, f64),
     families: &[usize],
     truth: &Look,
 ) -> Agreement {
@@ -257,12 +358,17 @@ fn agreement(
         Confirmed::No => Agreement::None,
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
-            let Some((other, _)) = whole(lab, &other, grid) else { return Agreement::None };
-            let off = apart_where_own(&other, truth, 1) / scale;
-            if off <= near { Agreement::With(at, off) } else { Agreement::Disagrees(off) }
+            let Some((other, _)) = whole_way(lab, &other, way, allowed) else {
+                return Agreement::None;
+            };
+            let off = apart_where_own(&other, truth) / scale;
+            match off <= near {
+                true => Agreement::With(at, off),
+                false => finer_agrees(lab, reference, (near, way, allowed), (at, families), truth),
+            }
         }
         Confirmed::By(first) => {
-            finer_agrees(lab, reference, (near, grid), (first, families), truth)
+            finer_agrees(lab, reference, (near, way, allowed), (first, families), truth)
         }
     }
 }
@@ -271,7 +377,7 @@ fn agreement(
 fn finer_agrees(
     lab: &mut Lab,
     reference: &Reference,
-    (near, grid): (f64, Grid),
+    (near, way, allowed): (f64, &Way, f64),
     (first, families): (At, &[usize]),
     truth: &Look,
 ) -> Agreement {
@@ -282,8 +388,11 @@ fn finer_agrees(
     let mut at = first;
     for _ in 0..FINER {
         lab.measure(at);
-        if let Some(other) = lab.look(at, grid) {
-            let off = apart_where_own(&other, truth, 1) / reference.course.scale;
+        lab.turn_to(Purpose::WithinOther);
+        let off = off_other(lab, reference, at, (way, truth), allowed);
+        lab.turn_to(Purpose::Confirmation);
+        if let Some(off) = off {
+            let off = off / reference.course.scale;
             if off <= near {
                 return Agreement::With(at, off);
             }

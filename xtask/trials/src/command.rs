@@ -147,6 +147,12 @@ fn print(tally: &Tally) {
     for fault in &tally.faults {
         print_fault(tally.kind, fault);
     }
+    if tally.apart > 0 {
+        println!("    {} apart, neither right nor wrong:", tally.apart);
+        for (case, what) in &tally.listed {
+            println!("        --case {case}: {what}");
+        }
+    }
     if tally.is_shy() {
         println!("    more than a tenth had no answer:");
         let mut reasons: Vec<_> = tally.reasons.iter().collect();

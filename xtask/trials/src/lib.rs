@@ -9,6 +9,7 @@
 //! right         the error is at most what the page promises for that call, or a refusal was due
 //! refused       a typed error, or Ok with a sign that a caller cannot overlook
 //! not judged    the referee itself does not know
+//! apart         neither right nor wrong here: what is wrong, or cannot be, is another promise's
 //! wrong         Ok, no sign, and a larger error; a panic, a hang, a NaN
 //! ```
 //!

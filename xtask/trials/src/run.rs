@@ -56,6 +56,8 @@ pub struct Tally {
     pub refused: u64,
     /// How many the referee could not judge.
     pub not_judged: u64,
+    /// How many were another promise's, neither right nor wrong here.
+    pub apart: u64,
     /// How many were wrong.
     pub wrong: u64,
     /// The largest error over what was promised; `null` in JSON where infinite.
@@ -68,6 +70,9 @@ pub struct Tally {
     /// The wrong ones, the first of them shrunk.
     #[serde(skip)]
     pub faults: Vec<Fault>,
+    /// What was apart, by the cases' own seeds.
+    #[serde(skip)]
+    pub listed: Vec<(u64, String)>,
     /// What refusals and cases not judged said, and how often.
     #[serde(skip)]
     pub reasons: BTreeMap<String, u64>,
@@ -109,8 +114,10 @@ impl Plan {
         let clock = ProcessorTime::begin();
         for (index, verdict) in self.verdicts(&cases, clock) {
             tally.count(&verdict);
-            if let Verdict::Wrong { what, .. } = verdict {
-                wrong.insert(index, what);
+            match verdict {
+                Verdict::Wrong { what, .. } => _ = wrong.insert(index, what),
+                Verdict::Apart { what } => tally.listed.push((cases.case(index), what)),
+                _ => {}
             }
         }
         tally.seconds = clock.passed().as_secs_f64();
@@ -178,11 +185,13 @@ impl Tally {
             right: 0,
             refused: 0,
             not_judged: 0,
+            apart: 0,
             wrong: 0,
             worst: 0.0,
             seconds: 0.0,
             ratios: Vec::new(),
             faults: Vec::new(),
+            listed: Vec::new(),
             reasons: BTreeMap::new(),
         }
     }
@@ -195,6 +204,7 @@ impl Tally {
         }
         match verdict {
             Verdict::Right { .. } => self.right += 1,
+            Verdict::Apart { .. } => self.apart += 1,
             Verdict::Wrong { .. } => self.wrong += 1,
             Verdict::Refused { why } => {
                 self.refused += 1;

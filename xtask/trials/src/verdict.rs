@@ -18,6 +18,11 @@ pub enum Verdict {
         /// Why not.
         why: String,
     },
+    /// Neither right nor wrong here: what is wrong, or cannot be, is another promise's. It is listed.
+    Apart {
+        /// What it is.
+        what: String,
+    },
     /// Ok without a sign, and wrong; a panic, a hang, a NaN.
     Wrong {
         /// The error over what was promised; infinite for a panic, a hang and a NaN.
@@ -53,13 +58,18 @@ impl Verdict {
         Verdict::NotJudged { why: why.to_string() }
     }
 
+    /// A case that is another promise's.
+    pub fn apart(what: impl ToString) -> Self {
+        Verdict::Apart { what: what.to_string() }
+    }
+
     /// Wrong without a measure.
     pub fn wrong(what: impl ToString) -> Self {
         Verdict::Wrong { ratio: f64::INFINITY, what: what.to_string() }
     }
 
-    /// The worse of two verdicts on one case: wrong, then refused, then not judged, then the larger
-    /// ratio.
+    /// The worse of two verdicts on one case: wrong, then refused, then apart, then not judged, then the
+    /// larger ratio.
     pub fn and(self, other: Self) -> Self {
         if self.rank() >= other.rank() { self } else { other }
     }
@@ -68,8 +78,9 @@ impl Verdict {
         match self {
             Verdict::Right { ratio } => (0, *ratio),
             Verdict::NotJudged { .. } => (1, 0.0),
-            Verdict::Refused { .. } => (2, 0.0),
-            Verdict::Wrong { ratio, .. } => (3, *ratio),
+            Verdict::Apart { .. } => (2, 0.0),
+            Verdict::Refused { .. } => (3, 0.0),
+            Verdict::Wrong { ratio, .. } => (4, *ratio),
         }
     }
 }
