@@ -16,9 +16,9 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
-use stationary_calculus::loglog_slope;
 use stationary_constraints::problems::{RodProblem, writhing_chain};
 use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
+use stationary_measure::loglog_slope;
 
 /// How fast the links turn, radians a second: the step is then short enough for the tension of the
 /// longest chain, which would otherwise make it whirl.

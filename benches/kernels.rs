@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Potential, SplitMix64, SymmetricMatrix};
+use stationary_calculus::{Covector, Potential, SymmetricMatrix};
 use stationary_constraints::problems::writhing_chain;
 use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
 use stationary_contact::problems::falling_boxes;
@@ -23,6 +23,7 @@ use stationary_integrators::{
     StormerVerlet, Tolerance,
 };
 use stationary_laplacian::{Domain, Elements};
+use stationary_measure::SplitMix64;
 use stationary_mesh::{cuboid, torus};
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, Free, LieGroup, Poses, RigidMotion, Rotation,

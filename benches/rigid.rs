@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use stationary_calculus::SplitMix64;
+use stationary_measure::SplitMix64;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, Free, LieGroup, Poses, RigidMotion, Rotation,
     right_jacobian,

@@ -15,7 +15,7 @@ use std::time::Instant;
 use nalgebra::{Matrix3, Vector3};
 use rapier3d_f64::prelude as rapier;
 use sophus_lie::Rotation3F64;
-use stationary_calculus::SplitMix64;
+use stationary_measure::SplitMix64;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodyStore, Free, LieGroup, Poses,
     RigidMotion, left_jacobian,

@@ -8,11 +8,12 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use stationary_calculus::{Newton, SparseSolver, loglog_slope};
+use stationary_calculus::{Newton, SparseSolver};
 use stationary_integrators::problems::{LargeProblem, SpringChain, spring_chain};
 use stationary_integrators::{
     ImplicitMidpoint, Integrator, Nystrom12, RungeKutta4, State, StormerVerlet, Tolerance,
 };
+use stationary_measure::loglog_slope;
 
 const SIZES: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 /// Freedoms times steps of one measurement, so that it takes some tens of milliseconds.

@@ -2,7 +2,7 @@
 //!
 //! A user's own study is tested in the same way: `insta::assert_snapshot!(convergence.table())`.
 
-use stationary_calculus::Precision;
+use stationary_measure::Precision;
 use xtask::studies::STUDIES;
 use xtask::study::{Kind, Size};
 

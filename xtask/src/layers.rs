@@ -31,6 +31,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
         ],
     ),
     ("chart", &[Optional("serde")]),
+    ("measure", &[]),
     ("mesh", &[Always("nalgebra"), Always("thiserror"), Optional("vtkio")]),
     ("integrators", &[Always("nalgebra"), Always("thiserror"), Optional("serde")]),
     ("constraints", &[Always("nalgebra"), Always("thiserror")]),

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use stationary_calculus::Table;
 use stationary_chart::{Chart, ChartError, significant};
+use stationary_measure::Table;
 
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -144,7 +144,8 @@ impl<E: StencilEnergy<V, D>, const V: usize, const D: usize> Stencil<V, D> for A
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ProductSink, SplitMix64, Stencils, assert_derivatives};
+    use crate::{ProductSink, Stencils, assert_derivatives};
+    use stationary_measure::SplitMix64;
 
     /// 1/2 k (|x1 - x0| - L)^2 in D dimensions.
     struct Spring {

@@ -30,10 +30,11 @@ mod report;
 
 use nalgebra::DMatrix;
 
-use crate::{Flat, Potential, Space, SplitMix64, Vector, first_non_finite};
+use crate::{Flat, Potential, Space, Vector, first_non_finite};
 use examine::part;
 use ladder::Scale;
 use potential::Comparison;
+use stationary_measure::SplitMix64;
 
 pub use differences::{Difference, Differences, differences};
 pub use report::{Agreement, Derivative, DerivativeError, Report, WrongEntry};

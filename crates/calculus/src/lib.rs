@@ -30,8 +30,7 @@
 //! Reading order: vectors and changes of basis; differentials, exact ones and the worked ones of 2.3;
 //! metrics and forms; potentials, their stencils and the sinks that Hessians flow into; the check of
 //! them all; a [`System`] of metric and potential; Newton's method with its solvers, dense and, with
-//! the feature `sparse`, sparse; equilibria and the shortest solution of a system of any rank; and
-//! what studies need: tables that print alike everywhere, slopes of power laws, repeatable randomness.
+//! the feature `sparse`, sparse; equilibria and the shortest solution of a system of any rank.
 //!
 //! The crate knows nothing of time, of meshes or of files.
 
@@ -65,9 +64,6 @@ mod sparse;
 mod equilibrium;
 mod least_norm;
 mod newton_study;
-mod table;
-mod fit;
-mod random;
 
 pub use angle::{angle, signed_angle};
 pub use automatic::{Automatic, AutomaticStencil, Energy, StencilEnergy};
@@ -89,7 +85,6 @@ pub use eigen::{EigenError, Eigenpairs};
 pub use equation::{Equation, Unsolvable};
 pub use equilibrium::{Equilibrium, EquilibriumReport, Stationary};
 pub use error::{MetricError, SizeError};
-pub use fit::{loglog_slope, truncation_regime};
 pub use force::Force;
 pub use function_equation::FunctionEquation;
 pub use hessian_solver::{HessianSolver, Rung};
@@ -99,7 +94,6 @@ pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, Ne
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 pub use parts::{Parts, in_parts, side_by_side};
 pub use potential::Potential;
-pub use random::SplitMix64;
 pub use scaled::Scaled;
 pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
@@ -111,7 +105,6 @@ pub use sparse::{
 };
 pub use stencil::{Curvature, Stencil, StencilHessian, Stencils, UnknownVertex};
 pub use system::{Curved, Flat, PotentialOn, Space, System};
-pub use table::{Cell, Column, Precision, Table};
 pub use vectors::{Covector, Storage, Vector, first_non_finite};
 pub use worked::{
     cross_differential, cross_matrix, dot_differential, hat, hat_differential,

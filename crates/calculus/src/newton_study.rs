@@ -11,9 +11,8 @@
 //! curse of notes 4.4: a derivative that is wrong by half still passes, and only the count of
 //! iterations tells (`more_than_a_dozen_iterations_mean_that_a_tenth_is_wrong`).
 
-use crate::{
-    Cell, Column, FunctionEquation, Newton, NewtonError, NewtonMemory, NewtonReport, Table,
-};
+use crate::{FunctionEquation, Newton, NewtonError, NewtonMemory, NewtonReport};
+use stationary_measure::{Cell, Column, Table};
 
 /// The stiffness `h^2 g/l` of the step: at 1 a step is a radian of small oscillation.
 const K: f64 = 1.0;

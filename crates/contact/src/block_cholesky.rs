@@ -257,7 +257,7 @@ fn subtract(a: &mut Block, b: &Block, c: &Block) {
 #[cfg(test)]
 mod tests {
     use nalgebra::{DMatrix, DVector};
-    use stationary_calculus::SplitMix64;
+    use stationary_measure::SplitMix64;
 
     use super::*;
 

@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use parry3d_f64::query::sat;
     use parry3d_f64::shape::Cuboid;
-    use stationary_calculus::SplitMix64;
+    use stationary_measure::SplitMix64;
 
     #[test]
     fn the_farthest_axis_is_that_of_the_geometry_library_and_its_separation_that_of_the_corners() {

@@ -179,7 +179,8 @@ impl Groups {
 mod tests {
     use super::*;
     use nalgebra::DVector;
-    use stationary_calculus::{DenseMetric, DiagonalMetric, SplitMix64};
+    use stationary_calculus::{DenseMetric, DiagonalMetric};
+    use stationary_measure::SplitMix64;
 
     #[test]
     fn a_lifted_row_times_the_mass_is_the_row() {

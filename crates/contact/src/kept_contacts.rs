@@ -276,7 +276,8 @@ fn find_within(
 
 #[cfg(test)]
 mod tests {
-    use stationary_calculus::{Space, SplitMix64, Vector};
+    use stationary_calculus::{Space, Vector};
+    use stationary_measure::SplitMix64;
 
     use super::*;
     use crate::problems::columns_of_boxes;

@@ -98,7 +98,8 @@ impl PassiveSet {
 mod tests {
     use super::*;
     use crate::{ContactRows, InverseMass};
-    use stationary_calculus::{DiagonalMetric, SplitMix64, Vector};
+    use stationary_calculus::{DiagonalMetric, Vector};
+    use stationary_measure::SplitMix64;
 
     fn random_impact(contacts: usize, freedoms: usize) -> Impact {
         let mut random = SplitMix64::new(11);

@@ -307,7 +307,8 @@ impl Island<'_> {
 mod tests {
     use super::*;
     use crate::{ContactRows, InverseMass};
-    use stationary_calculus::{DiagonalMetric, SplitMix64};
+    use stationary_calculus::DiagonalMetric;
+    use stationary_measure::SplitMix64;
 
     /// Gaps that no rigid motion makes: of the points of a face more than three are redundant, and
     /// which of them push is decided by taking each other's places.

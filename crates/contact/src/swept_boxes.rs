@@ -55,7 +55,7 @@ pub(crate) fn overlapping(first: &[SweptBox], second: &[SweptBox]) -> Vec<(usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stationary_calculus::SplitMix64;
+    use stationary_measure::SplitMix64;
 
     #[test]
     fn every_pair_that_overlaps_is_found_once() {

@@ -400,7 +400,7 @@ mod tests {
 
     #[test]
     fn where_the_twists_are_positive_a_determinant_tells_whether_the_scalings_are() {
-        let mut random = stationary_calculus::SplitMix64::new(5);
+        let mut random = stationary_measure::SplitMix64::new(5);
         let mut convex = [0; 2];
         for k in 0..20_000 {
             // Of any shape, and all but evenly pressed where a body hardly resists that.

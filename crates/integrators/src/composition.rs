@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use crate::problems::{kepler, pendulum};
     use crate::{Horizon, StormerVerlet, deliver};
-    use stationary_calculus::loglog_slope;
+    use stationary_measure::loglog_slope;
 
     #[test]
     fn the_triple_jump_is_three_verlet_steps_two_forward_and_one_back() {

@@ -9,7 +9,8 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Cell, Column, Metric, Potential, Storage, Table, loglog_slope};
+use stationary_calculus::{Metric, Potential, Storage};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 
 use crate::problems::Problem;
 use crate::{Cost, Horizon, Integrator, Method, SimulationError, simulate};

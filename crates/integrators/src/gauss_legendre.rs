@@ -262,7 +262,8 @@ mod tests {
     use super::*;
     use crate::ImplicitMidpoint;
     use crate::problems::{kepler, oscillator, pendulum};
-    use stationary_calculus::{DiagonalMetric, Sink, loglog_slope};
+    use stationary_calculus::{DiagonalMetric, Sink};
+    use stationary_measure::loglog_slope;
 
     #[test]
     fn at_one_node_it_is_the_implicit_midpoint_rule() {

@@ -100,7 +100,7 @@ impl MeanCurvatureFlow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stationary_calculus::loglog_slope;
+    use stationary_measure::loglog_slope;
     use stationary_mesh::{MeshError, disc, icosphere};
 
     #[test]

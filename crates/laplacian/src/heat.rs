@@ -178,7 +178,7 @@ mod tests {
     use super::*;
     use crate::problems::interval;
     use crate::{Domain, Elements, largest_eigenvalue};
-    use stationary_calculus::loglog_slope;
+    use stationary_measure::loglog_slope;
     use stationary_mesh::{Diagonals, bar, rectangle};
     use std::f64::consts::PI;
 

@@ -172,7 +172,7 @@ fn grounded<const K: usize>(
 mod tests {
     use super::*;
     use crate::Elements;
-    use stationary_calculus::loglog_slope;
+    use stationary_measure::loglog_slope;
     use stationary_mesh::{Diagonals, Mesh, bar, cuboid, icosphere, rectangle};
     use std::f64::consts::PI;
 

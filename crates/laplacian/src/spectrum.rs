@@ -9,7 +9,8 @@
 //! eigenvalue problem, 1980.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use stationary_calculus::{Covector, Metric, Potential, SizeError, SplitMix64, Vector};
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Vector};
+use stationary_measure::SplitMix64;
 use stationary_modal::{Linearized, ModalError, Modes, RigidMotions};
 
 use crate::{Domain, LaplacianError};

@@ -14,7 +14,8 @@
 //! journal, 22, 2000).
 
 use nalgebra::DMatrix;
-use stationary_calculus::{SparseCholesky, SplitMix64, SymmetricMatrix};
+use stationary_calculus::{SparseCholesky, SymmetricMatrix};
+use stationary_measure::SplitMix64;
 
 use crate::ModalError;
 use crate::dense::{Basis, Pairs, dot, eigenpairs, length, times};

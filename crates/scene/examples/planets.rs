@@ -6,8 +6,8 @@
 //! Explicit Euler lets the planets spiral outward, the classical Runge-Kutta method loses a little
 //! energy for ever, and Stormer-Verlet neither gains nor loses.
 
-use stationary_calculus::{Column, Table};
 use stationary_integrators::Method;
+use stationary_measure::{Column, Table};
 use stationary_scene::{Scene, problems::OUTER_SOLAR_SYSTEM};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

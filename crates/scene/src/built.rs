@@ -2,7 +2,7 @@
 
 use std::ops::Add;
 
-use stationary_calculus::{Column, Table};
+use stationary_measure::{Column, Table};
 
 /// How many of each structure a run built. What a scene does not name is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

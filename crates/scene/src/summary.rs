@@ -3,8 +3,8 @@
 
 use std::fmt;
 
-use stationary_calculus::{Cell, Column, Table};
 use stationary_integrators::Evaluation;
+use stationary_measure::{Cell, Column, Table};
 
 use crate::{Motion, Observable, Run, limits};
 

@@ -2,6 +2,7 @@
 //! program that runs scene files.
 //!
 //! ```text
+//! measure      how good is a method?                         tables, slopes, seeded numbers
 //! chart        how is a measurement shown?                   curves, maps, bars, ladders as SVG
 //! calculus     is this derivative right?                     assert_derivatives(&potential, &q)
 //! mesh         what does space consist of?                   segments, triangles, tetrahedra
@@ -43,6 +44,8 @@ pub use stationary_elasticity as elasticity;
 pub use stationary_integrators as integrators;
 #[cfg(feature = "laplacian")]
 pub use stationary_laplacian as laplacian;
+#[cfg(feature = "measure")]
+pub use stationary_measure as measure;
 #[cfg(feature = "mesh")]
 pub use stationary_mesh as mesh;
 #[cfg(feature = "modal")]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use stationary_calculus::{Cell, Column, Table};
+use stationary_measure::{Cell, Column, Table};
 use stationary_scene::Observable;
 
 use super::climb::{Judgement, judge};

@@ -1,6 +1,6 @@
 //! A table as CSV (RFC 4180), with every digit and every column.
 
-use stationary_calculus::{Cell, Table};
+use stationary_measure::{Cell, Table};
 
 /// The table, its column names first.
 pub(super) fn csv(table: &Table) -> String {
@@ -33,7 +33,7 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use stationary_calculus::Column;
+    use stationary_measure::Column;
 
     use super::*;
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Chart, Lines, Map, Mark, Portrait, Series};
+use stationary_measure::{Cell, Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Measure, Size, Study, StudyError};
 

@@ -4,7 +4,7 @@
 //! without a table is one claim that does not hold, with its error as the measured word.
 
 use serde::Serialize;
-use stationary_calculus::Cell;
+use stationary_measure::Cell;
 
 use super::{Machine, Outcome};
 use crate::study::{Claim, Evidence, Kind, Study};

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use stationary_calculus::{Cell, Column, Precision, Table};
 use stationary_chart::{Layout, Medium, Styles, escaped, sheet, significant};
+use stationary_measure::{Cell, Column, Precision, Table};
 
 use super::{Machine, Outcome, chart_file};
 use crate::study::{Claim, Evidence, Size, Study};

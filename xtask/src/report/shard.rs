@@ -11,8 +11,8 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use stationary_calculus::{Cell, Column, Precision, Table};
 use stationary_chart::Chart;
+use stationary_measure::{Cell, Column, Precision, Table};
 
 use super::files::Folder;
 use super::measure::measure;

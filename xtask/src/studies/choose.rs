@@ -8,8 +8,8 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Lines, Mark, Series};
+use stationary_measure::{Column, Table};
 
 use crate::choose::{
     Found, Lab, Question, Reference, Verdict, answer, exhaustive, laboratory, preferred, refer,

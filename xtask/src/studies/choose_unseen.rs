@@ -4,8 +4,8 @@
 //! them: right and wrong are said by that referee. Of some of them every setting that could have been
 //! cheaper is run as well.
 
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Lines, Mark, Series};
+use stationary_measure::{Column, Table};
 use stationary_trials::{Draw, Plan};
 
 use crate::choose::{Verdict, answer, exhaustive, preferred, refer};

@@ -1,9 +1,10 @@
 //! Convergence of every integrator on two problems with known answers.
 
-use stationary_calculus::{Cell, Column, Metric, Potential, Table};
+use stationary_calculus::{Metric, Potential};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, kepler, pendulum};
 use stationary_integrators::{Convergence, Method};
+use stationary_measure::{Cell, Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

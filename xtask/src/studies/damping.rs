@@ -5,7 +5,7 @@
 //! ```
 
 use nalgebra::Complex;
-use stationary_calculus::{Column, Covector, Energy, Number, Table};
+use stationary_calculus::{Covector, Energy, Number};
 use stationary_chart::{Axis, Map};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
@@ -13,6 +13,7 @@ use stationary_integrators::{
     Newmark, NewmarkWeights, Quadrature, RadauIia5, Sampled, State, StepControl, Tolerance,
     Variational,
 };
+use stationary_measure::{Column, Table};
 
 use super::stability::spaced;
 use super::stability_regions::dormand_prince_growth;

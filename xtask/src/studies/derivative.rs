@@ -1,7 +1,8 @@
 //! Figure 2.1: the error of a finite difference against its step.
 
-use stationary_calculus::{Column, Table, Vector, differences, hat, hat_differential};
+use stationary_calculus::{Vector, differences, hat, hat_differential};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Column, Metric, Potential, Table};
+use stationary_calculus::{Metric, Potential};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{
     Problem, fermi_pasta_ulam, henon_heiles, kepler, oscillator, pendulum, pleiades,
@@ -13,6 +13,7 @@ use stationary_integrators::{
     Nystrom8, Nystrom12, NystromMethod12, State, StepControl, Tolerance, integrate_with_error,
     simulate_with_error,
 };
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

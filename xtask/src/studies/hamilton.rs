@@ -3,13 +3,14 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Column, Covector, Energy, Number, Table, loglog_slope};
+use stationary_calculus::{Covector, Energy, Number};
 use stationary_chart::{Axis, BarSeries, Bars, Lines, Series, significant};
 use stationary_integrators::problems::pendulum;
 use stationary_integrators::{
     Action, Horizon, Impulse, Integrator, Load, Mechanical, Observation, Quadrature, Sampled,
     State, Stationary, Variational, bump, simulate, simulate_with_impulses,
 };
+use stationary_measure::{Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 

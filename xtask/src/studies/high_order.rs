@@ -1,9 +1,10 @@
 //! Methods of order 4, 6 and 8: their orders, and what digits cost with them.
 
-use stationary_calculus::{Column, Metric, Potential, Table, loglog_slope, truncation_regime};
+use stationary_calculus::{Metric, Potential};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, henon_heiles, kepler, pendulum};
 use stationary_integrators::{Convergence, Evaluation, Method, Nodes, Scheme};
+use stationary_measure::{Column, Table, loglog_slope, truncation_regime};
 
 use super::reference::{Samples, with_reference};
 use super::work_precision::{self, Contest, OUTER, PLANETS};

@@ -1,11 +1,11 @@
 //! A million steps: what each method does to energy, momentum and the planet's place.
 
-use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_chart::{Axis, Chart, Lines, Series};
 use stationary_integrators::problems::kepler;
 use stationary_integrators::{
     Conservation, EnergyBehavior, Integrator, Method, State, Symplecticity, angular_momentum,
 };
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -4,11 +4,10 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use nalgebra::dmatrix;
-use stationary_calculus::{
-    BilinearForm, Column, Covector, DiagonalMetric, Potential, Sink, System, Table,
-};
+use stationary_calculus::{BilinearForm, Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_chart::{Axis, Map};
 use stationary_integrators::{Filter, Gautschi, Imex, Integrator, State, StormerVerlet};
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

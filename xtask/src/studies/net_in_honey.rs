@@ -1,7 +1,7 @@
 //! Error against cost on a net with drag so strong that it creeps: a stiff scene.
 
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Column, Table};
 use stationary_scene::{Run, Scene, SceneError};
 
 use super::work_precision::cost_at;

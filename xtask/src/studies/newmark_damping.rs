@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, matrix};
-use stationary_calculus::{Column, Covector, Table};
+use stationary_calculus::Covector;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{
     ImplicitEuler, Integrator, Newmark, NewmarkWeights, ParameterError, State, Trapezoid,
 };
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
@@ -170,7 +171,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
 /// A spring let go at q = 1 with h omega = 100: what rings on.
 fn ringing(
     claims: &mut Vec<Claim>,
-) -> Result<(Vec<Vec<stationary_calculus::Cell>>, Lines), StudyError> {
+) -> Result<(Vec<Vec<stationary_measure::Cell>>, Lines), StudyError> {
     let title = "A spring let go, h ω = 100";
     let mut chart = Lines::new(title, Axis::linear("step", ""), Axis::linear("q", "m"));
     let half = NewmarkWeights::generalized_alpha(0.5).map_err(StudyError::at("the weights"))?;

@@ -1,9 +1,8 @@
 //! Newton's method against wrong derivatives and far guesses.
 
-use stationary_calculus::{
-    Cell, Table, newton_against_initial_guesses, newton_against_wrong_derivatives,
-};
+use stationary_calculus::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Table};
 
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 

@@ -6,13 +6,14 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Cell, Column, Metric, Potential, Table};
+use stationary_calculus::{Metric, Potential};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, henon_heiles, kepler, pleiades};
 use stationary_integrators::{
     Horizon, Method, Nystrom, Nystrom8, Nystrom12, NystromPair, Pair8, Pair12, State, Tolerance,
     simulate,
 };
+use stationary_measure::{Cell, Column, Table};
 
 use super::work_precision::cost_at;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,9 +1,10 @@
 //! Figure 4.1: one step of every method through the whirlpool of the oscillator.
 
-use stationary_calculus::{Column, Covector, Table};
+use stationary_calculus::Covector;
 use stationary_chart::{Axis, Portrait, Series};
 use stationary_integrators::problems::oscillator;
 use stationary_integrators::{EnergyBehavior, Method, State};
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 

@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Column, Table};
 use stationary_scene::{Run, Scene};
 
 use crate::choose::{

@@ -1,10 +1,11 @@
 //! Step against stiffness: where each method survives, where it should, and where it should but
 //! does not.
 
-use stationary_calculus::{Column, Covector, Metric, Potential, Table};
+use stationary_calculus::{Covector, Metric, Potential};
 use stationary_chart::{Axis, Map};
 use stationary_integrators::problems::{Problem, oscillator, spring_pendulum};
 use stationary_integrators::{Method, Stability, State};
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -8,12 +8,12 @@
 //! its Taylor polynomial to order 8 and the growth of a single step.
 
 use nalgebra::Complex;
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Map};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, Jacobian, Moment,
     RadauIia5, StepControl, Tolerance, VectorField,
 };
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

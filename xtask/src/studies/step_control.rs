@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{SmallProblem, kepler};
 use stationary_integrators::{
     CentralGravity, Integrator, PotentialPower, ReversibleSteps, State, StepDensity, StepError,
     StormerVerlet,
 };
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

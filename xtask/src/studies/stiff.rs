@@ -3,13 +3,13 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{StiffProblem, hires, robertson, van_der_pol};
 use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, RadauIia5, StepControl,
     Tolerance, VectorField, Work, integrate,
 };
+use stationary_measure::{Cell, Column, Table};
 
 use super::work_precision::cost_at;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

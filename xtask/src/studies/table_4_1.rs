@@ -3,13 +3,14 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Column, Covector, Table, loglog_slope};
+use stationary_calculus::Covector;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{kepler, oscillator, three_bodies};
 use stationary_integrators::{
     Conservation, Convergence, ErrorGrowth, Horizon, Integrator, Method, Stability, State,
     angular_momentum, angular_momentum_scale, linear_momentum, linear_momentum_scale, simulate,
 };
+use stationary_measure::{Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Cell, Column, Metric, Potential, System, Table};
+use stationary_calculus::{Metric, Potential, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{
     Problem, StiffProblem, hires, kepler, oscillator, pendulum, pleiades, robertson, van_der_pol,
@@ -16,6 +16,7 @@ use stationary_integrators::{
     AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, MechanicalField, Moment,
     NystromMethod8, NystromMethod12, RadauIia5, StepControl, Tolerance, VectorField, integrate,
 };
+use stationary_measure::{Cell, Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

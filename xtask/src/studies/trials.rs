@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Chart, Lines, Series};
+use stationary_measure::{Column, Table};
 use stationary_trials::{Kind as Promise, Plan, Tally};
 
 use crate::study::{Claim, Entry, Kind, Size, Study};

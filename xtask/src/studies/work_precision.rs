@@ -4,12 +4,13 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use stationary_calculus::{Cell, Column, Metric, Potential, Storage, Table};
+use stationary_calculus::{Metric, Potential, Storage};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{Problem, kepler};
 use stationary_integrators::{
     Delivered, Evaluation, Horizon, Integrator, Method, SimulationError, deliver, simulate,
 };
+use stationary_measure::{Cell, Column, Table};
 
 use super::reference::{Samples, with_reference};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -15,7 +15,8 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Cell, Column, SizeError, Table, Vector, loglog_slope, truncation_regime};
+use crate::{SizeError, Vector};
+use stationary_measure::{Cell, Column, Table, loglog_slope, truncation_regime};
 
 /// A difference of f is called rounding below this much of f: enough that what is printed of
 /// larger ones is the same on every processor.

@@ -13,7 +13,7 @@
 use super::differences::Differences;
 use super::finding::{Finding, Suspect};
 use super::ladder::{Ladder, Scale};
-use crate::SplitMix64;
+use stationary_measure::SplitMix64;
 
 /// Up to this many freedoms every entry is examined.
 const FEW: usize = 32;

@@ -9,7 +9,8 @@ use super::ladder::Scale;
 use super::record::Record;
 use super::report::{Derivative, DerivativeError, Report};
 use super::{DerivativeCheck, finite, moved};
-use crate::{Flat, SizeError, SplitMix64, first_non_finite};
+use crate::{Flat, SizeError, first_non_finite};
+use stationary_measure::SplitMix64;
 
 pub(super) fn check(
     settings: &DerivativeCheck,

@@ -317,7 +317,7 @@ fn best(candidates: &[Candidate]) -> Option<&Candidate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SplitMix64;
+    use stationary_measure::SplitMix64;
 
     fn slope_of(f: impl Fn(f64) -> f64, q: f64) -> Estimate {
         let scale = Scale::of(&[q], None);

@@ -9,7 +9,8 @@ use super::quadratic::QuadraticClaim;
 use super::record::Record;
 use super::report::{Derivative, DerivativeError, Report};
 use super::{DerivativeCheck, finite, moved};
-use crate::{Covector, Potential, SizeError, Space, SplitMix64, Vector};
+use crate::{Covector, Potential, SizeError, Space, Vector};
+use stationary_measure::SplitMix64;
 
 /// How a Hessian is compared with differences.
 #[derive(Clone, Copy)]

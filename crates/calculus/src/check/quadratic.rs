@@ -14,7 +14,7 @@ use super::differences::Differences;
 use super::examine::{DIRECTIONS, direction, part, unit};
 use super::finding::{Finding, Suspect, excess};
 use super::ladder::{Estimate, Ladder, Scale};
-use crate::SplitMix64;
+use stationary_measure::SplitMix64;
 
 /// Up to this many freedoms every pair of them is examined.
 const FEW: usize = 12;

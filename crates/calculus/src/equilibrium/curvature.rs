@@ -9,9 +9,8 @@
 //! Source: Parlett, The symmetric eigenvalue problem, chapter 4.
 
 use super::terms::{length, magnitudes};
-use crate::{
-    Covector, HessianSolver, Metric, Potential, ProductSink, Rung, SplitMix64, Unsolvable, Vector,
-};
+use crate::{Covector, HessianSolver, Metric, Potential, ProductSink, Rung, Unsolvable, Vector};
+use stationary_measure::SplitMix64;
 
 /// Rounds of inverse iteration, with a smaller shift each.
 const ROUNDS: u32 = 8;

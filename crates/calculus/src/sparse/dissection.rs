@@ -22,8 +22,8 @@ mod separator;
 use graph::Graph;
 use separator::{Side, separate};
 
-use crate::SplitMix64;
 use crate::sparse::SparseError;
+use stationary_measure::SplitMix64;
 
 /// Pieces of at most this many nodes are not separated further.
 const LEAF: usize = 120;

@@ -21,10 +21,11 @@ use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholeskyRaw, supernodal::SupernodalLdltRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use crate::first_non_finite;
 use crate::sparse::SparseError;
 use crate::sparse::assembly::SymmetricMatrix;
 use crate::sparse::cholesky::SparseCholesky;
-use crate::{SplitMix64, first_non_finite};
+use stationary_measure::SplitMix64;
 
 /// Numbers of eigenvalues by their sign. A count that was not refused has no zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 use stationary_calculus::{
     Covector, Curved, DiagonalMetric, Metric, Potential, PotentialOn, Sink, SizeError, Space,
-    System, Vector, assert_derivatives_on, loglog_slope,
+    System, Vector, assert_derivatives_on,
 };
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
@@ -11,6 +11,7 @@ use stationary_constraints::{
     Projection, Rattle, Redundancy, Rows, Scale,
 };
 use stationary_integrators::{State, StepError};
+use stationary_measure::loglog_slope;
 
 /// Poses: a place in the world (3), a quaternion, scalar first (4); velocities (3), and turning
 /// rates in body axes (3).

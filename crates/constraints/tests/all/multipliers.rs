@@ -1,6 +1,6 @@
 //! The methods with multipliers: their facts, their forces, and where they fail.
 
-use stationary_calculus::{Storage, loglog_slope};
+use stationary_calculus::Storage;
 use stationary_constraints::problems::{
     Hanging, Pendulum, RodProblem, Square, four_bar, pendulum, slider_crank, square,
 };
@@ -9,6 +9,7 @@ use stationary_constraints::{
     Redundancy,
 };
 use stationary_integrators::{State, angular_momentum, angular_momentum_scale, linear_momentum};
+use stationary_measure::loglog_slope;
 
 const REFUSE: Redundancy = Redundancy::Refuse;
 

@@ -1,8 +1,6 @@
 //! Reduced coordinates: against the explicit angle, against closed forms, against multipliers.
 
-use stationary_calculus::{
-    Covector, DiagonalMetric, Energy, Metric, Number, System, Vector, loglog_slope,
-};
+use stationary_calculus::{Covector, DiagonalMetric, Energy, Metric, Number, System, Vector};
 use stationary_constraints::problems::{RodProblem, pendulum};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Embedding, Few, Links, Rattle,
@@ -12,6 +10,7 @@ use stationary_integrators::problems::DoublePendulum;
 use stationary_integrators::{
     Integrator, Quadrature, Sampled, State, StepError, UniformGravity, Variational,
 };
+use stationary_measure::loglog_slope;
 
 fn single(sampling: Sampling) -> Reduced<Links<1>, Weight<1>, 1, 2> {
     let weight = Weight { masses: [2.0], gravity: 9.81 };

@@ -1,6 +1,6 @@
 //! The other ways: step and project, penalty, the angle; and breaking, driving, redundancy.
 
-use stationary_calculus::{Covector, DiagonalMetric, Number, System, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, Number, System};
 use stationary_constraints::problems::{Pendulum, RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, Constraint, ConstraintError, Few, Function,
@@ -11,6 +11,7 @@ use stationary_integrators::{
     Integrator, RungeKutta4, State, StormerVerlet, SymplecticEulerKickDrift, UniformGravity,
     linear_momentum,
 };
+use stationary_measure::loglog_slope;
 
 const REFUSE: Redundancy = Redundancy::Refuse;
 

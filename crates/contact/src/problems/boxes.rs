@@ -8,8 +8,8 @@
 //! All with friction, under gravity, on the floor `z = 0`.
 
 use nalgebra::Vector3;
-use stationary_calculus::SplitMix64;
 use stationary_integrators::State;
+use stationary_measure::SplitMix64;
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };

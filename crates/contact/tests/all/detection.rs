@@ -1,8 +1,9 @@
 //! Gaps, their differentials and their names, on every pair of shapes.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Space, SplitMix64, Vector};
+use stationary_calculus::{Space, Vector};
 use stationary_contact::{Collider, ContactError, ContactPoint, Detector, Shape, gap_rows};
+use stationary_measure::SplitMix64;
 use stationary_rigid::{LieGroup, Poses, RigidMotion, Rotation};
 
 fn random_vector(random: &mut SplitMix64) -> Vector3<f64> {

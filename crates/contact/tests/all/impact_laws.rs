@@ -1,11 +1,12 @@
 //! The impact laws on impacts with known answers (notes 11.5, errata 11.5.1).
 
-use stationary_calculus::{SplitMix64, Vector};
+use stationary_calculus::Vector;
 use stationary_contact::problems::{
     ImpactProblem, ball_in_corner, bernoulli_wedge, box_on_plane, landing_pile, listed_twice,
     newtons_cradle, nine_ball_break, three_balls,
 };
 use stationary_contact::{ContactError, ImpactLaw, project};
+use stationary_measure::SplitMix64;
 
 fn after(law: ImpactLaw, problem: &ImpactProblem) -> Vec<f64> {
     let mut v = Vector(problem.velocity.clone());

@@ -1,11 +1,12 @@
 //! Gaps in the plane, their differentials and their names, on every pair of shapes.
 
 use nalgebra::Vector2;
-use stationary_calculus::{SplitMix64, Vector};
+use stationary_calculus::Vector;
 use stationary_contact::{
     Carrier, ContactError, PlanarCollider, PlanarContactPoint, PlanarDetector, PlanarShape,
     gap_rows,
 };
+use stationary_measure::SplitMix64;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
 fn places(corners: &[[f64; 2]]) -> Vec<Vector2<f64>> {

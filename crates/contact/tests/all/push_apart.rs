@@ -1,9 +1,10 @@
 //! What overlaps at the start may be pushed apart.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{DiagonalMetric, SplitMix64, System};
+use stationary_calculus::{DiagonalMetric, System};
 use stationary_contact::problems::falling_boxes;
 use stationary_contact::{ContactError, PlanarCollider, PlanarDetector, PlanarShape, push_apart};
+use stationary_measure::SplitMix64;
 use stationary_rigid::PlanarWeight;
 
 #[test]

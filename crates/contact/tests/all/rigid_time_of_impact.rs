@@ -1,11 +1,11 @@
 //! Times of impact of rigid bodies against dense sampling of their distance.
 
 use nalgebra::{Vector3, Vector6};
-use stationary_calculus::SplitMix64;
 use stationary_contact::{
     Closeness, Collider, ContactError, Detector, RigidHit, RigidPath, Shape, rigid_bodies_meet,
     rigid_bodies_that_meet,
 };
+use stationary_measure::SplitMix64;
 use stationary_rigid::{LieGroup, RigidMotion, Rotation};
 
 fn vector(random: &mut SplitMix64) -> Vector3<f64> {

@@ -1,8 +1,9 @@
 //! A thin sheet that is hit: nothing passes, whatever the speed (notes 11.1, 11.4).
 
 use nalgebra::Vector3;
-use stationary_calculus::{SplitMix64, Vector};
+use stationary_calculus::Vector;
 use stationary_contact::{ContactError, MeshFilter};
+use stationary_measure::SplitMix64;
 
 /// Cells along a side of the sheet.
 const SIDE: usize = 5;

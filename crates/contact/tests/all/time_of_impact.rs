@@ -4,8 +4,8 @@ mod exact;
 
 use exact::Corner;
 use nalgebra::Vector3;
-use stationary_calculus::SplitMix64;
 use stationary_contact::{Closeness, Hit, Moving, edge_meets_edge, particle_meets_triangle};
+use stationary_measure::SplitMix64;
 
 /// Coordinates are whole multiples of this, so that both sides see the same numbers.
 const UNIT: f64 = 1.0 / 1024.0;

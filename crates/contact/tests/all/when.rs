@@ -1,8 +1,9 @@
 //! A ball that falls and bounces, for each choice of when the impulse is given (notes 11.4).
 
-use stationary_calculus::{Covector, DiagonalMetric, System, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
+use stationary_measure::loglog_slope;
 
 type Fall = System<DiagonalMetric<Vec<f64>>, UniformGravity<1>>;
 const G: f64 = 10.0;

@@ -1,12 +1,13 @@
 //! Worlds of the plane and of space: cradles, racks, stacks, inclines and an arch.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, DiagonalMetric, SplitMix64, System};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::{
     Arch, Collider, ContactError, Detector, ImpactLaw, PlanarCollider, PlanarDetector, PlanarShape,
     PlanarWorld, Shape, SpatialWorld, World, WorldReport, problems::nine_ball_break,
 };
 use stationary_integrators::State;
+use stationary_measure::SplitMix64;
 use stationary_mesh::Polygon;
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMass, PlanarMotion, PlanarRotation,

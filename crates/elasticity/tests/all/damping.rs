@@ -32,7 +32,7 @@ proptest! {
     fn strain_rate_damping_takes_power_and_its_matrix_is_its_derivative(seed in 0_u64..1000) {
         let (mesh, solid) = cube();
         let damping = StrainRate::new(&solid, Lame::new(0.3, 2.0).unwrap()).unwrap();
-        let mut random = stationary_calculus::SplitMix64::new(seed);
+        let mut random = stationary_measure::SplitMix64::new(seed);
         let q: Vec<f64> =
             mesh.nodes().as_flattened().iter().map(|x| x + 0.2 * random.symmetric()).collect();
         let v: Vec<f64> = q.iter().map(|_| random.symmetric()).collect();
@@ -52,7 +52,7 @@ proptest! {
     fn rigid_motion_is_not_damped(w in prop::array::uniform3(-2.0..2.0_f64), seed in 0_u64..1000) {
         let (mesh, solid) = cube();
         let damping = StrainRate::new(&solid, Lame::new(0.3, 2.0).unwrap()).unwrap();
-        let mut random = stationary_calculus::SplitMix64::new(seed);
+        let mut random = stationary_measure::SplitMix64::new(seed);
         let q: Vec<f64> =
             mesh.nodes().as_flattened().iter().map(|x| x + 0.2 * random.symmetric()).collect();
         let v: Vec<f64> = q

@@ -2,14 +2,14 @@
 
 use nalgebra::{Rotation3, SVector, Vector3, vector};
 use stationary_calculus::{
-    Covector, Curvature, DenseSink, Number, Potential, SplitMix64, SymmetricMatrix,
-    assert_derivatives,
+    Covector, Curvature, DenseSink, Number, Potential, SymmetricMatrix, assert_derivatives,
 };
 use stationary_elasticity::{
     AutomaticMaterial, Density, Elements, FixedCorotated, Freedoms, Lame, Linear, LinearSegment,
     LinearTetrahedron, LinearTriangle, Material, NeoHookean, Orthotropic, QuadraticSegment,
     QuadraticTetrahedron, QuadraticTriangle, Reference, SaintVenantKirchhoff, Solid, Weave,
 };
+use stationary_measure::SplitMix64;
 use stationary_mesh::{
     Diagonals, Mesh, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, cuboid, rectangle,
     segment,

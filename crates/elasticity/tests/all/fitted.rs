@@ -1,10 +1,11 @@
 //! What a body's energy and force answer to the parameters of its material.
 
-use stationary_calculus::{Covector, Potential, SplitMix64, Vector};
+use stationary_calculus::{Covector, Potential, Vector};
 use stationary_elasticity::{
     Fitted, Freedoms, Held, Lame, Linear, LinearTetrahedron, Material, NeoHookean,
     SaintVenantKirchhoff, Solid,
 };
+use stationary_measure::SplitMix64;
 
 /// A body of some material, deformed, and a displacement.
 fn deformed<M: Material<3, 3>>(material: M) -> (Solid<M, 4, 3, 3, 1>, [Vec<f64>; 2]) {

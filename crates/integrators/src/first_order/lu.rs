@@ -145,7 +145,7 @@ impl Lu<f64> {
 
 #[cfg(test)]
 mod tests {
-    use stationary_calculus::SplitMix64;
+    use stationary_measure::SplitMix64;
 
     use super::*;
 

@@ -220,7 +220,7 @@ fn size<C: Storage>(u: &[f64], before: &[f64], after: &[f64], scale: &ErrorScale
 
 #[cfg(test)]
 mod tests {
-    use stationary_calculus::loglog_slope;
+    use stationary_measure::loglog_slope;
 
     use super::*;
     use crate::problems::kepler;

@@ -2,12 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Storage, loglog_slope};
+use stationary_calculus::Storage;
 use stationary_integrators::problems::{kepler, van_der_pol};
 use stationary_integrators::{
     AdaptiveMethod, BackwardDifferences, Damping, DormandPrince853, Evaluation, FunctionField,
     MechanicalField, Moment, RadauIia5, StepControl, Tolerance, VectorField, integrate,
 };
+use stationary_measure::loglog_slope;
 
 type Method<'f, const N: usize> = Box<dyn AdaptiveMethod<[f64; N]> + 'f>;
 

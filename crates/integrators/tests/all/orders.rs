@@ -1,8 +1,9 @@
 //! The order that every method claims, as the slope of its largest error along a trajectory.
 
-use stationary_calculus::{Covector, Metric, Potential, loglog_slope, truncation_regime};
+use stationary_calculus::{Covector, Metric, Potential};
 use stationary_integrators::problems::{Problem, kepler, pendulum};
 use stationary_integrators::{Convergence, Evaluation, Horizon, Method, Scheme, State, deliver};
+use stationary_measure::{loglog_slope, truncation_regime};
 
 /// The slope over at least four halvings in which the error obeys one power law.
 fn over_halvings<M: Metric, P: Potential, const N: usize>(

@@ -1,11 +1,12 @@
 //! Eigenvalues against closed forms, on the line, the square, the disc and the sphere.
 
 use nalgebra::DMatrix;
-use stationary_calculus::{DenseSink, Metric, Potential, loglog_slope};
+use stationary_calculus::{DenseSink, Metric, Potential};
 use stationary_laplacian::problems::{
     Spectral, disc, interval, lumped_interval_spectrum, sphere, square,
 };
 use stationary_laplacian::{LaplacianError, largest_eigenvalue, lowest_modes};
+use stationary_measure::loglog_slope;
 use stationary_modal::ModalError;
 
 #[test]

@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{SMatrix, SVector, Vector3};
-use stationary_calculus::{Potential, loglog_slope};
+use stationary_calculus::Potential;
 use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Redundancy};
 use stationary_integrators::State;
+use stationary_measure::loglog_slope;
 use stationary_rigid::problems::{
     JointedProblem, TOP, held_at_a_point, thrown_boxes, top_on_its_tip,
 };

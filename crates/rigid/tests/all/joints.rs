@@ -1,13 +1,14 @@
 //! Joints on poses: their derivatives, their ranks, and bodies that hang from them.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Metric, Space, Vector, assert_derivatives_on, loglog_slope};
+use stationary_calculus::{Covector, Metric, Space, Vector, assert_derivatives_on};
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
     ConstrainedHamilton, ConstrainedIntegrator, Constraint, Few, FreeMotion, Pairing, Rattle,
     Redundancy, Rows, Scale,
 };
 use stationary_integrators::{State, StepError};
+use stationary_measure::loglog_slope;
 use stationary_rigid::{
     Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, Free, FreeBodies,
     FreeTop, Joint, LieGroup, Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation,

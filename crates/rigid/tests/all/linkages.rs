@@ -4,9 +4,10 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, System, loglog_slope};
+use stationary_calculus::{Covector, System};
 use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Redundancy};
 use stationary_integrators::State;
+use stationary_measure::loglog_slope;
 use stationary_rigid::{
     Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, FourBar, FreeBodies,
     Joint, LieGroup, PlanarAttachment, PlanarJoint, PlanarMass, PlanarWeight, PointMass, Poses,

@@ -1,9 +1,9 @@
 //! A chain of rods: what a step costs, link by link.
 
-use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{RodProblem, writhing_chain};
 use stationary_constraints::{ConstrainedIntegrator, Many, Rattle, Solver};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::median_wall;

@@ -5,9 +5,9 @@
 //! ```
 //! For one rod in the plane lambda has a closed form; the motion is stepped by RK4.
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_constraints::problems::{Pendulum, pendulum};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use super::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,12 +1,13 @@
 //! Where each way fails, and what it says then.
 
-use stationary_calculus::{Column, Covector, Number, Table};
+use stationary_calculus::{Covector, Number};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Few, Level, OnLevel, Projection,
     Rattle, Redundancy,
 };
 use stationary_integrators::State;
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Study, StudyError};
 

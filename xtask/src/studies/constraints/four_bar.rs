@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use stationary_calculus::{Cell, Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Crank, FourBar, RodProblem, four_bar};
 use stationary_constraints::{
@@ -10,6 +10,7 @@ use stationary_constraints::{
     Redundancy, Sampling, StepAndProject, Weight,
 };
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

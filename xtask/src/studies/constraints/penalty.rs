@@ -1,10 +1,11 @@
 //! The penalty: where it is stable, and how well it holds.
 
-use stationary_calculus::{Column, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_constraints::Penalty;
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_integrators::{Integrator, StormerVerlet};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use super::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,9 +1,9 @@
 //! A masonry arch: how rough its joints must be for it to stand.
 
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Lines, Portrait, Series};
 use stationary_contact::{Arch, ContactError, Dimension, Planar};
 use stationary_integrators::State;
+use stationary_measure::{Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

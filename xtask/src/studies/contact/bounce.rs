@@ -1,9 +1,10 @@
 //! A ball bounces: how high, for each choice of when the impulse is given.
 
-use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
 use stationary_integrators::{State, UniformGravity};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use super::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

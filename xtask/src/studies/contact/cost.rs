@@ -1,10 +1,10 @@
 //! What detection costs as the number of discs or balls grows at a fixed density.
 
-use stationary_calculus::{Column, SplitMix64, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{
     ColliderIn, ContactError, DetectorIn, Dimension, Planar, PlanarShape, Shape, Spatial,
 };
+use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 use crate::timing::{Wall, median_wall};

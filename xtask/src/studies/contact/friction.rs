@@ -1,9 +1,9 @@
 //! A block on an incline: how fast it slides, against Coulomb's law.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{Collider, ContactError, Detector, Shape, TouchingBodies};
+use stationary_measure::{Column, Table};
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };

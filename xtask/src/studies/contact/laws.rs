@@ -1,12 +1,13 @@
 //! The impact laws, scored on impacts whose answers or invariants are known.
 
-use stationary_calculus::{Cell, Column, Table, Vector};
+use stationary_calculus::Vector;
 use stationary_chart::{Axis, BarSeries, Bars};
 use stationary_contact::problems::{
     ImpactProblem, ball_in_corner, bernoulli_wedge, listed_twice, newtons_cradle, nine_ball_break,
     three_balls,
 };
 use stationary_contact::{ContactError, ImpactLaw};
+use stationary_measure::{Cell, Column, Table};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

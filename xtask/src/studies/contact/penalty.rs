@@ -1,9 +1,10 @@
 //! A ball against a penalty wall: where the step is too large, and how far it is from rigid.
 
-use stationary_calculus::{Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_contact::{Balls, ContactError, Inequality, OneSidedPenalty, Wall};
 use stationary_integrators::{Integrator, State, StormerVerlet};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use super::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,9 +1,10 @@
 //! A pile of discs lands on the ground at once: three solvers on a growing number of contacts.
 
-use stationary_calculus::{Column, Table, Vector, loglog_slope};
+use stationary_calculus::Vector;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::problems::{ImpactProblem, landing_pile};
 use stationary_contact::{ContactError, ImpactLaw, residual};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -2,9 +2,9 @@
 //! see.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Column, Table};
 use stationary_chart::{Axis, Map};
 use stationary_contact::{Closeness, Moving, particle_meets_triangle};
+use stationary_measure::{Column, Table};
 
 use super::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

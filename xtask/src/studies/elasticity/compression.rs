@@ -1,11 +1,12 @@
 //! Where Saint Venant-Kirchhoff gives way under pressure, beside materials that do not.
 
-use stationary_calculus::{Column, SparseCholesky, SymmetricMatrix, Table};
+use stationary_calculus::{SparseCholesky, SymmetricMatrix};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, FixedCorotated, Freedoms, Held, Lame, LinearSegment, Material, NeoHookean,
     SaintVenantKirchhoff, Solid,
 };
+use stationary_measure::{Column, Table};
 use stationary_mesh::bar;
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

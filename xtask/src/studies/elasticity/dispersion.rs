@@ -1,11 +1,12 @@
 //! How fast short waves travel through a mesh, with either mass.
 
-use stationary_calculus::{Column, Metric, Potential, ProductSink, Table, Vector};
+use stationary_calculus::{Metric, Potential, ProductSink, Vector};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Freedoms, Held, Lame, LinearSegment, SaintVenantKirchhoff, Solid,
     galerkin_mass, lumped_mass,
 };
+use stationary_measure::{Column, Table};
 use stationary_mesh::bar;
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,8 +1,7 @@
 //! How large an explicit step may be: predicted from the mesh and the material, and measured.
 
 use stationary_calculus::{
-    Column, Covector, DiagonalMetric, Metric, Potential, ProductSink, SizeError, SplitMix64,
-    System, Table, Vector, loglog_slope,
+    Covector, DiagonalMetric, Metric, Potential, ProductSink, SizeError, System, Vector,
 };
 use stationary_chart::{Axis, Lines, Mark, Series};
 use stationary_elasticity::{
@@ -10,6 +9,7 @@ use stationary_elasticity::{
     lumped_mass,
 };
 use stationary_integrators::{Integrator, State, StormerVerlet};
+use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 use stationary_mesh::{Diagonals, rectangle};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use stationary_calculus::{
-    Column, ConjugateGradient, DiagonalMetric, HessianSolver, IterativeSolver, Ordering,
-    SparseSolver, Table, loglog_slope,
+    ConjugateGradient, DiagonalMetric, HessianSolver, IterativeSolver, Ordering, SparseSolver,
 };
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Elements, Freedoms, Lame, LinearTetrahedron, NeoHookean, Solid, lumped_mass,
 };
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::cuboid;
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,12 +1,12 @@
 //! Errors of elements against the size of the mesh, where the answer is known.
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Errors, PlaneWaves, manufactured_errors};
 use stationary_elasticity::{
     Lame, LinearSegment, LinearTetrahedron, LinearTriangle, QuadraticSegment, QuadraticTetrahedron,
     QuadraticTriangle,
 };
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{
     Diagonals, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, rectangle,
 };

@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Beam, LE1_STRESS, SheetFamily, elliptic_membrane_stress};
 use stationary_elasticity::{ElasticityError, Lame};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::Diagonals;
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,12 +1,13 @@
 //! A band that is let go at the top: its lower end stays until the wave arrives.
 
-use stationary_calculus::{Column, Covector, Newton, System, Table};
+use stationary_calculus::{Covector, Newton, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Freedoms, Held, Lame, LinearSegment, SaintVenantKirchhoff, Solid,
     Statics, lumped_mass,
 };
 use stationary_integrators::{Integrator, State, StormerVerlet};
+use stationary_measure::{Column, Table};
 use stationary_mesh::{Mesh, bar};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,11 +1,12 @@
 //! What thin triangles do to the error and to the condition of the equations.
 
-use stationary_calculus::{Column, Potential, SparseCholesky, SplitMix64, SymmetricMatrix, Table};
+use stationary_calculus::{Potential, SparseCholesky, SymmetricMatrix};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearTriangle, Solid,
     Statics, lumped_mass,
 };
+use stationary_measure::{Column, SplitMix64, Table};
 use stationary_mesh::{Mesh, MeshError, Quality};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use stationary_calculus::{Column, Metric, SplitMix64, Table, Vector, loglog_slope};
+use stationary_calculus::{Metric, Vector};
 use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_laplacian::problems::interval;
 use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
+use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -1,11 +1,10 @@
 //! Four ways to let heat flow, by what they cost.
 
-use stationary_calculus::{
-    Column, Potential, SparseCholesky, SymmetricMatrix, Table, loglog_slope,
-};
+use stationary_calculus::{Potential, SparseCholesky, SymmetricMatrix};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::problems::{Spectral, square};
 use stationary_laplacian::{ExactHeat, Heat, HeatMethod, LaplacianError, lowest_modes};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector2;
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::{GeodesicDistance, LaplacianError, ShortestPaths};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{Diagonals, IntrinsicSurface, disc, icosphere, rectangle};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,9 +1,10 @@
 //! Heat that turns colder than anything was: the maximum principle on bad triangles.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Column, Metric, Table};
+use stationary_calculus::Metric;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::{Domain, Elements, Heat, HeatMethod, LaplacianError};
+use stationary_measure::{Column, Table};
 use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, MeshError, rectangle, torus};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -1,11 +1,11 @@
 //! Eigenvalues of four domains against those of the continuum.
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_laplacian::problems::{
     Spectral, disc, interval, lumped_interval_spectrum, sphere, square,
 };
 use stationary_laplacian::{LaplacianError, lowest_modes};
+use stationary_measure::{Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 

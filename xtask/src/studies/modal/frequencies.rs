@@ -1,6 +1,5 @@
 //! Frequencies of a bar, a block and two beams against closed forms.
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{
     BeamTheory, Ends, bar_frequencies, sliding_block, sliding_block_frequencies, vibrating_bar,
@@ -10,6 +9,7 @@ use stationary_elasticity::{
     ElasticityError, LinearSegment, LinearTetrahedron, LinearTriangle, QuadraticSegment,
     QuadraticTetrahedron, QuadraticTriangle,
 };
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{
     Diagonals, Mesh, MeshError, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, bar,
     cuboid, rectangle,

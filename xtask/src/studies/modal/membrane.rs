@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use stationary_calculus::{Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{FV32_HERTZ, Vibration, fv32};
 use stationary_elasticity::{ElasticityError, LinearTriangle, QuadraticTriangle};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{MeshError, QuadraticTriangles, tapered_membrane};
 
 use super::frequencies;

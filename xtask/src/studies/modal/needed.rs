@@ -1,7 +1,8 @@
 //! How many modes an answer needs.
 
-use stationary_calculus::{Column, Covector, Table, loglog_slope};
+use stationary_calculus::Covector;
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_modal::problems::fixed_chain;
 use stationary_modal::{Answer, Linearized, RigidMotions};
 

@@ -1,8 +1,9 @@
 //! How large a motion linear modes can follow: a pendulum.
 
-use stationary_calculus::{Column, Table, Vector, loglog_slope};
+use stationary_calculus::Vector;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::problems::{PendulumPotential, pendulum};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_modal::{Linearized, Motion, RigidMotions};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
-use stationary_calculus::{
-    Column, Covector, DiagonalMetric, SparseSolver, System, Table, Vector, loglog_slope,
-};
+use stationary_calculus::{Covector, DiagonalMetric, SparseSolver, System, Vector};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::problems::{Ends, vibrating_beam};
 use stationary_elasticity::{DeadLoad, ElasticityError, Linear, QuadraticTriangle, Solid};
 use stationary_integrators::{ImplicitMidpoint, Integrator, State, StepError};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{Diagonals, MeshError, QuadraticTriangles, rectangle};
 use stationary_modal::{Answer, Linearized, ModalError, Modes, Reduced, RigidMotions};
 

@@ -1,14 +1,14 @@
 //! How far a beam may swing before its modes leave it, and what modal derivatives add.
 
 use stationary_calculus::{
-    Column, Covector, DiagonalMetric, Metric, MetricError, Potential, SizeError, System, Table,
-    Vector, loglog_slope,
+    Covector, DiagonalMetric, Metric, MetricError, Potential, SizeError, System, Vector,
 };
 use stationary_chart::{Axis, Lines, Series};
 use stationary_elasticity::{
     ElasticityError, Freedoms, Lame, QuadraticTriangle, SaintVenantKirchhoff, Solid, lumped_mass,
 };
 use stationary_integrators::{Integrator, State, StepError, StormerVerlet};
+use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{Diagonals, MeshError, QuadraticTriangles, rectangle};
 use stationary_modal::{Linearized, ModalError, Motion, RigidMotions, Subspace};
 

@@ -1,8 +1,8 @@
 //! exp, log and the Jacobians of rotations against references of 120 digits.
 
 use nalgebra::{Matrix3, Vector3};
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Column, Table};
 use stationary_rigid::problems::{LOGARITHMS, REFERENCES};
 use stationary_rigid::{
     LieGroup, Rotation, right_jacobian, right_jacobian_derivative, right_jacobian_inverse,

@@ -1,9 +1,9 @@
 //! Free bodies: what their integrators keep over a long time, and what accuracy costs.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::EnergyBehavior;
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::tumbling_box;
 use stationary_rigid::{BodyMethod, BodySpace, FreeTop, LieGroup, Poses, spatial_angular_momentum};
 

@@ -1,8 +1,8 @@
 //! Gimbal lock: one steady turn, followed in Euler angles and on the group.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::BodyProblem;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, EulerAngles, Free, LieGroup, Orientations,

@@ -1,9 +1,9 @@
 //! Heavy tops: between which tilts a top nods, and what becomes of Kovalevskaya's integral.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Cell, Column, Table, loglog_slope};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_integrators::{EnergyBehavior, State};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::{KOVALEVSKAYA as TOP_OF_HERS, TOP, kovalevskaya_top, nodding_top};
 use stationary_rigid::{BodyMethod, BodySpace, Orientations, tilt};
 

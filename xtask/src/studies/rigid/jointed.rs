@@ -1,12 +1,13 @@
 //! Jointed bodies: RATTLE along the free motion of bodies, and along straight lines.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Cell, Column, Covector, Metric, Space, Table, Vector, loglog_slope};
+use stationary_calculus::{Covector, Metric, Space, Vector};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{
     ConstrainedIntegrator, ConstraintError, Few, FreeMotion, Rattle, Redundancy,
 };
 use stationary_integrators::StepError;
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::{JointedProblem, held_at_a_point};
 use stationary_rigid::{
     AxisRotations, Body, BodyMetric, BodySpace, ConstantVelocity, ExactRotation, FreeBodies,

@@ -1,8 +1,8 @@
 //! The tennis racket: how long a body spins about its middle axis before it flips over.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Cell, Column, Table};
 use stationary_chart::{Axis, Lines, Series};
+use stationary_measure::{Cell, Column, Table};
 use stationary_rigid::problems::thrown_racket;
 use stationary_rigid::{BodyMethod, FreeTop, LieGroup, Rotation};
 

@@ -1,10 +1,11 @@
 //! One polygon as triangulated rods and as a rigid body: what its rigidity costs.
 
 use nalgebra::Vector2;
-use stationary_calculus::{Cell, Column, Covector, DiagonalMetric, System, Table, loglog_slope};
+use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{ConstrainedIntegrator, Few, Penalty, Rattle, Redundancy, Rod, Rods};
 use stationary_integrators::{Integrator, State, StormerVerlet, UniformGravity};
+use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::{LieGroup, PlanarMass, PlanarRotation, PlanarWeight};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};

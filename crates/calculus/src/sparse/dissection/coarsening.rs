@@ -1,7 +1,7 @@
 //! Coarsening: pairs of nodes that heavy edges join become one node.
 
 use super::graph::Graph;
-use crate::SplitMix64;
+use stationary_measure::SplitMix64;
 
 /// Below this many nodes a graph is small enough to be separated directly.
 const SMALL: usize = 80;

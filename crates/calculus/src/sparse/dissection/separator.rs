@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 
 use super::coarsening::coarsened;
 use super::graph::Graph;
-use crate::SplitMix64;
+use stationary_measure::SplitMix64;
 
 /// Where a node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,8 +10,9 @@
 use std::rc::Rc;
 
 use nalgebra::DMatrix;
-use stationary_calculus::{BilinearForm, Covector, DiagonalMetric, System, loglog_slope};
+use stationary_calculus::{BilinearForm, Covector, DiagonalMetric, System};
 use stationary_integrators::{Filter, Gautschi, Imex, Integrator, Method, State, StepError};
+use stationary_measure::loglog_slope;
 
 use super::problem::{InitialValue, mechanics, motion};
 use super::runs::Forces;

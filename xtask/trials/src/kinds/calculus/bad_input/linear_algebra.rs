@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{
     BilinearForm, ChangeOfBasis, ContravariantTensor, Covector, LinearTransformation, Vector,
-    angle, least_norm, loglog_slope, signed_angle, truncation_regime,
+    angle, least_norm, signed_angle,
 };
+use stationary_measure::{loglog_slope, truncation_regime};
 
 use super::{any, any_vector, due_unless, finite, size};
 use crate::{Draw, Verdict};

@@ -5,7 +5,7 @@
 //! columns (wall times) are kept for charts but left out of the text.
 //!
 //! ```
-//! use stationary_calculus::{Column, Table};
+//! use stationary_measure::{Column, Table};
 //! let mut table = Table::new([Column::exact("steps"), Column::rounded("error", 3, 1e-14)]);
 //! table.push([100_u64.into(), 1.23456e-3.into()]);
 //! table.push([200_u64.into(), 3e-17.into()]);
