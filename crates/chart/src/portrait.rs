@@ -1,6 +1,6 @@
 //! A phase portrait: a vector field, curves, and steps from a point, on axes of equal scale.
 
-use crate::axis::{Axis, Ruler, Scale};
+use crate::axis::{Axis, Ruler, Scale, is_number};
 use crate::canvas::{Anchor, Canvas};
 use crate::chart::Drawing;
 use crate::error::ChartError;
@@ -80,7 +80,7 @@ impl Portrait {
         if let Some(axis) = [&self.x, &self.y].into_iter().find(|a| a.scale == Scale::Log) {
             return Err(ChartError::Logarithmic { chart: "portraits", axis: axis.title.clone() });
         }
-        let placed = |(x, y): (f64, f64)| x.is_finite() && y.is_finite();
+        let placed = |(x, y): (f64, f64)| is_number(x) && is_number(y);
         match self.steps.iter().find(|step| !(placed(step.from) && placed(step.to))) {
             Some(StepArrow { name, from, to }) => {
                 Err(ChartError::Step { name: name.clone(), from: *from, to: *to })
