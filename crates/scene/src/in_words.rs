@@ -101,10 +101,10 @@ impl Scene {
         if freedoms == self.freedoms() {
             return self.particle_of(freedom);
         }
-        let moved = self.particles.iter().enumerate().filter(|(number, particle)| {
+        let mut moved = self.particles.iter().enumerate().filter(|(number, particle)| {
             matches!(particle.motion, Motion::Free { .. }) && !self.hung.contains(number)
         });
-        let (_, particle) = moved.skip(freedom / self.dimension).next()?;
+        let (_, particle) = moved.nth(freedom / self.dimension)?;
         Some((&particle.name, COORDINATES[freedom % self.dimension]))
     }
 
