@@ -47,6 +47,8 @@ const MOST_WORK: u64 = 8_000_000;
 const EXPECTED: u64 = MOST_WORK / 60;
 /// The part of the tolerance that the truth must be known to.
 const CERTAIN: f64 = 0.01;
+/// Tolerances that a reference may be from the truth where a choice is right by both, and a half.
+const APART: f64 = 2.5;
 /// Rejected runs that are looked at.
 const REJECTED: usize = 3;
 
@@ -98,6 +100,9 @@ fn trial(draw: &mut Draw) -> Verdict {
         }
         Err(why) => return Verdict::not_judged(format!("{family}: {why}")),
     };
+    if !matches!(verdict, Verdict::Right { .. }) {
+        return verdict;
+    }
     rejected(&lab, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
 }
 
@@ -199,9 +204,13 @@ fn is_still(_: &str, lab: &Lab) -> bool {
 
 /// Runs that were rejected though they keep to the truth.
 fn rejected(lab: &Lab, answer: &Answer, promised: f64, family: &str) -> Vec<Verdict> {
+    // The choice is right by the truth and by the reference: what errs by more against the one errs against
+    // the other.
+    let far = APART * answer.tolerance;
     let wrong = |row: &&crate::choose::Row| {
         matches!(row.judgement, Some(Judgement::Failed(Failure::WrongPhysics(_))))
-            || matches!(row.judgement, Some(Judgement::Misses(_))) && row.word() == "misses it"
+            || matches!(row.judgement, Some(Judgement::Misses(error)) if error <= far)
+                && row.word() == "misses it"
     };
     let judged = |row: &crate::choose::Row| {
         // As it was run, and read off as often as the choice.

@@ -346,11 +346,15 @@ impl<'a> Climb<'a> {
 
     /// Runs a rung as long as it may be the choice, and returns its work.
     fn attempted(&mut self, at: At) -> u64 {
+        // What is coarser than a run of its own steps that came to its end will come there sooner.
+        let finer = At { rung: at.rung + 1, ..at };
+        let own = self.lab.family(at.family).kind == Kind::OwnSteps;
+        let ended = own && self.lab.seen(finer).is_some_and(|run| run.end == End::Whole);
         let trial = Trial {
             reference: Some(&self.reference),
             most_error: self.tolerance + self.reference.uncertainty,
             most_work: self.best.map_or(u64::MAX, |(_, work)| work),
-            foresight: Foresight::Steady,
+            foresight: if ended { Foresight::None } else { Foresight::Steady },
         };
         if self.lab.seen(at).is_some_and(|run| run.end == End::Whole) {
             return self.lab.measure(at).work;
