@@ -11,7 +11,9 @@ use crate::layers::{LayerError, Metadata, Package};
 use crate::report::aligned;
 
 /// Packages that a crate may pull in. `sparse` brings a solver and has the budget of the rest.
-const BUDGETS: [(&str, usize); 7] = [
+const BUDGETS: [(&str, usize); 9] = [
+    ("measure", 0),
+    ("stationary", 140),
     ("calculus", 30),
     ("chart", 5),
     ("integrators", 30),
