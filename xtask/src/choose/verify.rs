@@ -289,7 +289,9 @@ fn verify_on(
     if BETWEEN * error + uncertainty > tolerance {
         return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
     }
-    if way.foretold(lab, &own, &truth) / scale + uncertainty > tolerance {
+    let between = way.between(lab, reference, at, allowed)?;
+    let most = between.max(way.foretold(lab, &own, &truth));
+    if most / scale + uncertainty > tolerance || between.is_nan() {
         return None;
     }
     let near = match lab.family(reference.family).is_closed {

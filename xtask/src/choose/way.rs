@@ -6,15 +6,15 @@
 //! ```
 //! A part of a step errs by no more than the whole one, but for its constant. So first the steps of the
 //! largest `b_n` are looked into, and as many others, spread evenly; the largest error in one of them over
-//! its `b_n` foretells those of the rest. Where the tolerance does not hold by that, every step is looked
-//! into.
+//! its `b_n` foretells those of the rest. These are read off at three moments as well, from polynomials
+//! through the ends of steps. Where the tolerance does not hold by both, every step is looked into.
 
 use std::sync::Arc;
 
 use super::grid::{Grid, Within};
 use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
-use super::look::Look;
+use super::look::{Look, apart};
 use super::reference::Reference;
 use super::run::{Course, distance};
 use super::verify::told;
@@ -116,6 +116,25 @@ impl Way {
         let ratio = ratio.fold(1.0, f64::max);
         let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
         MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
+    }
+
+    /// The largest error at three moments of every step where not every one is looked into, by polynomials
+    /// through the ends of steps, and how far these may be off; nothing where nothing tells that.
+    pub fn between(
+        &self,
+        lab: &mut Lab,
+        reference: &Reference,
+        at: At,
+        allowed: f64,
+    ) -> Option<f64> {
+        if self.foretold.is_none() {
+            return Some(0.0);
+        }
+        let grid = Grid::of(lab, at);
+        let moments = lab.moments(&grid, Within::Parts)?;
+        let own = lab.seen(at)?.track.as_ref()?.read(&moments.times);
+        let (truth, off) = told(lab, reference, (&grid, Within::Parts), allowed)?;
+        Some(apart(&own.look.values, &truth.values) + own.off + off)
     }
 
     /// How often its equal parts are halved twentieths of the horizon; none of other steps.
