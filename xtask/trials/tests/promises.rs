@@ -38,7 +38,7 @@ fn what_trials_have_found_is_mended() {
             let verdict = (kind.trial)(&mut Draw::new(case.parse().unwrap()));
             let may_refuse = cells.nth(1) == Some("refused");
             let is_mended = match verdict {
-                Verdict::Right { .. } | Verdict::NotJudged { .. } => true,
+                Verdict::Right { .. } | Verdict::NotJudged { .. } | Verdict::Apart { .. } => true,
                 Verdict::Refused { .. } => may_refuse,
                 Verdict::Wrong { .. } => false,
             };
