@@ -147,6 +147,7 @@ mod suggestion;
 
 mod upper;
 mod things;
+mod acceleration;
 mod assembly;
 mod body_shape;
 mod check;

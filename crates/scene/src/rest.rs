@@ -6,12 +6,10 @@
 //! `lambda` the largest eigenvalue of `M^-1 H`, |q| the scene's size, m its mass: below that the
 //! differential is rounding. Source: notes 4.4.
 
-use stationary_calculus::{
-    Covector, Equilibrium, Metric, Newton, NewtonReport, Potential, SparseSolver, Vector,
-    first_non_finite,
-};
+use stationary_calculus::{Equilibrium, Newton, NewtonReport, SparseSolver};
 use stationary_modal::Linearized;
 
+use crate::acceleration::most_accelerated;
 use crate::system::SceneProblem;
 use crate::{AssemblyError, Built};
 
@@ -40,18 +38,4 @@ pub(crate) fn rest<const D: usize>(problem: &SceneProblem<D>) -> Result<Rest, As
     })?;
     let built = Built { sparse_solvers: 1, ..Built::default() };
     Ok(Rest { q, tolerance, newton: report.newton, built })
-}
-
-/// The freedom of the largest acceleration, or the first whose acceleration is not finite.
-pub(crate) fn most_accelerated(
-    metric: &impl Metric,
-    potential: &impl Potential,
-    q: &[f64],
-) -> usize {
-    let (mut dv, mut a) = (Covector(vec![0.0; q.len()]), Vector(vec![0.0; q.len()]));
-    potential.add_differential(q, dv.view_mut());
-    metric.sharp(dv.view(), a.view_mut());
-    let a = a.components();
-    let larger = |largest: usize, i: usize| if a[i].abs() > a[largest].abs() { i } else { largest };
-    first_non_finite(a).unwrap_or_else(|| (0..a.len()).fold(0, larger))
 }

@@ -10,11 +10,11 @@ use stationary_integrators::{
     linear_momentum_scale,
 };
 
+use crate::acceleration::most_accelerated;
 use crate::csv::{self, write_file};
 use crate::error::{StepFailure, unknown};
 use crate::march::{Watcher, Wish};
 use crate::observable::Moment;
-use crate::rest::most_accelerated;
 use crate::system::{SceneProblem, Vertices};
 use crate::{
     Built, Checkpoint, ContactImpulse, Interruption, RunError, Scene, Stop, Summary, WriteError,
