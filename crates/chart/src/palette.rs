@@ -125,8 +125,8 @@ pub fn variables(selector: &str) -> String {
     )
 }
 
-/// The style sheet of every chart, once for a page that holds charts of [`Medium::Inline`]
-/// (crate::Medium::Inline): plain colours first, then the same rules with variables for whoever knows
+/// The style sheet of every chart, once for a page that holds charts of
+/// [`Medium::Inline`](crate::Medium::Inline): plain colours first, then the same rules with variables for whoever knows
 /// those. The page may set the variables that [`variables`] lists to values of its own.
 #[must_use]
 pub fn sheet() -> String {
