@@ -14,5 +14,6 @@ macro_rules! pages {
 #[cfg(doctest)]
 pages! {
     introduction architecture report trials choose errata
-    calculus mesh integrators constraints rigid contact elasticity modal laplacian scene chart
+    measure calculus mesh integrators constraints rigid contact elasticity modal laplacian scene chart
+    stationary
 }
