@@ -20,7 +20,10 @@ const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732
 /// Parts of an accepted step, and of equal ones that are so few that they are long.
 const OF_ACCEPTED: usize = 9;
 const OF_LONG: usize = 5;
-const FEW: u64 = 80;
+pub const FEW: u64 = 80;
+
+/// Parts of the steps of a run that is another motion.
+const OF_ANOTHER: usize = 34;
 
 /// Steps that are looked into at most; of more, every so manieth.
 const MOST: usize = 1 << 15;
@@ -33,6 +36,11 @@ const SAME: f64 = 1e-6;
 pub enum Grid {
     /// Equal parts of the horizon: a twentieth, halved so often.
     Equal {
+        /// See there.
+        halvings: u32,
+    },
+    /// The same, each looked into at many moments.
+    Closely {
         /// See there.
         halvings: u32,
     },
@@ -78,13 +86,22 @@ impl Moments {
 
     /// Of equal parts.
     pub fn equal(halvings: u32, horizon: f64) -> Self {
+        match MOMENTS << halvings <= FEW {
+            true => Moments::looked_into(halvings, horizon, &golden::<OF_LONG>()),
+            false => Moments::looked_into(halvings, horizon, &PARTS),
+        }
+    }
+
+    /// Of equal parts, at many moments of each.
+    pub fn closely(halvings: u32, horizon: f64) -> Self {
+        Moments::looked_into(halvings, horizon, &golden::<OF_ANOTHER>())
+    }
+
+    fn looked_into(halvings: u32, horizon: f64, thetas: &[f64]) -> Self {
         let parts = MOMENTS << halvings;
         let length = horizon / parts as f64;
         let ends = (1..=parts).map(|part| part as f64 * length);
-        let mut moments = match parts <= FEW {
-            true => Moments::within(parts as usize, ends, &golden::<OF_LONG>()),
-            false => Moments::within(parts as usize, ends, &PARTS),
-        };
+        let mut moments = Moments::within(parts as usize, ends, thetas);
         moments.parts = Some(parts / moments.every as u64);
         moments
     }

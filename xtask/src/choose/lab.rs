@@ -137,6 +137,7 @@ impl Lab {
             let horizon = self.ladder.written().scene.timing().horizon();
             let all = match grid {
                 Grid::Equal { halvings } => Moments::equal(*halvings, horizon),
+                Grid::Closely { halvings } => Moments::closely(*halvings, horizon),
                 Grid::Some { halvings, parts } => Moments::some(*halvings, parts, horizon),
                 Grid::Accepted(at) => {
                     let ends = self.used.get(at).filter(|run| run.end == End::Whole)?;

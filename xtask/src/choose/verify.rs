@@ -116,6 +116,8 @@ const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
 const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
+/// Places that are off by this part of the largest way are those of another motion.
+const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
 
@@ -250,7 +252,13 @@ pub fn verify(
         return finding;
     }
     let all = Way::all(lab, at);
-    let finding = verify_on(lab, reference, (at, &all), tolerance, families);
+    let mut finding = verify_on(lab, reference, (at, &all), tolerance, families);
+    if let Some(Finding::Holds(seen)) = &finding
+        && seen.places.is_some_and(is_another)
+        && let Some(closely) = Way::closely(lab, at)
+    {
+        finding = verify_on(lab, reference, (at, &closely), tolerance, families);
+    }
     finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
 }
 
@@ -289,6 +297,13 @@ fn verify_on(
     if BETWEEN * error + uncertainty > tolerance {
         return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
     }
+    let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
+    let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
+        .then(|| off_places(&own, &truth));
+    // What is another motion may do anything within a step, though its ends show none of it.
+    if !way.is_all() && places.is_some_and(is_another) {
+        return None;
+    }
     let between = way.between(lab, reference, at, allowed)?;
     let most = between.max(way.foretold(lab, &own, &truth));
     if most / scale + uncertainty > tolerance || between.is_nan() {
@@ -306,14 +321,11 @@ fn verify_on(
         Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),
         Agreement::None => None,
     };
-    let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
     let energy = (comparable && !own.energies.is_empty()).then(|| {
         let changes = own.energies.iter().zip(&truth.energies);
         let off = changes.map(|(a, b)| ((a - own.energies[0]) - (b - truth.energies[0])).abs());
         off.fold(0.0, f64::max) / truth.kinetic.max(f64::MIN_POSITIVE)
     });
-    let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
-        .then(|| off_places(&own, &truth));
     let every = way.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
     let every = every.map(|moments| moments.every).max().unwrap_or(1);
     // What the reference is made of is as wrong as that is uncertain.
@@ -325,6 +337,11 @@ fn verify_on(
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
     })
+}
+
+/// Whether places are off by so much that the motion is another one.
+fn is_another(off: f64) -> bool {
+    off.is_nan() || off > ANOTHER
 }
 
 /// The largest distance of a place from where it should be, relative to the largest way of one.

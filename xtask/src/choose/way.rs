@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use super::grid::{Grid, Within};
+use super::grid::{self, Grid, Within};
 use super::lab::{At, Lab};
 use super::ladder::{Kind, MOMENTS};
 use super::look::{Look, apart};
@@ -42,6 +42,8 @@ const AT_LEAST: usize = 12;
 const FEW: usize = 6;
 const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
+/// Steps of a run that can be looked into closely.
+const CLOSELY: u64 = 640;
 /// How much larger an error may be than those of other steps foretell.
 const MARGIN: f64 = 1.25;
 /// The part of the tolerance below which an error is nothing.
@@ -66,9 +68,21 @@ impl Way {
         Way { grids: vec![(Grid::of(lab, at), Within::Parts)], foretold: None }
     }
 
-    /// Into some steps; nothing where the ends of the others are not known, or they are few.
+    /// Into every step of a run of some hundreds, at many moments of each: what is another motion may be
+    /// wrong for a small part of a step.
+    pub fn closely(lab: &Lab, at: At) -> Option<Self> {
+        let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+        let grids = vec![(Grid::Closely { halvings }, Within::Parts)];
+        (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
+    }
+
+    /// Into some steps; nothing where the ends of the others are not known, or all are few.
     pub fn some(lab: &mut Lab, reference: &Reference, at: At, least: f64) -> Option<Self> {
         let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+        // The ends of long steps tell little of what is within them.
+        if MOMENTS << halvings <= grid::FEW {
+            return None;
+        }
         let track = lab.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
@@ -101,6 +115,11 @@ impl Way {
         Some(Way { grids: vec![ends, within], foretold })
     }
 
+    /// Whether every step is looked into.
+    pub fn is_all(&self) -> bool {
+        self.foretold.is_none()
+    }
+
     /// The largest error that steps may have which were not looked into, by those that were.
     pub fn foretold(&self, lab: &mut Lab, own: &Look, truth: &Look) -> f64 {
         let Some(known) = &self.foretold else { return 0.0 };
@@ -127,7 +146,7 @@ impl Way {
         at: At,
         allowed: f64,
     ) -> Option<f64> {
-        if self.foretold.is_none() {
+        if self.is_all() {
             return Some(0.0);
         }
         let grid = Grid::of(lab, at);
@@ -140,8 +159,13 @@ impl Way {
     /// How often its equal parts are halved twentieths of the horizon; none of other steps.
     pub fn halvings(&self) -> u32 {
         match self.grids.first() {
-            Some((Grid::Equal { halvings } | Grid::Some { halvings, .. }, _)) => *halvings,
-            _ => 0,
+            Some((grid, _)) => match grid {
+                Grid::Equal { halvings }
+                | Grid::Closely { halvings }
+                | Grid::Some { halvings, .. } => *halvings,
+                Grid::Accepted(_) => 0,
+            },
+            None => 0,
         }
     }
 
