@@ -10,8 +10,7 @@
 //! little of this: errors of steps add up, cancel and grow with the flow. Three runs tell how good the
 //! estimate is: by its last correction, which stands beside it as its doubt, and by `r`. Where that is
 //! not the order's, the steps are too long, the motion is chaotic or all is rounding; this is said with
-//! every estimate. Of a method that chooses its own steps the error is the distance to a run of a much
-//! smaller tolerance, and a third run between them tells how good that is ([`integrate_with_error`]).
+//! every estimate.
 //!
 //! Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4 and II.8.
 
@@ -19,10 +18,7 @@ use std::ops::ControlFlow;
 
 use stationary_calculus::Storage;
 
-use crate::{
-    AdaptiveError, AdaptiveMethod, Cost, Horizon, Integrator, Moment, Outcome, SimulationError,
-    State, StepError,
-};
+use crate::{Cost, Horizon, Integrator, SimulationError, State, StepError};
 
 /// What the observer sees after a step of the longest.
 #[derive(Debug)]
@@ -40,11 +36,11 @@ pub struct Estimated<'a, C> {
 }
 
 /// An estimate that may be off by this part of itself is one no more.
-const DOUBTFUL: f64 = 0.25;
+pub(crate) const DOUBTFUL: f64 = 0.25;
 
 impl<C: AsRef<[f64]>> Estimated<'_, C> {
     /// Whether the estimate can be relied on: the runs converge, and its doubt is at most a quarter of it.
-    /// It is then good to a factor of four, and to one of two but for one in a thousand random motions.
+    /// It is then good to a factor of four, and to one of two but for one or two in a thousand.
     pub fn is_sure(&self) -> bool {
         self.trust.converges() && self.doubt <= DOUBTFUL * self.distance()
     }
@@ -83,7 +79,7 @@ const MOTION: f64 = 0.1;
 const BELOW: f64 = 0.3;
 const ABOVE: f64 = 1.2;
 /// Differences below this part of the numbers are rounding, added up.
-const ROUNDING: f64 = 1e-14;
+pub(crate) const ROUNDING: f64 = 1e-14;
 
 /// Three runs of one method, in steps of h, h/2 and h/4.
 struct Three<I, C> {
@@ -234,80 +230,10 @@ impl<C: Storage, I: Integrator<C>> Three<I, C> {
     }
 }
 
-/// What the observer sees after a step of the loosest run.
-#[derive(Debug)]
-pub struct EstimatedMoment<'a, C> {
-    /// The moment at the step's end, of the loosest run.
-    pub moment: &'a Moment<C>,
-    /// The tightest run's state there minus this one.
-    pub error: &'a [f64],
-    /// How far the two tighter runs are apart: as far as the tightest may itself be off.
-    pub doubt: f64,
-}
-
-impl<C: AsRef<[f64]>> EstimatedMoment<'_, C> {
-    /// The estimated distance of the state from the true one.
-    pub fn distance(&self) -> f64 {
-        norm(self.error)
-    }
-
-    /// Whether the estimate can be relied on: its doubt is at most a quarter of it, and it is more than
-    /// rounding. It is not where the runs took the same steps, whatever their tolerances.
-    pub fn is_sure(&self) -> bool {
-        let distance = self.distance();
-        let rounding = 16.0 * ROUNDING * norm(self.moment.y.as_ref());
-        self.doubt <= DOUBTFUL * distance && distance > rounding
-    }
-}
-
-/// Runs a method to `end` beside two of smaller tolerances from the same moment, such as a tenth and a
-/// hundredth, and shows at each of its steps how far it is from the tightest: its error, but for that
-/// of the tightest run.
-///
-/// # Errors
-/// [`AdaptiveError::OutsideStep`] and [`AdaptiveError::Size`] where the runs do not stand at one moment
-/// with one size; else those of [`AdaptiveMethod::step`] and of [`AdaptiveMethod::interpolate`], from
-/// any. Each stands at its last good moment.
-pub fn integrate_with_error<C, A>(
-    [loose, middle, tight]: [&mut A; 3],
-    end: f64,
-    mut observe: impl FnMut(EstimatedMoment<'_, C>) -> ControlFlow<()>,
-) -> Result<Outcome, AdaptiveError>
-where
-    C: Storage,
-    A: AdaptiveMethod<C> + ?Sized,
-{
-    let start = loose.moment().t;
-    if let Some(t) = [middle.moment().t, tight.moment().t].into_iter().find(|t| *t != start) {
-        return Err(AdaptiveError::OutsideStep { t, from: start, to: start });
-    }
-    let mut between = loose.moment().y.as_ref().to_vec();
-    let mut error = between.clone();
-    loop {
-        loose.step(end)?;
-        let to = loose.moment().t;
-        for (run, there) in [(&mut *middle, &mut between), (&mut *tight, &mut error)] {
-            while run.moment().t < to {
-                run.step(end)?;
-            }
-            run.interpolate(to, there)?;
-        }
-        let doubt = distance(&between, &error);
-        let moment = loose.moment();
-        error.iter_mut().zip(moment.y.as_ref()).for_each(|(error, y)| *error -= y);
-        if observe(EstimatedMoment { moment, error: &error, doubt }).is_break() {
-            return Ok(Outcome::BrokenOff);
-        }
-        if to >= end {
-            return Ok(Outcome::Finished);
-        }
-    }
-}
-
-fn norm(x: &[f64]) -> f64 {
+pub(crate) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

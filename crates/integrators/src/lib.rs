@@ -113,15 +113,13 @@ pub use facts::{
 pub use facts_table::{facts_table, first_order_facts_table};
 pub use first_order::{
     AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
-    DormandPrince853, Event, FirstOrderFacts, FunctionField, Jacobian, MechanicalField, Moment,
-    Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance, VectorField, Work, integrate,
-    integrate_to_event,
+    DormandPrince853, EstimatedMoment, Event, FirstOrderFacts, FunctionField, Jacobian,
+    MechanicalField, Moment, Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance,
+    VectorField, Work, integrate, integrate_to_event, integrate_with_error,
 };
 pub use gauss_legendre::GaussLegendre;
 pub use gautschi::{Filter, Gautschi, StiffnessError};
-pub use global_error::{
-    Estimated, EstimatedMoment, Trust, integrate_with_error, simulate_with_error,
-};
+pub use global_error::{Estimated, Trust, simulate_with_error};
 pub use gravity::{CentralGravity, NewtonianGravity, UniformGravity};
 pub use imex::Imex;
 pub use implicit_euler::ImplicitEuler;

@@ -9,9 +9,9 @@ use stationary_integrators::problems::{
     spring_pendulum, three_bodies,
 };
 use stationary_integrators::{
-    AdaptiveError, AdaptiveMethod, DormandPrince853, Horizon, MechanicalField, Method, Moment,
-    Nystrom8, Nystrom12, NystromMethod12, State, StepControl, Tolerance, integrate_with_error,
-    simulate_with_error,
+    AdaptiveError, AdaptiveMethod, DormandPrince853, Estimated, Horizon, MechanicalField, Method,
+    Moment, Nystrom8, Nystrom12, NystromMethod12, State, StepControl, Tolerance,
+    integrate_with_error, simulate_with_error,
 };
 use stationary_measure::{Column, Table};
 
@@ -244,14 +244,13 @@ impl<const N: usize> Truth<N> {
     fn judge<M, P>(
         &self,
         problem: &Small<M, P, N>,
-        (time, q): (u64, &[f64]),
-        estimate: f64,
-        is_sure: bool,
+        time: u64,
+        now: &Estimated<'_, [f64; N]>,
     ) -> Option<Judged> {
-        let off = distance(&self.at[time as usize - 1], q);
+        let off = distance(&self.at[time as usize - 1], &now.state.q);
         let truth = off / problem.scale;
         let known = JUDGED.contains(&truth) && off > DOUBTS * self.doubt;
-        known.then(|| Judged { truth, ratio: estimate / off, is_sure })
+        known.then(|| Judged { truth, ratio: now.distance() / off, is_sure: now.is_sure() })
     }
 
     /// A run that fails says nothing.
@@ -268,8 +267,7 @@ impl<const N: usize> Truth<N> {
         let make = || method.integrator::<_, _, [f64; N]>(&problem.system);
         let _ = simulate_with_error(make, &mut state, horizon, |now| {
             if now.step % between == 0 {
-                let at = (now.step / between, now.state.q.as_slice());
-                judged.extend(self.judge(problem, at, now.distance(), now.is_sure()));
+                judged.extend(self.judge(problem, now.step / between, &now));
             }
             ControlFlow::Continue(())
         });

@@ -40,20 +40,25 @@ const POWER: f64 = 0.15;
 
 type Mass = DiagonalMetric<Vec<f64>>;
 
-/// Draws a method and a system, and judges the slope.
-pub fn trial(draw: &mut Draw) -> Verdict {
-    if draw.chance(0.15) {
-        return split(draw);
-    }
-    let method = draw.one_of(Method::ALL);
-    let problem = match draw.below(3) {
+/// A motion whose forces have a potential.
+pub fn conservative(draw: &mut Draw) -> InitialValue {
+    match draw.below(3) {
         0 => smooth::oscillators(draw),
         1 => smooth::stiffening_chain(draw),
         _ => {
             let rest = draw.uniform(0.5, 1.0);
             encounters::orbit_of(draw, rest)
         }
-    };
+    }
+}
+
+/// Draws a method and a system, and judges the slope.
+pub fn trial(draw: &mut Draw) -> Verdict {
+    if draw.chance(0.15) {
+        return split(draw);
+    }
+    let method = draw.one_of(Method::ALL);
+    let problem = conservative(draw);
     draw.note(format!("{method}"));
     let metric = DiagonalMetric::new(problem.masses.clone().expect("mechanics"));
     let system = System::new(metric.expect("masses"), Forces(&problem)).expect("one size");

@@ -9,27 +9,19 @@ use std::ops::ControlFlow;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_integrators::{Horizon, Method, State, simulate_with_error};
 
-use super::fixed_orders::{DOUBTS, TIMES, truth};
+use super::fixed_orders::{DOUBTS, TIMES, conservative, truth};
 use super::runs::Forces;
-use super::{encounters, smooth};
 use crate::{Draw, Verdict};
 
 /// The estimate may be wrong by this factor.
 const FACTOR: f64 = 4.0;
-/// True errors below this part of the motion's size are rounding, and said to be sure of by luck.
+/// True errors below this part of the motion's size are rounding.
 const ROUNDING: f64 = 1e-11;
 
 /// Draws a method, a system and a step, and judges the estimate at sixteen times.
 pub fn trial(draw: &mut Draw) -> Verdict {
     let method = draw.one_of(Method::ALL);
-    let problem = match draw.below(3) {
-        0 => smooth::oscillators(draw),
-        1 => smooth::stiffening_chain(draw),
-        _ => {
-            let rest = draw.uniform(0.5, 1.0);
-            encounters::orbit_of(draw, rest)
-        }
-    };
+    let problem = conservative(draw);
     let between = draw.log_uniform(1.0, 200.0).round() as u64;
     draw.note(format!("{method}, {between} long steps between two of {TIMES} times"));
     let times: Vec<f64> = (1..=TIMES).map(|i| problem.end * i as f64 / TIMES as f64).collect();
