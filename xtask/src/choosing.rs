@@ -11,16 +11,16 @@ mod truth;
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use stationary_choose::Kind as Setting;
+use stationary_choose::{
+    Answer, At, Doubt, Experiment, Failure, Judgement, Lab, MOMENTS, QuestionError, Row,
+    Verdict as Said, answer,
+};
+use stationary_scene::choose::{Change, ChooseError, Question, SceneLadder, changed, scene_ladder};
 use stationary_scene::{Checkpoint, Progress, Scene, Watcher, Wish};
 use stationary_trials::{Draw, Kind, Verdict};
 
 pub use scenes::Asked;
-
-use crate::choose::Kind as Setting;
-use crate::choose::{
-    Answer, At, Change, ChooseError, Doubt, Failure, Judgement, Lab, MOMENTS, Question,
-    Verdict as Said, answer, changed, laboratory,
-};
 
 /// The kinds of trials of the chooser.
 pub const KINDS: &[Kind] = &[Kind {
@@ -52,43 +52,50 @@ const APART: f64 = 2.5;
 /// Rejected runs that are looked at.
 const REJECTED: usize = 3;
 
-/// A random question, and the ladder of its scene with nothing measured.
-pub fn posed(draw: &mut Draw) -> (Asked, Result<Lab, ChooseError>) {
+/// Time that choosing may take.
+const BUDGET: Duration = Duration::from_secs(120);
+
+/// A random question, and the ladder of its scene.
+pub fn posed(draw: &mut Draw) -> (Asked, Result<SceneLadder, ChooseError>) {
     let asked = scenes::asked(draw);
-    let question = Question {
-        observable: asked.observable.clone(),
-        tolerance: asked.tolerance,
-        budget: Duration::from_secs(120),
-        horizon: None,
-    };
-    let lab = laboratory("case.toml", &asked.text, &question).map(|lab| lab.bounded(MOST_WORK));
-    (asked, lab)
+    let ladder = scene_ladder("case.toml", &asked.text, &Question::new(&asked.observable));
+    (asked, ladder)
+}
+
+/// The ladder with nothing measured, and the work that a question may take.
+pub fn laboratory(ladder: &SceneLadder) -> Result<Lab<'_>, QuestionError> {
+    Ok(Lab::new(ladder, BUDGET)?.bounded(MOST_WORK))
 }
 
 fn trial(draw: &mut Draw) -> Verdict {
-    let (asked, lab) = posed(draw);
-    let mut lab = match lab {
-        Ok(lab) => lab,
+    let (asked, ladder) = posed(draw);
+    let ladder = match ladder {
+        Ok(ladder) => ladder,
         Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
     };
-    let answer = answer(&mut lab, asked.tolerance);
+    let answered = laboratory(&ladder)
+        .and_then(|mut lab| answer(&mut lab, asked.tolerance).map(|answer| (answer, lab)));
+    let (answer, mut lab) = match answered {
+        Ok(answered) => answered,
+        Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
+    };
     let family = asked.family;
-    let refused = |lab: &mut Lab, why: &str| refused(lab, &asked, why);
+    let refused = |lab: &mut Lab<'_>, why: &str| refused((lab, &ladder), &asked, why);
     let row = match answer.verdict {
         Said::Chosen(at) => at,
         Said::Unconfirmed(_) => return refused(&mut lab, "not confirmed"),
         Said::NoneMeets => return refused(&mut lab, "none meets"),
         Said::Uncertain => return refused(&mut lab, "uncertain"),
         Said::Doubtful(doubt) => return refused(&mut lab, word(doubt)),
-        Said::Still if is_still(&asked.text, &lab) => return Verdict::due(),
+        Said::Still if is_still(&ladder) => return Verdict::due(),
         Said::Still => return Verdict::wrong(format!("{family}: it moves, and is said not to")),
     };
     let Some(scale) = answer.reference.as_ref().map(|reference| reference.course.scale) else {
         return Verdict::wrong("a choice without a reference");
     };
     let promised = asked.tolerance * scale;
-    let verdict = match judged(&lab, row, promised) {
-        Ok(error) if error > promised && contact_errs(&lab, row, promised) => {
+    let verdict = match judged(&ladder, row, promised) {
+        Ok(error) if error > promised && contact_errs(&ladder, row, promised) => {
             return Verdict::apart(format!(
                 "{family}: contact itself leads elsewhere, by {error:.1e} of {promised:.1e}"
             ));
@@ -103,18 +110,18 @@ fn trial(draw: &mut Draw) -> Verdict {
     if !matches!(verdict, Verdict::Right { .. }) {
         return verdict;
     }
-    rejected(&lab, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
+    rejected(&ladder, &answer, promised, family).into_iter().fold(verdict, Verdict::and)
 }
 
 /// A refusal: was there a choice? Where things overlap at the start, there is no motion to choose for.
-fn refused(lab: &mut Lab, asked: &Asked, why: &str) -> Verdict {
+fn refused((lab, ladder): (&mut Lab<'_>, &SceneLadder), asked: &Asked, why: &str) -> Verdict {
     let family = asked.family;
-    if let Err(error) = lab.ladder().written().scene.run()
+    if let Err(error) = ladder.written().scene.run()
         && error.to_string().contains("overlap")
     {
         return Verdict::apart(format!("{family}: it starts overlapping"));
     }
-    match existed(lab, asked.tolerance) {
+    match existed((lab, ladder), asked.tolerance) {
         Ok(Some(name)) => Verdict::refused(format!("{family}: {why}, though {name} does")),
         Ok(None) => Verdict::apart(format!("{family}: {why}, and no choice exists")),
         Err(unknown) => Verdict::not_judged(format!("{family}: {why}; {unknown}")),
@@ -124,8 +131,11 @@ fn refused(lab: &mut Lab, asked: &Asked, why: &str) -> Verdict {
 /// A method that keeps to the tolerance along its way, by the truth, for so little work that choosing it
 /// was to be expected; every setting of each is tried, and the first few that do at the moments are looked
 /// at along their way.
-fn existed(lab: &mut Lab, tolerance: f64) -> Result<Option<String>, String> {
-    let scene = lab.ladder().written().scene.clone();
+fn existed(
+    (lab, ladder): (&mut Lab<'_>, &SceneLadder),
+    tolerance: f64,
+) -> Result<Option<String>, String> {
+    let scene = ladder.written().scene.clone();
     let horizon = scene.timing().horizon();
     let times: Vec<f64> = (1..=MOMENTS).map(|k| k as f64 * horizon / MOMENTS as f64).collect();
     let known = truth::truth(&scene, &times)?;
@@ -154,7 +164,7 @@ fn existed(lab: &mut Lab, tolerance: f64) -> Result<Option<String>, String> {
                 continue;
             }
             looked += 1;
-            if judged(lab, at, promised).is_ok_and(|error| error <= promised) {
+            if judged(ladder, at, promised).is_ok_and(|error| error <= promised) {
                 return Ok(Some(lab.family(family).name.clone()));
             }
         }
@@ -167,14 +177,14 @@ const WITNESSES: usize = 3;
 
 /// Whether a scene in which things touch comes to another motion than the truth, however fine its steps:
 /// then it is its contact that errs.
-fn contact_errs(lab: &Lab, at: At, promised: f64) -> bool {
-    let rungs = &lab.family(at.family).rungs;
-    let touches = lab.ladder().written().scene.contact().is_some();
+fn contact_errs(ladder: &SceneLadder, at: At, promised: f64) -> bool {
+    let rungs = &ladder.ladder().families[at.family].rungs;
+    let touches = ladder.written().scene.contact().is_some();
     let mut finest: Vec<usize> = (at.rung + 1..rungs.len()).collect();
     finest.retain(|&rung| rungs[rung].least_work < EXPECTED);
     finest.drain(..finest.len().saturating_sub(2));
     let errs = |&rung: &usize| {
-        judged(lab, At { rung, ..at }, promised).is_ok_and(|error| error > promised)
+        judged(ladder, At { rung, ..at }, promised).is_ok_and(|error| error > promised)
     };
     touches && finest.len() == 2 && finest.iter().all(errs)
 }
@@ -191,8 +201,8 @@ fn word(doubt: Doubt) -> &'static str {
 }
 
 /// Whether the observable truly moves by no more than rounding of what is there.
-fn is_still(_: &str, lab: &Lab) -> bool {
-    let Ok(scene) = Scene::parse("case.toml", &lab.ladder().written().text) else { return false };
+fn is_still(ladder: &SceneLadder) -> bool {
+    let Ok(scene) = Scene::parse("case.toml", &ladder.written().text) else { return false };
     let horizon = scene.timing().horizon();
     let times: Vec<f64> = (1..=200).map(|k| f64::from(k) * horizon / 200.3).collect();
     let Ok(known) = truth::truth(&scene, &times) else { return true };
@@ -203,19 +213,20 @@ fn is_still(_: &str, lab: &Lab) -> bool {
 }
 
 /// Runs that were rejected though they keep to the truth.
-fn rejected(lab: &Lab, answer: &Answer, promised: f64, family: &str) -> Vec<Verdict> {
+fn rejected(ladder: &SceneLadder, answer: &Answer, promised: f64, family: &str) -> Vec<Verdict> {
     // The choice is right by the truth and by the reference: what errs by more against the one errs against
     // the other.
     let far = APART * answer.tolerance;
-    let wrong = |row: &&crate::choose::Row| {
+    let wrong = |row: &&Row| {
         matches!(row.judgement, Some(Judgement::Failed(Failure::WrongPhysics(_))))
             || matches!(row.judgement, Some(Judgement::Misses(error)) if error <= far)
                 && row.word() == "misses it"
     };
-    let judged = |row: &crate::choose::Row| {
+    let judged = |row: &Row| {
         // As it was run, and read off as often as the choice.
-        let error = judged(lab, row.at, promised).ok()?.max(as_run(lab, row.at, promised).ok()?);
-        if error > 0.5 * promised || energy_is_off(lab, row.at) {
+        let error = judged(ladder, row.at, promised).ok()?;
+        let error = error.max(as_run(ladder, row.at, promised).ok()?);
+        if error > 0.5 * promised || energy_is_off(ladder, row.at) {
             return None;
         }
         let what =
@@ -227,16 +238,16 @@ fn rejected(lab: &Lab, answer: &Answer, promised: f64, family: &str) -> Vec<Verd
 }
 
 /// Whether the energy of a run is off by a tenth of the largest kinetic energy, or is not known.
-fn energy_is_off(lab: &Lab, at: At) -> bool {
+fn energy_is_off(ladder: &SceneLadder, at: At) -> bool {
     let text = |word: &str, text: &str| {
         changed(text, &[Change::to("observables", format!("[\"{word}\"]"))])
     };
-    let family = lab.family(at.family);
-    let (written, model) = (&lab.ladder().written().text, &lab.ladder().model(family).text);
+    let kind = ladder.ladder().families[at.family].kind;
+    let written = &ladder.written().text;
     let off = |word: &str| {
         let written = text(word, written);
-        let run = text(word, &changed(model, &family.rungs[at.rung].changes));
-        compared(&written, &run, family.kind, f64::INFINITY)
+        let run = text(word, &ladder.text(at));
+        compared(&written, &run, kind, f64::INFINITY)
     };
     let kinetic =
         Scene::parse("case.toml", &text("kinetic-energy", written)).ok().and_then(|scene| {
@@ -253,24 +264,19 @@ fn energy_is_off(lab: &Lab, at: At) -> bool {
 }
 
 /// The largest error of a setting's run along its way.
-fn judged(lab: &Lab, at: At, promised: f64) -> Result<f64, String> {
-    let family = lab.family(at.family);
-    let model = lab.ladder().model(family);
-    let run = changed(&model.text, &family.rungs[at.rung].changes);
-    compared(&lab.ladder().written().text, &run, family.kind, promised)
+fn judged(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
+    let kind = ladder.ladder().families[at.family].kind;
+    compared(&ladder.written().text, &ladder.text(at), kind, promised)
 }
 
 /// The same at the samples of the chooser's own run: an adaptive method may take a long step by halves
 /// where it is asked for what lies within.
-fn as_run(lab: &Lab, at: At, promised: f64) -> Result<f64, String> {
-    let family = lab.family(at.family);
-    let model = lab.ladder().model(family);
-    let run = changed(&model.text, &family.rungs[at.rung].changes);
-    let run = Scene::parse("case.toml", &run).map_err(|error| error.to_string())?;
+fn as_run(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
+    let run = Scene::parse("case.toml", &ladder.text(at)).map_err(|error| error.to_string())?;
     let run = run.run().map_err(|error| error.to_string())?;
     let samples = run.times().iter().enumerate().skip(1);
     let way: Vec<_> = samples.map(|(k, &t)| (t, run.observed(k).to_vec())).collect();
-    off(&lab.ladder().written().text, &way, promised)
+    off(&ladder.written().text, &way, promised)
 }
 
 fn compared(written: &str, run: &str, kind: Setting, promised: f64) -> Result<f64, String> {

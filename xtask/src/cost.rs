@@ -11,11 +11,12 @@ use crate::layers::{LayerError, Metadata, Package};
 use crate::report::aligned;
 
 /// Packages that a crate may pull in. `sparse` brings a solver and has the budget of the rest.
-const BUDGETS: [(&str, usize); 9] = [
+const BUDGETS: [(&str, usize); 10] = [
     ("measure", 0),
     ("chart", 5),
     ("calculus", 30),
     ("integrators", 30),
+    ("choose", 35),
     ("constraints", 30),
     ("rigid", 30),
     ("contact", 95),

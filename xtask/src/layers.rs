@@ -34,6 +34,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     ("measure", &[]),
     ("mesh", &[Always("nalgebra"), Always("thiserror"), Optional("vtkio")]),
     ("integrators", &[Always("nalgebra"), Always("thiserror"), Optional("serde")]),
+    ("choose", &[Always("thiserror")]),
     ("constraints", &[Always("nalgebra"), Always("thiserror")]),
     ("rigid", &[Always("nalgebra"), Always("thiserror")]),
     (
@@ -66,6 +67,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
         &[
             Optional("clap"),
             Optional("indicatif"),
+            Optional("serde"),
             Optional("serde_json"),
             Optional("signal-hook"),
             Optional("thiserror"),

@@ -2,7 +2,6 @@
 //!
 //! - [`report`]: runs the studies and writes the page that shows them.
 //! - [`check_page`]: opens that page in a browser and complains about what a reader would.
-//! - [`choose`]: the cheapest way to run a scene within a tolerance.
 //! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
 //! - [`layers`]: which crate may depend on what.
 //! - [`readme`]: the README of each crate from its front page.
@@ -18,7 +17,6 @@
 
 pub mod cargo;
 pub mod check_page;
-pub mod choose;
 pub mod choosing;
 pub mod cost;
 pub mod kernels;

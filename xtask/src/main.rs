@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use stationary::program::{end_with_the_reader, failed};
+use stationary::program::{end_with_the_reader, failed, time};
 use stationary_scene::Scene;
+use stationary_scene::choose::Question;
 use xtask::check_page::check_page;
-use xtask::choose::{Question, Verdict, choose, emit, emitted, json, picture, time};
 use xtask::choosing;
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::kernels::kernels;
@@ -44,9 +44,7 @@ enum Task {
         #[arg(long)]
         quiet: bool,
     },
-    /// Finds the cheapest method and step, or tolerance, for an observable of a scene.
-    Choose(Choose),
-    /// Runs, finds the words of, and begins scene files, as the program `stationary` does.
+    /// Runs, chooses how to run, finds the words of, and begins scene files, as the program `stationary` does.
     #[command(flatten)]
     Stationary(stationary::program::Command),
     /// Tests promises on random problems, each with a referee that knows the truth by another way.
@@ -107,33 +105,6 @@ struct Report {
     quiet: bool,
 }
 
-#[derive(clap::Args)]
-struct Choose {
-    /// The scene, a TOML file.
-    file: PathBuf,
-    /// What to keep to the tolerance: `energy`, `position=bob`, `distance=sun,pluto`.
-    #[arg(long, value_name = "NAME")]
-    observable: String,
-    /// The error that may be made, relative to the observable's scale.
-    #[arg(long, value_name = "ERROR")]
-    tolerance: f64,
-    /// The time that choosing may take.
-    #[arg(long, value_name = "TIME", default_value = "60s")]
-    budget: String,
-    /// Chooses for this horizon instead of the scene's.
-    #[arg(long, value_name = "TIME")]
-    horizon: Option<f64>,
-    /// Where to write the chart of error against work.
-    #[arg(long, value_name = "FILE", default_value = "target/choice.svg")]
-    chart: PathBuf,
-    /// Writes the scene with the choice filled in.
-    #[arg(long, value_name = "FILE")]
-    emit: Option<PathBuf>,
-    /// Writes the answer with all that was run, for programs.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-}
-
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
@@ -147,7 +118,6 @@ fn main() -> ExitCode {
     let done = match task {
         Task::Report(arguments) => run_report(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
-        Task::Choose(arguments) => run_choose(&arguments),
         Task::Stationary(command) => command.run(),
         Task::Trials(arguments) => run_trials(&arguments),
         Task::Licenses => run_licenses(),
@@ -170,11 +140,10 @@ fn run_report(arguments: &Report) -> Result<ExitCode, Failure> {
     Scene::read(file)?;
     let question = Question {
         observable: arguments.observable.clone().map_or_else(|| scene::observable(file), Ok)?,
-        tolerance: arguments.tolerance,
-        budget: time(&arguments.budget)?,
         horizon: None,
     };
-    let work_precision = |_| scene::work_precision(file, &question);
+    let (tolerance, budget) = (arguments.tolerance, time(&arguments.budget)?);
+    let work_precision = |_| scene::work_precision(file, &question, tolerance, budget);
     let long_run = |_| scene::long_run(file);
     run_studies(arguments, &scene::entries(&work_precision, &long_run))
 }
@@ -210,35 +179,6 @@ fn reported(outcomes: &[Outcome<'_>], written: &Path, quiet: bool) -> ExitCode {
         println!("\n{}", written.display());
     }
     verdict(outcomes.iter().flat_map(|outcome| outcome.failures()))
-}
-
-fn run_choose(arguments: &Choose) -> Result<ExitCode, Failure> {
-    let file = &arguments.file;
-    let question = Question {
-        observable: arguments.observable.clone(),
-        tolerance: arguments.tolerance,
-        budget: time(&arguments.budget)?,
-        horizon: arguments.horizon,
-    };
-    let (answer, lab) = choose(file, &question)?;
-    print!("{answer}");
-    emit(&arguments.chart, &picture(&answer)?)?;
-    println!("\n{}", arguments.chart.display());
-    if let Some(path) = &arguments.json {
-        emit(path, &json(&answer)?)?;
-        println!("{}", path.display());
-    }
-    if let Some(path) = &arguments.emit {
-        let text = std::fs::read_to_string(file)?;
-        if let Some(text) = emitted(&file.display().to_string(), &text, &answer, &lab)? {
-            emit(path, &text)?;
-            println!("{}", path.display());
-        }
-    }
-    Ok(match answer.verdict {
-        Verdict::Chosen(_) => ExitCode::SUCCESS,
-        _ => ExitCode::FAILURE,
-    })
 }
 
 fn run_trials(arguments: &stationary_trials::Arguments) -> Result<ExitCode, Failure> {

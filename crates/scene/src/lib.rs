@@ -108,6 +108,7 @@
 //! | `elasticity` | springs, nets, solids | |
 //! | `modal` | the integrator `"linear-modes"`; with `elasticity`, solids that are hung | |
 //! | `laplacian` | heat | `modal` |
+//! | `choose` | [`choose`], the cheapest way to run a scene for a question | all of them |
 //!
 //! A file is read alike under any of them: a word whose feature is not on is answered by
 //! [`Fault::NotCompiled`] at its place. The crate's public types are the same as well; of a method or
@@ -240,6 +241,8 @@ mod sheet;
 mod vtk;
 mod walls;
 
+#[cfg(feature = "choose")]
+pub mod choose;
 pub mod limits;
 pub mod problems;
 pub mod shipped;

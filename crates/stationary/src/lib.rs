@@ -7,6 +7,7 @@
 //! calculus     is this derivative right?                     assert_derivatives(&potential, &q)
 //! mesh         what does space consist of?                   segments, triangles, tetrahedra
 //! integrators  how does a system get to a moment later?      (q, p) -> Phi_h(q, p)
+//! choose       which method, and which step?             min work, error <= tolerance
 //! constraints  how is g(q) = 0 kept?                         M a = -dV + dg^T lambda
 //! rigid        how do rotations move?                        R. = R [omega]x
 //! contact      what if things touch?                         0 <= gap, 0 <= lambda
@@ -28,12 +29,16 @@
 //! stationary new top.toml --like heavy-top       a scene to begin with, commented
 //! stationary words friction                      what may be said of friction
 //! stationary run top.toml --out top              a trajectory, tables, pictures and a page that plays
+//! stationary choose top.toml --observable energy --tolerance 1e-3
+//!                                                the cheapest way to run it within that error
 //! ```
 
 #[cfg(feature = "calculus")]
 pub use stationary_calculus as calculus;
 #[cfg(feature = "chart")]
 pub use stationary_chart as chart;
+#[cfg(feature = "choose")]
+pub use stationary_choose as choose;
 #[cfg(feature = "constraints")]
 pub use stationary_constraints as constraints;
 #[cfg(feature = "contact")]

@@ -1,5 +1,6 @@
-//! What the program can be told: a scene to begin with, the words of a scene, and to run one.
+//! What the program can be told: a scene to begin with, the words of a scene, to run one, and to choose how.
 
+mod choose;
 mod new;
 mod run;
 mod words;
@@ -11,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::SIGPIPE;
 use signal_hook::flag;
 
+pub use choose::{Choose, TimeError, json, ladder_of, time};
 pub use new::{New, NewSceneError, new_scene};
 pub use run::{Ending, Job, Progress, Run, RunSceneError, Series, Start, run_job, run_scene};
 pub use words::{Word, Words, words};
@@ -20,6 +22,8 @@ pub use words::{Word, Words, words};
 pub enum Command {
     /// Runs a scene file and writes its trajectory, observables and picture.
     Run(Run),
+    /// Finds the cheapest model, method and step, or tolerance, for an observable of a scene.
+    Choose(Choose),
     /// Finds the words of a scene file: what they mean, and what they may be.
     Words(Words),
     /// Writes a scene to begin with, commented.
@@ -34,6 +38,7 @@ impl Command {
     pub fn run(&self) -> Result<ExitCode, Box<dyn std::error::Error>> {
         match self {
             Command::Run(run) => run.run(),
+            Command::Choose(choose) => choose.run(),
             Command::Words(words) => Ok(words.run()),
             Command::New(new) => new.run(),
         }

@@ -9,12 +9,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use stationary_chart::{Axis, Lines, Mark, Series};
-use stationary_measure::{Column, Table};
-
-use crate::choose::{
-    Found, Lab, Question, Reference, Verdict, answer, exhaustive, laboratory, preferred, refer,
-    way_error,
+use stationary_choose::{
+    Found, Lab, Reference, Verdict, answer, exhaustive, preferred, refer, way_error,
 };
+use stationary_measure::{Column, Table};
+use stationary_scene::choose::{Question, SceneLadder, scene_ladder};
+
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The study.
@@ -112,7 +112,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
             Size::Full => Some(asked.long),
         };
         let Some(horizon) = horizon else { continue };
-        let mut lab = lab(asked, horizon)?;
+        let ladder = ladder(asked, horizon)?;
+        let lab = Lab::new(&ladder, BUDGET).map_err(StudyError::at(asked.scene))?;
+        let mut lab = lab.bounded(asked.most_work);
         cases.scenes += 1;
         let tolerances = match size {
             Size::Default => &TOLERANCES[..3],
@@ -137,24 +139,18 @@ fn study(size: Size) -> Result<Study, StudyError> {
     Ok(shown(&cases))
 }
 
-fn lab(asked: &Asked, horizon: f64) -> Result<Lab, StudyError> {
+fn ladder(asked: &Asked, horizon: f64) -> Result<SceneLadder, StudyError> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/scene/scenes");
     let file = folder.join(format!("{}.toml", asked.scene));
     let name = file.display().to_string();
     let text = fs::read_to_string(&file).map_err(StudyError::at(name.as_str()))?;
-    let question = Question {
-        observable: asked.observable.to_owned(),
-        tolerance: TOLERANCES[0],
-        budget: BUDGET,
-        horizon: Some(horizon),
-    };
-    let lab = laboratory(&name, &text, &question).map_err(StudyError::at(asked.scene))?;
-    Ok(lab.bounded(asked.most_work))
+    let question = Question { observable: asked.observable.to_owned(), horizon: Some(horizon) };
+    scene_ladder(&name, &text, &question).map_err(StudyError::at(asked.scene))
 }
 
-fn case(asked: &Asked, lab: &mut Lab, truth: &Reference, tolerance: f64) -> Option<Case> {
+fn case(asked: &Asked, lab: &mut Lab<'_>, truth: &Reference, tolerance: f64) -> Option<Case> {
     lab.forget();
-    let answer = answer(lab, tolerance);
+    let answer = answer(lab, tolerance).ok()?;
     let row = answer.choice()?;
     let error = way_error(lab, truth, row.at, tolerance)?;
     let chosen = Found { at: row.at, work: row.work, error };
@@ -175,7 +171,7 @@ fn case(asked: &Asked, lab: &mut Lab, truth: &Reference, tolerance: f64) -> Opti
 
 /// The work of the cheapest run of the scene as it is written that keeps to the tolerance: what a
 /// simpler model saves is measured by it.
-fn written(lab: &mut Lab, truth: &Reference, chosen: &Found, tolerance: f64) -> u64 {
+fn written(lab: &mut Lab<'_>, truth: &Reference, chosen: &Found, tolerance: f64) -> u64 {
     if lab.family(chosen.at.family).converges() {
         return chosen.work;
     }

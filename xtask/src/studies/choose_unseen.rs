@@ -5,11 +5,11 @@
 //! cheaper is run as well.
 
 use stationary_chart::{Axis, Lines, Mark, Series};
+use stationary_choose::{At, Verdict, answer, exhaustive, preferred, refer};
 use stationary_measure::{Column, Table};
 use stationary_trials::{Draw, Plan};
 
-use crate::choose::{Verdict, answer, exhaustive, preferred, refer};
-use crate::choosing::{KINDS, posed};
+use crate::choosing::{KINDS, laboratory, posed};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
 
 /// The study.
@@ -135,9 +135,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
 /// A question answered and searched; nothing where it has no answer.
 fn search(case: u64) -> Option<Searched> {
     let mut draw = Draw::new(case);
-    let (asked, lab) = posed(&mut draw);
-    let mut lab = lab.ok()?;
-    let answer = answer(&mut lab, asked.tolerance);
+    let (asked, ladder) = posed(&mut draw);
+    let ladder = ladder.ok()?;
+    let mut lab = laboratory(&ladder).ok()?;
+    let answer = answer(&mut lab, asked.tolerance).ok()?;
     let Verdict::Chosen(at) = answer.verdict else { return None };
     let (work, spent) = (answer.choice()?.work, answer.spent.total());
     lab.forget();
@@ -148,7 +149,7 @@ fn search(case: u64) -> Option<Searched> {
         .or(answer.reference)?;
     let all: Vec<usize> = (0..lab.ladder().families.len()).collect();
     let best = exhaustive(&mut lab, &all, &truth, asked.tolerance, work);
-    let name = |at: crate::choose::At| {
+    let name = |at: At| {
         let family = lab.family(at.family);
         format!("{} {:.3e}", family.name, family.rungs[at.rung].setting)
     };

@@ -4,15 +4,17 @@
 //! method of equal steps at the step of the file.
 
 use std::path::Path;
+use std::time::Duration;
 
+use stationary::program::ladder_of;
 use stationary_chart::{Axis, Lines, Series};
+use stationary_choose::{
+    Answer, At, Experiment, Judgement, Kind as Setting, Lab, Row, answer, chart, charted,
+};
 use stationary_measure::{Cell, Column, Table};
+use stationary_scene::choose::{Change, Question, SceneLadder, changed};
 use stationary_scene::{Run, Scene};
 
-use crate::choose::{
-    Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, chart,
-    charted, choose,
-};
 use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError};
 
 /// Errors for which a method is named.
@@ -80,9 +82,16 @@ fn named(text: &str) -> Option<String> {
 ///
 /// # Errors
 /// Where the question cannot be asked.
-pub fn work_precision(file: &Path, question: &Question) -> Result<Study, StudyError> {
+pub fn work_precision(
+    file: &Path,
+    question: &Question,
+    tolerance: f64,
+    budget: Duration,
+) -> Result<Study, StudyError> {
     let name = file.display().to_string();
-    let (answer, mut lab) = choose(file, question).map_err(StudyError::at(name))?;
+    let ladder = ladder_of(file, question).map_err(StudyError::at(name.as_str()))?;
+    let mut lab = Lab::new(&ladder, budget).map_err(StudyError::at(name.as_str()))?;
+    let answer = answer(&mut lab, tolerance).map_err(StudyError::at(name.as_str()))?;
     let answer = charted(&mut lab, answer);
     let confirmed = answer.reference.as_ref().is_some_and(|reference| reference.is_confirmed);
     Ok(Study {
@@ -90,7 +99,7 @@ pub fn work_precision(file: &Path, question: &Question) -> Result<Study, StudyEr
         krate: "scene",
         chapter: "your scene",
         kind: WORK_PRECISION.1,
-        title: format!("{}: what a digit costs", lab.ladder().written().scene.title()),
+        title: format!("{}: what a digit costs", lab.ladder().title),
         conclusion: advice(&answer, &lab),
         table: answer.table(),
         charts: vec![chart(&answer), by_time(&answer).into()],
@@ -103,7 +112,7 @@ pub fn work_precision(file: &Path, question: &Question) -> Result<Study, StudyEr
 }
 
 /// What was chosen, and what to write into the scene's file for other errors.
-fn advice(answer: &Answer, lab: &Lab) -> String {
+fn advice(answer: &Answer, lab: &Lab<'_>) -> String {
     let uncertainty = answer.reference.as_ref().map_or(f64::INFINITY, |made| made.uncertainty);
     let meets = |row: &&Row, tolerance: f64| {
         let errs = match row.judgement {
@@ -167,7 +176,7 @@ pub fn long_run(file: &Path) -> Result<Study, StudyError> {
     let written = Scene::parse_at(&name, &text).map_err(StudyError::at(name.as_str()))?;
     let text = changed(&text, &[Change::to("observables", asked(&written))]);
     let scene = Scene::parse_at(&name, &text).map_err(StudyError::at(name.as_str()))?;
-    let ladder = Ladder::of(&name, &text, &scene).map_err(StudyError::at(name.as_str()))?;
+    let ladder = SceneLadder::of(&name, &text, &scene).map_err(StudyError::at(name.as_str()))?;
     let mut chart = Lines::new(
         "Energy",
         Axis::log("time", &scene.units().time),
@@ -181,14 +190,14 @@ pub fn long_run(file: &Path) -> Result<Study, StudyError> {
         Column::exact("evaluations"),
     ]);
     let every = scene.timing().steps().div_ceil(SAMPLES).max(1);
-    for family in &ladder.families {
+    for (place, family) in ladder.ladder().families.iter().enumerate() {
         if family.model != 0 || family.kind != Setting::EqualSteps {
             continue;
         }
         // The method of the family, at the step of the file.
         let own = |change: &&Change| change.key != "step" && change.key != "sample_every";
-        let mut changes: Vec<Change> =
-            family.rungs[0].changes.iter().filter(own).cloned().collect();
+        let says = &ladder.setting(At { family: place, rung: 0 }).changes;
+        let mut changes: Vec<Change> = says.iter().filter(own).cloned().collect();
         changes.push(Change::to("sample_every", every.to_string()));
         let Ok(scene) = Scene::parse_at(&name, &changed(&text, &changes)) else { continue };
         let run = scene.run();

@@ -1,5 +1,6 @@
 //! What the program does.
 
+mod choose;
 mod new;
 mod runs;
 mod words;

@@ -1,0 +1,446 @@
+//! Whether a choice keeps to the tolerance over its whole way, and whether its reference is trusted.
+//!
+//! ```text
+//! error          max_t |x(t) - x*(t)| / scale        over its whole way (`way.rs`)
+//! uncertainty    of x*, grown as its last two runs differ more at their samples than at the moments,
+//!                and by what is lost where it is read off between them (`track.rs`)
+//! ```
+//! A reference is trusted where a run of another kind agrees with it over the whole way, and where it
+//! keeps the energy ten times better than the tolerance asks if nothing takes any. Where
+//! something does, or where there is but one kind of method, agreement alone is left: with another kind
+//! to half of the tolerance, or with itself. What agrees with energies that are kept need come only as
+//! near as the tolerance, and with a closed form not so near.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::climb::rungs_to_go;
+use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
+use crate::effort::Purpose;
+use crate::grid::{Grid, Within};
+use crate::lab::Lab;
+use crate::ladder::{At, Kind, MOMENTS};
+use crate::look::{Look, apart, apart_where_own};
+use crate::reference::{Extrapolated, Reference};
+use crate::search::BARELY;
+use crate::way::{Way, nothing};
+
+/// What a choice was found to be over its whole way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// At how many moments it was looked at.
+    pub moments: usize,
+    /// Every so manieth step was looked at.
+    pub every: usize,
+    /// Into so many steps; nothing where into all of them.
+    pub steps: Option<usize>,
+    /// Its error in the observable.
+    pub error: f64,
+    /// How far its energy is off, relative to the largest kinetic energy.
+    pub energy: Option<f64>,
+    /// How far its places are off, relative to the largest way of one.
+    pub places: Option<f64>,
+    /// How far a run of another kind is from the reference, and which; nothing where there is none.
+    pub other: Option<(At, f64)>,
+}
+
+/// Why a reference is not trusted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt {
+    /// A run cannot be looked at over its whole way, or the budget is over.
+    Unseen,
+    /// It should keep its energy and does not.
+    Energy(f64),
+    /// Its own runs differ too much between the moments.
+    Uncertain(f64),
+    /// Another kind of method comes to something else.
+    Disagrees(f64),
+    /// Too many choices turned out to be wrong between the moments.
+    Restless,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::Unseen => {
+                f.write_str("a run could not be followed over its whole way within the budget")
+            }
+            Doubt::Energy(off) => write!(
+                f,
+                "nothing takes energy, but the reference's changes by {off:.1e} of the largest kinetic \
+                 energy"
+            ),
+            Doubt::Uncertain(off) => {
+                write!(f, "over the whole way the reference is uncertain by {off:.1e}")
+            }
+            Doubt::Disagrees(off) => write!(
+                f,
+                "over the whole way a method of another kind differs from the reference by {off:.1e}"
+            ),
+            Doubt::Restless => {
+                f.write_str("every run that met it at the moments misses it between them")
+            }
+        }
+    }
+}
+
+/// What is found.
+pub enum Finding {
+    /// The choice holds, by a reference that is trusted.
+    Holds(Seen),
+    /// The same, but no other kind of method was found to agree with the reference.
+    Unconfirmed(Seen),
+    /// The choice's error over the whole way, which is or may be beyond the tolerance.
+    Beyond(f64),
+    /// The scale is larger than the moments have shown.
+    Larger(f64),
+    /// The reference is not trusted.
+    Doubtful(Doubt),
+}
+
+/// The part of the tolerance to which a reference keeps what is kept.
+const KEPT: f64 = 0.1;
+/// Scales that differ by less are the same.
+const SAME_SCALE: f64 = 1.01;
+/// How near another kind must come, in tolerances: to what keeps its energy, and to a closed form, where
+/// it is never asked for more than a part of the scale. Energy alone does not do: one that is kept to a
+/// part of its largest value, in a close encounter, is lost against the others.
+const NEAR_KEPT: f64 = 1.0;
+const NEAR_CLOSED: f64 = 10.0;
+const NEAR: f64 = 0.1;
+/// Runs of other kinds that are looked at where the first is too far between the moments.
+const FINER: usize = 12;
+/// How much larger an error may be between two moments.
+const BETWEEN: f64 = 1.05;
+/// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
+const LEAST_HALVINGS: u32 = 1;
+const MOST_HALVINGS: u32 = 7;
+/// Places that are off by this part of the largest way are those of another motion.
+const ANOTHER: f64 = 0.1;
+/// The part of the tolerance to which what is read off between samples is known.
+const RESOLVED: f64 = 0.02;
+
+/// A reference at the moments of a grid, and how far it may be off since it is read off between its
+/// samples, where these tell it to within `allowed` of the observable.
+pub fn told(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    (grid, within): (&Grid, Within),
+    allowed: f64,
+) -> Option<(Look, f64)> {
+    let at = |rung: usize| At { family: reference.family, rung };
+    let (fine, off) = lab.read(at(reference.finest), (grid, within), allowed)?;
+    let mut best = Look::clone(&fine);
+    if reference.extrapolated == Extrapolated::No {
+        return Some((best, off));
+    }
+    let weight = 1.0 / (f64::from(1_u32 << lab.family(reference.family).order) - 1.0);
+    let (middle, other) = lab.read(at(reference.before), (grid, within), allowed / weight)?;
+    let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
+    for (best, other) in [(&mut best.values, &middle.values), (&mut best.places, &middle.places)] {
+        for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
+            *x = led(*x, *y);
+        }
+    }
+    best.energies.iter_mut().zip(&middle.energies).for_each(|(x, y)| *x = led(*x, *y));
+    Some((best, off + weight * other))
+}
+
+/// The uncertainty of a reference over its whole way, in the observable's own unit: grown as its last two
+/// runs differ more there than at the moments. Those of equal steps are compared at their samples; those of
+/// own steps have few, and an encounter may lie between two of them.
+fn uncertainty(lab: &mut Lab<'_>, reference: &Reference, way: &Way, allowed: f64) -> Option<f64> {
+    let at = |rung: usize| At { family: reference.family, rung };
+    let (fine, middle) = (at(reference.finest), at(reference.before));
+    let samples = || (samples(lab, middle, way.halvings()), Within::Ends);
+    let (grids, allowed) = match lab.family(reference.family).kind {
+        Kind::OwnSteps => (way.grids.clone(), allowed),
+        _ if lab.seen(middle).is_some_and(|run| run.track.is_some()) => (vec![samples()], 0.0),
+        _ => (vec![way.grids.first()?.clone()], 0.0),
+    };
+    let mut differs = 0.0_f64;
+    for (grid, within) in &grids {
+        let (fine, _) = lab.read(fine, (grid, *within), allowed)?;
+        let (middle, _) = lab.read(middle, (grid, *within), allowed)?;
+        differs = differs.max(apart_where_own(&fine, &middle));
+    }
+    let own = reference.uncertainty * reference.course.scale;
+    let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
+    Some(if own > 0.0 { own * grown } else { differs })
+}
+
+/// A reference at all moments of a way, and its uncertainty there.
+fn whole_way(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    way: &Way,
+    allowed: f64,
+) -> Option<(Look, f64)> {
+    let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
+    for (grid, within) in &way.grids {
+        let (next, off) = told(lab, reference, (grid, *within), allowed)?;
+        all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
+        most = most.max(off);
+    }
+    Some((all?, most + uncertainty(lab, reference, way, allowed)?))
+}
+
+/// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
+/// where its samples tell it there, else at these samples.
+fn off_other(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    at: At,
+    (way, truth): (&Way, &Look),
+    allowed: f64,
+) -> Option<f64> {
+    let track = lab.seen(at)?.track.clone();
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let moments = lab.moments(grid, *within)?;
+        let reading = track.as_ref().map(|track| track.read(&moments.times));
+        let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
+            let ends = samples(lab, at, LEAST_HALVINGS);
+            let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
+            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed)?;
+            return Some(apart_where_own(&other, &truth));
+        };
+        all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
+    }
+    Some(apart_where_own(&all?, truth))
+}
+
+/// The samples of a run, and where these are few, parts of its steps too.
+fn samples(lab: &Lab<'_>, at: At, least: u32) -> Grid {
+    let track = lab.seen(at).and_then(|run| run.track.as_ref());
+    let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
+    let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
+    Grid::Equal { halvings: halvings.max(least.min(LEAST_HALVINGS)) }
+}
+
+/// What a run itself gives at all moments of a way: within steps, by parts of them.
+fn own_on(lab: &mut Lab<'_>, at: At, way: &Way) -> Option<Look> {
+    let mut all: Option<Look> = None;
+    for (grid, within) in &way.grids {
+        let next = match within {
+            Within::Ends => lab.read(at, (grid, *within), 0.0)?.0,
+            Within::Parts => lab.look(at, grid, *within)?,
+        };
+        all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
+    }
+    all
+}
+
+/// What may be lost by reading a run off between its samples, in the observable's unit.
+fn allowed(reference: &Reference, tolerance: f64) -> f64 {
+    RESOLVED * tolerance * reference.course.scale
+}
+
+/// The error of a run over its whole way by a reference, to a small part of the tolerance; nothing where
+/// one of them has none.
+pub fn way_error(lab: &mut Lab<'_>, reference: &Reference, at: At, tolerance: f64) -> Option<f64> {
+    let grid = Grid::of(lab, at);
+    let own = lab.look(at, &grid, Within::Parts)?;
+    let allowed = allowed(reference, tolerance);
+    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed)?;
+    Some(apart(&own.values, &truth.values) / reference.course.scale)
+}
+
+/// Looks at a choice over its whole way.
+pub fn verify(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+    families: &[usize],
+) -> Finding {
+    lab.turn_to(Purpose::WithinReference);
+    let least = nothing(&reference.course, tolerance);
+    if let Some(some) = Way::some(lab, reference, at, least)
+        && let Some(finding) = verify_on(lab, reference, (at, &some), tolerance, families)
+    {
+        return finding;
+    }
+    let all = Way::all(lab, at);
+    let mut finding = verify_on(lab, reference, (at, &all), tolerance, families);
+    if let Some(Finding::Holds(seen)) = &finding
+        && seen.places.is_some_and(is_another)
+        && let Some(closely) = Way::closely(lab, at)
+    {
+        finding = verify_on(lab, reference, (at, &closely), tolerance, families);
+    }
+    finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Looks at a choice at the moments of a way; nothing where these do not tell.
+fn verify_on(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    (at, way): (At, &Way),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<Finding> {
+    let allowed = allowed(reference, tolerance);
+    lab.turn_to(Purpose::WithinChoice);
+    let Some(own) = own_on(lab, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
+    lab.turn_to(Purpose::WithinReference);
+    let Some((truth, uncertainty)) = whole_way(lab, reference, way, allowed) else {
+        return Some(Finding::Doubtful(Doubt::Unseen));
+    };
+    let keeps = lab.ladder().keeps_energy;
+    let scale = truth.scale(lab.ladder().scale);
+    if scale > SAME_SCALE * reference.course.scale {
+        return Some(Finding::Larger(scale));
+    }
+    let scale = reference.course.scale;
+    if keeps && truth.drift() > KEPT * tolerance {
+        return Some(Finding::Doubtful(Doubt::Energy(truth.drift())));
+    }
+    let uncertainty = uncertainty / scale;
+    if uncertainty > BARELY * tolerance {
+        return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
+    }
+    let error = apart(&own.values, &truth.values) / scale;
+    // What is sampled may be larger in between.
+    if BETWEEN * error + uncertainty > tolerance {
+        return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
+    }
+    let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
+    let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
+        .then(|| off_places(&own, &truth));
+    // What is another motion may do anything within a step, though its ends show none of it.
+    if !way.is_all() && places.is_some_and(is_another) {
+        return None;
+    }
+    let between = way.between(lab, reference, at, allowed)?;
+    let most = between.max(way.foretold(lab, &own, &truth));
+    if most / scale + uncertainty > tolerance || between.is_nan() {
+        return None;
+    }
+    let near = match lab.family(reference.family).is_closed {
+        true => (BARELY * tolerance).max(NEAR.min(NEAR_CLOSED * tolerance)),
+        false if keeps => NEAR_KEPT * tolerance,
+        false => BARELY * tolerance,
+    };
+    lab.turn_to(Purpose::Confirmation);
+    let other = match agreement(lab, reference, (near, way, allowed), families, &truth) {
+        Agreement::With(other, off) => Some(Some((other, off))),
+        Agreement::Alone => Some(None),
+        Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),
+        Agreement::None => None,
+    };
+    let energy = (comparable && !own.energies.is_empty()).then(|| {
+        let changes = own.energies.iter().zip(&truth.energies);
+        let off = changes.map(|(a, b)| ((a - own.energies[0]) - (b - truth.energies[0])).abs());
+        off.fold(0.0, f64::max) / truth.kinetic.max(f64::MIN_POSITIVE)
+    });
+    let every = way.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
+    let every = every.map(|moments| moments.every).max().unwrap_or(1);
+    // What the reference is made of is as wrong as that is uncertain.
+    let is_reference = at == At { family: reference.family, rung: reference.finest };
+    let error = if is_reference { error.max(uncertainty) } else { error };
+    let (moments, steps) = (own.values.len() - 1, way.steps());
+    let seen = Seen { moments, every, steps, error, energy, places, other: other.flatten() };
+    Some(match other {
+        Some(_) => Finding::Holds(seen),
+        None => Finding::Unconfirmed(seen),
+    })
+}
+
+/// Whether places are off by so much that the motion is another one.
+fn is_another(off: f64) -> bool {
+    off.is_nan() || off > ANOTHER
+}
+
+/// The largest distance of a place from where it should be, relative to the largest way of one.
+fn off_places(own: &Look, truth: &Look) -> f64 {
+    let largest = |a: &[Vec<f64>], b: &[f64]| {
+        let all = a.iter().flat_map(|row| row.iter().zip(b).map(|(x, y)| (x - y).abs()));
+        all.fold(0.0, f64::max)
+    };
+    let off = own.places.iter().zip(&truth.places);
+    let off = off.flat_map(|(a, b)| a.iter().zip(b).map(|(x, y)| (x - y).abs()));
+    let way = largest(&truth.places, &truth.places[0]).max(f64::MIN_POSITIVE);
+    off.fold(0.0, f64::max) / way
+}
+
+enum Agreement {
+    With(At, f64),
+    Disagrees(f64),
+    Alone,
+    None,
+}
+
+/// A run of another kind, or what its runs lead to, that is near the reference over the whole way.
+fn agreement(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    (near, way, allowed): (f64, &Way, f64),
+    families: &[usize],
+    truth: &Look,
+) -> Agreement {
+    let scale = reference.course.scale;
+    match confirmed(lab, reference, near, families) {
+        Confirmed::Alone => Agreement::Alone,
+        Confirmed::No => Agreement::None,
+        Confirmed::Led(other) => {
+            let at = At { family: other.family, rung: other.finest };
+            let Some((other, _)) = whole_way(lab, &other, way, allowed) else {
+                return Agreement::None;
+            };
+            let off = apart_where_own(&other, truth) / scale;
+            match off <= near {
+                true => Agreement::With(at, off),
+                false => finer_agrees(lab, reference, (near, way, allowed), (at, families), truth),
+            }
+        }
+        Confirmed::By(first) => {
+            finer_agrees(lab, reference, (near, way, allowed), (first, families), truth)
+        }
+    }
+}
+
+/// Looks at ever finer runs of other kinds, the cheapest first, until one is near over the whole way.
+fn finer_agrees(
+    lab: &mut Lab<'_>,
+    reference: &Reference,
+    (near, way, allowed): (f64, &Way, f64),
+    (first, families): (At, &[usize]),
+    truth: &Look,
+) -> Agreement {
+    let most = PATIENCE * lab.spent();
+    let mut least = f64::INFINITY;
+    // The rung of each family that comes next.
+    let mut next: BTreeMap<usize, usize> = BTreeMap::from([(first.family, first.rung)]);
+    let mut at = first;
+    for _ in 0..FINER {
+        lab.measure(at);
+        lab.turn_to(Purpose::WithinOther);
+        let off = off_other(lab, reference, at, (way, truth), allowed);
+        lab.turn_to(Purpose::Confirmation);
+        if let Some(off) = off {
+            let off = off / reference.course.scale;
+            if off <= near {
+                return Agreement::With(at, off);
+            }
+            least = least.min(off);
+            next.insert(at.family, at.rung + rungs_to_go(lab.family(at.family), near, off));
+        } else {
+            next.insert(at.family, at.rung + 1);
+        }
+        let rung = |lab: &Lab<'_>, family: usize| match next.get(&family) {
+            Some(&rung) => {
+                Some(At { family, rung }).filter(|at| at.rung < lab.family(family).rungs.len())
+            }
+            None => next_rung(lab, reference, near, family),
+        };
+        let others = families.iter().filter(|&&family| family != reference.family);
+        let others = others.filter_map(|&family| rung(lab, family));
+        let affordable = others.filter(|&at| lab.affords(at) && lab.predicted(at) <= most);
+        match affordable.min_by_key(|&at| (lab.predicted(at), at)) {
+            Some(cheapest) if !lab.late() => at = cheapest,
+            _ => break,
+        }
+    }
+    if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
+}

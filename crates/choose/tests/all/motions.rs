@@ -1,0 +1,193 @@
+//! Motions of potentials of one's own.
+
+use std::time::Duration;
+
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
+use stationary_choose::{
+    At, Experiment, Judgement, Kind, Lab, Motion, QuestionError, Verdict, answer, charted,
+    exhaustive, preferred, refer, way_error,
+};
+use stationary_integrators::State;
+use stationary_integrators::problems::{kepler, pendulum};
+
+const LONG: Duration = Duration::from_secs(600);
+
+/// Two wells: `V(q) = a (q^4 / 4 - q^2 / 2)`.
+struct Wells(f64);
+
+impl Potential for Wells {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.0 * (0.25 * q[0].powi(4) - 0.5 * q[0] * q[0])
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        dv.0[0] += self.0 * (q[0].powi(3) - q[0]);
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        hessian.add_symmetric(&[0], &[self.0 * (3.0 * q[0] * q[0] - 1.0)]);
+    }
+}
+
+fn wells(depth: f64) -> System<DiagonalMetric<[f64; 1]>, Wells> {
+    System::new(DiagonalMetric::new([1.0]).unwrap(), Wells(depth)).unwrap()
+}
+
+fn at_rest(q: &[f64]) -> State<Vec<f64>> {
+    State::new(q.to_vec(), Covector(vec![0.0; q.len()]))
+}
+
+#[test]
+fn the_choice_is_within_a_tenth_of_the_cheapest_that_exhaustive_search_finds() {
+    for (depth, start) in [(1.0, 0.1), (1.0, 1.6), (30.0, 1.2)] {
+        let system = wells(depth);
+        let place = |state: &State<Vec<f64>>| vec![state.q[0]];
+        let motion = Motion::new(&system, at_rest(&[start]), 12.0, place).unwrap();
+        for tolerance in [1e-1, 1e-2, 1e-3, 1e-5] {
+            let mut lab = Lab::new(&motion, LONG).unwrap();
+            let answer = answer(&mut lab, tolerance).unwrap();
+            let Verdict::Chosen(chosen) = answer.verdict else { panic!("{answer}") };
+            let work = answer.choice().unwrap().work;
+            lab.forget();
+            let families = preferred(&lab, 1e-3 * tolerance);
+            let truth = refer(&mut lab, &families, 1e-3 * tolerance).unwrap();
+            let error = way_error(&mut lab, &truth, chosen, tolerance).unwrap();
+            assert!(error <= tolerance, "{error:e}\n{answer}");
+            let all: Vec<usize> = (0..motion.ladder().families.len()).collect();
+            let best = exhaustive(&mut lab, &all, &truth, tolerance, work);
+            let least = best.map_or(work, |best| best.work);
+            assert!(work as f64 <= 1.1 * least as f64, "{work} {least}\n{answer}");
+        }
+    }
+}
+
+#[test]
+fn the_choice_on_an_ellipse_keeps_to_the_closed_form() {
+    let planet = kepler(0.6).unwrap();
+    let start = State::new(planet.initial.q.to_vec(), Covector(planet.initial.p.0.to_vec()));
+    let horizon = 2.5 * planet.period;
+    let place = |state: &State<Vec<f64>>| state.q.clone();
+    let motion = Motion::new(&planet.system, start, horizon, place).unwrap();
+    for tolerance in [1e-2, 1e-4, 1e-6, 1e-9] {
+        let mut lab = Lab::new(&motion, LONG).unwrap();
+        let answer = answer(&mut lab, tolerance).unwrap();
+        let at = answer.choice().unwrap_or_else(|| panic!("{answer}")).at;
+        let (run, scale) = (lab.measure(at), answer.reference.as_ref().unwrap().course.scale);
+        for (moment, q) in run.whole().unwrap().values.iter().enumerate().skip(1) {
+            let t = horizon * moment as f64 / 20.0;
+            let off = planet.error(t, &[q[0], q[1]]).unwrap();
+            assert!(off <= tolerance * scale, "{off:e} at {t}\n{answer}");
+        }
+        // Few steps of a high order are what many digits ask for.
+        let order = lab.family(at.family).order;
+        assert!(tolerance > 1e-5 || order >= 6, "{answer}");
+    }
+}
+
+#[test]
+fn an_energy_is_judged_by_the_kinetic_energy_or_said_hardly_to_move() {
+    let swing = pendulum(2.0).unwrap();
+    let system = &swing.system;
+    let start = State::new(swing.initial.q.to_vec(), Covector(swing.initial.p.0.to_vec()));
+    let energy = |state: &State<Vec<f64>>| vec![system.energy(&state.q, state.p.view())];
+    let motion = Motion::new(system, start, 10.0, energy).unwrap();
+    let still = answer(&mut Lab::new(&motion, LONG).unwrap(), 1e-3).unwrap();
+    assert_eq!(still.verdict, Verdict::Still, "{still}");
+    let motion = motion.relative_to_kinetic_energy().named("a pendulum", "energy");
+    let chosen = answer(&mut Lab::new(&motion, LONG).unwrap(), 1e-3).unwrap();
+    assert!(matches!(chosen.verdict, Verdict::Chosen(_)), "{chosen}");
+    assert!(chosen.heading.starts_with("a pendulum: energy, relative to the largest kinetic"));
+}
+
+#[test]
+fn all_families_can_be_charted() {
+    let system = wells(1.0);
+    let motion = Motion::new(&system, at_rest(&[0.5]), 5.0, |s| vec![s.q[0]]).unwrap();
+    let mut lab = Lab::new(&motion, LONG).unwrap();
+    let answer = answer(&mut lab, 1e-3).unwrap();
+    let all = charted(&mut lab, answer);
+    for family in &motion.ladder().families {
+        assert!(all.rows.iter().any(|row| row.method == family.name), "{}", family.name);
+    }
+    assert!(stationary_choose::picture(&all).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused_by_its_name() {
+    let system = wells(1.0);
+    let ask = |start: State<Vec<f64>>, horizon: f64, value: f64| {
+        Motion::new(&system, start, horizon, move |_| vec![value]).map(|_| ()).unwrap_err()
+    };
+    assert!(matches!(ask(at_rest(&[0.0, 1.0]), 1.0, 0.0), QuestionError::Size(_)));
+    let what = "the configuration";
+    assert_eq!(ask(at_rest(&[f64::NAN]), 1.0, 0.0), QuestionError::NotFinite { what, place: 0 });
+    let what = "the observable";
+    assert_eq!(
+        ask(at_rest(&[0.5]), 1.0, f64::INFINITY),
+        QuestionError::NotFinite { what, place: 0 }
+    );
+    for horizon in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(ask(at_rest(&[0.5]), horizon, 0.0), QuestionError::Horizon(_)));
+    }
+    let nothing = Motion::new(&system, at_rest(&[0.5]), 1.0, |_| Vec::new());
+    assert_eq!(nothing.map(|_| ()).unwrap_err(), QuestionError::NothingObserved);
+    let motion = Motion::new(&system, at_rest(&[0.5]), 1.0, |s| vec![s.q[0]]).unwrap();
+    assert_eq!(
+        Lab::new(&motion, Duration::ZERO).map(|_| ()).unwrap_err(),
+        QuestionError::Budget(Duration::ZERO)
+    );
+    let mut lab = Lab::new(&motion, LONG).unwrap();
+    for tolerance in [0.0, -1.0, 1.0, f64::NAN, 1e-13] {
+        assert!(matches!(answer(&mut lab, tolerance), Err(QuestionError::Tolerance(_))));
+    }
+}
+
+#[test]
+fn an_observable_that_stops_being_a_number_is_a_failure_and_not_a_choice() {
+    let system = wells(1.0);
+    let root = |state: &State<Vec<f64>>| vec![(state.q[0] - 0.4).sqrt()];
+    let motion = Motion::new(&system, at_rest(&[1.6]), 6.0, root).unwrap();
+    let mut lab = Lab::new(&motion, LONG).unwrap();
+    let answer = answer(&mut lab, 1e-2).unwrap();
+    assert!(answer.choice().is_none(), "{answer}");
+}
+
+#[test]
+fn a_bounded_search_ends_and_names_nothing_that_was_not_run() {
+    let system = wells(1.0);
+    let motion = Motion::new(&system, at_rest(&[0.1]), 200.0, |s| vec![s.q[0]]).unwrap();
+    for most in [0, 10, 1_000, 100_000] {
+        let mut lab = Lab::new(&motion, LONG).unwrap().bounded(most);
+        let answer = answer(&mut lab, 1e-6).unwrap();
+        if let Some(row) = answer.choice() {
+            assert!(lab.used().any(|(at, run)| at == row.at && run.whole().is_some()));
+            assert!(matches!(row.judgement, Some(Judgement::Meets(_))));
+        }
+    }
+}
+
+#[test]
+fn a_rung_runs_the_same_twice_and_as_it_is_looked_at() {
+    let system = wells(1.0);
+    let motion = Motion::new(&system, at_rest(&[0.3]), 7.0, |s| vec![s.q[0]]).unwrap();
+    for (family, own) in motion.ladder().families.iter().enumerate() {
+        let at = At { family, rung: if own.kind == Kind::EqualSteps { 3 } else { 2 } };
+        let (mut one, mut two) =
+            (Lab::new(&motion, LONG).unwrap(), Lab::new(&motion, LONG).unwrap());
+        let (a, b) = (one.measure(at).clone(), two.measure(at).clone());
+        assert_eq!(a.course, b.course, "{}", own.name);
+        assert_eq!(a.work, b.work, "{}", own.name);
+        let Some(course) = a.whole() else { continue };
+        let moments = stationary_choose::Moments::equal(0, 7.0);
+        let look = motion.look(at, &moments, std::time::Instant::now() + LONG).unwrap();
+        // Six moments a twentieth: five within it, and its end.
+        for (moment, value) in course.values.iter().enumerate() {
+            let off = (look.values[6 * moment][0] - value[0]).abs();
+            assert!(off <= 1e-12, "{} {moment}: {off:e}", own.name);
+        }
+    }
+}

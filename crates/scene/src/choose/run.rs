@@ -1,0 +1,152 @@
+//! A setting of a model, run: what the search is left of it.
+
+use std::ops::ControlFlow;
+
+use stationary_choose::{Energies, Failure, MOMENTS, Record, Samples, Watch, counted};
+use stationary_integrators::{Cost, StepError};
+
+use super::declaration::changed;
+use super::ladder::Setting;
+use super::model::{Model, moved};
+use crate::{Checkpoint, Observable, Progress, Run, RunError, Scene, StepFailure, Watcher, Wish};
+
+/// Runs a model as a setting says, until the watch breaks off.
+pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watch<'_>) -> Record {
+    let scene = match Scene::parse_at(name, &changed(&model.text, &setting.changes)) {
+        Ok(scene) => scene,
+        Err(error) => {
+            let failure = Some(Failure::NotConverged(first_line(&error.to_string())));
+            return Record { failure, ..Record::default() };
+        }
+    };
+    let (every, hessian) = (scene.timing().steps() / MOMENTS, setting.hessian_work);
+    let pieces = model.pieces;
+    let work = |cost: Cost| pieces * counted(cost, hessian);
+    let mut judging = Judging { every, work: &work, watch, accepted: Vec::new() };
+    let run = scene.run_from(None, &mut judging);
+    let accepted = judging.accepted;
+    let (partial, failure) = match &run {
+        Ok(run) => (Some(run), None),
+        Err(error) => (error.partial(), Some(failure(error))),
+    };
+    let each = (every / scene.timing().sample_every()) as usize;
+    let Some(run) = partial else { return Record { failure, ..Record::default() } };
+    Record {
+        samples: samples(run, model),
+        each,
+        accepted,
+        outcomes: run.broken().iter().map(|broken| broken.rod).collect(),
+        told: told(run),
+        size: size(run),
+        work: work(run.cost()),
+        is_smooth: is_smooth(run),
+        failure,
+    }
+}
+
+/// What the run showed at each of its samples.
+fn samples(run: &Run, model: &Model) -> Samples {
+    let scene = run.scene();
+    let has_energy = scene.heat().is_none();
+    let (totals, kinetics) = match has_energy {
+        true => (run.energies(), run.kinetic_energies().to_vec()),
+        false => (Vec::new(), Vec::new()),
+    };
+    let (d, moved) = (scene.dimension(), moved(model));
+    let (mut samples, mut places) = (Samples::default(), Vec::new());
+    for sample in 0..run.times().len() {
+        let energies = totals.get(sample).zip(kinetics.get(sample));
+        let energies = energies.map(|(&total, &kinetic)| Energies { total, kinetic });
+        let all = run.positions(sample);
+        places.clear();
+        moved.iter().for_each(|&k| places.extend(&all[d * k..d * (k + 1)]));
+        samples.push(run.observed(sample), energies, &places);
+    }
+    samples
+}
+
+/// Whether no samples are joined by lines, and all are at equal distances.
+fn is_smooth(run: &Run) -> bool {
+    let scene = run.scene();
+    let breaks = scene.rods().iter().any(|rod| rod.strength.is_finite());
+    let parts = run.times().len().saturating_sub(1).max(1);
+    let spacing = scene.timing().horizon() / parts as f64;
+    let is_equal = |(k, t): (usize, &f64)| (t - k as f64 * spacing).abs() <= 1e-6 * spacing;
+    !breaks && run.times().iter().enumerate().all(is_equal)
+}
+
+/// Tells the watch of steps and moments.
+struct Judging<'t, 'w> {
+    /// Steps from one moment to the next.
+    every: u64,
+    work: &'t dyn Fn(Cost) -> u64,
+    watch: &'t mut Watch<'w>,
+    accepted: Vec<f64>,
+}
+
+impl Watcher for Judging<'_, '_> {
+    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+        let on = self.watch.stepped();
+        let at_moment = on.is_continue() && now.step.is_multiple_of(self.every);
+        let on = match at_moment {
+            true => self.watch.moment(now.observed, (self.work)(now.cost)),
+            false => on,
+        };
+        match on {
+            ControlFlow::Continue(()) => Wish::GoOn,
+            ControlFlow::Break(()) => Wish::Stop,
+        }
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+
+    fn own_ends(&mut self, ends: &[f64]) {
+        self.accepted.extend_from_slice(ends);
+    }
+}
+
+/// The scale of momenta: the sum of the parts' magnitudes.
+pub(super) fn told(run: &Run) -> f64 {
+    let [linear, angular] = run.momentum_scales();
+    match run.scene().observables().first() {
+        Some(Observable::LinearMomentum) => linear,
+        Some(Observable::AngularMomentum) => angular,
+        _ => 0.0,
+    }
+}
+
+/// What a place's or a velocity's scale would be where everything moved as far as the scene is wide.
+fn size(run: &Run) -> f64 {
+    let scene = run.scene();
+    let places = run.positions(0).chunks(scene.dimension());
+    let first = run.positions(0).get(..scene.dimension()).unwrap_or_default();
+    let distance =
+        |x: &[f64]| x.iter().zip(first).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+    let wide = places.map(distance).fold(0.0, f64::max);
+    let far = run.positions(0).iter().fold(0.0_f64, |far, x| far.max(x.abs()));
+    match scene.observables().first() {
+        Some(Observable::Position(_)) => wide.max(far),
+        Some(Observable::Velocity(_)) => wide.max(far) / scene.timing().horizon(),
+        _ => 0.0,
+    }
+}
+
+fn failure(error: &RunError) -> Failure {
+    let said = first_line(&error.to_string());
+    let source = match error {
+        RunError::Interrupted(interruption) => Some(&interruption.source),
+        RunError::Stopped(stop) => Some(&stop.source),
+        RunError::Assembly(_) | RunError::Checkpoint(_) => None,
+    };
+    match source {
+        Some(StepFailure::Step(
+            StepError::NonFiniteConfiguration { .. } | StepError::NonFiniteMomentum { .. },
+        ))
+        | Some(StepFailure::Overflow { .. }) => Failure::Unstable(said),
+        _ => Failure::NotConverged(said),
+    }
+}
+
+fn first_line(text: &str) -> String {
+    text.lines().next().unwrap_or_default().to_owned()
+}

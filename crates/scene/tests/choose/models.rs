@@ -1,0 +1,207 @@
+//! What can be made of a scene, and what of it is chosen.
+
+use stationary_choose::{Lab, answer};
+use stationary_scene::choose::{Model, Question, Sight, emitted};
+use stationary_scene::{Run, Scene};
+
+use super::{LONG, asked, laboratory, ladder};
+
+/// A beam of rubber in flight.
+const BEAM: &str = r#"
+dimension = 2
+integrator = "stormer-verlet"
+step = 0.0005
+horizon = 0.5
+observables = [{ position = "beam.end" }]
+uniform_gravity = { acceleration = [0, -9.81] }
+
+[[solids]]
+name = "beam"
+shape = { kind = "rectangle", size = [1, 0.2], cells = [8, 2] }
+thickness = 0.1
+density = 1000
+material = "neo-hookean"
+young = 1e6
+poisson = 0.3
+velocity = [1, 3]
+marks = { end = [1, 0.2] }
+"#;
+
+const PLATE: &str = r#"
+dimension = 2
+integrator = "implicit-euler"
+step = 0.01
+horizon = 0.2
+
+[heat]
+name = "plate"
+shape = { kind = "rectangle", size = [1, 0.5], cells = [16, 8] }
+diffusivity = 1
+held = [{ part = "left", temperature = 0 }, { part = "right", temperature = 20 }]
+marks = { middle = [0.5, 0.25] }
+"#;
+
+/// A ball between two walls.
+const BALL: &str = r#"
+dimension = 1
+integrator = "stormer-verlet"
+step = 0.01
+horizon = 3
+observables = ["energy"]
+particles = [{ name = "ball", mass = 2, radius = 0.5, position = [1.75], velocity = [1] }]
+
+[contact]
+restitution = 1
+walls = [{ normal = [1], at = [0] }, { normal = [-1], at = [3] }]
+"#;
+
+fn models(text: &str) -> Vec<Model> {
+    Model::all("a.toml", text, &Scene::parse("a.toml", text).unwrap())
+}
+
+fn words(text: &str) -> Vec<String> {
+    models(text).into_iter().map(|model| model.words).collect()
+}
+
+fn model(text: &str, sight: Sight) -> Model {
+    models(text).into_iter().find(|model| model.sight == sight).unwrap()
+}
+
+#[test]
+fn a_body_is_seen_as_elements_ever_coarser_as_rigid_and_as_a_point() {
+    let simpler = ["with 4 x 1 quadratic cells", "as a rigid body", "as a point mass"];
+    assert_eq!(words(BEAM), [["", "with 4 x 1 cells"].as_slice(), &simpler].concat());
+    let pieces: Vec<u64> = models(BEAM).iter().map(|model| model.pieces).collect();
+    // A triangle with six nodes and three points counts as 4.1 of those with three and one.
+    assert_eq!(pieces, [32, 8, 33, 1, 1]);
+    let lab = laboratory(BEAM, "position=beam.end");
+    for name in ["linear-modes", "linear-modes with 4 x 1 cells", "runge-kutta-4 as a rigid body"] {
+        assert!(lab.ladder().families.iter().any(|family| family.name == name), "{name}");
+    }
+}
+
+#[test]
+fn a_mesh_without_the_observed_place_is_no_model() {
+    // Halved once more there is no vertex in the middle of the end, but a node of an edge.
+    let text = BEAM.replace("end = [1, 0.2]", "end = [1, 0.1]");
+    let simpler = ["with 4 x 1 quadratic cells", "as a rigid body", "as a point mass"];
+    assert_eq!(words(&text), [[""].as_slice(), &simpler].concat());
+}
+
+#[test]
+fn a_body_of_quadratic_elements_is_seen_as_one_of_linear_ones_too() {
+    let text = BEAM.replace("thickness = 0.1", "thickness = 0.1\nelement = \"quadratic\"");
+    let expected = ["", "with 4 x 1 cells", "with 8 x 2 linear cells", "with 4 x 1 linear cells"];
+    assert_eq!(words(&text)[..4], expected);
+    let pieces: Vec<u64> = models(&text).iter().map(|model| model.pieces).collect();
+    assert_eq!(pieces, [131, 33, 32, 8, 1, 1]);
+    // A sheet that bends has no other elements.
+    let sheet = BEAM
+        .replace("dimension = 2", "dimension = 3")
+        .replace("thickness = 0.1", "thickness = 0.1\nbending = 1\nelement = \"linear\"")
+        .replace("neo-hookean", "saint-venant-kirchhoff")
+        .replace("[0, -9.81]", "[0, -9.81, 0]")
+        .replace("[1, 3]", "[1, 3, 0]")
+        .replace("[1, 0.2] }", "[1, 0.2, 0] }");
+    let words = words(&sheet);
+    assert!(words.iter().all(|words| !words.contains("quadratic")), "{words:?}");
+    assert!(words.contains(&"with 4 x 1 cells".to_owned()), "{words:?}");
+}
+
+#[test]
+fn a_struck_beam_has_the_momenta_of_its_rigid_body() {
+    let strike = "struck = { at = [1, 0], radius = 0.05, velocity = [0, 40] }";
+    let text = BEAM.replace("velocity = [1, 3]", strike);
+    let start = |run: Run| (run.linear_momenta()[0], run.angular_momenta()[0]);
+    let elastic = start(Scene::parse("a.toml", &text).unwrap().run().unwrap());
+    let rigid = start(model(&text, Sight::Rigid).scene.run().unwrap());
+    assert!(elastic.0[1] > 1.0);
+    for (a, b) in elastic.0.iter().chain(&elastic.1).zip(rigid.0.iter().chain(&rigid.1)) {
+        assert!((a - b).abs() < 1e-12 * elastic.0[1], "{elastic:?} {rigid:?}");
+    }
+}
+
+#[test]
+fn a_block_in_space_has_the_momenta_of_its_rigid_body() {
+    let text = r#"
+dimension = 3
+integrator = "stormer-verlet"
+step = 0.001
+horizon = 0.002
+[[solids]]
+name = "block"
+shape = { kind = "box", size = [1, 0.2, 0.4], cells = [4, 2, 2], across = [0.6, 0.8, 0] }
+density = 1000
+young = 1e6
+struck = { at = [0.6, 0.8, 0], radius = 0.3, velocity = [0, 1, 5] }
+"#;
+    let start = |run: Run| [run.linear_momenta()[0], run.angular_momenta()[0]].concat();
+    let elastic = start(Scene::parse("a.toml", text).unwrap().run().unwrap());
+    let rigid = start(model(text, Sight::Rigid).scene.run().unwrap());
+    let size = elastic.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    for (a, b) in elastic.iter().zip(&rigid) {
+        assert!((a - b).abs() < 1e-12 * size, "{elastic:?} {rigid:?}");
+    }
+}
+
+#[test]
+fn a_beam_that_only_falls_is_chosen_to_be_a_point_mass() {
+    let ladder = ladder(BEAM, &Question::new("position=beam.end"));
+    let answer = answer(&mut Lab::new(ladder, LONG).unwrap(), 1e-2).unwrap();
+    let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
+    assert!(row.method.ends_with(" as a point mass"), "{answer}");
+    let emitted = emitted("a.toml", BEAM, &answer, ladder).unwrap().unwrap();
+    assert!(
+        emitted.contains("# Chosen by measurement") && !emitted.contains("solids"),
+        "{emitted}"
+    );
+    let run = Scene::parse("b.toml", &emitted).unwrap().run().unwrap();
+    let [x, y] = run.observed(run.times().len() - 1).try_into().unwrap();
+    assert!((x - 1.5_f64).abs() < 1e-9 && (y - (0.2 + 1.5 - 9.81 * 0.125)).abs() < 1e-9);
+}
+
+#[test]
+fn a_body_held_at_its_end_is_no_point_mass() {
+    let text = BEAM.replace("velocity = [1, 3]", "pinned = [\"left\"]");
+    let simpler = ["with 4 x 1 cells", "with 4 x 1 quadratic cells", "as a rigid body"];
+    assert_eq!(words(&text), [[""].as_slice(), &simpler].concat());
+    // What is clamped and rigid stays.
+    let run = model(&text, Sight::Rigid).scene.run().unwrap();
+    let way = run.observed(run.times().len() - 1).iter().zip(run.observed(0));
+    assert!(way.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
+}
+
+#[test]
+fn a_stiff_beam_that_hangs_through_a_little_is_moved_by_a_few_modes() {
+    let text = BEAM.replace("velocity = [1, 3]", "pinned = [\"left\"]").replace("1e6", "1e8");
+    let (answer, _) = asked(&text, "position=beam.end", 5e-2);
+    let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
+    assert!(row.method.starts_with("linear-modes"), "{answer}");
+    assert!(row.setting.starts_with("modes = "), "{answer}");
+}
+
+#[test]
+fn heat_is_stepped_or_summed_on_meshes_ever_coarser() {
+    let (answer, lab) = asked(PLATE, "temperature=plate.middle", 1e-2);
+    let names: Vec<&str> = lab.ladder().families.iter().map(|f| f.name.as_str()).collect();
+    for name in ["explicit-euler", "implicit-euler", "crank-nicolson", "linear-modes"] {
+        for model in ["", " with 8 x 4 cells", " with 2 x 1 cells"] {
+            // The coarsest has no vertex in the middle.
+            let there = !model.contains("2 x 1");
+            assert_eq!(names.contains(&format!("{name}{model}").as_str()), there, "{names:?}");
+        }
+    }
+    assert!(answer.choice().is_some(), "{answer}");
+    assert!(answer.choice().unwrap().method.contains("cells"), "{answer}");
+}
+
+#[test]
+fn what_touches_is_tried_at_other_moments_by_other_laws_and_by_springs() {
+    let words = words(BALL);
+    for word in ["by `after-overlap`", "by `velocity-filter`", "by `jacobi`", "by `inelastic`"] {
+        assert!(words.iter().any(|own| own == word), "{words:?}");
+    }
+    assert_eq!(words.iter().filter(|word| word.starts_with("by springs")).count(), 3);
+    let (answer, _) = asked(BALL, "position=ball", 1e-3);
+    assert!(answer.choice().is_some(), "{answer}");
+}
