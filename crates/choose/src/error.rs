@@ -53,9 +53,7 @@ pub enum QuestionError {
 impl QuestionError {
     /// An error where a ladder cannot be climbed.
     pub(crate) fn check(ladder: &Ladder) -> Result<(), QuestionError> {
-        if !(ladder.horizon > 0.0 && ladder.horizon.is_finite()) {
-            return Err(QuestionError::Horizon(ladder.horizon));
-        }
+        crate::motion::check_horizon(ladder.horizon)?;
         for family in &ladder.families {
             if family.rungs.is_empty() {
                 return Err(QuestionError::NoRung(family.name.clone()));

@@ -20,7 +20,7 @@ use crate::experiment::{Experiment, Record};
 use crate::grid::Moments;
 use crate::ladder::{At, Family, Kind, Ladder, Scale, own_steps, work_of_step};
 use crate::look::Look;
-use crate::motion::{FEW, PLACES, check, largest};
+use crate::motion::{FEW, PLACES, check, check_horizon, check_observed, largest};
 use crate::samples::Samples;
 use crate::watch::Watch;
 
@@ -69,9 +69,10 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
         observe: O,
     ) -> Result<Self, QuestionError> {
         let n = field.dim();
+        check_horizon(horizon)?;
+        check("the time", &[start.t], 1)?;
         check("the state", &start.y, n)?;
-        let observed = observe(&start);
-        check("the observable", &observed, observed.len().max(1))?;
+        check_observed(&observe(&start))?;
         let methods = ALL.into_iter().filter(|method| match method {
             Adaptive::DormandPrince853 => field.mass().is_none(),
             _ => n <= FEW,

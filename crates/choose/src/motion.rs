@@ -98,11 +98,11 @@ where
         observe: O,
     ) -> Result<Self, QuestionError> {
         let n = system.dim();
+        check_horizon(horizon)?;
         check("the configuration", &start.q, n)?;
         check("the momentum", start.p.components(), n)?;
         check("the time", &[start.t], 1)?;
-        let observed = observe(&start);
-        check("the observable", &observed, observed.len().max(1))?;
+        check_observed(&observe(&start))?;
         check("the energy", &[system.energy(&start.q, start.p.view())], 1)?;
         let sizes = sizes(system, &start, horizon)?;
         let mut motion = Motion {
@@ -125,7 +125,6 @@ where
             },
         };
         motion.add_families()?;
-        QuestionError::check(&motion.ladder)?;
         Ok(motion)
     }
 
@@ -347,7 +346,21 @@ fn failure(error: &SimulationError) -> Failure {
     }
 }
 
-/// An error unless there are so many numbers, at least one, and all are finite.
+/// An error unless a horizon is one.
+pub fn check_horizon(horizon: f64) -> Result<(), QuestionError> {
+    let positive = horizon > 0.0 && horizon.is_finite();
+    if positive { Ok(()) } else { Err(QuestionError::Horizon(horizon)) }
+}
+
+/// What is observed at the start, checked.
+pub fn check_observed(observed: &[f64]) -> Result<(), QuestionError> {
+    if observed.is_empty() {
+        return Err(QuestionError::NothingObserved);
+    }
+    check("the observable", observed, observed.len())
+}
+
+/// An error unless there are so many numbers, and all are finite.
 pub fn check(what: &'static str, numbers: &[f64], n: usize) -> Result<(), QuestionError> {
     SizeError::check(what, n, numbers.len())?;
     match numbers.iter().position(|x| !x.is_finite()) {
