@@ -13,7 +13,7 @@ use crate::choose::{
     Answer, Change, Judgement, Kind as Setting, Lab, Ladder, Question, Row, changed, chart,
     charted, choose,
 };
-use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError, Tested};
 
 /// Errors for which a method is named.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -34,7 +34,8 @@ const LONG_RUN: Labels =
     ("scene-long-run", Kind::LongRun, "Energy and momentum in your scene, at its own step");
 
 fn labels<'a>(&(id, kind, title): &Labels, run: &'a Measure<'a>) -> Entry<'a> {
-    Entry { id, krate: "scene", chapter: "your scene", kind, title, run }
+    let tested = Tested::ByReport;
+    Entry { id, krate: "scene", chapter: "your scene", kind, title, tested, run }
 }
 
 /// What is asked of a scene where nothing else is said: the first observable that its file names, else
@@ -99,6 +100,7 @@ pub fn work_precision(file: &Path, question: &Question) -> Result<Study, StudyEr
             "yes",
             if confirmed { "yes" } else { "no" }.to_owned(),
         )],
+        answers: Vec::new(),
     })
 }
 
@@ -229,6 +231,7 @@ pub fn long_run(file: &Path) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims: Vec::new(),
+        answers: Vec::new(),
     })
 }
 

@@ -7,8 +7,8 @@ use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_integrators::{Integrator, StormerVerlet};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Stiffness against step.
 pub const PENALTY_STABILITY: Entry<'static> = Entry {
@@ -16,7 +16,8 @@ pub const PENALTY_STABILITY: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6.2",
     kind: Kind::StabilityMap,
-    title: "A penalty: stable or stiff",
+    title: "Rod by penalty: which steps are stable, against stiffness",
+    tested: Tested::Claims,
     run: &study,
 };
 

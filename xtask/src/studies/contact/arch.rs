@@ -5,15 +5,16 @@ use stationary_contact::{Arch, ContactError, Dimension, Planar};
 use stationary_integrators::State;
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// How far an arch sinks against its friction.
 pub const MASONRY_ARCH: Entry<'static> = Entry {
     id: "masonry-arch",
     krate: "contact",
     chapter: "friction",
-    kind: Kind::StabilityMap,
-    title: "An arch of loose stones",
+    kind: Kind::Limit,
+    title: "Masonry arch: whether it stands, against friction",
+    tested: Tested::Claims,
     run: &study,
 };
 

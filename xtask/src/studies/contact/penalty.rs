@@ -6,8 +6,8 @@ use stationary_contact::{Balls, ContactError, Inequality, OneSidedPenalty, Wall}
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Stiffness against step.
 pub const CONTACT_PENALTY: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const CONTACT_PENALTY: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.3",
     kind: Kind::StabilityMap,
-    title: "A wall of springs",
+    title: "Ball on a wall of springs: what becomes of it, against step and stiffness",
+    tested: Tested::Claims,
     run: &study,
 };
 

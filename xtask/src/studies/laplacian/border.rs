@@ -8,15 +8,16 @@ use stationary_laplacian::problems::interval;
 use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
 use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Step against mesh size.
 pub const STUDY: Entry<'static> = Entry {
     id: "heat-border",
     krate: "laplacian",
     chapter: "15.3",
-    kind: Kind::StabilityMap,
-    title: "Which steps explicit heat survives",
+    kind: Kind::Limit,
+    title: "Explicit heat: largest stable step against mesh size",
+    tested: Tested::Claims,
     run: &study,
 };
 

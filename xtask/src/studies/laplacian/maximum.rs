@@ -7,7 +7,7 @@ use stationary_laplacian::{Domain, Elements, Heat, HeatMethod, LaplacianError};
 use stationary_measure::{Column, Table};
 use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, MeshError, rectangle, torus};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Undershoot against shear.
 pub const STUDY: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "laplacian",
     chapter: "15.3",
     kind: Kind::Ladder,
-    title: "Heat below the coldest: what slivers, masses and steps do to the maximum principle",
+    title: "Heat on sheared surfaces: how far below the coldest, against the largest angle",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -7,7 +7,7 @@ use stationary_laplacian::problems::{
 use stationary_laplacian::{LaplacianError, lowest_modes};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Relative error of an eigenvalue against mesh size.
 pub const STUDY: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "laplacian",
     chapter: "15.2-15.3",
     kind: Kind::Convergence,
-    title: "The spectrum on a line, a square, a disc and a sphere",
+    title: "Line, square, disc and sphere: error of eigenvalues against mesh size",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -16,8 +16,8 @@ use stationary_mesh::{
 };
 use stationary_modal::ModalError;
 
-use super::frequencies;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use super::lowest::frequencies;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Errors of frequencies against the size of a cell.
 pub const STUDY: Entry<'static> = Entry {
@@ -25,7 +25,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "modal",
     chapter: "14.2",
     kind: Kind::Convergence,
-    title: "Frequencies of a bar, a block and two beams",
+    title: "Bar, block and beams: error of frequencies against the size of cells",
+    tested: Tested::ByReport,
     run: &study,
 };
 

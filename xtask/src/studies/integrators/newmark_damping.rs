@@ -11,15 +11,16 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Spectral radius against h omega.
 pub const STUDY: Entry<'static> = Entry {
     id: "newmark-damping",
     krate: "integrators",
     chapter: "4.5",
-    kind: Kind::StabilityMap,
-    title: "What is left of an oscillation after each step",
+    kind: Kind::Limit,
+    title: "Newmark's methods: what a step leaves of an oscillation, against its frequency",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -4,8 +4,8 @@ use stationary_chart::{Axis, Lines, Series};
 use stationary_measure::{Cell, Column, Table};
 use stationary_scene::{Run, Scene, SceneError};
 
-use super::work_precision::cost_at;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::cheapest::cost_at;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 use crate::timing::median_wall;
 
 /// A spring net with drag.
@@ -14,7 +14,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "scene",
     chapter: "10.1",
     kind: Kind::WorkPrecision,
-    title: "What a digit costs on a net that sinks in honey",
+    title: "Net that sinks in honey: error against cost",
+    tested: Tested::ByReport,
     run: &study,
 };
 

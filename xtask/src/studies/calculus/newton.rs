@@ -4,7 +4,7 @@ use stationary_calculus::{newton_against_initial_guesses, newton_against_wrong_d
 use stationary_chart::{Axis, Lines, Series};
 use stationary_measure::{Cell, Table};
 
-use crate::study::{Claim, Entry, Kind, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Study, StudyError, Tested};
 
 /// Iterations against an injected error of the derivative.
 pub const WRONG_DERIVATIVES: Entry<'static> = Entry {
@@ -12,7 +12,8 @@ pub const WRONG_DERIVATIVES: Entry<'static> = Entry {
     krate: "calculus",
     chapter: "4.4",
     kind: Kind::Convergence,
-    title: "Newton's method with a wrong derivative",
+    title: "Newton's method: iterations against the error of its derivative",
+    tested: Tested::Table,
     run: &|_| wrong_derivatives(),
 };
 
@@ -22,7 +23,8 @@ pub const INITIAL_GUESSES: Entry<'static> = Entry {
     krate: "calculus",
     chapter: "4.4",
     kind: Kind::Convergence,
-    title: "Newton's method from near and far",
+    title: "Newton's method: the root found against the initial guess",
+    tested: Tested::Table,
     run: &|_| initial_guesses(),
 };
 

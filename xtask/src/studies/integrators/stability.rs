@@ -7,7 +7,8 @@ use stationary_integrators::problems::{Problem, oscillator, spring_pendulum};
 use stationary_integrators::{Method, Stability, State};
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The linear oscillator.
 pub const OSCILLATOR: Entry<'static> = Entry {
@@ -15,7 +16,8 @@ pub const OSCILLATOR: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Which steps survive on a spring",
+    title: "Oscillator: which steps are stable, against stiffness",
+    tested: Tested::Claims,
     run: &linear,
 };
 
@@ -25,7 +27,8 @@ pub const SPRING_PENDULUM: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Where unconditional stability ends: a stiff spring that swings",
+    title: "Stiff spring that swings: which implicit steps are stable, against stiffness",
+    tested: Tested::Claims,
     run: &nonlinear,
 };
 
@@ -41,12 +44,6 @@ const NO_SOLUTION: &str = "no solution found";
 
 /// Steps taken: enough for a growth of 2 % a step to show.
 const STEPS: usize = 400;
-
-/// Numbers equally spaced on a logarithmic axis.
-pub(super) fn spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
-    let ratio = (to / from).ln() / (count - 1) as f64;
-    (0..count).map(move |i| from * (ratio * i as f64).exp())
-}
 
 /// Runs a problem and says what became of its energy, counted from its lowest possible value.
 fn outcome<M: Metric, P: Potential, const N: usize>(

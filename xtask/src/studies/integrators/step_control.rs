@@ -10,7 +10,7 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Kepler's problem at e = 0.9 and 0.99.
 pub const STUDY: Entry<'static> = Entry {
@@ -18,7 +18,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
-    title: "Step control that keeps the energy, and one that does not",
+    title: "Eccentric orbit in adaptive steps: energy error against time",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -9,7 +9,7 @@ use stationary_chart::{Axis, Map};
 use stationary_integrators::{Filter, Gautschi, Imex, Integrator, State, StormerVerlet};
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Step against frequency ratio.
 pub const STUDY: Entry<'static> = Entry {
@@ -17,7 +17,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Steps longer than the fast oscillation, and where they resonate",
+    title: "Fast springs in long steps: which resonate, against step and frequency",
+    tested: Tested::ByReport,
     run: &study,
 };
 

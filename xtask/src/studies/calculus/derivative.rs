@@ -4,7 +4,7 @@ use stationary_calculus::{Vector, differences, hat, hat_differential};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Study, StudyError, Tested};
 
 /// The derivative of the hat function, right and wrong.
 pub const FIGURE_2_1: Entry<'static> = Entry {
@@ -12,7 +12,8 @@ pub const FIGURE_2_1: Entry<'static> = Entry {
     krate: "calculus",
     chapter: "2.5",
     kind: Kind::Derivative,
-    title: "A right derivative, a wrong one, and how to tell",
+    title: "Finite differences of q/|q|: error against the step, of a right and of a wrong derivative",
+    tested: Tested::Table,
     run: &|_| study(),
 };
 

@@ -5,7 +5,8 @@ use stationary_integrators::{Evaluation, Method, Nodes, Scheme};
 
 use super::reference::{Samples, with_reference};
 use super::work_precision::{self, Contest};
-use crate::study::{Entry, Kind, StudyError};
+use crate::studies::cheapest::Asked;
+use crate::study::{Entry, Kind, StudyError, Tested};
 
 /// Work on the chain of Fermi, Pasta, Ulam and Tsingou.
 pub const FERMI_PASTA_ULAM: Entry<'static> = Entry {
@@ -13,7 +14,8 @@ pub const FERMI_PASTA_ULAM: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What a digit costs on springs that are stiff and soft in turn",
+    title: "Springs stiff and soft in turn: error against cost",
+    tested: Tested::ByReport,
     run: &|_| {
         let mut problem = fermi_pasta_ulam(50.0).map_err(StudyError::at("the springs in turn"))?;
         problem.horizon = 10.0;
@@ -28,6 +30,12 @@ pub const FERMI_PASTA_ULAM: Entry<'static> = Entry {
             ],
             motion: "ten seconds of six masses on springs that are stiff, of frequency 50, and \
                      soft in turn",
+            asked: Some(Asked {
+                question: "Stiff springs whose oscillation matters, to 1e-4",
+                error: 1e-4,
+                cost: "evaluations",
+                rival: "stormer-verlet",
+            }),
         };
         work_precision::study(FERMI_PASTA_ULAM, &problem, |m| steps(m, at.count), &contest)
     },
@@ -39,7 +47,8 @@ pub const SPRING_CHAIN: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What a digit costs on a stiff chain of springs",
+    title: "Stiff chain of springs: error against cost",
+    tested: Tested::ByReport,
     run: &|_| {
         let problem = spring_chain(16, 1e4).map_err(StudyError::at("the chain"))?;
         let contest = Contest {
@@ -51,6 +60,7 @@ pub const SPRING_CHAIN: Entry<'static> = Entry {
             ],
             motion: "one slow turn of a chain of 16 masses on stiff springs, with a ripple of its \
                      fastest mode",
+            asked: None,
         };
         work_precision::study(SPRING_CHAIN, &problem, |m| steps(m, 1), &contest)
     },

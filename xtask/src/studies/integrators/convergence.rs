@@ -6,7 +6,7 @@ use stationary_integrators::problems::{Problem, kepler, pendulum};
 use stationary_integrators::{Convergence, Method};
 use stationary_measure::{Cell, Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Kepler's problem at e = 0.6.
 pub const KEPLER: Entry<'static> = Entry {
@@ -14,7 +14,8 @@ pub const KEPLER: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
-    title: "Order of every method on an eccentric orbit",
+    title: "Eccentric orbit: error of eight methods against the step",
+    tested: Tested::ByReport,
     run: &|size| {
         let mut problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         problem.horizon = problem.period;
@@ -28,7 +29,8 @@ pub const PENDULUM: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
-    title: "Order of every method on a swinging pendulum",
+    title: "Swinging pendulum: error of eight methods against the step",
+    tested: Tested::ByReport,
     run: &|size| {
         let mut problem = pendulum(2.0).map_err(StudyError::at("the pendulum"))?;
         problem.horizon = problem.period;

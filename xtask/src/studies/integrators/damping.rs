@@ -15,9 +15,9 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table};
 
-use super::stability::spaced;
+use crate::studies::spaced::spaced;
 use super::stability_regions::dormand_prince_growth;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The damped oscillator.
 pub const STUDY: Entry<'static> = Entry {
@@ -25,7 +25,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "10.1",
     kind: Kind::StabilityMap,
-    title: "Which steps survive where drag is strong",
+    title: "Oscillator with drag: which steps are stable, against damping",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -8,7 +8,7 @@ use stationary_measure::{Column, Table, loglog_slope, truncation_regime};
 
 use super::reference::{Samples, with_reference};
 use super::work_precision::{self, Contest, OUTER, PLANETS};
-use crate::study::{Claim, Entry, Kind, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Study, StudyError, Tested};
 
 /// Orders on Kepler's problem at e = 0.6.
 pub const KEPLER_ORDERS: Entry<'static> = Entry {
@@ -16,7 +16,8 @@ pub const KEPLER_ORDERS: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
-    title: "Orders up to eight on an eccentric orbit",
+    title: "Eccentric orbit: error against the step, orders up to eight",
+    tested: Tested::Claims,
     run: &|_| {
         let mut problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         problem.horizon = problem.period;
@@ -31,7 +32,8 @@ pub const PENDULUM_ORDERS: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
-    title: "Orders up to eight on a swinging pendulum",
+    title: "Swinging pendulum: error against the step, orders up to eight",
+    tested: Tested::Claims,
     run: &|_| {
         let mut problem = pendulum(2.0).map_err(StudyError::at("the pendulum"))?;
         problem.horizon = problem.period;
@@ -47,7 +49,8 @@ pub const HENON_HEILES_ORDERS: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::Convergence,
-    title: "Order of every method on the star of Hénon and Heiles",
+    title: "Star of Hénon and Heiles: error of every method against the step",
+    tested: Tested::ByReport,
     run: &|_| {
         let mut problem = henon_heiles(0.1).map_err(StudyError::at("the star"))?;
         problem.horizon = 2.0 * problem.period;
@@ -66,7 +69,8 @@ pub const KEPLER_WORK: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What many digits cost on an eccentric orbit",
+    title: "Eccentric orbit: error against cost, orders up to eight",
+    tested: Tested::ByReport,
     run: &|_| {
         let problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         let steps = |method| steps(method, 6, 18);
@@ -80,7 +84,7 @@ pub const KEPLER_WORK: Entry<'static> = Entry {
             KEPLER_WORK,
             &problem,
             steps,
-            &Contest { methods: CONTENDERS, cheapest, motion },
+            &Contest { methods: CONTENDERS, cheapest, motion, asked: None },
         )
     },
 };
@@ -91,7 +95,8 @@ pub const PLANETS_WORK: Entry<'static> = Entry {
     krate: "scene",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What many digits cost in the outer solar system",
+    title: "Outer solar system: error against cost, orders up to eight",
+    tested: Tested::ByReport,
     run: &|_| {
         let problem = stationary_scene::problems::outer_solar_system()
             .map_err(StudyError::at("the outer solar system"))?;
@@ -106,7 +111,7 @@ pub const PLANETS_WORK: Entry<'static> = Entry {
             (1e-6, "blanes-moan-nystrom-6"),
             (1e-8, "blanes-moan-nystrom-6"),
         ];
-        let contest = Contest { methods: CONTENDERS, cheapest, motion: PLANETS };
+        let contest = Contest { methods: CONTENDERS, cheapest, motion: PLANETS, asked: None };
         work_precision::study(PLANETS_WORK, &problem, steps, &contest)
     },
 };

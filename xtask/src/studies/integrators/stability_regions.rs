@@ -15,7 +15,7 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The methods for first-order systems.
 pub const REGIONS: Entry<'static> = Entry {
@@ -23,7 +23,8 @@ pub const REGIONS: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Which decays and oscillations each method keeps bounded",
+    title: "Damped oscillators: which decays and frequencies each method keeps bounded",
+    tested: Tested::Claims,
     run: &run,
 };
 

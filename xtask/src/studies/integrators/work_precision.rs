@@ -13,7 +13,8 @@ use stationary_integrators::{
 use stationary_measure::{Cell, Column, Table};
 
 use super::reference::{Samples, with_reference};
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::cheapest::{Asked, cost_at};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 use crate::timing::{Wall, median_wall};
 
 /// Kepler's problem at e = 0.6, ten orbits.
@@ -22,7 +23,8 @@ pub const KEPLER: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What a digit costs on an eccentric orbit",
+    title: "Eccentric orbit: error of eight methods against cost",
+    tested: Tested::ByReport,
     run: &|size| {
         let problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         let steps = |method: Method| {
@@ -47,7 +49,8 @@ pub const OUTER_SOLAR_SYSTEM: Entry<'static> = Entry {
     krate: "scene",
     chapter: "4.5",
     kind: Kind::WorkPrecision,
-    title: "What a digit costs in the outer solar system",
+    title: "Outer solar system: error of eight methods against cost",
+    tested: Tested::ByReport,
     run: &|size| {
         let problem = stationary_scene::problems::outer_solar_system()
             .map_err(StudyError::at("the outer solar system"))?;
@@ -74,6 +77,7 @@ const TABLE_4_1: Contest<'_> = Contest {
     methods: &Method::TABLE_4_1,
     cheapest: [(1e-2, "runge-kutta-4"), (1e-4, "runge-kutta-4"), (1e-6, "runge-kutta-4")],
     motion: "",
+    asked: None,
 };
 
 /// A method at one step.
@@ -175,18 +179,6 @@ pub(super) fn show(runs: &[Run], methods: &[Method]) -> (Table, Lines, Lines) {
     (table, counted, timed)
 }
 
-/// The least cost at which a tolerance is met, by runs of growing cost: read off between the first
-/// that meets it and the one before.
-pub(super) fn cost_at(tolerance: f64, runs: &[(f64, f64)]) -> Option<f64> {
-    let first = runs.iter().position(|&(_, error)| error <= tolerance)?;
-    let (cost, error) = runs[first];
-    let Some(&(less_cost, more_error)) = first.checked_sub(1).map(|before| &runs[before]) else {
-        return Some(cost);
-    };
-    let part = (more_error / tolerance).ln() / (more_error / error).ln();
-    Some(less_cost * (cost / less_cost).powf(part))
-}
-
 /// The method with the least counted work at which it meets a tolerance, read off between two runs,
 /// and that of its charted runs which meets it in the fewest steps.
 pub(super) fn cheapest(runs: &[Run], tolerance: f64) -> Option<&Run> {
@@ -221,6 +213,8 @@ pub(super) struct Contest<'a> {
     pub(super) cheapest: [(f64, &'a str); 3],
     /// The motion in words.
     pub(super) motion: &'a str,
+    /// What it answers on the page's first screen.
+    pub(super) asked: Option<Asked<'a>>,
 }
 
 /// The study of a problem with methods that need nothing but its system.
@@ -255,7 +249,9 @@ pub(super) fn study<M: Metric, P: Potential, C: Storage>(
         problem.solution_error / finest,
         (0.0, 0.1),
     ));
+    let answers = contest.asked.iter().filter_map(|asked| asked.of(&counted)).collect();
     Ok(Study {
+        answers,
         conclusion: format!(
             "The largest error over {}, against what it costs: lower and further left is better, \
              and the marked line joins the runs that no other run beats. By counted work {}. A \

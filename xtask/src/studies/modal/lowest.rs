@@ -1,11 +1,4 @@
-//! Modes: their frequencies against known ones, and how far few of them reach.
-
-pub mod frequencies;
-pub mod membrane;
-pub mod needed;
-pub mod pendulum;
-pub mod reduced;
-pub mod turning;
+//! The lowest frequencies of a body in the plane, its rigid motions left out.
 
 use stationary_calculus::{Metric, Potential};
 use stationary_modal::{Linearized, ModalError, RigidMotions};
@@ -13,8 +6,8 @@ use stationary_modal::{Linearized, ModalError, RigidMotions};
 /// How far from rest a body may be, kg^1/2 m/s^2: rounding of the stiffest one.
 const AT_REST: f64 = 1e-3;
 
-/// The lowest angular frequencies of a body, rad/s, its rigid motions in the plane left out.
-fn frequencies<const D: usize>(
+/// The lowest angular frequencies of a body, rad/s.
+pub(super) fn frequencies<const D: usize>(
     metric: &impl Metric,
     potential: &impl Potential,
     q: &[f64],

@@ -12,7 +12,7 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Study, StudyError, Tested};
 
 /// A short force against the impulse that it tends to.
 pub const IMPULSE_LIMIT: Entry<'static> = Entry {
@@ -20,7 +20,8 @@ pub const IMPULSE_LIMIT: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "10.2",
     kind: Kind::Convergence,
-    title: "A short force tends to an impulse",
+    title: "Short force: distance from the impulse against its duration",
+    tested: Tested::Claims,
     run: &|_| impulse_limit(),
 };
 
@@ -30,7 +31,8 @@ pub const BOUNDARY_VALUE: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "5.4",
     kind: Kind::Convergence,
-    title: "Least action, for half a period",
+    title: "Least action: error of the path against the number of its segments",
+    tested: Tested::Claims,
     run: &|_| boundary_value(),
 };
 

@@ -18,7 +18,7 @@ use stationary_integrators::{
 };
 use stationary_measure::{Cell, Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// All adaptive methods on orbits, a pendulum and stiff reactions.
 pub const STUDY: Entry<'static> = Entry {
@@ -26,7 +26,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.3",
     kind: Kind::WorkPrecision,
-    title: "What a tolerance means",
+    title: "Adaptive methods: error against the tolerance asked for",
+    tested: Tested::ByReport,
     run: &study,
 };
 
@@ -129,13 +130,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     page.stiff(&hires(), size)?;
     page.stiff(&robertson(), size)?;
     let claims = page.methods.iter().flatten().map(claim).collect();
-    let Entry { id, krate, chapter, kind, title, .. } = STUDY;
     Ok(Study {
-        id,
-        krate,
-        chapter,
-        kind,
-        title: title.into(),
         conclusion:
             "The error at the end against the tolerance, the same for all components or in \
                      their own sizes. A tolerance holds the error of a step. The error at the end \
@@ -147,6 +142,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         table: page.table,
         charts: page.charts.into_iter().map(Into::into).collect(),
         claims,
+        ..STUDY.heading()
     })
 }
 
