@@ -6,6 +6,7 @@
 //! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
 //! - [`layers`]: which crate may depend on what.
 //! - [`readme`]: the README of each crate from its front page.
+//! - [`mentions`]: the studies of a crate on its page of the docs.
 //! - [`licenses`]: what the dependencies ask of whoever uses the crates.
 //! - [`cost`]: how many packages each crate pulls in, and how long it takes to build.
 //! - [`kernels`]: what the hot kernels take as Cargo's own release profile builds them.
@@ -24,6 +25,7 @@ pub mod cost;
 pub mod kernels;
 pub mod layers;
 pub mod licenses;
+pub mod mentions;
 pub mod readme;
 pub mod report;
 pub mod studies;

@@ -42,9 +42,33 @@ impl Asked<'_> {
         let &(rival, cost) = others.iter().find(|other| other.0 == self.rival).or(others.first())?;
         Some(Answer {
             question: self.question.to_owned(),
-            method: best.to_owned(),
-            figure: format!("at {} of the {} of {rival}", part(least / cost), self.cost),
+            method: known_as(best),
+            figure: format!(
+                "at {} of the {} of {}",
+                part(least / cost),
+                self.cost,
+                known_as(rival).split(" (").next().unwrap_or(rival)
+            ),
         })
+    }
+}
+
+/// The name that a newcomer may know, with the one to write into a scene.
+pub(super) fn known_as(name: &str) -> String {
+    const KNOWN: [(&str, &str); 9] = [
+        ("dormand-el-mikkawy-prince-8", "Nystrom 8(6)"),
+        ("dormand-el-mikkawy-prince-12", "Nystrom 12(10)"),
+        ("dormand-prince-853", "DOP853"),
+        ("blanes-moan-nystrom-6", "Blanes and Moan's Nystrom splitting of order 6"),
+        ("stormer-verlet", "Stormer-Verlet"),
+        ("radau-iia-5", "Radau IIA of order 5"),
+        ("crank-nicolson", "Crank-Nicolson"),
+        ("munthe-kaas-4", "Munthe-Kaas of order 4"),
+        ("explicit-euler", "explicit Euler"),
+    ];
+    match KNOWN.iter().find(|known| known.0 == name) {
+        Some((_, known)) => format!("{known} ({name})"),
+        None => name.to_owned(),
     }
 }
 
@@ -76,6 +100,12 @@ mod tests {
         assert_eq!(answer.method, "fast");
         assert_eq!(answer.figure, "at 0.10 of the evaluations of slow");
         assert_eq!(Asked { error: 1e-9, ..asked }.of(&chart()), None);
+    }
+
+    #[test]
+    fn methods_are_called_as_a_newcomer_knows_them() {
+        assert_eq!(known_as("dormand-prince-853"), "DOP853 (dormand-prince-853)");
+        assert_eq!(known_as("quadratic triangles"), "quadratic triangles");
     }
 
     #[test]

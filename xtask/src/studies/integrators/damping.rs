@@ -15,8 +15,8 @@ use stationary_integrators::{
 };
 use stationary_measure::{Column, Table};
 
-use crate::studies::spaced::spaced;
 use super::stability_regions::dormand_prince_growth;
+use crate::studies::spaced::spaced;
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The damped oscillator.
