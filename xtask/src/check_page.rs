@@ -1,8 +1,8 @@
 //! Opens the report's page in a browser and complains about what a reader would.
 //!
 //! On a desk and on a phone, in light and in dark: a console message, a request to anywhere, a
-//! sideways scroll, text that is too small, covered or cut, a chart that does not answer the
-//! pointer. Screenshots of all four are left beside the page.
+//! sideways scroll, text that is too small, covered or cut, a chart that answers neither the
+//! pointer nor the arrow keys. Screenshots of all four are left beside the page.
 
 mod browser;
 
@@ -62,6 +62,20 @@ pub enum Complaint {
         /// Where it was seen.
         view: String,
     },
+    /// A chart that can be reached by the keyboard says nothing.
+    #[error("{view}: an arrow key shows no numbers")]
+    MuteToKeys {
+        /// Where it was seen.
+        view: String,
+    },
+    /// So many elements that a phone stutters.
+    #[error("{view}: the page has {elements} elements, and {MOST_ELEMENTS} at most are swift")]
+    Heavy {
+        /// Where it was seen.
+        view: String,
+        /// How many elements.
+        elements: u64,
+    },
 }
 
 /// Why a page cannot be checked.
@@ -83,6 +97,9 @@ pub enum CheckError {
     Answer(#[from] serde_json::Error),
 }
 
+/// Elements that a page of all studies may have. It had 101,306 once, and was slow to scroll.
+const MOST_ELEMENTS: u64 = 50_000;
+
 /// A window in which the page is looked at.
 struct View {
     name: &'static str,
@@ -91,9 +108,11 @@ struct View {
     scheme: &'static str,
 }
 
-const VIEWS: [View; 5] = [
-    View { name: "desk-light", width: 1280, height: 900, scheme: "light" },
-    View { name: "desk-dark", width: 1280, height: 900, scheme: "dark" },
+const VIEWS: [View; 6] = [
+    View { name: "desk-light", width: 1400, height: 900, scheme: "light" },
+    View { name: "desk-dark", width: 1400, height: 900, scheme: "dark" },
+    // The narrowest window that has the contents at its side.
+    View { name: "laptop-light", width: 1060, height: 800, scheme: "light" },
     // The narrowest window that still has wide charts.
     View { name: "tablet-light", width: 767, height: 1024, scheme: "light" },
     View { name: "phone-light", width: 390, height: 844, scheme: "light" },
@@ -162,6 +181,7 @@ fn look(
     let seen: Seen = serde_json::from_value(answer)?;
     photograph(browser, &seen, &screenshots.join(name))?;
     let mute = is_mute(browser)?;
+    let mute_to_keys = is_mute_to_keys(browser)?;
 
     let view = || name.to_owned();
     let mut complaints: Vec<Complaint> =
@@ -171,6 +191,10 @@ fn look(
     }
     complaints.extend(seen.texts.into_iter().map(|what| Complaint::Text { view: view(), what }));
     complaints.extend(mute.then(|| Complaint::Mute { view: view() }));
+    complaints.extend(mute_to_keys.then(|| Complaint::MuteToKeys { view: view() }));
+    if seen.elements > MOST_ELEMENTS {
+        complaints.push(Complaint::Heavy { view: view(), elements: seen.elements });
+    }
     Ok(complaints)
 }
 
@@ -179,6 +203,7 @@ fn look(
 struct Seen {
     width: u64,
     height: u64,
+    elements: u64,
     texts: Vec<String>,
 }
 
@@ -226,6 +251,26 @@ fn is_mute(browser: &mut Browser) -> Result<bool, CheckError> {
     browser.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")?;
     let moved = json!({ "type": "mouseMoved", "x": mark["x"], "y": mark["y"] });
     browser.call("Input.dispatchMouseEvent", moved)?;
+    let hidden = browser.evaluate("document.getElementById('tip')?.hidden ?? true")?;
+    Ok(hidden != Value::Bool(false))
+}
+
+/// Goes to the first chart that the keyboard reaches, and sees whether an arrow key says a number. A
+/// page without such a chart is no report.
+fn is_mute_to_keys(browser: &mut Browser) -> Result<bool, CheckError> {
+    let chart = browser.evaluate(
+        "(() => { document.getElementById('tip')?.setAttribute('hidden', '');
+           const chart = [...document.querySelectorAll('.chart[tabindex]')].find(c => c.getClientRects().length && c.querySelector('[data-says]'));
+           chart?.focus({ preventScroll: true });
+           return !!chart; })()",
+    )?;
+    if chart != Value::Bool(true) {
+        return Ok(false);
+    }
+    for kind in ["keyDown", "keyUp"] {
+        let key = json!({ "type": kind, "key": "ArrowRight", "code": "ArrowRight" });
+        browser.call("Input.dispatchKeyEvent", key)?;
+    }
     let hidden = browser.evaluate("document.getElementById('tip')?.hidden ?? true")?;
     Ok(hidden != Value::Bool(false))
 }

@@ -25,5 +25,6 @@
     });
   }
   const root = document.documentElement;
-  return { width: root.scrollWidth, height: root.scrollHeight, texts };
+  const elements = document.querySelectorAll("*").length;
+  return { width: root.scrollWidth, height: root.scrollHeight, elements, texts };
 })()

@@ -23,7 +23,7 @@ pub const INITIAL_GUESSES: Entry<'static> = Entry {
     krate: "calculus",
     chapter: "4.4",
     kind: Kind::Convergence,
-    title: "Newton's method: the root found against the initial guess",
+    title: "Newton's method: iterations and root against the initial guess",
     tested: Tested::Table,
     run: &|_| initial_guesses(),
 };

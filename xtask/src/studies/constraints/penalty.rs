@@ -16,7 +16,7 @@ pub const PENALTY_STABILITY: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6.2",
     kind: Kind::StabilityMap,
-    title: "Rod by penalty: which steps are stable, against stiffness",
+    title: "Rod by penalty: which steps are stable, and its violation, against stiffness",
     tested: Tested::Claims,
     run: &study,
 };
@@ -65,7 +65,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::exact("outcome"),
     ]);
     let axes = (Axis::log("step", "s"), Axis::log("stiffness", "N/m"));
-    let mut map = Map::new("", axes.0, axes.1, [HOLDS, SLACK, BLOWS_UP]);
+    let mut map = Map::new("Which steps hold the rod", axes.0, axes.1, [HOLDS, SLACK, BLOWS_UP]);
     let (mut agree, mut cells) = (0_u32, 0_u32);
     for k in spaced(1e3, 1e6, count) {
         for h in spaced(1e-3, 0.3, count) {

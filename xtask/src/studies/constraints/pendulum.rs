@@ -177,8 +177,12 @@ fn ways(size: Size) -> Result<Study, StudyError> {
         Column::exact("evaluations"),
     ]);
     let (mut against_step, mut against_cost) = (
-        Lines::new("Large swing", Axis::log("step", "s"), Axis::log("largest error", "")),
-        Lines::new("Large swing", Axis::log("evaluations", ""), Axis::log("largest error", "")),
+        Lines::new("Large swing, by step", Axis::log("step", "s"), Axis::log("largest error", "")),
+        Lines::new(
+            "Large swing, by cost",
+            Axis::log("evaluations", ""),
+            Axis::log("largest error", ""),
+        ),
     );
     let mut claims = Vec::new();
     for way in WAYS {

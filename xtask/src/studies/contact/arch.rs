@@ -163,7 +163,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     ];
     let axes = (Axis::linear("friction", ""), Axis::log("keystone sunk", "m"));
     let chart = Lines::new("Eleven stones, let go", axes.0, axes.1)
-        .with(Series::new("sunk", points.iter().map(|&(x, y)| (x, y.max(1e-9)))))
+        .with(Series::new("keystone", points.iter().map(|&(x, y)| (x, y.max(1e-9)))))
         .curve("statics", [(predicted, 1e-8), (predicted, 1e-3)]);
     let seconds = STEP * long as f64;
     let charts = vec![

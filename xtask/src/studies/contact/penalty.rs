@@ -67,7 +67,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::exact("outcome"),
     ]);
     let axes = (Axis::log("step", "s"), Axis::log("stiffness", "N/m"));
-    let mut map = Map::new("", axes.0, axes.1, [BOUNCES, OFF, THROWS]);
+    let mut map = Map::new("What becomes of the ball", axes.0, axes.1, [BOUNCES, OFF, THROWS]);
     let (mut resolved, mut beyond) = (0.0_f64, f64::INFINITY);
     for k in spaced(1e2, 1e6, count) {
         for h in spaced(1e-4, 0.3, count) {

@@ -17,7 +17,7 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "elasticity",
     chapter: "12.2",
     kind: Kind::Convergence,
-    title: "Waves on a bar: error of their speed against cells a wave",
+    title: "Waves on a bar of linear elements: speed against wave number",
     tested: Tested::Claims,
     run: &study,
 };

@@ -141,8 +141,8 @@ fn cantilever(size: Size) -> Result<Study, StudyError> {
         Column::volatile("time [ms]"),
     ]);
     let error = || Axis::log("error of the tip", "");
-    let mut by_freedoms = Lines::new("by freedoms", Axis::log("freedoms", ""), error());
-    let mut by_time = Lines::new("by time", Axis::log("time", "ms"), error());
+    let mut by_freedoms = Lines::new("By freedoms", Axis::log("freedoms", ""), error());
+    let mut by_time = Lines::new("By time", Axis::log("time", "ms"), error());
     let mut all = Vec::new();
     for ((name, family), cells) in FAMILIES.into_iter().zip([[2, 4, 8, 16], [1, 2, 4, 8]]) {
         let (mut freedoms, mut times) = (Vec::new(), Vec::new());

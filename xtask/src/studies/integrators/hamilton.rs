@@ -31,7 +31,7 @@ pub const BOUNDARY_VALUE: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "5.4",
     kind: Kind::Convergence,
-    title: "Least action: error of the path against the number of its segments",
+    title: "Least action: in how many ways it can be lowered, against the duration",
     tested: Tested::Claims,
     run: &|_| boundary_value(),
 };

@@ -17,7 +17,7 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Fast springs in long steps: which resonate, against step and frequency",
+    title: "Fast springs in long steps: which are stable, against step and frequency ratio",
     tested: Tested::ByReport,
     run: &study,
 };

@@ -23,7 +23,7 @@ pub const REGIONS: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::StabilityMap,
-    title: "Damped oscillators: which decays and frequencies each method keeps bounded",
+    title: "Linear equations: for which products of step and eigenvalue a method stays bounded",
     tested: Tested::Claims,
     run: &run,
 };

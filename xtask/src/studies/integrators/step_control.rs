@@ -18,7 +18,7 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "integrators",
     chapter: "4.5",
     kind: Kind::LongRun,
-    title: "Eccentric orbit in adaptive steps: energy error against time",
+    title: "Eccentric orbits in adaptive steps: energy error against time, and error against cost",
     tested: Tested::Claims,
     run: &study,
 };

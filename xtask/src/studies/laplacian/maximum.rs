@@ -59,14 +59,14 @@ struct Family {
 
 const FAMILIES: [Family; 2] = [
     Family {
-        name: "torus",
+        name: "Torus",
         mesh: |cells, shear| {
             torus([2.0, 0.7], cells)?.mapped(|x| Vector3::new(x.x, x.y, x.z + shear * x.y))
         },
         ways: CLOSED,
     },
     Family {
-        name: "sheet",
+        name: "Sheet",
         mesh: |cells, shear| {
             let sheet = rectangle([8.0, 4.0], cells, Diagonals::Same)?;
             sheet.mapped(|x| Vector3::new(x.x + shear * x.y, x.y, 0.0))

@@ -193,14 +193,14 @@ fn study(size: Size) -> Result<Study, StudyError> {
         COUNTS.iter().map(|&n| (n as f64, found.answer.bounds[n] * found.scale)).collect();
     let measured: Vec<(f64, f64)> =
         found.reduced.iter().map(|point| (point.label as f64, point.error)).collect();
-    let modes = Lines::new("by modes", Axis::log("modes", ""), Axis::log("error of the tip", ""))
+    let modes = Lines::new("By modes", Axis::log("modes", ""), Axis::log("error of the tip", ""))
         .with(Series::new("measured", measured.clone()))
         .with(Series::new("promised", bounds.clone()));
     let of = |points: &[Point]| -> Vec<(f64, f64)> {
         points.iter().map(|point| (point.work, point.error)).collect()
     };
     let work = Axis::log("multiplications a frame", "");
-    let work = Lines::new("by work", work, Axis::log("error of the tip", ""))
+    let work = Lines::new("By work", work, Axis::log("error of the tip", ""))
         .with(Series::new(names[0], of(&found.reduced)))
         .with(Series::new(names[1], of(&found.stepped)));
     // The least work within a percent.

@@ -15,7 +15,7 @@ pub const NUTATION: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.4",
     kind: Kind::Convergence,
-    title: "Spinning top: how far it nods, by method and step",
+    title: "Spinning top: its tilt against time, and the tilt's error against the step",
     tested: Tested::Claims,
     run: &nutation,
 };
