@@ -98,7 +98,7 @@ pub enum CheckError {
 }
 
 /// Elements that a page of all studies may have. It had 101,306 once, and was slow to scroll.
-const MOST_ELEMENTS: u64 = 50_000;
+const MOST_ELEMENTS: u64 = 40_000;
 
 /// A window in which the page is looked at.
 struct View {

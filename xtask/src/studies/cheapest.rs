@@ -85,11 +85,11 @@ mod tests {
     use super::*;
 
     fn chart() -> Lines {
-        let line = |name, points| Series::new(name, points);
+        let line = |name, points: &[(f64, f64)]| Series::new(name, points.to_vec());
         Lines::new("", Axis::log("evaluations", ""), Axis::log("error", ""))
-            .with(line("slow", [(100.0, 1e-2), (10_000.0, 1e-4)]))
-            .with(line("fast", [(100.0, 1e-2), (1_000.0, 1e-4)]))
-            .with(line("coarse", [(10.0, 1e-1)]))
+            .with(line("slow", &[(100.0, 1e-2), (10_000.0, 1e-4)]))
+            .with(line("fast", &[(100.0, 1e-2), (1_000.0, 1e-4)]))
+            .with(line("coarse", &[(10.0, 1e-1)]))
     }
 
     #[test]

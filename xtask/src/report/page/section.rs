@@ -42,8 +42,10 @@ fn study_body(study: &Study, styles: &Styles) -> String {
         study.charts.iter().map(|one| chart(study, one, styles, layouts)).collect();
     let charts = match study.charts.len() {
         0 => String::new(),
-        1 => format!("<div class=\"charts\">{charts}</div>\n"),
-        _ => format!("<div class=\"charts several\">{charts}</div>\n"),
+        1 => format!("<div>{charts}</div>\n"),
+        // Two rows of two, or of three, leave no hole.
+        2 | 4 => format!("<div class=\"several\">{charts}</div>\n"),
+        _ => format!("<div class=\"several many\">{charts}</div>\n"),
     };
     let (held, broken): (Vec<&Claim>, Vec<&Claim>) = study.claims.iter().partition(|c| c.holds());
     format!(
