@@ -105,7 +105,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         ),
     ];
     let axes = (Axis::log("stiffness", "N/m"), Axis::log("violation", "m"));
-    let hold = Lines::new("How well it holds", axes.0, axes.1)
+    let hold = Lines::new("Violation of the rod's length", axes.0, axes.1)
         .with(Series::new("largest violation at h ω = 0.2", held))
         .slope(-1.0, (1e4, 1e-3));
     Ok(Study {

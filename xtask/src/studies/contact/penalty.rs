@@ -112,7 +112,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Claim::number("slope of the depth against stiffness", "-1/2", slope, (-0.505, -0.495)),
     ];
     let axes = (Axis::log("stiffness", "N/m"), Axis::log("deepest overlap", "m"));
-    let depth = Lines::new("How far from rigid", axes.0, axes.1)
+    let depth = Lines::new("Deepest overlap", axes.0, axes.1)
         .with(Series::new("deepest overlap at h ω = 0.01", depths))
         .slope(-0.5, (1e4, 1.3e-2));
     Ok(Study {

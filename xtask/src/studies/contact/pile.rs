@@ -92,7 +92,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let work = Axis::log("contacts or systems solved", "");
     let mut cost = Lines::new("Work until nothing approaches", contacts(), work);
     let left = Axis::log("KKT residual", "m/s");
-    let mut quality = Lines::new("What is left of the conditions", contacts(), left);
+    let mut quality = Lines::new("Residual of the conditions", contacts(), left);
     let mut claims = Vec::new();
     for law in [ImpactLaw::GaussSeidel, ImpactLaw::Jacobi, ImpactLaw::Inelastic] {
         let name = law.facts().name;

@@ -124,7 +124,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let (mut charts, mut claims) = (Vec::new(), Vec::new());
     for e in [0.9, 0.99] {
         let planet = kepler(e).map_err(StudyError::at("the orbit"))?;
-        let title = format!("Energy of an orbit of eccentricity {e}");
+        let title = format!("Energy, eccentricity {e}");
         let axes = (Axis::log("orbits", ""), Axis::log("largest energy error so far", "J"));
         let mut chart = Lines::new(&title, axes.0, axes.1);
         for steps in Steps::ALL {
@@ -182,7 +182,7 @@ fn work(e: f64, planet: &Planet, size: Size, claims: &mut Vec<Claim>) -> Result<
         Size::Default => 6,
         Size::Full => 10,
     };
-    let title = format!("What a digit costs on an orbit of eccentricity {e}");
+    let title = format!("Error against cost, eccentricity {e}");
     let mut chart = Lines::new(&title, Axis::log("differentials", ""), Axis::log("error", ""));
     let mut finest_errors = Vec::new();
     for steps in [Steps::Equal, Steps::Reversible] {

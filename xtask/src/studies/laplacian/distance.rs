@@ -101,7 +101,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let mut by_time = Lines::new("Heat time", Axis::log("heat time / advised", ""), axes());
     let (mut claims, mut ratios) = (Vec::new(), Vec::new());
     let mut by_windows =
-        Lines::new("What the error costs", Axis::log("vertices", ""), Axis::log("windows", ""));
+        Lines::new("Work of the stated error", Axis::log("vertices", ""), Axis::log("windows", ""));
     for (name, known) in [
         ("disc", Known::disc as fn(usize) -> Result<Known, LaplacianError>),
         ("sphere", Known::sphere),

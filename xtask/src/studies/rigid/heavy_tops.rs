@@ -62,7 +62,8 @@ fn nutation(_: Size) -> Result<Study, StudyError> {
         Column::rounded("beyond the bound [rad]", 2, 1e-8),
     ]);
     let axis = Axis::log("step", "s");
-    let mut errors = Lines::new("Off the bound", axis, Axis::log("off the largest tilt", "rad"));
+    let mut errors =
+        Lines::new("Error of the largest tilt", axis, Axis::log("off the largest tilt", "rad"));
     let mut claims = Vec::new();
     for &method in BodyMethod::ALL {
         let name = method.facts().name;
