@@ -55,7 +55,7 @@ impl Asked<'_> {
 
 /// The name that a newcomer may know, with the one to write into a scene.
 pub(super) fn known_as(name: &str) -> String {
-    const KNOWN: [(&str, &str); 9] = [
+    const KNOWN: [(&str, &str); 10] = [
         ("dormand-el-mikkawy-prince-8", "Nystrom 8(6)"),
         ("dormand-el-mikkawy-prince-12", "Nystrom 12(10)"),
         ("dormand-prince-853", "DOP853"),
@@ -65,8 +65,10 @@ pub(super) fn known_as(name: &str) -> String {
         ("crank-nicolson", "Crank-Nicolson"),
         ("munthe-kaas-4", "Munthe-Kaas of order 4"),
         ("explicit-euler", "explicit Euler"),
+        ("inelastic", "projection"),
     ];
     match KNOWN.iter().find(|known| known.0 == name) {
+        Some((_, known)) if known.to_lowercase().replace(' ', "-") == name => (*known).to_owned(),
         Some((_, known)) => format!("{known} ({name})"),
         None => name.to_owned(),
     }
@@ -105,6 +107,7 @@ mod tests {
     #[test]
     fn methods_are_called_as_a_newcomer_knows_them() {
         assert_eq!(known_as("dormand-prince-853"), "DOP853 (dormand-prince-853)");
+        assert_eq!(known_as("explicit-euler"), "explicit Euler");
         assert_eq!(known_as("quadratic triangles"), "quadratic triangles");
     }
 

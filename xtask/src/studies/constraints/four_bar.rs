@@ -194,7 +194,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(way, costs));
     }
     let asked = Asked {
-        question: "Joints that close a loop, to 1e-3 m",
+        question: "Joints that close a loop, to 1e-3\u{a0}m",
         error: 1e-3,
         cost: "evaluations",
         rival: "constrained Hamilton",

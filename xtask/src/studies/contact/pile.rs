@@ -6,7 +6,7 @@ use stationary_contact::problems::{ImpactProblem, landing_pile};
 use stationary_contact::{ContactError, ImpactLaw, residual};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use crate::studies::cheapest::part;
+use crate::studies::cheapest::{known_as, part};
 use crate::study::{Answer, Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Work of each solver, and what it leaves, against the number of contacts.
@@ -69,7 +69,7 @@ fn answer(cost: &Lines) -> Option<Answer> {
     let [(best, contacts, least), (next, _, work), ..] = works[..] else { return None };
     Some(Answer {
         question: format!("Impacts of a pile, {contacts} contacts at once"),
-        method: best.to_owned(),
+        method: known_as(best),
         figure: format!("at {} of the solves of {next}", part(least / work)),
     })
 }

@@ -261,7 +261,7 @@ fn work_precision(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(series);
     }
     let asked = Asked {
-        question: "Attitude of a rigid body, to 1e-4 rad",
+        question: "Attitude of a rigid body over seconds, to 1e-4\u{a0}rad",
         error: 1e-4,
         cost: "torques",
         rival: "variational-rotation",
