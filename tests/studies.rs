@@ -1,98 +1,87 @@
-//! Snapshots of the studies' tables and claims: every deterministic number of the report.
+//! One test a study, made from the list of studies: its table, or its claims alone, as its entry says.
+//! Those that take longer than a second are listed as ignored: the report runs them, and so does
+//! `cargo test --test studies -- --ignored kepler`.
 //!
 //! A user's own study is tested in the same way: `insta::assert_snapshot!(convergence.table())`.
 
-use stationary_measure::Precision;
-use xtask::studies::STUDIES;
-use xtask::study::{Kind, Size};
+use std::process::ExitCode;
 
-/// The text of a study that another processor reproduces.
-fn text(id: &str) -> String {
-    let entry = STUDIES.iter().find(|entry| entry.id == id).expect("a listed study");
+use libtest_mimic::{Arguments, Failed, Trial};
+use stationary_measure::Precision;
+use xtask::studies::{CONCLUSIONS, STUDIES};
+use xtask::study::{Claim, Entry, Kind, Size, Study, Tested};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let mut trials: Vec<Trial> = STUDIES.iter().map(trial).collect();
+    trials.push(Trial::test("every_study_has_a_name_of_its_own", || {
+        every_study_has_a_name_of_its_own();
+        Ok(())
+    }));
+    trials.push(Trial::test("each_crate_has_a_conclusion_that_its_studies_show", || {
+        each_crate_has_a_conclusion_that_its_studies_show();
+        Ok(())
+    }));
+    trials.push(Trial::test("each_kind_of_trial_has_a_row_and_a_claim", || {
+        each_kind_of_trial_has_a_row_and_a_claim();
+        Ok(())
+    }));
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trial(entry: &'static Entry<'static>) -> Trial {
+    let test = move || -> Result<(), Failed> {
+        let study = measured(entry);
+        if entry.tested == Tested::Table {
+            insta::assert_snapshot!(entry.id, text(&study));
+        }
+        Ok(())
+    };
+    Trial::test(entry.id, test).with_ignored_flag(entry.tested == Tested::ByReport)
+}
+
+/// The study, whose claims hold.
+fn measured(entry: &Entry<'_>) -> Study {
     let study = entry.measure(Size::Default).expect("a study that runs");
     let times = study.table.columns().iter().any(|column| column.precision == Precision::Volatile);
+    let id = entry.id;
     assert!(!times || study.kind == Kind::WorkPrecision, "{id} times, beside other studies");
-    let claims: Vec<String> = study
-        .claims
-        .iter()
-        .map(|claim| format!("{} {}", if claim.holds() { "holds:" } else { "BROKEN:" }, claim.text))
-        .collect();
-    assert!(study.claims.iter().all(xtask::study::Claim::holds), "{}", claims.join("\n"));
-    format!("{}\n\n{}\n{}", study.title, study.table, claims.join("\n"))
+    assert!(study.claims.iter().all(Claim::holds), "{}", claims(&study));
+    study
 }
 
-macro_rules! snapshots {
-    ($($name:ident: $id:literal),+ $(,)?) => {
-        $(
-            #[test]
-            fn $name() {
-                insta::assert_snapshot!(text($id));
-            }
-        )+
-    };
+fn claims(study: &Study) -> String {
+    let claims = study.claims.iter().map(|claim| {
+        format!("{} {}", if claim.holds() { "holds:" } else { "BROKEN:" }, claim.text)
+    });
+    claims.collect::<Vec<_>>().join("\n")
 }
 
-snapshots! {
-    derivative_check: "derivative-check",
-    newton_wrong_derivatives: "newton-wrong-derivatives",
-    newton_initial_guesses: "newton-initial-guesses",
-    one_step: "one-step",
-    pendulum_convergence: "pendulum-convergence",
-    table_4_1: "table-4-1",
-    constraint_failures: "constraint-failures",
+/// The text of a study that another processor reproduces.
+fn text(study: &Study) -> String {
+    format!("{}\n\n{}\n{}", study.title, study.table, claims(study))
 }
 
-/// Cells beside a border may turn with the last bit, and long runs take long: their claims are
-/// tested, their tables are not.
-#[test]
-fn the_claims_of_the_other_quick_studies_hold() {
-    for id in [
-        "oscillator-stability",
-        "spring-pendulum-stability",
-        "kepler-long-run",
-        "step-control",
-        "multiscale-stability",
-        "newmark-damping",
-        "kepler-high-orders",
-        "pendulum-high-orders",
-        "henon-heiles-convergence",
-        "stability-regions",
-        "damping-stability",
-        "action-boundary-value",
-        "impulse-limit",
-        "modes-needed",
-        "modes-large-motion",
-        "rotation-accuracy",
-        "rods-or-rigid-body",
-        "tennis-racket",
-        "nodding-top",
-        "kovalevskaya-top",
-        "box-on-its-corner",
-        "impact-laws",
-        "bouncing-ball",
-        "contact-penalty",
-        "tunnelling",
-        "pile-solvers",
-        "friction-threshold",
-        "masonry-arch",
-        "laplacian-spectrum",
-        "heat-border",
-        "heat-work-precision",
-        "maximum-principle",
-        "geodesic-distance",
-    ] {
-        text(id);
-    }
-}
-
-#[test]
 fn every_study_has_a_name_of_its_own() {
     for (i, entry) in STUDIES.iter().enumerate() {
         assert!(STUDIES[..i].iter().all(|other| other.id != entry.id), "{}", entry.id);
     }
 }
 
-#[test]
+fn each_crate_has_a_conclusion_that_its_studies_show() {
+    for entry in STUDIES {
+        let said = CONCLUSIONS.iter().filter(|conclusion| conclusion.krate == entry.krate).count();
+        assert_eq!(said, 1, "{}", entry.krate);
+    }
+    for conclusion in CONCLUSIONS {
+        assert!(!conclusion.shown_by.is_empty(), "{}", conclusion.krate);
+        for id in conclusion.shown_by {
+            let entry = STUDIES.iter().find(|entry| entry.id == *id);
+            assert_eq!(entry.map(|entry| entry.krate), Some(conclusion.krate), "{id}");
+        }
+    }
+}
+
 fn each_kind_of_trial_has_a_row_and_a_claim() {
     let entry = STUDIES.iter().find(|entry| entry.id == "trials").expect("a listed study");
     let study = entry.measure(Size::Default).expect("a study that runs");

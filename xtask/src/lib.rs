@@ -1,10 +1,13 @@
 //! The project's tools, run as `cargo xtask <task>`: what is measured, what is allowed, what it costs.
 //!
-//! - [`report`]: runs the studies and writes the page that shows them.
-//! - [`check_page`]: opens that page in a browser and complains about what a reader would.
+//! - [`report`]: runs the studies and writes the page that shows them; [`studies`] is a folder a crate.
 //! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
+//!
+//! The checks of the house, in a folder of their own:
+//! - [`check_page`]: opens the report's page in a browser and complains about what a reader would.
 //! - [`layers`]: which crate may depend on what.
 //! - [`readme`]: the README of each crate from its front page.
+//! - [`mentions`]: the studies of a crate on its page of the docs.
 //! - [`licenses`]: what the dependencies ask of whoever uses the crates.
 //! - [`cost`]: how many packages each crate pulls in, and how long it takes to build.
 //! - [`kernels`]: what the hot kernels take as Cargo's own release profile builds them.
@@ -15,18 +18,13 @@
 
 #![allow(clippy::missing_errors_doc, reason = "an unpublished tool: its errors end in a message")]
 
-pub mod cargo;
-pub mod check_page;
 pub mod choosing;
-pub mod cost;
-pub mod kernels;
-pub mod layers;
-pub mod licenses;
-pub mod readme;
 pub mod report;
 pub mod studies;
 pub mod study;
 
+mod house;
 mod timing;
 
+pub use house::{cargo, check_page, cost, kernels, layers, licenses, mentions, readme};
 pub use timing::{Wall, median_wall};

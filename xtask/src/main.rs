@@ -13,6 +13,7 @@ use xtask::cost::{Build, Cost, cost, table};
 use xtask::kernels::kernels;
 use xtask::layers::{Metadata, check, check_tree};
 use xtask::licenses::unlicensed;
+use xtask::mentions::mentions;
 use xtask::readme::readmes;
 use xtask::report::{
     Outcome, Plan, Progress, Shard, catalogue, merge, report, select, shard, summary,
@@ -53,7 +54,7 @@ enum Task {
     Licenses,
     /// Checks which crate depends on what, and that the docs name what exists.
     Layers,
-    /// Writes the README of each crate from the front page of its source.
+    /// Writes the README of each crate from the front page of its source, and its studies onto its page.
     Readmes,
     /// Counts the packages that each crate pulls in, and times its clean release build.
     Cost {
@@ -196,7 +197,7 @@ fn run_layers() -> Result<ExitCode, Failure> {
 }
 
 fn run_readmes() -> Result<ExitCode, Failure> {
-    for readme in readmes()? {
+    for readme in readmes()?.into_iter().chain(mentions()?) {
         std::fs::write(&readme.path, &readme.text)?;
     }
     Ok(ExitCode::SUCCESS)

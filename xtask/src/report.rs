@@ -2,6 +2,7 @@
 
 mod csv;
 mod files;
+mod inline;
 mod json;
 mod machine;
 mod measure;

@@ -32,11 +32,28 @@ pub enum Kind {
     StabilityMap,
     /// Error against cost over models of growing fidelity.
     Ladder,
+    /// Where a method or a model gives way, along one parameter.
+    Limit,
+    /// What is said where there is no answer.
+    Errors,
     /// Promises on random cases.
     Trials,
 }
 
 impl Kind {
+    /// Every kind, in the order of the documentation.
+    pub const ALL: [Kind; 9] = [
+        Kind::Derivative,
+        Kind::Convergence,
+        Kind::WorkPrecision,
+        Kind::LongRun,
+        Kind::StabilityMap,
+        Kind::Ladder,
+        Kind::Limit,
+        Kind::Errors,
+        Kind::Trials,
+    ];
+
     /// The kind in words, for a reader.
     pub fn words(self) -> &'static str {
         match self {
@@ -46,9 +63,22 @@ impl Kind {
             Kind::LongRun => "long run",
             Kind::StabilityMap => "stability map",
             Kind::Ladder => "ladder",
+            Kind::Limit => "limit",
+            Kind::Errors => "errors",
             Kind::Trials => "trials",
         }
     }
+}
+
+/// What `cargo test` asks of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tested {
+    /// Its table, which is the same on every processor, and its claims.
+    Table,
+    /// Its claims.
+    Claims,
+    /// Nothing: it takes longer than a second, or it times. The report says whether its claims hold.
+    ByReport,
 }
 
 /// What a run measured.
@@ -72,6 +102,19 @@ pub struct Study {
     pub charts: Vec<Chart>,
     /// What the numbers must show.
     pub claims: Vec<Claim>,
+    /// What the numbers answer to who asks for a method. They stand on the page's first screen.
+    pub answers: Vec<Answer>,
+}
+
+/// Which method for which question, in words that are made of the run's own numbers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// What is asked: `Orbits with close encounters, to 1e-9`.
+    pub question: String,
+    /// Which method to take.
+    pub method: String,
+    /// The figure that shows it: `at 0.35 of the evaluations of dormand-prince-853`.
+    pub figure: String,
 }
 
 /// A sentence that the run's numbers prove or break.
@@ -156,8 +199,10 @@ pub struct Entry<'a> {
     pub chapter: &'static str,
     /// What is compared with what.
     pub kind: Kind,
-    /// The heading.
+    /// The heading: what was measured on what.
     pub title: &'static str,
+    /// What `cargo test` asks of it.
+    pub tested: Tested,
     /// Measures.
     pub run: &'a Measure<'a>,
 }
@@ -175,6 +220,7 @@ impl Entry<'_> {
             table: Table::new([]),
             charts: Vec::new(),
             claims: Vec::new(),
+            answers: Vec::new(),
         }
     }
 
@@ -291,6 +337,7 @@ mod tests {
                 table: Table::new([]),
                 charts: Vec::new(),
                 claims: Vec::new(),
+                answers: Vec::new(),
             })
         }
         let entry = Entry {
@@ -299,6 +346,7 @@ mod tests {
             chapter: "2",
             kind: Kind::Derivative,
             title: "",
+            tested: Tested::ByReport,
             run: &other,
         };
         let error = entry.measure(Size::Default).unwrap_err();

@@ -6,7 +6,8 @@ use std::fs;
 
 use xtask::check_page::{Complaint, check_page};
 
-const VIEWS: [&str; 5] = ["desk-light", "desk-dark", "tablet-light", "phone-light", "phone-dark"];
+const VIEWS: [&str; 6] =
+    ["desk-light", "desk-dark", "laptop-light", "tablet-light", "phone-light", "phone-dark"];
 
 /// What is said of a page with this body.
 fn complaints(name: &str, body: &str) -> Vec<Complaint> {
@@ -86,4 +87,13 @@ fn a_chart_that_says_nothing_is_seen() {
         said.len() == VIEWS.len() && said.iter().all(|c| matches!(c, Complaint::Mute { .. })),
         "{said:?}"
     );
+}
+
+#[test]
+#[ignore = "starts Chromium"]
+fn a_chart_that_is_mute_to_the_arrow_keys_is_seen() {
+    let chart = r#"<svg class="chart" tabindex="0" width="40" height="40"><path data-says="1" d="M0 0h9v9z"/></svg>"#;
+    let said = complaints("keys", &format!(r#"{chart}<div id="tip" hidden></div>"#));
+    assert!(said.iter().all(|c| matches!(c, Complaint::MuteToKeys { .. })), "{said:?}");
+    assert_eq!(said.len(), VIEWS.len());
 }

@@ -4,10 +4,14 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use stationary::program::ladder_of;
+use stationary_choose::{Lab, answer};
 use stationary_integrators::{Conservation, Method};
 use stationary_scene::Scene;
-use xtask::choose::{Question, choose};
+use stationary_scene::choose::Question;
 use xtask::studies::scene::{long_run, observable, work_precision};
+
+const BUDGET: Duration = Duration::from_secs(600);
 
 const TWO_MASSES: &str = r#"
 title = "Two masses on a spring"
@@ -52,19 +56,15 @@ impl Drop for File {
     }
 }
 
-fn question(observable: &str, tolerance: f64) -> Question {
-    let budget = Duration::from_secs(600);
-    Question { observable: observable.to_owned(), tolerance, budget, horizon: None }
-}
-
 #[test]
 fn a_scene_is_told_which_method_and_step_to_write_into_its_file() {
     let file = File::of("two.toml", TWO_MASSES);
-    let asked = question("position=left", 1e-4);
-    let study = work_precision(&file.0, &asked).unwrap();
+    let asked = Question::new("position=left");
+    let study = work_precision(&file.0, &asked, 1e-4, BUDGET).unwrap();
     assert!(study.claims.iter().all(xtask::study::Claim::holds), "{:?}", study.claims);
     // It is the answer of `choose`, with every method beside it.
-    let (answer, _) = choose(&file.0, &asked).unwrap();
+    let ladder = ladder_of(&file.0, &asked).unwrap();
+    let answer = answer(&mut Lab::new(&ladder, BUDGET).unwrap(), 1e-4).unwrap();
     let choice = answer.choice().unwrap();
     let said = format!("the cheapest is {} with {}", choice.method, choice.setting);
     assert!(study.conclusion.contains(&said), "{}", study.conclusion);
@@ -141,9 +141,9 @@ fn drag_rods_contact_bodies_and_heat_are_charted_like_anything_else() {
         ("heat", heat),
     ] {
         let file = File::of(&format!("{name}.toml"), text);
-        let asked = question(&observable(&file.0).unwrap(), 1e-2);
-        let study =
-            work_precision(&file.0, &asked).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let asked = Question::new(&observable(&file.0).unwrap());
+        let study = work_precision(&file.0, &asked, 1e-2, BUDGET)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(study.conclusion.contains("the cheapest is"), "{name}: {}", study.conclusion);
         assert!(!long_run(&file.0).unwrap().table.to_string().is_empty());
     }

@@ -1,10 +1,14 @@
 //! The real workspace keeps its own rules.
 
 use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
 
 use xtask::cargo::cargo;
 use xtask::layers::{Metadata, check, check_tree};
-use xtask::readme::readmes;
+use xtask::mentions::mentions;
+use xtask::readme::{Readme, readmes};
+use xtask::studies::FILES;
 
 #[test]
 fn the_workspace_breaks_no_rule() {
@@ -19,8 +23,16 @@ fn the_workspace_breaks_no_rule() {
 
 #[test]
 fn the_readme_of_each_crate_is_its_front_page() {
-    let stale: Vec<String> = readmes()
-        .unwrap()
+    assert_written(&readmes().unwrap());
+}
+
+#[test]
+fn the_page_of_each_crate_names_its_studies() {
+    assert_written(&mentions().unwrap());
+}
+
+fn assert_written(readmes: &[Readme]) {
+    let stale: Vec<String> = readmes
         .iter()
         .filter(|readme| !readme.is_written())
         .map(|readme| format!("{}: run `cargo xtask readmes`", readme.path.display()))
@@ -43,4 +55,15 @@ fn the_tests_compile_nothing_of_the_report_again() {
     let other: Vec<_> =
         report.iter().filter(|(package, f)| tests.get(*package) != Some(*f)).collect();
     assert!(other.is_empty(), "give xtask the features that tests have: {other:#?}");
+}
+
+/// `cargo fmt` follows `mod` lines, and those of the studies are made by their list.
+#[test]
+fn the_studies_are_formatted() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/studies");
+    let files = FILES.iter().map(|file| folder.join(file));
+    let mut rustfmt = Command::new("rustfmt");
+    let output = rustfmt.args(["--check", "--edition", "2024"]).args(files).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "run `rustfmt xtask/src/studies/*/*.rs`\n{said}");
 }

@@ -259,13 +259,11 @@ mod tests {
             };
             let (tried, like) = (family("triple-jump-4"), family("runge-kutta-4"));
             let (most_work, foresight) = (u64::MAX, Foresight::None);
-            let reference = Some(&reference);
-            let trial = Trial { reference, most_error: 1e-2, most_work, foresight };
+            let trial = Trial { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
             let first = At { family: tried, rung: 0 };
             lab.attempt(first, &trial);
-            let reference = reference.unwrap();
-            let next = next_rung(&lab, reference, 1e-2, like).map(|at| at.rung);
-            (judge(&lab, reference, 1e-2, first).unwrap(), next)
+            let next = next_rung(&lab, &reference, 1e-2, like).map(|at| at.rung);
+            (judge(&lab, &reference, 1e-2, first).unwrap(), next)
         };
         let (said, rung) = next(20.0);
         assert!(matches!(said, Judgement::Misses(_)) && rung == Some(1), "{said:?} {rung:?}");

@@ -7,7 +7,7 @@ use serde::Serialize;
 use stationary_measure::Cell;
 
 use super::{Machine, Outcome};
-use crate::study::{Claim, Evidence, Kind, Study};
+use crate::study::{Answer, Claim, Evidence, Kind, Study};
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -26,6 +26,7 @@ struct StudyNumbers<'a> {
     columns: Vec<&'a str>,
     rows: Vec<Vec<Value<'a>>>,
     claims: Vec<ClaimNumbers<'a>>,
+    answers: &'a [Answer],
 }
 
 #[derive(Serialize)]
@@ -60,8 +61,14 @@ pub(super) fn json(machine: &Machine, outcomes: &[Outcome<'_>]) -> serde_json::R
 
 fn study_numbers<'a>(outcome: &'a Outcome<'_>) -> StudyNumbers<'a> {
     let entry = &outcome.entry;
-    let (title, columns, rows, claims) = match &outcome.result {
-        Ok(study) => (study.title.as_str(), columns(study), rows(study), claims(study)),
+    let (title, columns, rows, claims, answers) = match &outcome.result {
+        Ok(study) => (
+            study.title.as_str(),
+            columns(study),
+            rows(study),
+            claims(study),
+            study.answers.as_slice(),
+        ),
         Err(error) => {
             let claim = ClaimNumbers {
                 text: "the study runs",
@@ -70,11 +77,11 @@ fn study_numbers<'a>(outcome: &'a Outcome<'_>) -> StudyNumbers<'a> {
                 band: None,
                 holds: false,
             };
-            (entry.title, Vec::new(), Vec::new(), vec![claim])
+            (entry.title, Vec::new(), Vec::new(), vec![claim], &[][..])
         }
     };
     let (id, krate, chapter, kind) = (entry.id, entry.krate, entry.chapter, entry.kind);
-    StudyNumbers { id, krate, chapter, kind, title, columns, rows, claims }
+    StudyNumbers { id, krate, chapter, kind, title, columns, rows, claims, answers }
 }
 
 fn columns(study: &Study) -> Vec<&str> {
@@ -125,8 +132,9 @@ mod tests {
         };
         assert_eq!(keys(&report), ["machine", "studies"]);
         let study = &report["studies"][0];
-        let mut expected = ["id", "crate", "chapter", "kind", "title", "columns", "rows", "claims"]
-            .map(String::from);
+        let mut expected =
+            ["id", "crate", "chapter", "kind", "title", "columns", "rows", "claims", "answers"]
+                .map(String::from);
         expected.sort();
         assert_eq!(keys(study), expected);
         assert_eq!(study["kind"], "work-precision");
@@ -139,6 +147,7 @@ mod tests {
         expected.sort();
         assert_eq!(keys(claim), expected);
         assert_eq!(claim["band"].as_array().unwrap().len(), 2);
+        assert_eq!(keys(&study["answers"][0]), ["figure", "method", "question"]);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use stationary_measure::{Cell, Column, Precision, Table};
 use super::files::Folder;
 use super::measure::measure;
 use super::{Machine, Outcome, Plan, ReportError};
-use crate::study::{Claim, Entry, Size, Study, StudyError};
+use crate::study::{Answer, Claim, Entry, Size, Study, StudyError};
 
 /// The name of the file.
 pub(super) const FILE: &str = "shard.toml";
@@ -80,6 +80,8 @@ struct StoredStudy {
     table: StoredTable,
     charts: Vec<Chart>,
     claims: Vec<Claim>,
+    #[serde(default)]
+    answers: Vec<Answer>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -144,6 +146,7 @@ impl StoredOutcome {
             table: stored.table.table(),
             charts: stored.charts,
             claims: stored.claims,
+            answers: stored.answers,
         };
         let wall = Duration::try_from_secs_f64(self.seconds).unwrap_or_default();
         Outcome { entry, wall, result: self.result.map(study).map_err(StudyError::Elsewhere) }
@@ -158,6 +161,7 @@ impl StoredStudy {
             table: StoredTable::of(&study.table),
             charts: study.charts.clone(),
             claims: study.claims.clone(),
+            answers: study.answers.clone(),
         }
     }
 }

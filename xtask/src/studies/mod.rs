@@ -1,122 +1,125 @@
-//! The studies of the report, in the order of the page.
+//! The studies of the report: a folder a crate, a file a study or a few that share their problem.
+//!
+//! A new study is a file and its line in the list below. From its [`Entry`] come its place on the page,
+//! its mention on the page of its crate, and its test.
 
-mod constraints;
-mod contact;
+mod cheapest;
 mod choose;
 mod choose_unseen;
-mod convergence;
-mod damping;
-mod derivative;
-mod elasticity;
-mod error_estimates;
-mod hamilton;
-mod high_order;
-mod laplacian;
-mod long_run;
-mod modal;
-mod multiscale;
-mod net_in_honey;
-mod newmark_damping;
-mod newton;
-mod orbits;
-mod oscillating;
-mod phase_portrait;
-mod reference;
-mod rigid;
+mod conclusions;
 pub mod scene;
-mod stability;
-mod stability_regions;
-mod stiff;
-mod step_control;
-mod table_4_1;
-mod tolerance_honesty;
+mod spaced;
 mod trials;
-mod work_precision;
+
+pub use conclusions::{CONCLUSIONS, Conclusion};
 
 use crate::study::Entry;
 
-/// Every study.
-pub const STUDIES: &[Entry<'static>] = &[
-    derivative::FIGURE_2_1,
-    newton::WRONG_DERIVATIVES,
-    newton::INITIAL_GUESSES,
-    phase_portrait::ONE_STEP,
-    convergence::KEPLER,
-    convergence::PENDULUM,
-    work_precision::KEPLER,
-    work_precision::OUTER_SOLAR_SYSTEM,
-    high_order::KEPLER_ORDERS,
-    high_order::PENDULUM_ORDERS,
-    high_order::HENON_HEILES_ORDERS,
-    high_order::KEPLER_WORK,
-    high_order::PLANETS_WORK,
-    orbits::WORK_PRECISION,
-    long_run::KEPLER,
-    table_4_1::TABLE,
-    oscillating::FERMI_PASTA_ULAM,
-    oscillating::SPRING_CHAIN,
-    stability::OSCILLATOR,
-    stability::SPRING_PENDULUM,
-    modal::membrane::STUDY,
-    modal::frequencies::STUDY,
-    modal::needed::STUDY,
-    modal::reduced::STUDY,
-    modal::pendulum::STUDY,
-    modal::turning::STUDY,
-    stability_regions::REGIONS,
-    damping::STUDY,
-    stiff::WORK_PRECISION,
-    net_in_honey::STUDY,
-    step_control::STUDY,
-    tolerance_honesty::STUDY,
-    error_estimates::STUDY,
-    multiscale::STUDY,
-    newmark_damping::STUDY,
-    hamilton::BOUNDARY_VALUE,
-    hamilton::IMPULSE_LIMIT,
-    constraints::PENDULUM_WAYS,
-    constraints::PENDULUM_ENERGY,
-    constraints::PENALTY_STABILITY,
-    constraints::ACCELERATION_DRIFT,
-    constraints::FOUR_BAR,
-    constraints::CHAIN_COST,
-    constraints::WHERE_THEY_FAIL,
-    rigid::ACCURACY,
-    rigid::GIMBAL_LOCK,
-    rigid::RODS_OR_BODY,
-    rigid::LONG_RUN,
-    rigid::WORK_PRECISION,
-    rigid::RACKET,
-    rigid::NUTATION,
-    rigid::KOVALEVSKAYA,
-    rigid::JOINTED,
-    contact::IMPACT_LAWS,
-    contact::BOUNCING_BALL,
-    contact::CONTACT_PENALTY,
-    contact::TUNNELLING,
-    contact::DETECTION_COST,
-    contact::PILE_SOLVERS,
-    contact::FRICTION_THRESHOLD,
-    contact::MASONRY_ARCH,
-    elasticity::ORDERS,
-    elasticity::MEMBRANE,
-    elasticity::CANTILEVER,
-    elasticity::LOCKING,
-    elasticity::COMPRESSION,
-    elasticity::DISPERSION,
-    elasticity::SLINKY,
-    elasticity::SLIVERS,
-    elasticity::EXPLICIT_LIMIT,
-    elasticity::FACTOR_OR_ITERATE,
-    laplacian::spectrum::STUDY,
-    laplacian::border::STUDY,
-    laplacian::cost::STUDY,
-    laplacian::maximum::STUDY,
-    laplacian::distance::STUDY,
-    choose::STUDY,
-    choose_unseen::STUDY,
-    trials::STUDY,
-];
+/// Declares the files of each folder, and lists their studies in the order of the page.
+macro_rules! studies {
+    (
+        folders { $($folder:ident { $($file:ident: [$($study:ident),*],)+ })+ }
+        besides { $($other:path,)+ }
+    ) => {
+        $(mod $folder { $(pub mod $file;)+ })+
+
+        /// Every study.
+        pub const STUDIES: &[Entry<'static>] = &[$($($($folder::$file::$study,)*)+)+ $($other,)+];
+
+        /// The files of studies, from the folder of this one. `cargo fmt` does not find them.
+        pub const FILES: &[&str] =
+            &[$($(concat!(stringify!($folder), "/", stringify!($file), ".rs"),)+)+];
+    };
+}
+
+studies! {
+    folders {
+        calculus {
+            derivative: [FIGURE_2_1],
+            newton: [WRONG_DERIVATIVES, INITIAL_GUESSES],
+        }
+        integrators {
+            orbits: [WORK_PRECISION],
+            work_precision: [KEPLER, OUTER_SOLAR_SYSTEM],
+            high_order: [KEPLER_ORDERS, PENDULUM_ORDERS, HENON_HEILES_ORDERS, KEPLER_WORK, PLANETS_WORK],
+            oscillating: [FERMI_PASTA_ULAM, SPRING_CHAIN],
+            stiff: [WORK_PRECISION],
+            net_in_honey: [STUDY],
+            tolerance_honesty: [STUDY],
+            error_estimates: [STUDY],
+            step_control: [STUDY],
+            long_run: [KEPLER],
+            phase_portrait: [ONE_STEP],
+            convergence: [KEPLER, PENDULUM],
+            table_4_1: [TABLE],
+            stability: [OSCILLATOR, SPRING_PENDULUM],
+            stability_regions: [REGIONS],
+            damping: [STUDY],
+            multiscale: [STUDY],
+            newmark_damping: [STUDY],
+            hamilton: [BOUNDARY_VALUE, IMPULSE_LIMIT],
+            reference: [],
+        }
+        constraints {
+            pendulum: [PENDULUM_WAYS, PENDULUM_ENERGY],
+            four_bar: [FOUR_BAR],
+            chain: [CHAIN_COST],
+            penalty: [PENALTY_STABILITY],
+            drift: [ACCELERATION_DRIFT],
+            failures: [WHERE_THEY_FAIL],
+        }
+        rigid {
+            free_box: [WORK_PRECISION, LONG_RUN],
+            accuracy: [ACCURACY],
+            gimbal_lock: [GIMBAL_LOCK],
+            rods_or_body: [RODS_OR_BODY],
+            racket: [RACKET],
+            heavy_tops: [NUTATION, KOVALEVSKAYA],
+            jointed: [JOINTED],
+        }
+        contact {
+            laws: [IMPACT_LAWS],
+            pile: [PILE_SOLVERS],
+            cost: [DETECTION_COST],
+            tunnelling: [TUNNELLING],
+            bounce: [BOUNCING_BALL],
+            penalty: [CONTACT_PENALTY],
+            friction: [FRICTION_THRESHOLD],
+            arch: [MASONRY_ARCH],
+        }
+        elasticity {
+            sheets: [CANTILEVER, MEMBRANE, LOCKING],
+            factor_or_iterate: [STUDY],
+            orders: [STUDY],
+            compression: [STUDY],
+            dispersion: [STUDY],
+            slinky: [STUDY],
+            slivers: [STUDY],
+            explicit_limit: [STUDY],
+        }
+        modal {
+            reduced: [STUDY],
+            needed: [STUDY],
+            membrane: [STUDY],
+            frequencies: [STUDY],
+            pendulum: [STUDY],
+            turning: [STUDY],
+            lowest: [],
+        }
+        laplacian {
+            cost: [STUDY],
+            spectrum: [STUDY],
+            border: [STUDY],
+            maximum: [STUDY],
+            distance: [STUDY],
+        }
+    }
+    besides {
+        choose::STUDY,
+        choose_unseen::STUDY,
+        trials::STUDY,
+    }
+}
 
 /// Methods that keep their colour and marker whatever subset of the studies is run. The others are
 /// given theirs in order of appearance.

@@ -15,7 +15,7 @@ use stationary_measure::{Cell, Column, Table};
 use stationary_scene::choose::{Change, Question, SceneLadder, changed};
 use stationary_scene::{Run, Scene};
 
-use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Measure, Study, StudyError, Tested};
 
 /// Errors for which a method is named.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -36,7 +36,8 @@ const LONG_RUN: Labels =
     ("scene-long-run", Kind::LongRun, "Energy and momentum in your scene, at its own step");
 
 fn labels<'a>(&(id, kind, title): &Labels, run: &'a Measure<'a>) -> Entry<'a> {
-    Entry { id, krate: "scene", chapter: "your scene", kind, title, run }
+    let tested = Tested::ByReport;
+    Entry { id, krate: "scene", chapter: "your scene", kind, title, tested, run }
 }
 
 /// What is asked of a scene where nothing else is said: the first observable that its file names, else
@@ -108,6 +109,7 @@ pub fn work_precision(
             "yes",
             if confirmed { "yes" } else { "no" }.to_owned(),
         )],
+        answers: Vec::new(),
     })
 }
 
@@ -238,6 +240,7 @@ pub fn long_run(file: &Path) -> Result<Study, StudyError> {
         table,
         charts: vec![chart.into()],
         claims: Vec::new(),
+        answers: Vec::new(),
     })
 }
 

@@ -2,10 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use stationary_choose::{At, Experiment, Kind, MeshError, Purpose, Verdict, way_error};
-use stationary_scene::choose::Question;
+use stationary_choose::{At, Kind, MeshError, Purpose, Verdict, way_error};
 
-use super::{asked, ladder};
+use super::asked;
 
 /// Burrau's problem: masses 3, 4 and 5 fall from rest at the corners of that triangle.
 const PYTHAGOREAN: &str = r#"

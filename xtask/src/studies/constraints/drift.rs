@@ -9,8 +9,8 @@ use stationary_chart::{Axis, Lines, Map, Series};
 use stationary_constraints::problems::{Pendulum, pendulum};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Gain against step, and the drift without gains.
 pub const ACCELERATION_DRIFT: Entry<'static> = Entry {
@@ -18,7 +18,8 @@ pub const ACCELERATION_DRIFT: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6",
     kind: Kind::StabilityMap,
-    title: "A rod held by its acceleration drifts; gains have limits of their own",
+    title: "Rod held by its acceleration: which gains are stable, and its drift",
+    tested: Tested::ByReport,
     run: &study,
 };
 

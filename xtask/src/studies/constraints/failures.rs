@@ -9,15 +9,16 @@ use stationary_constraints::{
 use stationary_integrators::State;
 use stationary_measure::{Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Study, StudyError, Tested};
 
 /// The failures.
 pub const WHERE_THEY_FAIL: Entry<'static> = Entry {
     id: "constraint-failures",
     krate: "constraints",
     chapter: "6",
-    kind: Kind::StabilityMap,
-    title: "Where each way to keep a constraint fails",
+    kind: Kind::Errors,
+    title: "Eleven calls on constraints without an answer, or nearly: what each one says",
+    tested: Tested::Table,
     run: &|_| study(),
 };
 

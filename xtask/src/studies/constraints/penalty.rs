@@ -7,8 +7,8 @@ use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_integrators::{Integrator, StormerVerlet};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Stiffness against step.
 pub const PENALTY_STABILITY: Entry<'static> = Entry {
@@ -16,7 +16,8 @@ pub const PENALTY_STABILITY: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6.2",
     kind: Kind::StabilityMap,
-    title: "A penalty: stable or stiff",
+    title: "Rod by penalty: which steps are stable, and its violation, against stiffness",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -64,7 +65,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::exact("outcome"),
     ]);
     let axes = (Axis::log("step", "s"), Axis::log("stiffness", "N/m"));
-    let mut map = Map::new("", axes.0, axes.1, [HOLDS, SLACK, BLOWS_UP]);
+    let mut map = Map::new("Which steps hold the rod", axes.0, axes.1, [HOLDS, SLACK, BLOWS_UP]);
     let (mut agree, mut cells) = (0_u32, 0_u32);
     for k in spaced(1e3, 1e6, count) {
         for h in spaced(1e-3, 0.3, count) {
@@ -104,7 +105,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         ),
     ];
     let axes = (Axis::log("stiffness", "N/m"), Axis::log("violation", "m"));
-    let hold = Lines::new("How well it holds", axes.0, axes.1)
+    let hold = Lines::new("Violation of the rod's length", axes.0, axes.1)
         .with(Series::new("largest violation at h ω = 0.2", held))
         .slope(-1.0, (1e4, 1e-3));
     Ok(Study {

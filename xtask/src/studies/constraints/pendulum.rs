@@ -12,7 +12,7 @@ use stationary_constraints::{
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error of every way against step and cost.
 pub const PENDULUM_WAYS: Entry<'static> = Entry {
@@ -20,7 +20,8 @@ pub const PENDULUM_WAYS: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6",
     kind: Kind::Convergence,
-    title: "A pendulum kept four ways",
+    title: "Pendulum on a rod, kept four ways: error against step and cost",
+    tested: Tested::ByReport,
     run: &ways,
 };
 
@@ -30,7 +31,8 @@ pub const PENDULUM_ENERGY: Entry<'static> = Entry {
     krate: "constraints",
     chapter: "6",
     kind: Kind::LongRun,
-    title: "What keeping a rod does to energy",
+    title: "Pendulum on a rod: energy error against time",
+    tested: Tested::ByReport,
     run: &energy,
 };
 
@@ -175,8 +177,12 @@ fn ways(size: Size) -> Result<Study, StudyError> {
         Column::exact("evaluations"),
     ]);
     let (mut against_step, mut against_cost) = (
-        Lines::new("Large swing", Axis::log("step", "s"), Axis::log("largest error", "")),
-        Lines::new("Large swing", Axis::log("evaluations", ""), Axis::log("largest error", "")),
+        Lines::new("Large swing, by step", Axis::log("step", "s"), Axis::log("largest error", "")),
+        Lines::new(
+            "Large swing, by cost",
+            Axis::log("evaluations", ""),
+            Axis::log("largest error", ""),
+        ),
     );
     let mut claims = Vec::new();
     for way in WAYS {

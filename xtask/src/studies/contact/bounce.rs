@@ -6,8 +6,8 @@ use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, 
 use stationary_integrators::{State, UniformGravity};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error of the rebound height against the step.
 pub const BOUNCING_BALL: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const BOUNCING_BALL: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.4",
     kind: Kind::Convergence,
-    title: "When the impulse is given",
+    title: "Bouncing ball: error against the step, by when the impulse is given",
+    tested: Tested::ByReport,
     run: &study,
 };
 

@@ -6,7 +6,7 @@ use stationary_contact::{
 };
 use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 use crate::timing::{Wall, median_wall};
 
 /// Time and pairs against the number of balls.
@@ -15,7 +15,8 @@ pub const DETECTION_COST: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.1",
     kind: Kind::WorkPrecision,
-    title: "Who can touch whom",
+    title: "Broad phase: cost against the number of shapes",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -8,15 +8,16 @@ use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Acceleration against the angle.
 pub const FRICTION_THRESHOLD: Entry<'static> = Entry {
     id: "friction-threshold",
     krate: "contact",
     chapter: "friction",
-    kind: Kind::Ladder,
-    title: "Stick or slide",
+    kind: Kind::Limit,
+    title: "Block on an incline: acceleration against the angle",
+    tested: Tested::Claims,
     run: &study,
 };
 

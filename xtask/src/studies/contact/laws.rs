@@ -9,7 +9,7 @@ use stationary_contact::problems::{
 use stationary_contact::{ContactError, ImpactLaw};
 use stationary_measure::{Cell, Column, Table};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Each law on each impact.
 pub const IMPACT_LAWS: Entry<'static> = Entry {
@@ -17,7 +17,8 @@ pub const IMPACT_LAWS: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.5",
     kind: Kind::Ladder,
-    title: "Five laws for several impacts at once",
+    title: "Simultaneous impacts: velocities after, by five laws",
+    tested: Tested::Claims,
     run: &study,
 };
 

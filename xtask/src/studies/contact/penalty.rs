@@ -6,8 +6,8 @@ use stationary_contact::{Balls, ContactError, Inequality, OneSidedPenalty, Wall}
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Stiffness against step.
 pub const CONTACT_PENALTY: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const CONTACT_PENALTY: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.3",
     kind: Kind::StabilityMap,
-    title: "A wall of springs",
+    title: "Ball on a wall of springs: what becomes of it, against step and stiffness",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -66,7 +67,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::exact("outcome"),
     ]);
     let axes = (Axis::log("step", "s"), Axis::log("stiffness", "N/m"));
-    let mut map = Map::new("", axes.0, axes.1, [BOUNCES, OFF, THROWS]);
+    let mut map = Map::new("What becomes of the ball", axes.0, axes.1, [BOUNCES, OFF, THROWS]);
     let (mut resolved, mut beyond) = (0.0_f64, f64::INFINITY);
     for k in spaced(1e2, 1e6, count) {
         for h in spaced(1e-4, 0.3, count) {
@@ -111,7 +112,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Claim::number("slope of the depth against stiffness", "-1/2", slope, (-0.505, -0.495)),
     ];
     let axes = (Axis::log("stiffness", "N/m"), Axis::log("deepest overlap", "m"));
-    let depth = Lines::new("How far from rigid", axes.0, axes.1)
+    let depth = Lines::new("Deepest overlap", axes.0, axes.1)
         .with(Series::new("deepest overlap at h ω = 0.01", depths))
         .slope(-0.5, (1e4, 1.3e-2));
     Ok(Study {

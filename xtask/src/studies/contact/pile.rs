@@ -6,7 +6,8 @@ use stationary_contact::problems::{ImpactProblem, landing_pile};
 use stationary_contact::{ContactError, ImpactLaw, residual};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::cheapest::{known_as, part};
+use crate::study::{Answer, Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Work of each solver, and what it leaves, against the number of contacts.
 pub const PILE_SOLVERS: Entry<'static> = Entry {
@@ -14,7 +15,8 @@ pub const PILE_SOLVERS: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.5.1",
     kind: Kind::WorkPrecision,
-    title: "Stopping a pile",
+    title: "Pile that lands: work and residual of three solvers against contacts",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -55,6 +57,23 @@ fn growth(works: &[(f64, f64)]) -> f64 {
     loglog_slope(&works[works.len() / 2..]).unwrap_or(f64::NAN)
 }
 
+/// The solver with the least work on the largest pile, and its work over that of the next.
+fn answer(cost: &Lines) -> Option<Answer> {
+    let last = |series: &'_ Series| series.points.last().copied();
+    let mut works: Vec<(&str, f64, f64)> = cost
+        .series
+        .iter()
+        .filter_map(|series| last(series).map(|(size, work)| (series.name.as_str(), size, work)))
+        .collect();
+    works.sort_by(|a, b| a.2.total_cmp(&b.2));
+    let [(best, contacts, least), (next, _, work), ..] = works[..] else { return None };
+    Some(Answer {
+        question: format!("Impacts of a pile, {contacts} contacts at once"),
+        method: known_as(best),
+        figure: format!("at {} of the solves of {next}", part(least / work)),
+    })
+}
+
 fn study(size: Size) -> Result<Study, StudyError> {
     let sizes: &[usize] = match size {
         Size::Default => &[2, 3, 4, 6, 8, 11],
@@ -73,7 +92,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let work = Axis::log("contacts or systems solved", "");
     let mut cost = Lines::new("Work until nothing approaches", contacts(), work);
     let left = Axis::log("KKT residual", "m/s");
-    let mut quality = Lines::new("What is left of the conditions", contacts(), left);
+    let mut quality = Lines::new("Residual of the conditions", contacts(), left);
     let mut claims = Vec::new();
     for law in [ImpactLaw::GaussSeidel, ImpactLaw::Jacobi, ImpactLaw::Inelastic] {
         let name = law.facts().name;
@@ -119,6 +138,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         quality = quality.with(Series::new(name, lefts));
     }
     Ok(Study {
+        answers: answer(&cost).into_iter().collect(),
         conclusion: "Discs stacked in a triangle land on the ground all at once, without \
                      restitution. Gauss-Seidel and Jacobi solve one contact at a time, and their \
                      work grows with nearly the square of the number of contacts; the projection \

@@ -6,8 +6,8 @@ use stationary_chart::{Axis, Map};
 use stationary_contact::{Closeness, Moving, particle_meets_triangle};
 use stationary_measure::{Column, Table};
 
-use super::spaced;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::spaced::spaced;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Speed against thickness.
 pub const TUNNELLING: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const TUNNELLING: Entry<'static> = Entry {
     krate: "contact",
     chapter: "11.1",
     kind: Kind::StabilityMap,
-    title: "What passes through",
+    title: "Thin plate: particles missed against speed and thickness",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -9,15 +9,16 @@ use stationary_elasticity::{
 use stationary_measure::{Column, Table};
 use stationary_mesh::bar;
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Stress against stretch, and the stretch at which a bar becomes unstable.
 pub const STUDY: Entry<'static> = Entry {
     id: "compression",
     krate: "elasticity",
     chapter: "13.1",
-    kind: Kind::StabilityMap,
-    title: "Saint Venant-Kirchhoff gives way under pressure",
+    kind: Kind::Limit,
+    title: "Pressed column: force against stretch, of three materials",
+    tested: Tested::Claims,
     run: &study,
 };
 

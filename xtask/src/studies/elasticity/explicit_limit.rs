@@ -12,15 +12,16 @@ use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 use stationary_mesh::{Diagonals, rectangle};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The largest stable step against the size of the triangles, for three stiffnesses.
 pub const STUDY: Entry<'static> = Entry {
     id: "explicit-limit",
     krate: "elasticity",
     chapter: "4.2",
-    kind: Kind::StabilityMap,
-    title: "An explicit step may be as long as sound takes across the smallest triangle",
+    kind: Kind::Limit,
+    title: "Square of rubber: largest explicit step against the smallest triangle",
+    tested: Tested::ByReport,
     run: &study,
 };
 

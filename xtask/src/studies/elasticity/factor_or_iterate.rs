@@ -12,7 +12,7 @@ use stationary_elasticity::{
 use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::cuboid;
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Work, time and memory of both against freedoms.
 pub const STUDY: Entry<'static> = Entry {
@@ -20,7 +20,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "elasticity",
     chapter: "A.1",
     kind: Kind::WorkPrecision,
-    title: "A factor for small bodies, iteration for large ones",
+    title: "Cube of rubber: cost of a factor and of iteration against freedoms",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -11,7 +11,7 @@ use stationary_mesh::{
     Diagonals, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, rectangle,
 };
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Orders of convergence in one, two and three dimensions.
 pub const STUDY: Entry<'static> = Entry {
@@ -19,7 +19,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "elasticity",
     chapter: "13.2",
     kind: Kind::Convergence,
-    title: "The order of elements, in one, two and three dimensions",
+    title: "Elements in one, two and three dimensions: error against the size of cells",
+    tested: Tested::ByReport,
     run: &study,
 };
 

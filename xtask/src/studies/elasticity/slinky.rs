@@ -10,7 +10,7 @@ use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_measure::{Column, Table};
 use stationary_mesh::{Mesh, bar};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Fall of both ends against time, and the time at which the lower one starts.
 pub const STUDY: Entry<'static> = Entry {
@@ -18,7 +18,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "elasticity",
     chapter: "12.3",
     kind: Kind::Convergence,
-    title: "A slinky that is let go hovers until the wave arrives",
+    title: "Band and slinky that are let go: height of both ends against time",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -107,8 +108,8 @@ impl Band {
         for k in 0..=steps {
             let t = k as f64 * step;
             if k % (steps / 100).max(1) == 0 {
-                fall.top.push((t, state.q[0]));
-                fall.bottom.push((t, state.q[cells]));
+                fall.top.push((t, -state.q[0]));
+                fall.bottom.push((t, -state.q[cells]));
             }
             if fall.measured.is_nan() && (state.q[cells] - rest).abs() > STARTED {
                 fall.measured = t;
@@ -131,10 +132,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::rounded("measured [s]", 3, 0.0),
     ]);
     let axes = |name: &str| {
-        Lines::new(name, Axis::linear("time", "s"), Axis::linear("place below the hand", "m"))
+        Lines::new(name, Axis::linear("time", "s"), Axis::linear("height above the hand", "m"))
     };
     let (mut charts, mut claims) = (Vec::new(), Vec::new());
-    for (name, stiffness) in [("rubber band", 20.0), ("slinky", 1.0)] {
+    for (name, stiffness) in [("Rubber band", 20.0), ("Slinky", 1.0)] {
         let fall = Band::new(stiffness, cells)?.fall()?;
         table.push([name.into(), fall.stretch.into(), fall.predicted.into(), fall.measured.into()]);
         claims.push(Claim::number(

@@ -9,15 +9,16 @@ use stationary_elasticity::{
 use stationary_measure::{Column, SplitMix64, Table};
 use stationary_mesh::{Mesh, MeshError, Quality};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error and condition against how thin the triangles are.
 pub const STUDY: Entry<'static> = Entry {
     id: "slivers",
     krate: "elasticity",
     chapter: "13.2",
-    kind: Kind::StabilityMap,
-    title: "Flat triangles spoil the strain, narrow ones only the condition",
+    kind: Kind::Limit,
+    title: "Narrow and flat triangles: error and condition against the angle",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -8,15 +8,16 @@ use stationary_laplacian::problems::interval;
 use stationary_laplacian::{Heat, HeatMethod, LaplacianError, largest_eigenvalue};
 use stationary_measure::{Column, SplitMix64, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Step against mesh size.
 pub const STUDY: Entry<'static> = Entry {
     id: "heat-border",
     krate: "laplacian",
     chapter: "15.3",
-    kind: Kind::StabilityMap,
-    title: "Which steps explicit heat survives",
+    kind: Kind::Limit,
+    title: "Explicit heat: which steps are stable, against mesh size",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -94,7 +95,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::rounded("border, measured", 4, 0.0),
     ]);
     let axes = (Axis::log("mesh size", "m"), Axis::log("step", "s"));
-    let mut map = Map::new("", axes.0, axes.1, [SURVIVES, BLOWS_UP]);
+    let mut map = Map::new("Which steps survive", axes.0, axes.1, [SURVIVES, BLOWS_UP]);
     let (mut borders, mut worst, mut implicit_grew) = (Vec::new(), 0.0_f64, 0_u32);
     for &n in sizes {
         let h = 1.0 / n as f64;
@@ -114,14 +115,17 @@ fn study(size: Size) -> Result<Study, StudyError> {
         }
     }
     let mut growth = Lines::new(
-        "the fastest mode in heat that starts without it",
+        "The fastest mode in heat that starts without it",
         Axis::linear("steps", ""),
         Axis::log("amplitude of the fastest mode", ""),
     );
     let mut followed = Vec::new();
     for part in PARTS {
         let content = fastest(part).map_err(StudyError::at("the fastest mode"))?;
-        growth = growth.with(Series::new(&format!("step {part} of the border"), content.clone()));
+        growth = growth.with(Series::new(
+            &format!("step {part} of the border"),
+            content.iter().copied().filter(|point| point.1 > NOTHING),
+        ));
         followed.push(content);
     }
     let quiet = followed[0].iter().map(|point| point.1).fold(0.0, f64::max);

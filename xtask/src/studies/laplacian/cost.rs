@@ -6,7 +6,8 @@ use stationary_laplacian::problems::{Spectral, square};
 use stationary_laplacian::{ExactHeat, Heat, HeatMethod, LaplacianError, lowest_modes};
 use stationary_measure::{Column, Table, loglog_slope};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::studies::cheapest::Asked;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error against counted multiplications.
 pub const STUDY: Entry<'static> = Entry {
@@ -14,7 +15,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "laplacian",
     chapter: "15.2-15.3",
     kind: Kind::WorkPrecision,
-    title: "Heat: accuracy against cost of four methods",
+    title: "Heat on a square: error of four methods against cost",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -119,12 +121,21 @@ fn study(size: Size) -> Result<Study, StudyError> {
         ));
         push(&mut table, &mut chart, method.name(), points);
     }
+    let stepped = chart.clone();
     let counts = [2, 4, 8, 16, 32, 64];
     let points = scene.by_modes(&counts, &exact).map_err(at("modes"))?;
     let few = points[4];
     claims.push(Claim::number("thirty-two modes are off by less than", "1e-6", few.1, (0.0, 1e-6)));
     push(&mut table, &mut chart, "exact, few modes", points);
+    let asked = Asked {
+        question: "Heat in steps, to 1e-4",
+        error: 1e-4,
+        cost: "multiplications",
+        rival: "explicit-euler",
+    };
+    let answers = asked.of(&stepped).into_iter().collect();
     Ok(Study {
+        answers,
         conclusion: format!(
             "A square of {n} x {n} cells, one half of it warm, after {TIME} s, against the discrete \
              Laplacian's exact flow. Explicit steps are cheap but must be short; implicit Euler \

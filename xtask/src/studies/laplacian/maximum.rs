@@ -7,7 +7,7 @@ use stationary_laplacian::{Domain, Elements, Heat, HeatMethod, LaplacianError};
 use stationary_measure::{Column, Table};
 use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, MeshError, rectangle, torus};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Undershoot against shear.
 pub const STUDY: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "laplacian",
     chapter: "15.3",
     kind: Kind::Ladder,
-    title: "Heat below the coldest: what slivers, masses and steps do to the maximum principle",
+    title: "Heat on sheared surfaces: how far below the coldest, against the largest angle",
+    tested: Tested::Claims,
     run: &study,
 };
 
@@ -58,14 +59,14 @@ struct Family {
 
 const FAMILIES: [Family; 2] = [
     Family {
-        name: "torus",
+        name: "Torus",
         mesh: |cells, shear| {
             torus([2.0, 0.7], cells)?.mapped(|x| Vector3::new(x.x, x.y, x.z + shear * x.y))
         },
         ways: CLOSED,
     },
     Family {
-        name: "sheet",
+        name: "Sheet",
         mesh: |cells, shear| {
             let sheet = rectangle([8.0, 4.0], cells, Diagonals::Same)?;
             sheet.mapped(|x| Vector3::new(x.x + shear * x.y, x.y, 0.0))

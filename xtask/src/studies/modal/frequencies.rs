@@ -16,8 +16,8 @@ use stationary_mesh::{
 };
 use stationary_modal::ModalError;
 
-use super::frequencies;
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use super::lowest::frequencies;
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Errors of frequencies against the size of a cell.
 pub const STUDY: Entry<'static> = Entry {
@@ -25,7 +25,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "modal",
     chapter: "14.2",
     kind: Kind::Convergence,
-    title: "Frequencies of a bar, a block and two beams",
+    title: "Bar, block and beams: error of frequencies against the size of cells",
+    tested: Tested::ByReport,
     run: &study,
 };
 
@@ -178,7 +179,7 @@ fn study(_: Size) -> Result<Study, StudyError> {
 
 fn convergence(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Failed> {
     let mut chart = Lines::new(
-        "waves in a bar and a block",
+        "Waves in a bar and a block",
         Axis::log("size of a cell", ""),
         Axis::log("relative error of frequency 4", ""),
     );
@@ -212,7 +213,7 @@ fn convergence(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Fail
 /// Free and clamped sheets on finer and finer meshes, against a mesh that is finer still.
 fn refined(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Failed> {
     let mut chart = Lines::new(
-        "beams on finer meshes",
+        "Beams on finer meshes",
         Axis::log("cells across", ""),
         Axis::log("relative error of the lowest frequency", ""),
     );
@@ -243,7 +244,7 @@ fn refined(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Failed> 
 
 fn theories(table: &mut Table, claims: &mut Vec<Claim>) -> Result<Lines, Failed> {
     let mut chart = Lines::new(
-        "beams of growing height",
+        "Beams of growing height",
         Axis::log("height / length", ""),
         Axis::log("relative error of the theory", ""),
     );

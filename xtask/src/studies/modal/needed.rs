@@ -6,7 +6,7 @@ use stationary_measure::{Column, Table, loglog_slope};
 use stationary_modal::problems::fixed_chain;
 use stationary_modal::{Answer, Linearized, RigidMotions};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error of a chain's answer against the number of modes.
 pub const STUDY: Entry<'static> = Entry {
@@ -14,7 +14,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "modal",
     chapter: "14.3",
     kind: Kind::Ladder,
-    title: "How many modes an answer needs",
+    title: "Pushed chain: error against the number of modes, by load",
+    tested: Tested::Claims,
     run: &study,
 };
 

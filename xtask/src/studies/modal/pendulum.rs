@@ -6,7 +6,7 @@ use stationary_integrators::problems::{PendulumPotential, pendulum};
 use stationary_measure::{Column, Table, loglog_slope};
 use stationary_modal::{Linearized, Motion, RigidMotions};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error of linear modes against the amplitude.
 pub const STUDY: Entry<'static> = Entry {
@@ -14,7 +14,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "modal",
     chapter: "14.2",
     kind: Kind::Ladder,
-    title: "How large a motion linear modes can follow",
+    title: "Pendulum by its linear mode: error against the amplitude",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -12,7 +12,7 @@ use stationary_measure::{Column, Table, loglog_slope};
 use stationary_mesh::{Diagonals, MeshError, QuadraticTriangles, rectangle};
 use stationary_modal::{Linearized, ModalError, Motion, RigidMotions, Subspace};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error of three reductions against the amplitude.
 pub const STUDY: Entry<'static> = Entry {
@@ -20,7 +20,8 @@ pub const STUDY: Entry<'static> = Entry {
     krate: "modal",
     chapter: "14.3",
     kind: Kind::Ladder,
-    title: "How far a beam may swing on few freedoms",
+    title: "Swinging beam: error of modes and of their derivatives against the amplitude",
+    tested: Tested::Claims,
     run: &study,
 };
 

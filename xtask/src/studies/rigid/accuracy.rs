@@ -8,7 +8,7 @@ use stationary_rigid::{
     LieGroup, Rotation, right_jacobian, right_jacobian_derivative, right_jacobian_inverse,
 };
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Relative errors at every angle.
 pub const ACCURACY: Entry<'static> = Entry {
@@ -16,7 +16,8 @@ pub const ACCURACY: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.3",
     kind: Kind::Derivative,
-    title: "exp, log and T from the smallest angle to beyond a whole turn",
+    title: "Rotations: error of exp, log and T against the angle",
+    tested: Tested::Claims,
     run: &study,
 };
 

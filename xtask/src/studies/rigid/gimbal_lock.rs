@@ -9,7 +9,7 @@ use stationary_rigid::{
     RigidMotion, Rotation,
 };
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The error of the attitude against how close the turn passes by gimbal lock.
 pub const GIMBAL_LOCK: Entry<'static> = Entry {
@@ -17,7 +17,8 @@ pub const GIMBAL_LOCK: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.1",
     kind: Kind::Ladder,
-    title: "The same turn in Euler angles and on the group",
+    title: "Euler angles and the group: error against the distance from gimbal lock",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -7,7 +7,7 @@ use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::{KOVALEVSKAYA as TOP_OF_HERS, TOP, kovalevskaya_top, nodding_top};
 use stationary_rigid::{BodyMethod, BodySpace, Orientations, tilt};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The bounds of nutation, by every method.
 pub const NUTATION: Entry<'static> = Entry {
@@ -15,7 +15,8 @@ pub const NUTATION: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.4",
     kind: Kind::Convergence,
-    title: "How far a spinning top nods",
+    title: "Spinning top: its tilt against time, and the tilt's error against the step",
+    tested: Tested::Claims,
     run: &nutation,
 };
 
@@ -25,7 +26,8 @@ pub const KOVALEVSKAYA: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.4",
     kind: Kind::LongRun,
-    title: "An integral that belongs to no symmetry",
+    title: "Kovalevskaya's top: error of its integral against time",
+    tested: Tested::Claims,
     run: &fourth_integral,
 };
 
@@ -60,7 +62,8 @@ fn nutation(_: Size) -> Result<Study, StudyError> {
         Column::rounded("beyond the bound [rad]", 2, 1e-8),
     ]);
     let axis = Axis::log("step", "s");
-    let mut errors = Lines::new("Off the bound", axis, Axis::log("off the largest tilt", "rad"));
+    let mut errors =
+        Lines::new("Error of the largest tilt", axis, Axis::log("off the largest tilt", "rad"));
     let mut claims = Vec::new();
     for &method in BodyMethod::ALL {
         let name = method.facts().name;

@@ -14,7 +14,7 @@ use stationary_rigid::{
     LieGroup, Poses, Rotation, Weight,
 };
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The attitude of a box on its corner against the step.
 pub const JOINTED: Entry<'static> = Entry {
@@ -22,7 +22,8 @@ pub const JOINTED: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.5",
     kind: Kind::Convergence,
-    title: "A box hung from its corner, along four free motions",
+    title: "Box hung from its corner: error of its attitude against the step",
+    tested: Tested::ByReport,
     run: &study,
 };
 

@@ -6,7 +6,7 @@ use stationary_measure::{Cell, Column, Table};
 use stationary_rigid::problems::thrown_racket;
 use stationary_rigid::{BodyMethod, FreeTop, LieGroup, Rotation};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The time between flips against how far the throw is off the axis.
 pub const RACKET: Entry<'static> = Entry {
@@ -14,7 +14,8 @@ pub const RACKET: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "9.4",
     kind: Kind::Convergence,
-    title: "A racket flips over, the later the better it is thrown",
+    title: "Tennis racket: time to its flip against the disturbance",
+    tested: Tested::Claims,
     run: &study,
 };
 

@@ -8,7 +8,7 @@ use stationary_integrators::{Integrator, State, StormerVerlet, UniformGravity};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::{LieGroup, PlanarMass, PlanarRotation, PlanarWeight};
 
-use crate::study::{Claim, Entry, Kind, Size, Study, StudyError};
+use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// Error against work of the three models.
 pub const RODS_OR_BODY: Entry<'static> = Entry {
@@ -16,7 +16,8 @@ pub const RODS_OR_BODY: Entry<'static> = Entry {
     krate: "rigid",
     chapter: "7",
     kind: Kind::Ladder,
-    title: "A thrown polygon of triangulated rods, or a rigid body",
+    title: "Thrown polygon: triangulated rods against a rigid body",
+    tested: Tested::Claims,
     run: &study,
 };
 
