@@ -4,10 +4,10 @@
 //! player/page.html       what stands where            player/page.css      how it looks
 //! player/motion.js       the samples, and numbers     player/camera.js     from space to the canvas
 //! player/stage.js        a moment of the scene        player/names.js      names where there is room
-//! player/surface.js      solids, with a depth buffer  player/painter.js    solids, far ones first
-//! player/balls.js        round bodies and their spin  player/colours.js    a field's colours and scale
-//! player/graph.js        a scene on a line            player/charts.js     energy and observables
-//! player/controls.js     time, pointer, fingers, keys
+//! player/surface.js      solids, with a depth buffer  player/shaders.js    its programs
+//! player/painter.js      solids, far ones first       player/balls.js      balls and their spin
+//! player/colours.js      light, a field's scale       player/graph.js      a scene on a line
+//! player/charts.js       energy and observables       player/controls.js   time, pointer, keys
 //! ```
 //! Solids are drawn by WebGL; where a browser has none, by the painter on a canvas of two dimensions.
 //! The samples travel in the page as 32 bit numbers from a middle that has 64, in base64: seven
@@ -44,13 +44,14 @@ const FOLLOWED: usize = 60;
 
 const PAGE: &str = include_str!("player/page.html");
 const STYLE: &str = include_str!("player/page.css");
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("player/motion.js"),
     include_str!("player/camera.js"),
     include_str!("player/stage.js"),
     include_str!("player/colours.js"),
     include_str!("player/balls.js"),
     include_str!("player/painter.js"),
+    include_str!("player/shaders.js"),
     include_str!("player/surface.js"),
     include_str!("player/names.js"),
     include_str!("player/graph.js"),

@@ -2,7 +2,7 @@
 const frame = { left: 64, right: 18, top: 40, bottom: 44 };
 
 // The ends of the line; more than rounding is between them.
-const line = extent(everything().map((x) => x[0]));
+const line = motion.dimension === 1 ? extent(everything().map((x) => x[0])) : null;
 
 const drawGraph = () => {
   const { times, count, start, end } = motion;
