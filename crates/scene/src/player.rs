@@ -198,9 +198,12 @@ fn note(run: &Run, shown: usize) -> String {
         true => format!(" The first {CHARTS} observables have charts."),
         false => String::new(),
     };
-    let turns = match run.scene.bodies.is_empty() || round(run).next().is_none() {
-        true => "",
-        false => " and balls turn the shorter way",
+    let turning = !run.scene.bodies.is_empty() && round(run).next().is_some();
+    let turns = match (turning, run.scene.dimension) {
+        (false, _) => "",
+        (true, 3) => ", and balls turn the shorter way",
+        // Whole turns count in the plane.
+        (true, _) => ", and balls turn evenly",
     };
     format!("{samples} Between samples points move on straight lines{turns}.{charts}")
 }
