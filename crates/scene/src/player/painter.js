@@ -19,8 +19,9 @@ const tints = () => {
   return Array.from({ length: COLOURS }, (_, k) => hex(colour(k)).map((own, i) => TINT * own + (1 - TINT) * base[i]));
 };
 
-// How much of the ink the sides of faces have.
+// How much of the ink the sides of faces have; on dark paper too they are dark where colours are read.
 const WIRE = data.field ? 0.1 : 0.4;
+const wireInk = () => (data.field ? "#000000" : stage.colours.ink);
 
 // How far lines stand before the faces that they bound, in radii of the scene.
 const LIFT = 0.02;
@@ -31,7 +32,7 @@ const faceBrush = () => {
   const { values } = motion;
   const [right, up, eye] = axes();
   const sun = [0, 1, 2].map((c) => SUN[0] * right[c] + SUN[1] * up[c] + SUN[2] * eye[c]);
-  const [hues, ink] = [tints(), hex(stage.colours.ink)];
+  const [hues, ink] = [tints(), hex(wireInk())];
   return (corners) => {
     const [a, b, c, body] = corners;
     const lit = spatial ? light(corners, eye, sun) : 1;

@@ -127,7 +127,7 @@ const drawFaces = () => {
   gl.uniform3fv(inputs.tints, tints().flat().map((part) => part / 255));
   gl.uniform3fv(inputs.ramp, RAMP.flat().map((part) => part / 255));
   gl.uniform1i(inputs.field, data.field !== null);
-  gl.uniform4f(inputs.wire, ...unit(stage.colours.ink), data.wired ? WIRE : 0);
+  gl.uniform4f(inputs.wire, ...unit(wireInk()), data.wired ? WIRE : 0);
   gl.uniform4f(inputs.shade, ...unit(stage.colours.muted), SHADOW);
   fill(gl, shape, placeCorners());
   if (spatial && data.floor !== null) {
