@@ -3,9 +3,13 @@
 //! ```text
 //! player/page.html       what stands where            player/page.css      how it looks
 //! player/motion.js       the samples, and numbers     player/camera.js     from space to the canvas
-//! player/stage.js        a moment of the scene        player/graph.js      a scene on a line
-//! player/charts.js       energy and observables       player/controls.js   time, pointer, fingers, keys
+//! player/stage.js        a moment of the scene        player/names.js      names where there is room
+//! player/surface.js      solids, with a depth buffer  player/shaders.js    its programs
+//! player/painter.js      solids, far ones first       player/balls.js      balls and their spin
+//! player/colours.js      light, a field's scale       player/graph.js      a scene on a line
+//! player/charts.js       energy and observables       player/controls.js   time, pointer, keys
 //! ```
+//! Solids are drawn by WebGL; where a browser has none, by the painter on a canvas of two dimensions.
 //! The samples travel in the page as 32 bit numbers from a middle that has 64, in base64: seven
 //! digits of the scene's size. An observable travels as its changes since the start, so that a drift
 //! of one part in 1e12 is seen. A page has at most about 10 MB: of a longer run samples are shown
@@ -40,10 +44,16 @@ const FOLLOWED: usize = 60;
 
 const PAGE: &str = include_str!("player/page.html");
 const STYLE: &str = include_str!("player/page.css");
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("player/motion.js"),
     include_str!("player/camera.js"),
     include_str!("player/stage.js"),
+    include_str!("player/colours.js"),
+    include_str!("player/balls.js"),
+    include_str!("player/painter.js"),
+    include_str!("player/shaders.js"),
+    include_str!("player/surface.js"),
+    include_str!("player/names.js"),
     include_str!("player/graph.js"),
     include_str!("player/charts.js"),
     include_str!("player/controls.js"),
@@ -60,10 +70,14 @@ struct Data<'a> {
     floor: Option<f64>,
     names: Vec<&'a str>,
     followed: Vec<usize>,
-    /// The radius of each followed particle's mark.
+    /// The radius of each followed particle's mark, where it has none of its own.
     sizes: Vec<f64>,
-    /// Its own radius, in the scene's units.
-    radii: Vec<f64>,
+    /// Particles that have a radius, and it, in the scene's units.
+    round: String,
+    radii: String,
+    /// How each of them is turned at each sample, where they are bodies: an angle in the plane, a
+    /// quaternion in space, scalar first.
+    turns: String,
     pinned: Vec<usize>,
     /// Centres and radii of what nothing enters.
     balls: Vec<([f64; 3], f64)>,
@@ -92,6 +106,7 @@ struct Data<'a> {
 #[derive(Serialize)]
 struct Field {
     title: &'static str,
+    unit: &'static str,
     least: f64,
     largest: f64,
     values: String,
@@ -157,8 +172,11 @@ fn fill(out: &mut impl Write, template: &str, values: &[(&str, &str)]) -> io::Re
 
 /// Numbers of a sample.
 fn numbers(run: &Run) -> usize {
-    let each = run.scene.dimension + usize::from(run.scene.heat.is_some());
-    each * run.scene.particles.len()
+    let scene = &run.scene;
+    let each = scene.dimension + usize::from(scene.heat.is_some());
+    let of_a_turn = if scene.dimension == 3 { 4 } else { 1 };
+    let turning = if scene.bodies.is_empty() { 0 } else { round(run).count() };
+    each * scene.particles.len() + of_a_turn * turning
 }
 
 fn too_large(run: &Run) -> bool {
@@ -180,7 +198,14 @@ fn note(run: &Run, shown: usize) -> String {
         true => format!(" The first {CHARTS} observables have charts."),
         false => String::new(),
     };
-    format!("{samples} Between samples points move on straight lines.{charts}")
+    let turning = !run.scene.bodies.is_empty() && round(run).next().is_some();
+    let turns = match (turning, run.scene.dimension) {
+        (false, _) => "",
+        (true, 3) => ", and balls turn the shorter way",
+        // Whole turns count in the plane.
+        (true, _) => ", and balls turn evenly",
+    };
+    format!("{samples} Between samples points move on straight lines{turns}.{charts}")
 }
 
 fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
@@ -201,7 +226,9 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         floor: floor(run, samples),
         names: scene.particles.iter().map(|particle| particle.name.as_str()).collect(),
         sizes: sizes(run, &followed),
-        radii: followed.iter().map(|&particle| scene.particles[particle].radius).collect(),
+        round: indices(round(run)),
+        radii: singles(round(run).map(|particle| scene.particles[particle].radius)),
+        turns: turns(run, samples),
         followed,
         // What is heated does not move.
         pinned: scene.pins().filter(|_| scene.heat.is_none()).collect(),
@@ -230,12 +257,43 @@ fn balls(run: &Run) -> Vec<([f64; 3], f64)> {
     fixed.map(|ball| (ball.centre, ball.radius)).collect()
 }
 
+/// Particles that have a radius of their own.
+fn round(run: &Run) -> impl Iterator<Item = usize> {
+    let all = run.scene.particles.iter().enumerate();
+    all.filter(|(_, particle)| particle.radius > 0.0).map(|(index, _)| index)
+}
+
+/// How the round bodies are turned, sample after sample; nothing of particles, which do not turn.
+fn turns(run: &Run, samples: &[usize]) -> String {
+    let body = |particle: usize| match run.scene.particles[particle].motion {
+        Motion::Carried { body, .. } => Some(body),
+        _ => None,
+    };
+    let round: Vec<usize> = round(run).filter_map(body).collect();
+    let of_sample = |&sample: &usize| {
+        let bodies = run.bodies(sample);
+        let turn = |&body: &usize| match run.scene.dimension {
+            3 => bodies[body].orientation.to_vec(),
+            _ => vec![bodies[body].angle],
+        };
+        round.iter().flat_map(turn).collect::<Vec<f64>>()
+    };
+    singles(samples.iter().flat_map(of_sample))
+}
+
+/// The temperatures, and the ends of their scale: those of all samples, or further apart where
+/// nothing but rounding would be between them.
 fn temperatures(run: &Run, samples: &[usize]) -> Field {
     let all = || samples.iter().flat_map(|&sample| run.temperatures(sample).iter().copied());
+    let (least, largest) =
+        all().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(x), m.max(x)));
+    let [least, largest] = charts::beyond_rounding([least, largest], run.cost.steps);
     Field {
         title: "temperature",
-        least: all().fold(f64::INFINITY, f64::min),
-        largest: all().fold(f64::NEG_INFINITY, f64::max),
+        // The vocabulary has no word for it.
+        unit: "the scene's unit",
+        least,
+        largest,
         values: singles(all()),
     }
 }

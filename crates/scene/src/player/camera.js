@@ -1,6 +1,8 @@
 // The camera: a scene in space is seen from a point that goes round it, a plane from straight above.
 const camera = { yaw: 0, pitch: 0, zoom: 1, pan: [0, 0], target: [0, 0, 0], fit: 1, radius: 1 };
-const seen = { x: new Float64Array(motion.count), y: new Float64Array(motion.count), near: new Float64Array(motion.count) };
+const numbers = () => new Float64Array(motion.count);
+// Where particles are on the canvas, how near to the eye, and how large, where they have a radius.
+const seen = { x: numbers(), y: numbers(), near: numbers(), size: numbers() };
 const spatial = motion.dimension === 3;
 
 // Directions to the right, upward and to the eye.
@@ -35,6 +37,7 @@ const everything = () => {
   const { count, times } = motion;
   const stride = Math.max(1, Math.ceil((count * times.length) / 30000));
   const found = data.walls.flat();
+  for (const [at, radius] of data.balls) for (const way of [-radius, radius]) found.push(at.map((x) => x + way));
   for (let k = 0; k < count * times.length; k += stride) {
     const [sample, particle] = [Math.floor(k / count), k % count];
     found.push([0, 1, 2].map((axis) => sampled(sample, particle, axis)));
@@ -58,8 +61,11 @@ const reset = () => {
   const boxes = axes().map((axis) => extent(all.map((x) => dot(axis, x))));
   const middles = boxes.map(([low, high]) => 0.5 * (low + high));
   camera.target = [0, 1, 2].map((c) => axes().reduce((sum, axis, k) => sum + axis[c] * middles[k], 0));
-  const sizes = boxes.map(([low, high]) => high - low);
-  camera.radius = 0.5 * Math.hypot(...sizes) || 1;
+  const room = 2 * motion.radii.reduce((most, radius) => Math.max(most, radius), 0);
+  const sizes = boxes.map(([low, high]) => high - low + room);
+  const far = Math.max(...boxes.flat().map(Math.abs));
+  // What stays where it is but for rounding is seen from as far as what stays.
+  camera.radius = Math.hypot(...sizes) > 1e-9 * far ? 0.5 * Math.hypot(...sizes) : 1;
   camera.sizes = sizes;
   refit();
 };
@@ -80,6 +86,9 @@ const look = () => {
   const { count, points } = motion;
   for (let i = 0; i < count; i++)
     [seen.x[i], seen.y[i], seen.near[i]] = project(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+  motion.round.forEach((particle, i) => {
+    seen.size[particle] = Math.max(2, motion.radii[i] * magnified(seen.near[particle]));
+  });
   return project;
 };
 

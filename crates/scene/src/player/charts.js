@@ -2,22 +2,29 @@
 const chartTimes = doubles(data.chartTimes);
 const charts = [];
 
-// Below this part of its scale a number is what rounding makes of zero.
-const ROUNDING = 1e-11;
-
 // The unit with its exponents raised.
 const raised = (unit) => unit.replace(/\^2/g, "\u00b2").replace(/\^3/g, "\u00b3");
 
-// What a chart plots: values, or where those hardly move, their changes.
-const prepare = ({ title, unit, scale, whole, lines }) => {
+// What a chart plots: values, or where those hardly move, their changes. An axis is never less than
+// `least` up and down: what is nothing but rounding does not fill it.
+const prepare = ({ title, unit, least, whole, lines }) => {
   const changes = lines.map((line) => singles(line.changes));
   const moved = Math.max(...changes.map((values) => values.reduce((most, x) => Math.max(most, Math.abs(x)), 0)));
-  const level = Math.max(...lines.map((line) => Math.abs(line.start)));
-  const still = moved <= ROUNDING * Math.max(scale, level);
-  const change = !still && !whole && moved < 1e-4 * level;
-  const values = changes.map((own, k) => (change ? own : Float64Array.from(own, (x) => x + lines[k].start)));
-  return { title, unit: raised(unit), scale, moved, still, change, values, words: lines.map((line) => line.word) };
+  const starts = lines.map((line) => line.start);
+  const level = Math.max(...starts.map(Math.abs));
+  const change = !whole && moved < 1e-4 * level;
+  const values = changes.map((own, k) => (change ? own : Float64Array.from(own, (x) => x + starts[k])));
+  const [low, high] = extent(values.map(extent).flat());
+  const rounded = high - low < 2 * least;
+  const middle = Math.abs(low + high) < 2 * least ? 0 : 0.5 * (low + high);
+  const [bottom, top] = rounded ? [Math.min(low, middle - least), Math.max(high, middle + least)] : [low, high];
+  const words = lines.map((line) => line.word);
+  return { title, unit: raised(unit), least, moved, rounded, change, starts, values, words, low: bottom, high: top };
 };
+
+// What is said of a chart whose values move by no more than rounding.
+const rounding = ({ moved }) =>
+  moved ? `only rounding, ${shown(moved)}; axis at its least` : "constant";
 
 const addChart = (declared) => {
   const chart = prepare(declared);
@@ -38,17 +45,12 @@ const addChart = (declared) => {
   });
   const own = document.createElement("canvas");
   own.setAttribute("role", "img");
-  const low = Math.min(...chart.values.map((line) => extent(line)[0]));
-  const high = Math.max(...chart.values.map((line) => extent(line)[1]));
-  [chart.low, chart.high] = [low, high];
-  const range = chart.still
-    ? `constant but for rounding, at most ${shown(chart.moved)}`
-    : `from ${shown(low)} to ${shown(high)}`;
+  const range = chart.rounded ? rounding(chart) : `from ${shown(chart.low)} to ${shown(chart.high)}`;
   own.setAttribute("aria-label", `${title.textContent} over time, ${range}`);
-  if (chart.still) {
+  if (chart.rounded) {
     const note = document.createElement("span");
     note.className = "soft";
-    note.textContent = `constant but for rounding (${shown(chart.moved)})`;
+    note.textContent = rounding(chart);
     values.append(note);
   }
   caption.append(title, unit, values);
@@ -76,14 +78,12 @@ const drawChart = (chart) => {
   const pen = chart.pen;
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, box.width, box.height);
-  const { low, high } = chart;
-  const room = chart.still ? chart.scale || 1 : 0;
-  const [least, most] = [low - room, high + room];
+  const [least, most] = chart.high > chart.low ? [chart.low, chart.high] : [chart.low - 1, chart.high + 1];
   const across = (t) => 4 + ((box.width - 8) * (t - motion.start)) / (motion.end - motion.start || 1);
   const upward = (x) => 16 + (box.height - 32) * (1 - (x - least) / (most - least || 1));
   pen.lineWidth = 1;
   pen.strokeStyle = stage.colours.line;
-  for (const x of chart.still ? [0.5 * (low + high)] : [least, most, ...(least < 0 && most > 0 ? [0] : [])]) {
+  for (const x of [least, most, ...(least < 0 && most > 0 ? [0] : [])]) {
     pen.beginPath();
     pen.moveTo(4, upward(x));
     pen.lineTo(box.width - 4, upward(x));
@@ -99,10 +99,8 @@ const drawChart = (chart) => {
   });
   pen.font = "12px system-ui, sans-serif";
   pen.fillStyle = stage.colours.muted;
-  if (!chart.still) {
-    pen.fillText(shown(most), 5, 12);
-    pen.fillText(shown(least), 5, box.height - 4);
-  }
+  pen.fillText(shown(most), 5, 12);
+  pen.fillText(shown(least), 5, box.height - 4);
   const x = across(now.time);
   pen.strokeStyle = stage.colours.accent;
   pen.beginPath();
@@ -120,7 +118,9 @@ const drawChart = (chart) => {
     pen.arc(x, upward(value), 3, 0, 2 * Math.PI);
     pen.fill();
     const word = chart.words[k] ? `${chart.words[k]} ` : "";
-    chart.outputs[k].textContent = chart.still && chart.words.length > 3 ? "" : `${word}${shown(value)}`;
+    const start = chart.change ? `${shown(chart.starts[k])} ${value < 0 ? "\u2212" : "+"} ` : "";
+    const nothing = !chart.change && !chart.rounded && Math.abs(value) < chart.least;
+    chart.outputs[k].textContent = `${word}${start}${nothing ? 0 : shown(chart.change ? Math.abs(value) : value)}`;
   });
 };
 

@@ -95,9 +95,9 @@ element("reset").addEventListener("click", () => {
 // Names where the pointer is.
 const tip = element("tip");
 const point = (x, y) => {
-  let [best, found] = [14 * 14, -1];
+  let [best, found] = [14, -1];
   for (let i = 0; i < motion.count; i++) {
-    const distance = (seen.x[i] - x) ** 2 + (seen.y[i] - y) ** 2;
+    const distance = Math.hypot(seen.x[i] - x, seen.y[i] - y) - seen.size[i];
     if (distance < best) [best, found] = [distance, i];
   }
   tip.hidden = found < 0;

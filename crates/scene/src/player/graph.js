@@ -1,11 +1,13 @@
 // A scene on a line: time runs to the right, every particle leaves its line, and now is a mark on it.
 const frame = { left: 64, right: 18, top: 40, bottom: 44 };
 
+// The ends of the line; more than rounding is between them.
+const line = motion.dimension === 1 ? extent(everything().map((x) => x[0])) : null;
+
 const drawGraph = () => {
   const { times, count, start, end } = motion;
-  const all = everything().map((x) => x[0]);
-  const [low, high] = extent(all);
-  const margin = 0.05 * (high - low) || 1;
+  const [low, high] = line;
+  const margin = Math.max(0.05 * (high - low), 1e-9 * Math.max(Math.abs(low), Math.abs(high))) || 1;
   const [w, h] = [stage.width - frame.left - frame.right, stage.height - frame.top - frame.bottom];
   const across = (t) => frame.left + (w * (t - start)) / (end - start || 1);
   const upward = (x) => frame.top + h * (1 - (x - low + margin) / (high - low + 2 * margin));

@@ -21,8 +21,22 @@ const motion = {
   // A number a particle and a sample, and what it is now.
   field: data.field && singles(data.field.values),
   values: new Float64Array(data.names.length),
+  // Particles that have a radius, and how those are turned that are bodies: quaternions, scalar first.
+  round: indices(data.round),
+  radii: singles(data.radii),
+  turning: singles(data.turns),
+  turns: new Float64Array(4 * indices(data.round).length),
 };
 for (const [rod, time] of data.broken) motion.lasts[rod] = time;
+
+// Edges that are not sides of faces.
+const sides = new Set();
+const side = (a, b) => Math.min(a, b) * motion.count + Math.max(a, b);
+for (let k = 0; data.wired && k < motion.faces.length; k += 4) {
+  const [a, b, c] = motion.faces.subarray(k, k + 3);
+  for (const [p, q] of [[a, b], [b, c], [c, a]]) sides.add(side(p, q));
+}
+motion.looseEdges = motion.edges.filter((_, k) => !sides.has(side(motion.edges[k & ~1], motion.edges[k | 1])));
 motion.start = motion.times[0];
 motion.end = motion.times[motion.times.length - 1];
 
@@ -43,6 +57,32 @@ const sampled = (sample, particle, axis) =>
     ? data.origin[axis] + motion.positions[(sample * motion.count + particle) * motion.dimension + axis]
     : 0;
 
+// Turns all round bodies as they are between two samples, the shorter way.
+const turnRound = (sample, next, part) => {
+  const { turning, turns } = motion;
+  const count = turning.length && motion.round.length;
+  for (let i = 0; i < count; i++) {
+    if (motion.dimension < 3) {
+      const [from, to] = [turning[sample * count + i], turning[next * count + i]];
+      const half = 0.5 * (from + part * (to - from));
+      turns.set([Math.cos(half), 0, 0, Math.sin(half)], 4 * i);
+      continue;
+    }
+    const [from, to] = [sample, next].map((at) => turning.subarray(4 * (at * count + i), 4 * (at * count + i) + 4));
+    const side = from.reduce((sum, x, c) => sum + x * to[c], 0) < 0 ? -1 : 1;
+    const between = Array.from(from, (x, c) => (1 - part) * x + part * side * to[c]);
+    const size = Math.hypot(...between) || 1;
+    turns.set(between.map((x) => x / size), 4 * i);
+  }
+};
+
+// A vector of a body's axes in the world's.
+const turned = (i, [x, y, z]) => {
+  const [w, a, b, c] = motion.turns.subarray(4 * i, 4 * i + 4);
+  const [p, q, r] = [2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)];
+  return [x + w * p + b * r - c * q, y + w * q + c * p - a * r, z + w * r + a * q - b * p];
+};
+
 // Puts all particles where they are at a time, on straight lines from sample to sample.
 const place = (t) => {
   const { count, dimension, times, positions, points } = motion;
@@ -55,6 +95,7 @@ const place = (t) => {
       points[3 * i + c] = data.origin[c] + (1 - part) * positions[a + k] + part * positions[b + k];
   for (let i = 0; motion.field && i < count; i++)
     motion.values[i] = (1 - part) * motion.field[sample * count + i] + part * motion.field[next * count + i];
+  turnRound(sample, next, part);
 };
 
 // A number as a reader wants it.

@@ -154,6 +154,106 @@ fn rods_that_break_leave_the_page_and_the_film_at_their_time() {
     assert!(rods.is_sorted_by(|a, b| a >= b));
 }
 
+/// Round bodies of one scene each, in the plane and in space.
+fn rolling(dimension: usize) -> Run {
+    let [positions, floor, spin] = match dimension {
+        2 => [["[0, 0.2]", "[1, 0.1]"], ["[0, 1]", "[0, 0]"], ["-5", "3"]],
+        _ => {
+            [["[0, 0, 0.2]", "[1, 0, 0.1]"], ["[0, 0, 1]", "[0, 0, 0]"], ["[0, 5, 0]", "[1, 0, 2]"]]
+        }
+    };
+    let velocity = if dimension == 2 { "[1, 0]" } else { "[1, 0, 0]" };
+    let method = if dimension == 2 { "stormer-verlet" } else { "variational-rotation" };
+    let scene = format!(
+        "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 0.01\nhorizon = 1\n\
+         bodies = [{{ name = \"wheel\", mass = 1, ball = 0.2, position = {}, velocity = {velocity}, \
+         angular_velocity = {} }}, {{ name = \"top\", mass = 1, ball = 0.1, position = {}, \
+         angular_velocity = {} }}]\n\
+         [contact]\nfriction = 0.5\nwalls = [{{ normal = {}, at = {} }}]",
+        positions[0], spin[0], positions[1], spin[1], floor[0], floor[1],
+    );
+    Scene::parse("rolling", &scene).unwrap().run().unwrap()
+}
+
+#[test]
+fn the_page_knows_how_every_ball_is_turned_at_every_sample() {
+    for dimension in [2, 3] {
+        let run = rolling(dimension);
+        let (data, page) = page(&run, "rolling");
+        assert_eq!(singles(&data["radii"]), [0.2_f32, 0.1].map(f64::from));
+        let expected: Vec<f64> = (0..run.times().len())
+            .flat_map(|sample| run.bodies(sample))
+            .flat_map(|body| match dimension {
+                2 => vec![body.angle],
+                _ => body.orientation.to_vec(),
+            })
+            .collect();
+        let turns = singles(&data["turns"]);
+        assert_eq!(turns.len(), expected.len());
+        assert!(turns.iter().zip(&expected).all(|(turn, x)| (turn - x).abs() <= 1e-6));
+        // They do turn.
+        let each = turns.len() / run.times().len();
+        let moved =
+            turns[turns.len() - each..].iter().zip(&turns).map(|(x, from)| (x - from).abs());
+        assert!(moved.fold(0.0, f64::max) > 0.5);
+        let way = if dimension == 3 { "the shorter way" } else { "evenly" };
+        assert!(page.contains(&format!(", and balls turn {way}.")));
+    }
+}
+
+#[test]
+fn particles_are_round_and_do_not_turn() {
+    let run = shipped("newtons-cradle").with_horizon(0.01).unwrap().run().unwrap();
+    let (data, page) = page(&run, "round");
+    assert_eq!(singles(&data["radii"]), [f64::from(0.05_f32); 5]);
+    assert_eq!(data["turns"], "");
+    assert!(!page.contains("and balls turn"));
+}
+
+#[test]
+fn what_is_nothing_but_rounding_does_not_fill_a_chart() {
+    let scenes =
+        ["newtons-cradle", "nine-ball-break", "warm-sphere", "tumbling-wrench", "box-stack"];
+    let mut rounded = 0;
+    for name in scenes {
+        let (data, _) = page(&shipped(name).run().unwrap(), name);
+        for chart in data["charts"].as_array().unwrap() {
+            let least = chart["least"].as_f64().unwrap();
+            let moved = chart["lines"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .flat_map(|line| singles(&line["changes"]))
+                .fold(0.0_f64, |moved, x| moved.max(x.abs()));
+            // Rounding is told from motion, which is larger by a thousand of the least axes.
+            assert!(moved <= 0.25 * least || moved >= 1e3 * least, "{name}: {moved} {least}");
+            rounded += usize::from(moved <= 0.25 * least);
+        }
+    }
+    assert!(rounded >= 6, "{rounded}");
+}
+
+#[test]
+fn the_scale_of_heat_holds_every_sample_and_more_than_rounding() {
+    let (data, _) = page(&shipped("warm-sphere").run().unwrap(), "scale");
+    let field = &data["field"];
+    let [least, largest] = ["least", "largest"].map(|end| field[end].as_f64().unwrap());
+    assert_eq!([least, largest], [0.0, 2.0]);
+    assert!(singles(&field["values"]).iter().all(|x| (least..=largest).contains(x)));
+    assert_eq!([&field["title"], &field["unit"]], ["temperature", "the scene's unit"]);
+    // Warm all over, it stays so: the colours are not those of rounding.
+    let text = "dimension = 2\nintegrator = \"implicit-euler\"\nstep = 0.1\nhorizon = 1\n[heat]\n\
+                name = \"plate\"\nshape = { kind = \"rectangle\", size = [1, 1], cells = [6, 6] }\n\
+                diffusivity = 1\nwarm = [{ at = [0.5, 0.5], radius = 2, temperature = 300 }]";
+    let run = Scene::parse("even", text).unwrap().run().unwrap();
+    let (data, _) = page(&run, "even");
+    let [least, largest] = ["least", "largest"].map(|end| data["field"][end].as_f64().unwrap());
+    for value in singles(&data["field"]["values"]) {
+        let along = (value - least) / (largest - least);
+        assert!((0.2..0.8).contains(&along), "{value} between {least} and {largest}");
+    }
+}
+
 #[test]
 fn the_film_shows_six_moments_to_one_scale() {
     let run = shipped("heavy-top").run().unwrap();

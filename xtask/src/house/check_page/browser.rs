@@ -61,6 +61,8 @@ impl Browser {
             .args(["-c", r#"exec "$@" 3<&0 4>&1 </dev/null >/dev/null"#, "sh"])
             .arg(program)
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic"])
+            // WebGL in software would be announced on the console of whatever page asks for it.
+            .arg("--disable-software-rasterizer")
             .args(["--no-first-run", "--disable-background-networking", "--disable-sync"])
             .args(["--disable-component-update", "--hide-scrollbars", "--remote-debugging-pipe"])
             .arg(format!("--user-data-dir={}", profile.display()))
