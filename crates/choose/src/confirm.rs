@@ -259,7 +259,8 @@ mod tests {
             };
             let (tried, like) = (family("triple-jump-4"), family("runge-kutta-4"));
             let (most_work, foresight) = (u64::MAX, Foresight::None);
-            let trial = Trial { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
+            let trial =
+                Trial { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
             let first = At { family: tried, rung: 0 };
             lab.attempt(first, &trial);
             let next = next_rung(&lab, &reference, 1e-2, like).map(|at| at.rung);
