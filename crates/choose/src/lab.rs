@@ -318,7 +318,10 @@ impl<'e> Lab<'e> {
         let alike = || {
             self.used().filter(|(at, run)| {
                 let family = self.family(at.family);
+                // The first of the moments has the work of the start in it.
+                let is_telling = run.works.len() > 2 || family.evaluation == Evaluation::Implicit;
                 run.expected() > 0
+                    && is_telling
                     && family.kind == like.kind
                     && (held || family.order == like.order)
                     && family.evaluation == like.evaluation

@@ -15,7 +15,7 @@ use stationary_integrators::Cost;
 
 use crate::experiment::Record;
 use crate::ladder::{Ladder, MOMENTS, Scale};
-use crate::reference::Reference;
+use crate::reference::{OFF, Reference};
 use crate::track::Track;
 use crate::watch::Watch;
 
@@ -43,6 +43,8 @@ pub struct Course {
 pub enum Failure {
     /// Its numbers grew out of bounds.
     Unstable(String),
+    /// Its energy was kept, and the observable was no number all the same.
+    Undefined(String),
     /// An equation of a step was not solved.
     NotConverged(String),
     /// It ran to its end, but to another motion.
@@ -57,6 +59,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Unstable(how) => write!(f, "unstable: {how}"),
+            Failure::Undefined(how) => write!(f, "undefined: {how}"),
             Failure::NotConverged(how) => write!(f, "not converged: {how}"),
             Failure::WrongPhysics(how) => write!(f, "wrong physics: {how}"),
             Failure::Differs(how) => write!(f, "differs from the unconfirmed reference: {how}"),
@@ -143,12 +146,16 @@ impl Measured {
         (self.end == End::Whole).then_some(&self.course)
     }
 
-    /// The work that it takes to its end: its own, or what it took so far in proportion; zero where
-    /// it failed.
+    /// The work that it takes to its end: its own, or what it took so far in proportion, beside its start
+    /// where that can be told; zero where it failed.
     pub fn expected(&self) -> u64 {
         match (&self.end, self.works.len().saturating_sub(1) as u64) {
             (End::Whole, _) => self.work,
-            (End::Cut, moments) if moments > 0 => self.work * MOMENTS / moments,
+            (End::Cut, 1) => self.work * MOMENTS,
+            (End::Cut, moments) if moments > 1 => {
+                let first = self.works[1];
+                first + (self.work - first) * (MOMENTS - 1) / (moments - 1)
+            }
             _ => 0,
         }
     }
@@ -192,9 +199,7 @@ impl Measured {
         let Record { samples, accepted, told, work, is_smooth, failure, .. } = record;
         let end = match failure {
             Some(failure) => End::Failed(failure),
-            None if !course.is_finite() => {
-                End::Failed(Failure::Unstable("the observable is not finite".to_owned()))
-            }
+            None if !course.is_finite() => End::Failed(course.not_finite()),
             // What stopped by itself is not at its end.
             None if end == End::Whole && works.len() <= MOMENTS as usize => {
                 End::Failed(Failure::NotConverged("it ended before the horizon".to_owned()))
@@ -254,6 +259,8 @@ impl Course {
     }
 }
 
+/// The part of a scale that is left where it was that of a motion.
+const LEFT: f64 = 0.5;
 /// A scale below this part of the sizes is rounding.
 const ROUNDING: f64 = 1e-11;
 
@@ -270,8 +277,35 @@ impl Course {
         drift(&self.energies, self.kinetic)
     }
 
+    /// What is kept by the motion moves in a run by its errors alone: a scale that nothing of is left
+    /// where these are extrapolated away was none.
+    pub(crate) fn shrink_scale(&mut self, extrapolated: &[Vec<f64>]) {
+        let way =
+            |rows: &[Vec<f64>]| rows.iter().map(|x| distance(x, &rows[0])).fold(0.0, f64::max);
+        let left = way(extrapolated) / way(&self.values);
+        if left < LEFT {
+            self.scale *= left.max(f64::MIN_POSITIVE);
+            self.is_still = self.scale <= self.rounding;
+        }
+    }
+
     fn is_finite(&self) -> bool {
         self.values.iter().flatten().chain(&self.energies).all(|x| x.is_finite())
+    }
+
+    /// Why it is not: a motion that kept its energy has come to where there is nothing to observe.
+    fn not_finite(&self) -> Failure {
+        let moment = self.values.iter().position(|row| !row.iter().all(|x| x.is_finite()));
+        let kept = |moment: &usize| {
+            let energies = &self.energies[..self.energies.len().min(moment + 1)];
+            energies.iter().all(|x| x.is_finite()) && drift(energies, self.of_energies()) < OFF
+        };
+        match moment.filter(kept) {
+            Some(moment) => Failure::Undefined(format!(
+                "the observable is no number at {moment} of {MOMENTS} moments"
+            )),
+            None => Failure::Unstable("the observable is not finite".to_owned()),
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use std::cmp::Reverse;
 use stationary_integrators::Evaluation;
 
 use crate::lab::Lab;
-use crate::ladder::{At, Kind};
+use crate::ladder::{At, Kind, Scale};
 use crate::measured::{Course, End, Failure, Foresight, Trial, apart, distance};
 
 /// The best answer so far.
@@ -67,6 +67,8 @@ const ROUNDING: f64 = 1e-10;
 const FROM_ROUNDING: f64 = 10.0;
 /// A reference is to keep its energy better than what is asked for, so many times.
 const MARGIN: f64 = 2.5;
+/// Runs of a family that come to where there is nothing to observe before it is given up.
+const UNDEFINED: usize = 3;
 /// What all modes together are uncertain by.
 const OF_MODES: f64 = 1e-9;
 
@@ -136,12 +138,21 @@ impl Making {
         self.best.is_some() && (own || (first..self.finest).all(|rung| came(&rung)))
     }
 
+    /// Whether its last runs came to where there is nothing to observe: a finer one comes there too.
+    fn is_undefined(&self, lab: &Lab<'_>) -> bool {
+        let undefined = |rung: usize| {
+            let run = lab.seen(At { family: self.family, rung });
+            run.is_some_and(|run| matches!(run.end, End::Failed(Failure::Undefined(_))))
+        };
+        self.finest >= UNDEFINED && (self.finest - UNDEFINED..self.finest).all(undefined)
+    }
+
     /// The work of the next rung, where there is one, and of another where that would be alone: the
     /// coarser one, or where that failed, a finer one.
     fn next(&self, lab: &Lab<'_>) -> Option<u64> {
         let rungs = lab.family(self.family).rungs.len();
         let at = |rung: usize| At { family: self.family, rung };
-        if self.finest >= rungs || !lab.affords(at(self.finest)) {
+        if self.finest >= rungs || !lab.affords(at(self.finest)) || self.is_undefined(lab) {
             return None;
         }
         if lab.family(self.family).is_closed {
@@ -176,9 +187,7 @@ impl Making {
         // A decade of tolerance costs little.
         let own = lab.family(self.family).kind == Kind::OwnSteps;
         self.finest += if own && hopeless { 2 } else { 1 };
-        let better = |next: &Reference| {
-            self.best.as_ref().is_none_or(|best| next.uncertainty <= best.uncertainty)
-        };
+        let better = |next: &Reference| self.best.as_ref().is_none_or(|best| next.is_better(best));
         self.best = next.filter(better).or(self.best.take());
     }
 
@@ -210,7 +219,17 @@ impl Reference {
             cheapest.advance(lab, left.next().map_or(f64::INFINITY, |(others, _)| others));
         }
         let made = making.into_iter().filter_map(|making| making.best);
-        made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
+        made.reduce(|best, other| if best.is_better(&other) { best } else { other })
+    }
+
+    /// Whether it is no less certain than another. What does not move in one moves in another by its
+    /// errors alone.
+    pub(crate) fn is_better(&self, other: &Reference) -> bool {
+        match (self.course.is_still, other.course.is_still) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => self.uncertainty <= other.uncertainty,
+        }
     }
 
     /// The work of one more rung, where there is one.
@@ -251,7 +270,7 @@ impl Reference {
         let last = apart(&fine.values, &middle.values);
         let keeps = lab.ladder().keeps_energy;
         let reference = |course: Course, extrapolated, error: f64| {
-            let own = if error.is_finite() { error / scale } else { f64::INFINITY };
+            let own = if error.is_finite() { error / course.scale } else { f64::INFINITY };
             let uncertainty = if keeps { own.max(MARGIN * course.drift()) } else { own };
             let (apart, is_confirmed) = (last, false);
             Some(Reference {
@@ -291,6 +310,9 @@ impl Reference {
             let error = apart(&best, &before);
             for (fine, middle) in fine.energies.iter_mut().zip(&middle.energies) {
                 *fine += weight * (*fine - middle);
+            }
+            if lab.ladder().scale == Scale::Way {
+                fine.shrink_scale(&best);
             }
             return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
         }
@@ -380,7 +402,7 @@ impl Reference {
 }
 
 /// An energy that is off by this part of the largest kinetic energy belongs to another motion.
-const OFF: f64 = 0.5;
+pub(crate) const OFF: f64 = 0.5;
 /// An energy that is off by more grows without bounds.
 const BEYOND: f64 = 10.0;
 

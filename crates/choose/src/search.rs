@@ -215,13 +215,14 @@ pub fn refer(lab: &mut Lab<'_>, families: &[usize], enough: f64) -> Option<Refer
     best.sort_unstable();
     best.dedup();
     let made = Reference::make(lab, &best, enough);
-    if made.as_ref().is_some_and(|made| made.uncertainty <= enough / ENOUGH * BARELY) {
+    let does = |made: &Reference| made.uncertainty <= enough / ENOUGH * BARELY;
+    if made.as_ref().is_some_and(|made| does(made) || made.course.is_still) {
         return made;
     }
     let others = families.iter().filter(|family| !best.contains(family));
     let others: Vec<usize> = others.take(TRIED).copied().collect();
     let made = made.into_iter().chain(Reference::make(lab, &others, enough));
-    made.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))
+    made.reduce(|best, other| if best.is_better(&other) { best } else { other })
 }
 
 /// The order of the cheap families that references are tried with, and how many of them.

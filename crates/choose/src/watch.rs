@@ -41,7 +41,8 @@ impl<'t> Watch<'t> {
         self.works.push(work);
         let moment = self.works.len() - 1;
         let lost = |trial: &Trial<'_>| trial.is_lost(moment, observed, work);
-        if (moment as u64) < MOMENTS && self.trial.is_some_and(lost) {
+        let is_number = observed.iter().all(|x| x.is_finite());
+        if (moment as u64) < MOMENTS && (!is_number || self.trial.is_some_and(lost)) {
             self.end = End::Cut;
             return ControlFlow::Break(());
         }
