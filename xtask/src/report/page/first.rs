@@ -36,11 +36,21 @@ pub(super) fn answers(crates: &[Crate<'_>], styles: &Styles) -> String {
 fn row(study: &Study, answer: &Answer) -> String {
     let [question, method, figure] =
         [&answer.question, &answer.method, &answer.figure].map(|words| escaped(words));
+    let question = unbroken(&question);
     format!(
         "<tr><th scope=\"row\"><a href=\"#{}\">{question}</a></th><td><strong>{method}</strong> \
          {figure}</td></tr>\n",
         escaped(study.id),
     )
+}
+
+/// The words, where no number such as 1e-4 is broken at its sign.
+fn unbroken(words: &str) -> String {
+    let whole = |word: &str| match word.contains("e-") {
+        true => format!("<span class=\"whole\">{word}</span>"),
+        false => word.to_owned(),
+    };
+    words.split(' ').map(whole).collect::<Vec<_>>().join(" ")
 }
 
 /// Each crate in a sentence, where all studies that show it were run.
