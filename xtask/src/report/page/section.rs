@@ -134,7 +134,7 @@ fn file_links(study: &Study) -> String {
         format!("<a href=\"{}\" download>{words}</a>", escaped(&file))
     };
     let charts = (0..study.charts.len()).map(|i| {
-        let number = if i == 0 { String::new() } else { format!(" {}", i + 1) };
+        let number = if i == 0 { String::new() } else { format!("&nbsp;{}", i + 1) };
         link(chart_file(study.id, i), format!("SVG{number}"))
     });
     let csv = link(format!("{}.csv", study.id), "CSV".to_owned());
