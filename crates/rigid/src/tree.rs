@@ -42,8 +42,8 @@
 //!
 //! Reading order: errors; twists, wrenches and inertias; [`TreeJoint`]; [`Tree`] and its builder;
 //! [`TreeMotion`] with its kinematics; [`TreeForces`]; inverse and forward dynamics, the mass
-//! matrix, energy and momenta; then [`TreeField`] for the adaptive methods and [`TreeVariational`],
-//! the fixed step. Loops are not closed here. Source: Featherstone, Rigid Body Dynamics Algorithms
+//! matrix, energy and momenta; [`TreeLoops`], which close loops by a few rows; then [`TreeField`] for
+//! the adaptive methods and [`TreeVariational`], the fixed step of open trees. Source: Featherstone, Rigid Body Dynamics Algorithms
 //! (2008), chapters 4 to 7; notes 9.5 for the step.
 
 mod error;
@@ -58,6 +58,7 @@ mod inverse_dynamics;
 mod forward_dynamics;
 mod mass_matrix;
 mod invariants;
+mod loops;
 mod field;
 mod bilinear;
 mod variational;
@@ -67,5 +68,6 @@ pub use error::{Joining, TreeError};
 pub use field::TreeField;
 pub use forces::TreeForces;
 pub use joint::TreeJoint;
+pub use loops::{LoopEnd, TreeLoops};
 pub use motion::TreeMotion;
 pub use variational::TreeVariational;

@@ -91,8 +91,10 @@ mod tests {
             angular: Matrix3::new(0.5, 0.0, 0.2, 0.1, 0.6, 0.0, -0.2, 0.0, 0.7),
         };
         let (r, s) = (Vector3::new(0.3, -1.0, 0.5), Vector3::new(0.2, -1.1, 0.8));
-        let a = Twist { linear: Vector3::new(1.0, 2.0, 3.0), angular: Vector3::new(-1.0, 0.5, 0.2) };
-        let b = Twist { linear: Vector3::new(0.3, -2.0, 1.0), angular: Vector3::new(0.7, 0.1, -2.0) };
+        let a =
+            Twist { linear: Vector3::new(1.0, 2.0, 3.0), angular: Vector3::new(-1.0, 0.5, 0.2) };
+        let b =
+            Twist { linear: Vector3::new(0.3, -2.0, 1.0), angular: Vector3::new(0.7, 0.1, -2.0) };
         let there = form.times(&b.outward(&s)).along(&a.outward(&r));
         let here = form.inward(&r, &s).times(&b).along(&a);
         assert!((there / here - 1.0).abs() < 1e-14, "{there} {here}");

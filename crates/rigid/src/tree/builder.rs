@@ -95,7 +95,9 @@ impl TreeBuilder {
                 Some(parent) if parent >= body => return Err(TreeError::Circle { joining }),
                 _ => {}
             }
-            for (frame, what) in frames.iter().zip(["the frame on the parent", "the frame on the body"]) {
+            for (frame, what) in
+                frames.iter().zip(["the frame on the parent", "the frame on the body"])
+            {
                 let numbers = frame.translation.iter().copied().chain(frame.rotation.quaternion());
                 for value in numbers {
                     if !value.is_finite() {

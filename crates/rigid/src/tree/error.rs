@@ -78,7 +78,9 @@ pub enum TreeError {
         joining: Joining,
     },
     /// A freedom meets no inertia at this configuration.
-    #[error("{joining}: freedom {freedom} moves without inertia here ({inertia:e}): no force has a motion")]
+    #[error(
+        "{joining}: freedom {freedom} moves without inertia here ({inertia:e}): no force has a motion"
+    )]
     Singular {
         /// The joint.
         joining: Joining,
@@ -86,6 +88,18 @@ pub enum TreeError {
         freedom: usize,
         /// The inertia that it meets, kg or kg m^2.
         inertia: f64,
+    },
+    /// Rows of loops that ask the same of the tree.
+    #[error("the {rows} rows of the loops depend on each other here; leave out what others hold")]
+    DependentLoops {
+        /// How many rows there are.
+        rows: usize,
+    },
+    /// Loops that do not close near where they were.
+    #[error("no closed configuration was found near: a gap of {gap:e} m is left")]
+    NotClosed {
+        /// The largest gap, metres.
+        gap: f64,
     },
     /// A quaternion without a direction.
     #[error("{joining}: a quaternion of length {length}; it must have a direction")]

@@ -16,17 +16,25 @@ use stationary_integrators::VectorField;
 use super::builder::Tree;
 use super::error::TreeError;
 use super::forces::TreeForces;
+use super::loops::TreeLoops;
 use super::motion::TreeMotion;
 
 /// What adds to the forces at a time and a motion: nothing.
 type Idle = fn(f64, &TreeMotion, &mut TreeForces);
+
+#[derive(Clone, Debug)]
+struct Room {
+    motion: TreeMotion,
+    forces: TreeForces,
+    loops: Option<TreeLoops>,
+}
 
 /// A tree under forces, as a field of its coordinates and speeds.
 pub struct TreeField<D = Idle> {
     tree: Tree,
     constant: TreeForces,
     drive: Option<D>,
-    room: RefCell<(TreeMotion, TreeForces)>,
+    room: RefCell<Room>,
 }
 
 impl<D> fmt::Debug for TreeField<D> {
@@ -58,16 +66,16 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
     fn accelerate(&self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), TreeError> {
         let (q, v) = y.split_at(self.tree.coordinates());
         let (rates, accelerations) = f.split_at_mut(self.tree.coordinates());
-        let (motion, forces) = &mut *self.room.borrow_mut();
+        let Room { motion, forces, loops } = &mut *self.room.borrow_mut();
         motion.place(q, v)?;
         self.tree.write_rates(q, v, rates);
-        match &self.drive {
-            None => motion.forward_dynamics(&self.constant, accelerations),
-            Some(drive) => {
-                forces.clone_from(&self.constant);
-                drive(t, motion, forces);
-                motion.forward_dynamics(forces, accelerations)
-            }
+        if let Some(drive) = &self.drive {
+            forces.clone_from(&self.constant);
+            drive(t, motion, forces);
+        }
+        match loops {
+            None => motion.forward_dynamics(forces, accelerations),
+            Some(loops) => loops.forward_dynamics(motion, forces, accelerations),
         }
     }
 }
@@ -75,8 +83,15 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
 impl<D> TreeField<D> {
     fn with(tree: Tree, constant: TreeForces, drive: Option<D>) -> Result<Self, TreeError> {
         constant.check(&tree)?;
-        let room = RefCell::new((TreeMotion::new(tree.clone()), constant.clone()));
+        let (motion, forces) = (TreeMotion::new(tree.clone()), constant.clone());
+        let room = RefCell::new(Room { motion, forces, loops: None });
         Ok(TreeField { tree, constant, drive, room })
+    }
+
+    /// The same tree with its loops held closed, as far as accelerations do: see [`TreeLoops::close`].
+    pub fn closed(self, loops: TreeLoops) -> Self {
+        self.room.borrow_mut().loops = Some(loops);
+        self
     }
 
     /// The tree.

@@ -86,7 +86,7 @@ impl TreeMotion {
     }
 
     /// The inertias of all branches, their freedoms given way.
-    fn factor(&mut self) -> Result<(), TreeError> {
+    pub(super) fn factor(&mut self) -> Result<(), TreeError> {
         self.set_inertias();
         for body in (0..self.placed.len()).rev() {
             let link = &self.tree.links[body];
@@ -115,7 +115,7 @@ impl TreeMotion {
 
     /// Solves for the accelerations under the bodies' bias forces, which it sums, joint forces and
     /// biases of acceleration.
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         joint_forces: &[f64],
         bias: impl Fn(&Placed) -> Twist,

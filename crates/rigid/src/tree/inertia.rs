@@ -86,14 +86,16 @@ mod tests {
     use super::*;
 
     fn lopsided() -> Inertia {
-        let body = Inertia::of_body(2.0, Matrix3::new(0.5, 0.1, 0.0, 0.1, 0.4, -0.05, 0.0, -0.05, 0.6));
+        let body =
+            Inertia::of_body(2.0, Matrix3::new(0.5, 0.1, 0.0, 0.1, 0.4, -0.05, 0.0, -0.05, 0.6));
         body.inward(&Vector3::new(0.3, -0.2, 0.9))
     }
 
     #[test]
     fn the_energy_of_a_motion_is_the_same_about_every_point() {
         let r = Vector3::new(1.0, 0.4, -0.6);
-        let motion = Twist { linear: Vector3::new(0.2, 1.0, 3.0), angular: Vector3::new(-1.0, 2.0, 0.5) };
+        let motion =
+            Twist { linear: Vector3::new(0.2, 1.0, 3.0), angular: Vector3::new(-1.0, 2.0, 0.5) };
         let energy = |inertia: &Inertia, motion: &Twist| inertia.times(motion).along(motion);
         let (there, here) =
             (energy(&lopsided(), &motion.outward(&r)), energy(&lopsided().inward(&r), &motion));
@@ -103,7 +105,8 @@ mod tests {
     #[test]
     fn what_gives_way_resists_no_motion_along_its_freedom() {
         let mut inertia = lopsided();
-        let s = Twist { linear: Vector3::new(0.1, 0.0, 2.0), angular: Vector3::new(0.3, -0.4, 0.5) };
+        let s =
+            Twist { linear: Vector3::new(0.1, 0.0, 2.0), angular: Vector3::new(0.3, -0.4, 0.5) };
         let u = inertia.times(&s);
         inertia.give_way(&u, 1.0 / u.along(&s));
         let left = inertia.times(&s);

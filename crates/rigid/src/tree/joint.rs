@@ -195,9 +195,7 @@ impl TreeJoint {
             Screw { axis, pitch } => at(axis * (pitch * q[0]), turn(axis, q[0])),
             Cylinder { axis } => at(axis * q[0], turn(axis, q[1])),
             Universal { axes: [a, b] } => at(here, turn(a, q[0]).compose(&turn(b, q[1]))),
-            Planar { axes: [a, b] } => {
-                at(a * q[0] + b * q[1], turn(&a.cross(b).normalize(), q[2]))
-            }
+            Planar { axes: [a, b] } => at(a * q[0] + b * q[1], turn(&a.cross(b).normalize(), q[2])),
             Ball => at(here, rotation(q)),
             Free => at(Vector3::new(q[0], q[1], q[2]), rotation(&q[3..])),
         }
@@ -242,9 +240,7 @@ impl TreeJoint {
     #[inline]
     pub(super) fn bias(&self, q: &[f64], v: &[f64]) -> Option<Vector3<f64>> {
         match self {
-            Universal { axes: [a, b] } => {
-                Some(a.cross(&turn(a, q[0]).rotate(b)) * (v[0] * v[1]))
-            }
+            Universal { axes: [a, b] } => Some(a.cross(&turn(a, q[0]).rotate(b)) * (v[0] * v[1])),
             _ => None,
         }
     }
@@ -330,8 +326,8 @@ mod tests {
             let sum = |twist, (column, v): (&Twist, &f64)| twist + *column * *v;
             let twist = columns.iter().zip(v).fold(Twist::zero(), sum);
             let expected = difference(&joint, q, v);
-            let off = (twist.linear - expected.linear).norm()
-                + (twist.angular - expected.angular).norm();
+            let off =
+                (twist.linear - expected.linear).norm() + (twist.angular - expected.angular).norm();
             assert!(off < 1e-9, "{}: {off:e}", joint.kind());
         }
     }

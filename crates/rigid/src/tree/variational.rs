@@ -37,8 +37,8 @@ use super::builder::{Link, Tree};
 use super::error::{TreeError, check_numbers};
 use super::motion::{Placed, TreeMotion};
 use super::spatial::{SpatialForce, Twist};
-use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
 use crate::LieGroup;
+use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
 
 /// The variational step, bound to a tree under its weight.
 #[derive(Clone, Debug)]
@@ -107,7 +107,8 @@ impl Turn {
             + x.cross_matrix() * 0.5
             + (x * x.transpose() - Matrix3::from_diagonal_element(s)) * *c;
         let outer = u.cross_matrix() * -0.5
-            + (x * u.transpose() + Matrix3::from_diagonal_element(x.dot(u)) - u * x.transpose() * 2.0)
+            + (x * u.transpose() + Matrix3::from_diagonal_element(x.dot(u))
+                - u * x.transpose() * 2.0)
                 * *c
             + x.cross(&x.cross(u)) * x.transpose() * (2.0 * change);
         (inner * Matrix3::from_diagonal(moments) + outer) * right_jacobian_inverse(x)

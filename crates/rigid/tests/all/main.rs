@@ -17,4 +17,5 @@ mod shapes;
 mod symmetries;
 mod tree;
 mod tree_bad_input;
+mod tree_loops;
 mod tree_motion;

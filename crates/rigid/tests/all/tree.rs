@@ -190,8 +190,11 @@ fn momenta_of_a_free_tree_change_as_the_outer_forces_say_and_its_energy_as_their
         let e = 1e-5 / (1.0 + largest(&acceleration).sqrt());
         let mut at = |sign: f64| {
             let mut there = q.clone();
-            let by: Vec<f64> =
-                v.iter().zip(&acceleration).map(|(v, a)| sign * e * (v + 0.5 * sign * e * a)).collect();
+            let by: Vec<f64> = v
+                .iter()
+                .zip(&acceleration)
+                .map(|(v, a)| sign * e * (v + 0.5 * sign * e * a))
+                .collect();
             motion.tree().advance(&mut there, &by).unwrap();
             let fast: Vec<f64> =
                 v.iter().zip(&acceleration).map(|(v, a)| v + sign * e * a).collect();

@@ -16,8 +16,8 @@ use stationary_rigid::tree::{
     Tree, TreeBuilder, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
 };
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, FreeTop, Joint, LieGroup,
-    PointMass, Poses, RigidMotion, Rotation, Weight,
+    Attachment, Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, FreeTop, Joint,
+    LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 use crate::tree::{Shape, somewhere, tree};
@@ -29,7 +29,14 @@ fn at(translation: Vector3<f64>) -> RigidMotion {
 }
 
 /// The end of a motion under weight from coordinates and speeds, by the adaptive method.
-fn end(tree: &Tree, gravity: Vector3<f64>, q: &[f64], v: &[f64], time: f64, relative: f64) -> Vec<f64> {
+fn end(
+    tree: &Tree,
+    gravity: Vector3<f64>,
+    q: &[f64],
+    v: &[f64],
+    time: f64,
+    relative: f64,
+) -> Vec<f64> {
     let weight = TreeForces::weight(tree, gravity).unwrap();
     let field = TreeField::new(tree.clone(), weight).unwrap();
     let start = Moment::new(0.0, [q, v].concat());
@@ -40,7 +47,12 @@ fn end(tree: &Tree, gravity: Vector3<f64>, q: &[f64], v: &[f64], time: f64, rela
 }
 
 /// The state after equal steps.
-fn stepped(method: &mut TreeVariational, start: &State<Vec<f64>>, time: f64, steps: u32) -> State<Vec<f64>> {
+fn stepped(
+    method: &mut TreeVariational,
+    start: &State<Vec<f64>>,
+    time: f64,
+    steps: u32,
+) -> State<Vec<f64>> {
     let mut state = start.clone();
     for _ in 0..steps {
         method.step(&mut state, time / f64::from(steps)).unwrap();
@@ -105,8 +117,10 @@ fn a_free_body_turns_as_the_free_top_in_closed_form_and_flies_straight() {
     assert!(adaptive < 1e-10, "{adaptive:e}");
     let mut method = TreeVariational::new(tree, none).unwrap();
     let start = method.state(&q, &v).unwrap();
-    let order =
-        order(|steps| off(&stepped(&mut method.clone(), &start, 4.0, steps).q), &[500, 1_000, 2_000]);
+    let order = order(
+        |steps| off(&stepped(&mut method.clone(), &start, 4.0, steps).q),
+        &[500, 1_000, 2_000],
+    );
     assert!((order - 2.0).abs() < 0.05, "{order}");
 }
 
@@ -192,18 +206,21 @@ fn compare<const M: usize>(both: &Both<Vec<Joint<Poses>>>, q: &[f64], v: &[f64])
     // Both against the adaptive method, in the limit of small steps.
     let exact = end(&both.tree, GRAVITY, q, v, time, 1e-13);
     let exact = poses(&both.tree, &exact[..q.len()]);
-    let order = order(|steps| apart(&by_rattle::<M>(both, (q, v), time, steps), &exact), &[400, 800, 1600]);
+    let order =
+        order(|steps| apart(&by_rattle::<M>(both, (q, v), time, steps), &exact), &[400, 800, 1600]);
     assert!((order - 2.0).abs() < 0.05, "{order}");
 }
 
 #[test]
-fn a_chain_of_hinges_moves_as_rattle_moves_its_bodies_to_rounding_and_both_converge_with_order_two() {
+fn a_chain_of_hinges_moves_as_rattle_moves_its_bodies_to_rounding_and_both_converge_with_order_two()
+{
     let both = row(4, Some(Vector3::new(0.0, 1.0, 0.2)));
     compare::<20>(&both, &[0.9, -0.4, 0.5, 0.2], &[1.0, -2.0, 0.5, 1.0]);
 }
 
 #[test]
-fn a_ball_jointed_double_pendulum_moves_as_rattle_moves_it_to_rounding_and_both_converge_with_order_two() {
+fn a_ball_jointed_double_pendulum_moves_as_rattle_moves_it_to_rounding_and_both_converge_with_order_two()
+ {
     let both = row(2, None);
     let mut q = both.tree.rest();
     both.tree.advance(&mut q, &[0.4, 0.9, -0.3, -0.5, 0.2, 0.6]).unwrap();
@@ -259,7 +276,8 @@ fn a_free_tree_keeps_its_momenta_over_100_000_steps_and_its_energy_has_no_trend(
 }
 
 #[test]
-fn under_weight_the_momentum_about_the_vertical_is_kept_and_the_largest_energy_error_falls_with_h_squared() {
+fn under_weight_the_momentum_about_the_vertical_is_kept_and_the_largest_energy_error_falls_with_h_squared()
+ {
     let both = row(3, None);
     let mut q = both.tree.rest();
     both.tree.advance(&mut q, &[0.4, 0.9, -0.3, -0.5, 0.2, 0.6, 0.1, 0.3, 0.2]).unwrap();
@@ -331,11 +349,12 @@ fn a_driven_field_loses_what_its_dampers_take() {
     motion.place(&[0.0], &[1.0]).unwrap();
     motion.momenta(&mut momentum).unwrap();
     let decay = 0.5 * damping / momentum[0];
-    let field = TreeField::driven(tree, weight, |_t, motion: &TreeMotion, forces: &mut TreeForces| {
-        let turning = motion.body(0).map_or(f64::NAN, |body| -body.angular_velocity.y);
-        forces.joints_mut()[0] -= damping * turning;
-    })
-    .unwrap();
+    let field =
+        TreeField::driven(tree, weight, |_t, motion: &TreeMotion, forces: &mut TreeForces| {
+            let turning = motion.body(0).map_or(f64::NAN, |body| -body.angular_velocity.y);
+            forces.joints_mut()[0] -= damping * turning;
+        })
+        .unwrap();
     let tolerance = Tolerance::new(1e-11, 1e-15).unwrap();
     let start = Moment::new(0.0, vec![1e-4, 0.0]);
     let mut method = DormandPrince853::new(field, tolerance.into(), start).unwrap();
