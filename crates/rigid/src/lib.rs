@@ -10,13 +10,14 @@
 //! p <- p - J^T A,  free motion,  p <- p - J^T B,   g = 0, J v = 0   joints                (6.5, 9.2)
 //! J = <P, v> + <a, t x P + R m>                                  momentum maps                 (8.3)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
-//! S^T X^T (I (X S v. + c) + b) = tau                             trees in joint coordinates
+//! M(q) v. = tau - C(q, v)                                        trees in joint coordinates
 //! ```
 //! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
 //! `theta` axis times angle, `R` an orientation, `w` the angular velocity and `I` the inertia in
 //! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the step;
 //! `A B` impulses of joints `g`, with differential `J`; `P m` linear and angular momenta, `F` a
-//! force. The numbers name sections of the notes.
+//! force; `q v` coordinates and speeds of joints, `M` their mass matrix, `tau C` their forces and what
+//! velocities and weight take of them. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};

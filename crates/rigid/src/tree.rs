@@ -11,8 +11,8 @@
 //! coordinates and `v` its speeds; `V A f` velocity, acceleration and force of a body, linear part
 //! first, `X` the shift from the parent's centre to the body's, `c b` what velocities add, `I` the
 //! inertia, `M` the mass matrix, `tau` the forces of the joints, `p` their momenta, `L` the discrete
-//! Lagrangian. All passes take time in proportion to the number of bodies. Coordinates are metres
-//! and radians, a ball's four a quaternion (scalar first).
+//! Lagrangian. All but the mass matrix itself takes time in proportion to the number of bodies.
+//! Coordinates are metres and radians, a ball's four a quaternion (scalar first).
 //!
 //! Spatial vectors are in world axes about each body's centre of mass. So shifts are the only
 //! transforms, a body's own inertia has no mixed part, and places far from the origin lose no digits.
@@ -43,8 +43,8 @@
 //! Reading order: errors; twists, wrenches and inertias; [`TreeJoint`]; [`Tree`] and its builder;
 //! [`TreeMotion`] with its kinematics; [`TreeForces`]; inverse and forward dynamics, the mass
 //! matrix, energy and momenta; [`TreeLoops`], which close loops by a few rows; then [`TreeField`] for
-//! the adaptive methods and [`TreeVariational`], the fixed step of open trees. Source: Featherstone, Rigid Body Dynamics Algorithms
-//! (2008), chapters 4 to 7; notes 9.5 for the step.
+//! the adaptive methods and [`TreeVariational`], the fixed step of open trees. Source: Featherstone,
+//! Rigid Body Dynamics Algorithms (2008), chapters 4 to 8; notes 9.5 for the step.
 
 mod error;
 mod spatial;

@@ -141,7 +141,7 @@ impl Tree {
         self.speeds
     }
 
-    /// The joint from which a body hangs, and what it hangs from.
+    /// The joint from which a body hangs, its axes of length 1, and what it hangs from.
     ///
     /// # Errors
     /// [`TreeError::NoSuchBody`].

@@ -1,12 +1,14 @@
 //! The motion of a tree as a first-order system, for the methods that choose their own steps.
 //!
 //! ```text
-//! y = (q, v),     q. = S^-1-rates of v,     v. = M^-1 (tau - C)
+//! y = (q, v),     q. = K(q) v,     v. = M^-1 (tau - C)
 //! ```
-//! `q` the coordinates, then `v` the speeds. Quaternions follow their angular velocity; the field
+//! `q` the coordinates, then `v` the speeds; `K` is 1 but for quaternions, `q. = 1/2 q w`. The field
 //! keeps their length, and accelerations do not depend on it, so that they need no projection: a run
 //! leaves the length to the method's tolerance, and reads the direction only. Where the motion has no
-//! finite acceleration the field is not a number, which every method refuses.
+//! finite acceleration the field is not a number, which every method refuses. Energy and momenta are
+//! kept to the tolerance, and drift over long times: [`TreeVariational`](super::TreeVariational) does
+//! not let them.
 
 use std::cell::RefCell;
 use std::fmt;

@@ -41,6 +41,7 @@ struct Row {
 /// Points that stay together, and the memory to hold them so.
 #[derive(Clone, Debug)]
 pub struct TreeLoops {
+    bodies: usize,
     rows: Vec<Row>,
     /// `M^-1 J^T`, row after row.
     responses: Vec<f64>,
@@ -61,6 +62,7 @@ impl TreeLoops {
     /// No loops yet.
     pub fn new(tree: &Tree) -> Self {
         TreeLoops {
+            bodies: tree.bodies(),
             rows: Vec::new(),
             responses: Vec::new(),
             matrix: DenseLu::new(0),
@@ -80,7 +82,7 @@ impl TreeLoops {
         ends: [LoopEnd; 2],
         directions: &[Vector3<f64>],
     ) -> Result<(), TreeError> {
-        SizeError::check("the tree's speeds", self.idle.len(), tree.speeds())?;
+        self.check_tree(tree)?;
         for end in &ends {
             check_numbers("the loop's point", 3, end.point.as_slice())?;
             if let Some(body) = end.body {
@@ -194,7 +196,12 @@ impl TreeLoops {
     }
 
     fn check(&self, motion: &TreeMotion) -> Result<(), TreeError> {
-        Ok(SizeError::check("the motion's speeds", self.idle.len(), motion.columns.len())?)
+        self.check_tree(&motion.tree)
+    }
+
+    fn check_tree(&self, tree: &Tree) -> Result<(), TreeError> {
+        SizeError::check("the tree's bodies", self.bodies, tree.bodies())?;
+        Ok(SizeError::check("the tree's speeds", self.idle.len(), tree.speeds())?)
     }
 
     fn check_finite(&self, q: &[f64]) -> Result<(), TreeError> {
@@ -227,7 +234,8 @@ impl TreeLoops {
 
     fn add_responses(&self, to: &mut [f64]) {
         let n = self.idle.len();
-        for (lambda, response) in self.multipliers.iter().zip(self.responses.chunks_exact(n)) {
+        for (lambda, response) in self.multipliers.iter().zip(self.responses.chunks_exact(n.max(1)))
+        {
             to.iter_mut().zip(response).for_each(|(to, response)| *to += lambda * response);
         }
     }

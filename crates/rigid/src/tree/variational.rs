@@ -190,6 +190,12 @@ impl TreeVariational {
         if !(state.t + h).is_finite() {
             return Err(StepError::Time(state.t + h));
         }
+        if let Some(freedom) = first_non_finite(&state.q) {
+            return Err(StepError::NonFiniteConfiguration { freedom });
+        }
+        if let Some(freedom) = first_non_finite(state.p.components()) {
+            return Err(StepError::NonFiniteMomentum { freedom });
+        }
         for link in &tree.links {
             let Some(first) = link.joint.quaternion() else { continue };
             let number = link.coordinates.start + first;
