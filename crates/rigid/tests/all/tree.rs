@@ -296,3 +296,26 @@ fn the_algorithms_allocate_nothing() {
     });
     assert_eq!(count.count_total, 0);
 }
+
+#[test]
+fn a_tree_a_million_metres_away_loses_no_digits() {
+    let accelerations = |far: f64| {
+        let mut builder = TreeBuilder::default();
+        let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
+        let at = |translation| RigidMotion { translation, rotation: Rotation::identity() };
+        let arm = Vector3::new(0.2, -0.1, 0.3);
+        builder.hang(None, TreeJoint::Ball, [at(Vector3::x() * far), at(arm)], body);
+        builder.hang(Some(0), TreeJoint::Ball, [at(-arm), at(arm)], body);
+        let tree = builder.build().unwrap();
+        let weight = TreeForces::weight(&tree, Vector3::z() * -9.81).unwrap();
+        let mut q = tree.rest();
+        tree.advance(&mut q, &[0.3, 0.5, -0.2, 0.9, 0.1, 0.4]).unwrap();
+        let mut motion = TreeMotion::new(tree);
+        motion.place(&q, &[1.0, -2.0, 0.5, 3.0, 0.0, 1.0]).unwrap();
+        let mut acceleration = [0.0; 6];
+        motion.forward_dynamics(&weight, &mut acceleration).unwrap();
+        acceleration
+    };
+    let (near, far) = (accelerations(0.0), accelerations(1e6));
+    assert!((0..6).all(|k| (near[k] - far[k]).abs() < 1e-13 * largest(&near)), "{near:?} {far:?}");
+}

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Vector3};
 use stationary_constraints::{ConstrainedIntegrator, Few, Rattle, Redundancy};
 use stationary_integrators::problems::pendulum;
 use stationary_integrators::{
@@ -422,4 +422,70 @@ fn a_step_and_an_evaluation_of_a_tree_allocate_nothing() {
         (0..10).for_each(|_| _ = method.step(&mut state, 1e-3).unwrap());
     });
     assert_eq!(count.count_total, 0);
+}
+
+#[test]
+fn the_variational_step_moves_every_kind_of_joint_with_order_two() {
+    for seed in 0..12 {
+        let mut random = SplitMix64::new(2_000 + seed);
+        let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
+        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let tree = tree(&mut random, 6, shape, root);
+        let (q, v) = somewhere(&mut random, &tree);
+        let exact = end(&tree, GRAVITY, &q, &v, 0.1, 1e-13);
+        let exact = poses(&tree, &exact[..q.len()]);
+        let mut method = TreeVariational::new(tree.clone(), GRAVITY).unwrap();
+        let start = method.state(&q, &v).unwrap();
+        let error = |steps: u32| {
+            let state = stepped(&mut method.clone(), &start, 0.1, steps);
+            apart(&poses(&tree, &state.q), &exact)
+        };
+        let order = order(error, &[100, 200, 400]);
+        assert!((order - 2.0).abs() < 0.1, "seed {seed}: {order}");
+    }
+}
+
+#[test]
+fn the_variational_step_preserves_the_symplectic_form() {
+    let mut builder = TreeBuilder::default();
+    let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
+    let axes = [Vector3::x(), Vector3::new(0.0, 1.0, 0.4)];
+    let frames = [at(Vector3::new(0.1, 0.3, -0.4)), at(Vector3::new(0.2, -0.1, 0.3))];
+    builder.hang(None, TreeJoint::Universal { axes }, frames, body);
+    builder.hang(Some(0), TreeJoint::Cylinder { axis: axes[1] }, frames, body);
+    let mut method = TreeVariational::new(builder.build().unwrap(), GRAVITY).unwrap();
+    let state = method.state(&[0.3, -0.8, 0.1, 0.5], &[2.0, -1.0, 0.5, 3.0]).unwrap();
+    let mut moved = |k: usize, by: f64| {
+        let mut state = state.clone();
+        let (q, p) = (&mut state.q, &mut state.p.0);
+        *q.iter_mut().chain(p).nth(k).unwrap() += by;
+        method.step(&mut state, 0.05).unwrap();
+        DVector::from_iterator(8, state.q.into_iter().chain(state.p.0))
+    };
+    let e = 1e-3;
+    let mut d = DMatrix::<f64>::zeros(8, 8);
+    for k in 0..8 {
+        let (near, far) = (moved(k, e) - moved(k, -e), moved(k, 2.0 * e) - moved(k, -2.0 * e));
+        d.set_column(k, &((near * 8.0 - far) / (12.0 * e)));
+    }
+    let form = DMatrix::from_fn(8, 8, |i, j| match (i + 4 == j, j + 4 == i) {
+        (true, _) => 1.0,
+        (_, true) => -1.0,
+        _ => 0.0,
+    });
+    let off = (d.transpose() * &form * d - form).amax();
+    assert!(off < 1e-8, "{off:e}");
+}
+
+#[test]
+fn the_variational_step_of_a_small_swing_is_unstable_above_two_over_omega() {
+    let (tree, rate) = bar();
+    let grown = |product: f64| {
+        let mut method = TreeVariational::new(tree.clone(), GRAVITY).unwrap();
+        let mut state = method.state(&[1e-9], &[0.0]).unwrap();
+        (0..200).for_each(|_| _ = method.step(&mut state, product / rate).unwrap());
+        state.q[0].abs().max(state.p.0[0].abs()) / 1e-9
+    };
+    assert!(grown(1.98) < 100.0, "{}", grown(1.98));
+    assert!(grown(2.01) > 1e6, "{}", grown(2.01));
 }
