@@ -9,9 +9,8 @@
 //! ```
 //! `I` the inertia of a branch whose joints give way, `b` the force that it takes to keep its root
 //! from accelerating, `c` the bias. A joint of several freedoms gives way by one after the other, so
-//! that no small matrix is ever factored: `D` are the pivots of Cholesky's factorization of the mass
-//! matrix. Time and memory in proportion to the bodies. Source: Featherstone 2008, 7; the first two
-//! lines are Rodriguez's filter (1987).
+//! that no small matrix is ever factored: `D` are the pivots of the mass matrix, eliminated from the
+//! leaves. Time and memory in proportion to the bodies. Source: Featherstone 2008, 7; Rodriguez 1987.
 
 use nalgebra::Matrix3;
 
