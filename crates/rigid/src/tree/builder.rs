@@ -48,7 +48,16 @@ pub struct Tree {
 /// What a tree is made of, body by body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreeBuilder {
-    hung: Vec<(Option<usize>, TreeJoint, [RigidMotion; 2], Option<Body>)>,
+    hung: Vec<Hung>,
+}
+
+/// What was asked for, unchecked. Without a body it is a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Hung {
+    parent: Option<usize>,
+    joint: TreeJoint,
+    frames: [RigidMotion; 2],
+    mass: Option<Body>,
 }
 
 impl TreeBuilder {
@@ -61,7 +70,7 @@ impl TreeBuilder {
         frames: [RigidMotion; 2],
         body: Body,
     ) -> usize {
-        self.hung.push((parent, joint, frames, Some(body)));
+        self.hung.push(Hung { parent, joint, frames, mass: Some(body) });
         self.hung.len() - 1
     }
 
@@ -72,7 +81,7 @@ impl TreeBuilder {
         joint: TreeJoint,
         frames: [RigidMotion; 2],
     ) -> usize {
-        self.hung.push((parent, joint, frames, None));
+        self.hung.push(Hung { parent, joint, frames, mass: None });
         self.hung.len() - 1
     }
 
@@ -86,7 +95,7 @@ impl TreeBuilder {
     pub fn build(self) -> Result<Tree, TreeError> {
         let bodies = self.hung.len();
         let mut tree = Tree { links: Vec::with_capacity(bodies), coordinates: 0, speeds: 0 };
-        for (body, (parent, joint, frames, mass)) in self.hung.into_iter().enumerate() {
+        for (body, Hung { parent, joint, frames, mass }) in self.hung.into_iter().enumerate() {
             let joining = Joining { kind: joint.kind(), body, parent };
             match parent {
                 Some(parent) if parent >= bodies => {

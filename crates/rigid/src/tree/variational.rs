@@ -18,7 +18,11 @@
 //! `d(-D1 L)/dq' = S^T X^T H X' S'` couples forces at the start of the step with motions at its end,
 //! and gives way freedom by freedom as an articulated inertia does (the file `bilinear`). The last
 //! correction is added to `P` itself, not only to the coordinates, where rounding would swallow it: so
-//! momenta are kept to their own rounding, not to that of places over `h`. Forces are the weight of the bodies only. A body must turn by less than half a turn in a step.
+//! momenta are kept to their own rounding, not to that of places over `h`. The condition of the mass
+//! matrix multiplies that rounding.
+//!
+//! Forces are the weight of the bodies only. A body must turn by less than half a turn in a step, and
+//! the step must resolve the fastest mode: below `2 / omega`.
 //! Source: notes 5.5, 6.5, 9.5; Marsden and West 2001; Lee, Liu, Park and Srinivasa 2018, who solve
 //! the equations of the group SE(3) with an approximate matrix.
 //!

@@ -142,10 +142,10 @@ fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
     let (top, foot) = (Vector3::z() * HALF, -Vector3::z() * HALF);
     let mut builder = TreeBuilder::default();
     let mut joints = Vec::new();
-    for k in 0..n {
+    for (k, body) in bodies.iter().enumerate() {
         let parent = k.checked_sub(1);
         let before = if k == 0 { Vector3::zeros() } else { foot };
-        builder.hang(parent, joint, [at(before), at(top)], bodies[k]);
+        builder.hang(parent, joint, [at(before), at(top)], *body);
         let up = parent.map_or(Attachment::World(before), |p| Attachment::Body(p, before));
         let ends = [up, Attachment::Body(k, top)];
         joints.push(match axis {

@@ -201,7 +201,8 @@ impl Page {
     fn measure(&mut self, links: usize, steps: &[u32]) -> Result<(), StudyError> {
         let chain = Chain::new(links)?;
         let exact = chain.adaptive(1e-13)?.centres;
-        let [mut adaptive, mut fixed, mut full] = [Runs::default(), Runs::default(), Runs::default()];
+        let [mut adaptive, mut fixed, mut full] =
+            [Runs::default(), Runs::default(), Runs::default()];
         for tolerance in TOLERANCES {
             let run = || chain.adaptive(tolerance);
             self.one((links, ADAPTIVE), format!("{tolerance:.0e}"), run, &exact, &mut adaptive)?;
@@ -211,10 +212,12 @@ impl Page {
             let setting = || format!("{steps} steps");
             let reduced =
                 self.one((links, FIXED), setting(), || chain.fixed(steps), &exact, &mut fixed)?;
-            let held = self.one((links, FULL), setting(), || chain.full(steps), &exact, &mut full)?;
+            let held =
+                self.one((links, FULL), setting(), || chain.full(steps), &exact, &mut full)?;
             same = same.max(apart(&reduced.centres, &held.centres));
         }
-        let text = format!("links: {links}; how far the variational step and RATTLE are apart at most, m");
+        let text =
+            format!("links: {links}; how far the variational step and RATTLE are apart at most, m");
         self.claims.push(Claim::number(text, "rounding", same, (0.0, 1e-10)));
         let against_steps: Vec<_> = fixed
             .by_work
@@ -233,7 +236,12 @@ impl Page {
                 "links: {links}; to {FINE:.0e} m, work of the variational step, by its order, over \
                  that of the adaptive method"
             );
-            self.claims.push(Claim::number(text, "more than 1", more / least, (1.0, f64::INFINITY)));
+            self.claims.push(Claim::number(
+                text,
+                "more than 1",
+                more / least,
+                (1.0, f64::INFINITY),
+            ));
         }
         if let (Some((reduced, _)), Some((held, _))) = (fixed.by_time.last(), full.by_time.last()) {
             self.slower.push((links, held / reduced));
