@@ -192,9 +192,9 @@ struct Page {
 
 /// The links of each chain, and the fewest steps: a step that does not resolve the fastest mode is
 /// unstable, in joint coordinates and in full ones, and that mode is the faster the more links there are.
-const COARSEST: [(usize, u32); 5] = [(1, 40), (3, 40), (10, 60), (30, 120), (100, 320)];
+const COARSEST: [(usize, u32); 5] = [(1, 40), (3, 40), (10, 60), (30, 100), (100, 240)];
 
-const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
+const TOLERANCES: [f64; 3] = [1e-4, 1e-7, 1e-10];
 
 impl Page {
     /// Runs one chain in every way.
