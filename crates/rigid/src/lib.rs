@@ -10,12 +10,14 @@
 //! p <- p - J^T A,  free motion,  p <- p - J^T B,   g = 0, J v = 0   joints                (6.5, 9.2)
 //! J = <P, v> + <a, t x P + R m>                                  momentum maps                 (8.3)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
+//! M(q) v. = tau - C(q, v)                                        trees in joint coordinates
 //! ```
 //! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
 //! `theta` axis times angle, `R` an orientation, `w` the angular velocity and `I` the inertia in
 //! body axes, `dV` the differential of the potential in body axes (minus the torque), `h` the step;
 //! `A B` impulses of joints `g`, with differential `J`; `P m` linear and angular momenta, `F` a
-//! force. The numbers name sections of the notes.
+//! force; `q v` coordinates and speeds of joints, `M` their mass matrix, `tau C` their forces and what
+//! velocities and weight take of them. The numbers name sections of the notes.
 //!
 //! ```
 //! use stationary_rigid::{BodyMethod, Poses, problems::tumbling_box, spatial_angular_momentum};
@@ -39,7 +41,7 @@
 //! may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked
 //! in [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and
 //! what games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names
-//! them all, and [`problems`].
+//! them all; [`tree`], where bodies are told by their joints' coordinates; and [`problems`].
 //!
 //! Orientations are unit quaternions, scalar first, and never leave the group. Nothing here is an
 //! Euler angle but [`EulerAngles`], for reading. The crate knows nothing of contact or of files.
@@ -83,6 +85,7 @@ mod lie_verlet;
 mod munthe_kaas;
 mod renormalized_euler;
 mod method;
+pub mod tree;
 pub mod problems;
 
 pub use axis_rotations::AxisRotations;

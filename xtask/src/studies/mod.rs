@@ -76,6 +76,7 @@ studies! {
             racket: [RACKET],
             heavy_tops: [NUTATION, KOVALEVSKAYA],
             jointed: [JOINTED],
+            joint_coordinates: [JOINT_COORDINATES],
         }
         contact {
             laws: [IMPACT_LAWS],

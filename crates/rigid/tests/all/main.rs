@@ -15,3 +15,7 @@ mod manifolds;
 mod planar;
 mod shapes;
 mod symmetries;
+mod tree;
+mod tree_bad_input;
+mod tree_loops;
+mod tree_motion;

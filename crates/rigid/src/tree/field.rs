@@ -1,0 +1,115 @@
+//! The motion of a tree as a first-order system, for the methods that choose their own steps.
+//!
+//! ```text
+//! y = (q, v),     q. = K(q) v,     v. = M^-1 (tau - C)
+//! ```
+//! `q` the coordinates, then `v` the speeds; `K` is 1 but for quaternions, `q. = 1/2 q w`. The field
+//! keeps their length, and accelerations do not depend on it, so that they need no projection: a run
+//! leaves the length to the method's tolerance, and reads the direction only. Where the motion has no
+//! finite acceleration the field is not a number, which every method refuses. Energy and momenta are
+//! kept to the tolerance, and drift over long times: [`TreeVariational`](super::TreeVariational) does
+//! not let them.
+
+use std::cell::RefCell;
+use std::fmt;
+
+use stationary_integrators::VectorField;
+
+use super::builder::Tree;
+use super::error::TreeError;
+use super::forces::TreeForces;
+use super::loops::TreeLoops;
+use super::motion::TreeMotion;
+
+/// What adds to the forces at a time and a motion: nothing.
+type Idle = fn(f64, &TreeMotion, &mut TreeForces);
+
+#[derive(Clone, Debug)]
+struct Room {
+    motion: TreeMotion,
+    forces: TreeForces,
+    loops: Option<TreeLoops>,
+}
+
+/// A tree under forces, as a field of its coordinates and speeds.
+pub struct TreeField<D = Idle> {
+    tree: Tree,
+    constant: TreeForces,
+    drive: Option<D>,
+    room: RefCell<Room>,
+}
+
+impl<D> fmt::Debug for TreeField<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TreeField").field("tree", &self.tree).finish_non_exhaustive()
+    }
+}
+
+impl TreeField {
+    /// A tree under constant forces, such as its weight.
+    ///
+    /// # Errors
+    /// Forces of another tree.
+    pub fn new(tree: Tree, forces: TreeForces) -> Result<Self, TreeError> {
+        Self::with(tree, forces, None)
+    }
+}
+
+impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
+    /// A tree under constant forces, to which `drive` adds others at each time (s) and motion:
+    /// motors, dampers, springs.
+    ///
+    /// # Errors
+    /// Forces of another tree.
+    pub fn driven(tree: Tree, forces: TreeForces, drive: D) -> Result<Self, TreeError> {
+        Self::with(tree, forces, Some(drive))
+    }
+
+    fn accelerate(&self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), TreeError> {
+        let (q, v) = y.split_at(self.tree.coordinates());
+        let (rates, accelerations) = f.split_at_mut(self.tree.coordinates());
+        let Room { motion, forces, loops } = &mut *self.room.borrow_mut();
+        motion.place(q, v)?;
+        self.tree.write_rates(q, v, rates);
+        if let Some(drive) = &self.drive {
+            forces.clone_from(&self.constant);
+            drive(t, motion, forces);
+        }
+        match loops {
+            None => motion.forward_dynamics(forces, accelerations),
+            Some(loops) => loops.forward_dynamics(motion, forces, accelerations),
+        }
+    }
+}
+
+impl<D> TreeField<D> {
+    fn with(tree: Tree, constant: TreeForces, drive: Option<D>) -> Result<Self, TreeError> {
+        constant.check(&tree)?;
+        let (motion, forces) = (TreeMotion::new(tree.clone()), constant.clone());
+        let room = RefCell::new(Room { motion, forces, loops: None });
+        Ok(TreeField { tree, constant, drive, room })
+    }
+
+    /// The same tree with its loops held closed, as far as accelerations do: see [`TreeLoops::close`].
+    pub fn closed(self, loops: TreeLoops) -> Self {
+        self.room.borrow_mut().loops = Some(loops);
+        self
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+}
+
+impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> VectorField for TreeField<D> {
+    fn dim(&self) -> usize {
+        self.tree.coordinates() + self.tree.speeds()
+    }
+
+    fn evaluate(&self, t: f64, y: &[f64], f: &mut [f64]) {
+        if self.accelerate(t, y, f).is_err() {
+            f.fill(f64::NAN);
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Forward dynamics: the articulated-body algorithm, freedom by freedom.
+//!
+//! ```text
+//! I  = own + sum of the children's I, shifted                        inward, configuration only
+//!      U = I s,  D = s^T U,   I <- I - U U^T / D                      each freedom s gives way
+//! b  = own + sum of the children's b + I c, shifted                   inward
+//!      u = tau - s^T b,       b <- b + U u / D
+//! A  = X A_p + c,   v. = (u - U^T A) / D,   A <- A + s v.            outward
+//! ```
+//! `I` the inertia of a branch whose joints give way, `b` the force that it takes to keep its root
+//! from accelerating, `c` the bias. A joint of several freedoms gives way by one after the other, so
+//! that no small matrix is ever factored: `D` are the pivots of the mass matrix, eliminated from the
+//! leaves. Time and memory in proportion to the bodies. Source: Featherstone 2008, 7; Rodriguez 1987.
+
+use nalgebra::Matrix3;
+
+use super::error::TreeError;
+use super::forces::TreeForces;
+use super::inertia::Inertia;
+use super::motion::{Placed, TreeMotion};
+use super::spatial::{SpatialForce, Twist};
+
+/// A pivot this small, against the inertia that it is left of, is rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+impl TreeMotion {
+    /// Writes the acceleration of each speed, m/s^2 or rad/s^2, under these forces.
+    ///
+    /// # Errors
+    /// [`TreeError::Singular`] where a joint moves bodies without mass in a way that moves no mass;
+    /// sizes that do not fit, numbers that are not finite.
+    pub fn forward_dynamics(
+        &mut self,
+        forces: &TreeForces,
+        acceleration: &mut [f64],
+    ) -> Result<(), TreeError> {
+        forces.check(&self.tree)?;
+        self.check_result("the acceleration", acceleration)?;
+        self.factor()?;
+        for (body, link) in self.tree.links.iter().enumerate() {
+            let placed = &self.placed[body];
+            let SpatialForce { force, torque } = forces.bodies[body];
+            let w = placed.twist.angular;
+            let gyroscopic = w.cross(&placed.moments_times(&link.moments, &w));
+            self.forces[body] = SpatialForce {
+                force: -(forces.gravity * link.mass + force),
+                torque: gyroscopic - torque,
+            };
+        }
+        self.solve(&forces.joints, |placed| placed.bias, acceleration);
+        self.tree.check_speeds("the acceleration", acceleration)
+    }
+
+    /// Writes the speeds with these momenta of the joints: the inverse of the mass matrix, applied.
+    ///
+    /// # Errors
+    /// Those of [`TreeMotion::forward_dynamics`].
+    pub fn speeds_of(&mut self, momenta: &[f64], speeds: &mut [f64]) -> Result<(), TreeError> {
+        self.tree.check_speeds("the momenta", momenta)?;
+        self.check_result("the speeds", speeds)?;
+        self.factor()?;
+        self.forces.fill(SpatialForce::zero());
+        self.solve(momenta, |_| Twist::zero(), speeds);
+        self.tree.check_speeds("the speeds", speeds)
+    }
+
+    pub(super) fn check_result(
+        &self,
+        what: &'static str,
+        numbers: &[f64],
+    ) -> Result<(), TreeError> {
+        Ok(stationary_calculus::SizeError::check(what, self.columns.len(), numbers.len())?)
+    }
+
+    /// Each body's own inertia.
+    pub(super) fn set_inertias(&mut self) {
+        for (body, link) in self.tree.links.iter().enumerate() {
+            let matrix = &self.placed[body].matrix;
+            let mut scaled: Matrix3<f64> = *matrix;
+            for (mut column, moment) in scaled.column_iter_mut().zip(&link.moments) {
+                column *= *moment;
+            }
+            self.inertias[body] = Inertia::of_body(link.mass, scaled * matrix.transpose());
+        }
+    }
+
+    /// The inertias of all branches, their freedoms given way.
+    pub(super) fn factor(&mut self) -> Result<(), TreeError> {
+        self.set_inertias();
+        for body in (0..self.placed.len()).rev() {
+            let link = &self.tree.links[body];
+            let mut inertia = self.inertias[body];
+            for k in link.speeds.clone().rev() {
+                let s = &self.columns[k];
+                let lever = inertia.times(s);
+                let pivot = lever.along(s);
+                if pivot.is_nan() || pivot <= ROUNDING * self.inertias[body].bound(s) {
+                    let freedom = k - link.speeds.start;
+                    let joining = self.tree.joining(body);
+                    return Err(TreeError::Singular { joining, freedom, inertia: pivot });
+                }
+                self.levers[k] = lever;
+                self.inverses[k] = 1.0 / pivot;
+                inertia.give_way(&lever, self.inverses[k]);
+            }
+            self.inertias[body] = inertia;
+            if let Some(parent) = link.parent {
+                let shifted = inertia.inward(&self.placed[body].offset());
+                self.inertias[parent].add(&shifted);
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves for the accelerations under the bodies' bias forces, which it sums, joint forces and
+    /// biases of acceleration.
+    pub(super) fn solve(
+        &mut self,
+        joint_forces: &[f64],
+        bias: impl Fn(&Placed) -> Twist,
+        acceleration: &mut [f64],
+    ) {
+        for body in (0..self.placed.len()).rev() {
+            let link = &self.tree.links[body];
+            let mut b = self.forces[body];
+            for k in link.speeds.clone().rev() {
+                self.rest[k] = joint_forces[k] - b.along(&self.columns[k]);
+                b += self.levers[k] * (self.rest[k] * self.inverses[k]);
+            }
+            if let Some(parent) = link.parent {
+                let placed = &self.placed[body];
+                b += self.inertias[body].times(&bias(placed));
+                self.forces[parent] += b.inward(&placed.offset());
+            }
+        }
+        for (body, link) in self.tree.links.iter().enumerate() {
+            let placed = &self.placed[body];
+            let mut a = match link.parent {
+                Some(parent) => self.accelerations[parent].outward(&placed.offset()),
+                None => Twist::zero(),
+            } + bias(placed);
+            for k in link.speeds.clone() {
+                acceleration[k] = (self.rest[k] - self.levers[k].along(&a)) * self.inverses[k];
+                a += self.columns[k] * acceleration[k];
+            }
+            self.accelerations[body] = a;
+        }
+    }
+}

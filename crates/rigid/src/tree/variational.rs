@@ -1,0 +1,388 @@
+//! The variational step of a tree: order 2, symplectic, every momentum that it has kept.
+//!
+//! ```text
+//! L(q, q') = sum 1/2 m |x' - x|^2 / h + 1/2 <theta, I theta> / h - h/2 (V(q) + V(q'))
+//! theta = log(R^T R')
+//! -D1 L(q, q') = p           solved for q' by Newton's method
+//!   D2 L(q, q') = p'
+//! P = (m (x' - x)/h, R T(-theta)^-T I theta/h)                            of a body, all along the step
+//! S^T X^T (P - h/2 m g) = p,      p' = S'^T X'^T (P + h/2 m g)          summed inward
+//! ```
+//! `x R` the pose of a body at coordinates `q`, `I` its moments and `m` its mass, `V` its weight under
+//! `g`, `T` the right Jacobian, `p` the momenta of the joints, `h` the step in seconds. It is the discrete
+//! Lagrangian of 9.5 with the potential shared by both ends, on the configurations that the joints
+//! allow: the same principle as RATTLE along [`FreeBodies`] of [`ConstantVelocity`] in full
+//! coordinates, and so the same motion to rounding, with no multiplier and no constraint to drift.
+//!
+//! Each Newton iteration is one pass inward and one outward: its matrix
+//! `d(-D1 L)/dq' = S^T X^T H X' S'` couples forces at the start of the step with motions at its end,
+//! and gives way freedom by freedom as an articulated inertia does (the file `bilinear`). The last
+//! correction is added to `P` itself, not only to the coordinates, where rounding would swallow it: so
+//! momenta are kept to their own rounding, not to that of places over `h`. The condition of the mass
+//! matrix multiplies that rounding.
+//!
+//! Forces are the weight of the bodies only. A body must turn by less than half a turn in a step, and
+//! the step must resolve the fastest mode: below `2 / omega`.
+//! Source: notes 5.5, 6.5, 9.5; Marsden and West 2001; Lee, Liu, Park and Srinivasa 2018, who solve
+//! the equations of the group SE(3) with an approximate matrix.
+//!
+//! [`FreeBodies`]: crate::FreeBodies
+//! [`ConstantVelocity`]: crate::ConstantVelocity
+
+use nalgebra::{Matrix3, Vector3};
+use stationary_calculus::{Covector, NewtonError, NewtonFailure, SizeError, first_non_finite};
+use stationary_integrators::{
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
+    State, StepError, StepReport, Symplecticity,
+};
+
+use super::bilinear::Bilinear;
+use super::builder::{Link, Tree};
+use super::error::{TreeError, check_numbers};
+use super::motion::{Placed, TreeMotion};
+use super::spatial::{SpatialForce, Twist};
+use crate::LieGroup;
+use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
+
+/// The variational step, bound to a tree under its weight.
+#[derive(Clone, Debug)]
+pub struct TreeVariational {
+    gravity: Vector3<f64>,
+    before: TreeMotion,
+    after: TreeMotion,
+    forms: Vec<Bilinear>,
+    /// `H s+` of each freedom, and `H^T s-`.
+    levers: Vec<[SpatialForce; 2]>,
+    inverses: Vec<f64>,
+    rest: Vec<f64>,
+    /// What each body carries along the step, half its weight's impulse less.
+    carried: Vec<SpatialForce>,
+    /// How its angular part changes with turns at the step's end.
+    slopes: Vec<Matrix3<f64>>,
+    /// The displacement of each body at the step's end.
+    moved: Vec<Twist>,
+    change: Vec<f64>,
+    speeds: Vec<f64>,
+    next: State<Vec<f64>>,
+}
+
+/// Most Newton iterations: steps that resolve their motion take three.
+const ITERATIONS: usize = 30;
+/// A correction this small against the tree: the next would be its square.
+const SMALL: f64 = 1e-10;
+/// A correction this small against the distance from the origin is rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// A turn in one step, radians, beyond which its logarithm may have taken the other way.
+const LONGEST_TURN: f64 = 3.1;
+/// How far the square of a quaternion's length may be from 1, as everywhere in the crate.
+const UNIT: f64 = 2e-9;
+
+/// The turn of a body in a step.
+struct Turn {
+    theta: Vector3<f64>,
+    /// `I theta`
+    u: Vector3<f64>,
+    c: f64,
+}
+
+impl Turn {
+    #[inline]
+    fn between(before: &Placed, after: &Placed, moments: &Vector3<f64>) -> Self {
+        let theta = before.rotation.direction_to(&after.rotation);
+        let c = inverse_coefficient(theta.norm_squared());
+        Turn { theta, u: moments.component_mul(&theta), c }
+    }
+
+    /// `T(-theta)^-T I theta`
+    #[inline]
+    fn momentum(&self) -> Vector3<f64> {
+        let once = self.theta.cross(&self.u);
+        self.u + once * 0.5 + self.theta.cross(&once) * self.c
+    }
+
+    /// The derivative of `T(-theta)^-T I theta` along turns of the body at the end.
+    #[inline]
+    fn slope(&self, moments: &Vector3<f64>) -> Matrix3<f64> {
+        let Turn { theta: x, u, c } = self;
+        let s = x.norm_squared();
+        // The slope of c with the squared angle, to 1e-5 of itself at a whole radian.
+        let change = (1.0 + s * (1.0 / 21.0 + s * (1.0 / 560.0 + s / 16_632.0))) / 720.0;
+        let inner = Matrix3::identity()
+            + x.cross_matrix() * 0.5
+            + (x * x.transpose() - Matrix3::from_diagonal_element(s)) * *c;
+        let outer = u.cross_matrix() * -0.5
+            + (x * u.transpose() + Matrix3::from_diagonal_element(x.dot(u))
+                - u * x.transpose() * 2.0)
+                * *c
+            + x.cross(&x.cross(u)) * x.transpose() * (2.0 * change);
+        (inner * Matrix3::from_diagonal(moments) + outer) * right_jacobian_inverse(x)
+    }
+}
+
+impl TreeVariational {
+    /// The step of a tree under an acceleration of gravity, m/s^2.
+    ///
+    /// # Errors
+    /// A gravity that is not finite.
+    pub fn new(tree: Tree, gravity: Vector3<f64>) -> Result<Self, TreeError> {
+        check_numbers("the gravity", 3, gravity.as_slice())?;
+        let (bodies, freedoms) = (tree.bodies(), tree.speeds());
+        let next = State::new(tree.rest(), Covector(vec![0.0; freedoms]));
+        let motion = TreeMotion::new(tree);
+        Ok(TreeVariational {
+            gravity,
+            after: motion.clone(),
+            before: motion,
+            forms: vec![Bilinear::zero(); bodies],
+            levers: vec![[SpatialForce::zero(); 2]; freedoms],
+            inverses: vec![0.0; freedoms],
+            rest: vec![0.0; freedoms],
+            carried: vec![SpatialForce::zero(); bodies],
+            slopes: vec![Matrix3::zeros(); bodies],
+            moved: vec![Twist::zero(); bodies],
+            change: vec![0.0; freedoms],
+            speeds: vec![0.0; freedoms],
+            next,
+        })
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Tree {
+        &self.before.tree
+    }
+
+    /// The state of the tree at these coordinates and speeds, at time zero.
+    ///
+    /// # Errors
+    /// Those of [`TreeMotion::place`].
+    pub fn state(&mut self, q: &[f64], v: &[f64]) -> Result<State<Vec<f64>>, TreeError> {
+        self.before.place(q, v)?;
+        let mut p = vec![0.0; v.len()];
+        self.before.momenta(&mut p)?;
+        Ok(State::new(q.to_vec(), Covector(p)))
+    }
+
+    /// The tree in the motion of a state.
+    ///
+    /// # Errors
+    /// Those of [`TreeMotion::place`] and [`TreeMotion::speeds_of`].
+    pub fn motion(&mut self, state: &State<Vec<f64>>) -> Result<&TreeMotion, TreeError> {
+        self.before.tree.check_coordinates(&state.q)?;
+        self.before.put(&state.q);
+        self.before.speeds_of(state.p.components(), &mut self.speeds)?;
+        self.before.set_moving(&state.q, &self.speeds);
+        Ok(&self.before)
+    }
+
+    /// The energy of a state, joules.
+    ///
+    /// # Errors
+    /// Those of [`TreeVariational::motion`].
+    pub fn energy(&mut self, state: &State<Vec<f64>>) -> Result<f64, TreeError> {
+        let gravity = self.gravity;
+        let motion = self.motion(state)?;
+        Ok(motion.kinetic_energy() + motion.potential_energy(&gravity))
+    }
+
+    fn check(&self, state: &State<Vec<f64>>, h: f64) -> Result<(), StepError> {
+        if !(h > 0.0 && h.is_finite()) {
+            return Err(StepError::Step(h));
+        }
+        let tree = self.tree();
+        SizeError::check("the configuration's numbers", tree.coordinates(), state.q.len())?;
+        SizeError::check("the momentum's components", tree.speeds(), state.p.components().len())?;
+        if !(state.t + h).is_finite() {
+            return Err(StepError::Time(state.t + h));
+        }
+        if let Some(freedom) = first_non_finite(&state.q) {
+            return Err(StepError::NonFiniteConfiguration { freedom });
+        }
+        if let Some(freedom) = first_non_finite(state.p.components()) {
+            return Err(StepError::NonFiniteMomentum { freedom });
+        }
+        for link in &tree.links {
+            let Some(first) = link.joint.quaternion() else { continue };
+            let number = link.coordinates.start + first;
+            let square = state.q[number..][..4].iter().map(|c| c * c).sum::<f64>();
+            if square.is_nan() || (square - 1.0).abs() > UNIT {
+                return Err(StepError::Configuration { number });
+            }
+        }
+        Ok(())
+    }
+
+    /// A first guess: speeds of the momentum half a step on.
+    fn guess(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(), StepError> {
+        let TreeVariational { before, next, change, speeds, gravity, .. } = self;
+        before.put(&state.q);
+        for (f, link) in before.forces.iter_mut().zip(&before.tree.links) {
+            *f = SpatialForce { force: *gravity * link.mass, torque: Vector3::zeros() };
+        }
+        before.gather(change);
+        let pushed = change.iter_mut().zip(state.p.components());
+        pushed.for_each(|(change, p)| *change = p + 0.5 * h * *change);
+        match before.speeds_of(change, speeds) {
+            Err(TreeError::Singular { .. }) => Err(StepError::SingularLegendreTransform),
+            Err(_) => Err(StepError::NonFiniteMomentum {
+                freedom: first_non_finite(change).unwrap_or_default(),
+            }),
+            Ok(()) => {
+                next.q.copy_from_slice(&state.q);
+                change.iter_mut().zip(speeds).for_each(|(change, v)| *change = h * *v);
+                before.tree.move_along(&mut next.q, change);
+                Ok(())
+            }
+        }
+    }
+
+    /// The momentum of every body at the start of the step, half its weight's impulse less, and its
+    /// derivative along displacements at the end; the longest turn.
+    fn set_equations(&mut self, h: f64) -> f64 {
+        let mut longest = 0.0_f64;
+        for (body, link) in self.before.tree.links.iter().enumerate() {
+            let (before, after) = (&self.before.placed[body], &self.after.placed[body]);
+            let Link { mass, moments, .. } = link;
+            let turn = Turn::between(before, after, moments);
+            longest = longest.max(turn.theta.norm_squared());
+            let step = (after.centre - before.centre) / h;
+            self.carried[body] = SpatialForce {
+                force: (step - self.gravity * (0.5 * h)) * *mass,
+                torque: before.matrix * (turn.momentum() / h),
+            };
+            let slope = before.matrix * (turn.slope(moments) / h) * after.matrix.transpose();
+            self.slopes[body] = slope;
+            let linear = Matrix3::from_diagonal_element(mass / h);
+            self.forms[body] = Bilinear { linear, angular: slope, ..Bilinear::zero() };
+        }
+        longest.sqrt()
+    }
+
+    /// The Newton step towards the momenta `p`, and its size, kg^1/2 m.
+    fn correct(&mut self, p: &[f64]) -> Result<f64, StepError> {
+        self.before.forces.copy_from_slice(&self.carried);
+        for (body, link) in self.before.tree.links.iter().enumerate().rev() {
+            let (mut form, mut f) = (self.forms[body], self.before.forces[body]);
+            for k in link.speeds.clone().rev() {
+                let (minus, plus) = (&self.before.columns[k], &self.after.columns[k]);
+                let levers = [form.times(plus), form.transposed_times(minus)];
+                let pivot = levers[0].along(minus);
+                if pivot.is_nan() || pivot <= 0.0 {
+                    return Err(StepError::SingularLegendreTransform);
+                }
+                let inverse = 1.0 / pivot;
+                (self.levers[k], self.inverses[k]) = (levers, inverse);
+                self.rest[k] = p[k] - f.along(minus);
+                form.give_way(&levers[0], &levers[1], inverse);
+                f += levers[0] * (self.rest[k] * inverse);
+            }
+            if let Some(parent) = link.parent {
+                let before = self.before.placed[body].offset();
+                let after = self.after.placed[body].offset();
+                self.forms[parent].add(&form.inward(&before, &after));
+                self.before.forces[parent] += f.inward(&before);
+            }
+        }
+        let mut size = 0.0;
+        for (body, link) in self.before.tree.links.iter().enumerate() {
+            let placed = &self.after.placed[body];
+            let mut moved = match link.parent {
+                Some(parent) => self.moved[parent].outward(&placed.offset()),
+                None => Twist::zero(),
+            };
+            for k in link.speeds.clone() {
+                let felt = self.levers[k][1].along(&moved);
+                self.change[k] = (self.rest[k] - felt) * self.inverses[k];
+                moved += self.after.columns[k] * self.change[k];
+            }
+            self.moved[body] = moved;
+            let turned = placed.matrix.tr_mul(&moved.angular);
+            size += link.mass * moved.linear.norm_squared()
+                + link.moments.component_mul(&turned).dot(&turned);
+        }
+        Ok(size.sqrt())
+    }
+
+    /// The correction that is small enough, kg^1/2 m.
+    fn tolerance(&self) -> f64 {
+        let (mut size, mut reach) = (0.0, 0.0);
+        for (link, placed) in self.before.tree.links.iter().zip(&self.before.placed) {
+            let arm = if link.parent.is_some() { placed.offset() } else { placed.arm };
+            size += link.mass * arm.norm_squared() + link.moments.sum();
+            reach += link.mass * placed.centre.norm_squared();
+        }
+        (SMALL * size.sqrt()).max(ROUNDING * reach.sqrt())
+    }
+
+    /// The momenta at the end of the step, of what the bodies carry after the last correction.
+    fn finish(&mut self, h: f64) {
+        for (body, link) in self.before.tree.links.iter().enumerate() {
+            let (carried, moved) = (&self.carried[body], &self.moved[body]);
+            let corrected = moved.linear / h + self.gravity * h;
+            self.after.forces[body] = SpatialForce {
+                force: carried.force + corrected * link.mass,
+                torque: carried.torque + self.slopes[body] * moved.angular,
+            };
+        }
+        self.after.gather(self.next.p.components_mut());
+    }
+}
+
+impl Integrator<Vec<f64>> for TreeVariational {
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "tree-variational",
+            order: 2,
+            stages: 1,
+            evaluation: Evaluation::Implicit,
+            symmetric: true,
+            symplecticity: Symplecticity::Symplectic,
+            energy: EnergyBehavior::Bounded,
+            linear_momentum: Conservation::Exact,
+            angular_momentum: Conservation::Exact,
+            stability: Stability::Below(2.0),
+            damping: Damping::Conditional,
+            error_growth: ErrorGrowth::Linear,
+        }
+    }
+
+    fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
+        self.check(state, h)?;
+        self.guess(state, h)?;
+        let tolerance = self.tolerance();
+        let mut history = [0.0; ITERATIONS];
+        for iteration in 0..ITERATIONS {
+            self.after.put(&self.next.q);
+            let turn = self.set_equations(h);
+            let size = self.correct(state.p.components())?;
+            history[iteration] = size;
+            if !size.is_finite() {
+                return Err(failed(NewtonFailure::NonFinite(0), &history[..=iteration]));
+            }
+            self.after.tree.move_along(&mut self.next.q, &self.change);
+            if size > tolerance {
+                continue;
+            }
+            if turn > LONGEST_TURN {
+                return Err(failed(NewtonFailure::NotConverged, &history[..=iteration]));
+            }
+            self.after.put(&self.next.q);
+            self.finish(h);
+            if let Some(freedom) = first_non_finite(&self.next.q) {
+                return Err(StepError::NonFiniteConfiguration { freedom });
+            }
+            if let Some(freedom) = first_non_finite(self.next.p.components()) {
+                return Err(StepError::NonFiniteMomentum { freedom });
+            }
+            self.next.t = state.t + h;
+            std::mem::swap(state, &mut self.next);
+            let hessians = iteration as u32 + 1;
+            return Ok(StepReport { hessians, residual: size, ..StepReport::default() });
+        }
+        Err(failed(NewtonFailure::NotConverged, &history))
+    }
+}
+
+#[cold]
+fn failed(failure: NewtonFailure, history: &[f64]) -> StepError {
+    NewtonError { failure, history: history.to_vec() }.into()
+}

@@ -1,0 +1,167 @@
+//! Loops of a tree: a four-bar linkage of three hinged bars, closed by two rows.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Vector2, Vector3};
+use stationary_integrators::{AdaptiveMethod, DormandPrince853, Moment, Tolerance};
+use stationary_rigid::tree::{
+    LoopEnd, Tree, TreeBuilder, TreeError, TreeField, TreeForces, TreeJoint, TreeLoops, TreeMotion,
+};
+use stationary_rigid::{Body, FourBar, LieGroup, RigidMotion, Rotation};
+
+const LINKAGE: FourBar =
+    FourBar { lengths: [0.2, 0.5, 0.4, 0.5], density: 2.0, gravity: Vector2::new(0.0, -9.81) };
+const RATE: f64 = 12.0;
+
+fn at(x: f64) -> RigidMotion {
+    RigidMotion { translation: Vector3::x() * x, rotation: Rotation::identity() }
+}
+
+/// Crank, coupler and follower, opened where the last two meet.
+fn linkage() -> (Tree, TreeLoops) {
+    let [a, b, c, d] = LINKAGE.lengths;
+    let (masses, moments) = (LINKAGE.masses(), LINKAGE.moments());
+    let bar = |k: usize| Body::new(masses[k], [0.01 * moments[k], moments[k], moments[k]]).unwrap();
+    let hinge = TreeJoint::Hinge { axis: Vector3::z() };
+    let mut builder = TreeBuilder::default();
+    let crank = builder.hang(None, hinge, [at(0.0), at(-a / 2.0)], bar(0));
+    let coupler = builder.hang(Some(crank), hinge, [at(a / 2.0), at(-b / 2.0)], bar(1));
+    let follower = builder.hang(None, hinge, [at(d), at(-c / 2.0)], bar(2));
+    let tree = builder.build().unwrap();
+    let mut loops = TreeLoops::new(&tree);
+    let end =
+        |body, length: f64| LoopEnd { body: Some(body), point: Vector3::x() * (length / 2.0) };
+    loops.join(&tree, [end(coupler, b), end(follower, c)], &[Vector3::x(), Vector3::y()]).unwrap();
+    (tree, loops)
+}
+
+/// Its coordinates and speeds at the crank's angle zero.
+fn start() -> ([f64; 3], [f64; 3]) {
+    let [u, v, w] = LINKAGE.angles(0.0);
+    let slope = LINKAGE.slope(0.0);
+    let (v_rate, w_rate) = (slope[5] * RATE, slope[8] * RATE);
+    ([u, v - u, w], [RATE, v_rate - RATE, w_rate])
+}
+
+fn run(tolerance: f64, time: f64, mut see: impl FnMut(&mut Moment<Vec<f64>>) -> bool) -> Vec<f64> {
+    let (tree, loops) = linkage();
+    let weight = TreeForces::weight(&tree, Vector3::y() * -9.81).unwrap();
+    let field = TreeField::new(tree, weight).unwrap().closed(loops);
+    let (q, v) = start();
+    let tolerance = Tolerance::new(tolerance, tolerance).unwrap();
+    let begin = Moment::new(0.0, [q, v].concat());
+    let mut method = DormandPrince853::new(field, tolerance.into(), begin).unwrap();
+    while method.moment().t < time {
+        method.step(time).unwrap();
+        let mut moment = method.moment().clone();
+        if see(&mut moment) {
+            method.restart(&moment).unwrap();
+        }
+    }
+    method.moment().y.clone()
+}
+
+#[test]
+fn a_four_bar_as_a_tree_closed_by_two_rows_takes_the_time_of_a_revolution_that_energy_gives() {
+    let time = LINKAGE.revolution(0.0, RATE);
+    let end = run(1e-12, time, |_| false);
+    let ((q, v), turned) = (start(), [TAU, -TAU, 0.0]);
+    for k in 0..3 {
+        assert!((end[k] - q[k] - turned[k]).abs() < 1e-8, "{k}: {end:?}");
+        assert!((end[3 + k] - v[k]).abs() < 1e-6, "{k}: {end:?}");
+    }
+}
+
+#[test]
+fn loops_drift_by_the_tolerance_unless_they_are_closed_again_and_are_then_closed_to_rounding() {
+    let (tree, mut loops) = linkage();
+    let mut motion = TreeMotion::new(tree);
+    let look = loops.clone();
+    let mut worst = 0.0_f64;
+    let mut watched = motion.clone();
+    let time = 20.0 * LINKAGE.revolution(0.0, RATE);
+    run(1e-6, time, |moment| {
+        watched.place(&moment.y[..3], &moment.y[3..]).unwrap();
+        worst = worst.max(look.violation(&watched).unwrap()[0]);
+        false
+    });
+    let mut closed = 0.0_f64;
+    let end = run(1e-6, time, |moment| {
+        let (q, v) = moment.y.split_at_mut(3);
+        loops.close(&mut motion, q, v).unwrap();
+        let [gap, speed] = loops.violation(&motion).unwrap();
+        closed = closed.max(gap).max(speed);
+        true
+    });
+    assert!(worst > 1e-6 && closed < 2e-13, "{worst:e} {closed:e}");
+    // With the loops closed the energy is that of the start, to the tolerance.
+    let gravity = Vector3::y() * -9.81;
+    let mut energy = |q: &[f64], v: &[f64]| {
+        motion.place(q, v).unwrap();
+        motion.kinetic_energy() + motion.potential_energy(&gravity)
+    };
+    let ((q, v), after) = (start(), energy(&end[..3], &end[3..]));
+    let before = energy(&q, &v);
+    assert!((after / before - 1.0).abs() < 1e-3, "{before} {after}");
+}
+
+#[test]
+fn the_multipliers_are_the_forces_that_hold_the_loop() {
+    let (tree, mut loops) = linkage();
+    let (q, v) = start();
+    let weight = TreeForces::weight(&tree, Vector3::y() * -9.81).unwrap();
+    let mut motion = TreeMotion::new(tree);
+    motion.place(&q, &v).unwrap();
+    let mut held = [0.0; 3];
+    loops.forward_dynamics(&mut motion, &weight, &mut held).unwrap();
+    // The same forces, given to the open tree.
+    let [x, y] = [loops.multipliers()[0], loops.multipliers()[1]];
+    let force = Vector3::new(x, y, 0.0);
+    let mut forces = weight.clone();
+    let tip = |length: f64| Vector3::x() * (length / 2.0);
+    forces.add_force(&motion, 1, &tip(LINKAGE.lengths[1]), force).unwrap();
+    forces.add_force(&motion, 2, &tip(LINKAGE.lengths[2]), -force).unwrap();
+    let mut open = [0.0; 3];
+    motion.forward_dynamics(&forces, &mut open).unwrap();
+    let largest = held.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
+    assert!((0..3).all(|k| (held[k] - open[k]).abs() < 1e-12 * largest), "{held:?} {open:?}");
+}
+
+#[test]
+fn rows_that_hold_the_same_and_loops_that_cannot_close_are_refused() {
+    let (tree, mut loops) = linkage();
+    let (mut q, mut v) = start();
+    let mut motion = TreeMotion::new(tree.clone());
+    // Out of the plane the hinges hold already.
+    let ends = [1, 2].map(|body| LoopEnd { body: Some(body), point: Vector3::zeros() });
+    let mut redundant = loops.clone();
+    redundant.join(&tree, ends, &[Vector3::z()]).unwrap();
+    let error = redundant.close(&mut motion, &mut q, &mut v).unwrap_err();
+    assert!(matches!(error, TreeError::DependentLoops { rows: 3 }), "{error}");
+    let weight = TreeForces::weight(&tree, Vector3::y()).unwrap();
+    motion.place(&q, &v).unwrap();
+    let error = redundant.forward_dynamics(&mut motion, &weight, &mut [0.0; 3]).unwrap_err();
+    assert!(matches!(error, TreeError::DependentLoops { rows: 3 }), "{error}");
+    // A point out of reach.
+    let far = LoopEnd { body: None, point: Vector3::x() * 10.0 };
+    let tip = LoopEnd { body: Some(0), point: Vector3::zeros() };
+    loops.join(&tree, [tip, far], &[Vector3::x()]).unwrap();
+    assert!(loops.close(&mut motion, &mut q, &mut v).is_err());
+    let absent = LoopEnd { body: Some(9), point: Vector3::zeros() };
+    assert!(matches!(loops.join(&tree, [tip, absent], &[]), Err(TreeError::NoSuchBody { .. })));
+}
+
+#[test]
+fn a_loop_s_dynamics_allocate_nothing() {
+    let (tree, mut loops) = linkage();
+    let (mut q, mut v) = start();
+    let weight = TreeForces::weight(&tree, Vector3::y() * -9.81).unwrap();
+    let mut motion = TreeMotion::new(tree);
+    motion.place(&q, &v).unwrap();
+    let mut held = [0.0; 3];
+    let count = allocation_counter::measure(|| {
+        loops.forward_dynamics(&mut motion, &weight, &mut held).unwrap();
+        loops.close(&mut motion, &mut q, &mut v).unwrap();
+    });
+    assert_eq!(count.count_total, 0);
+}

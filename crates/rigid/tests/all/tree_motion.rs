@@ -1,0 +1,503 @@
+//! Trees in motion: against closed forms, against the same bodies held by RATTLE in full coordinates,
+//! and what their motion keeps.
+
+use std::ops::ControlFlow;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use stationary_constraints::{ConstrainedIntegrator, Few, Rattle, Redundancy};
+use stationary_integrators::problems::pendulum;
+use stationary_integrators::{
+    AdaptiveMethod, BackwardDifferences, DormandPrince853, Integrator, Moment, RadauIia5, State,
+    Tolerance, VectorField, integrate,
+};
+use stationary_measure::{SplitMix64, loglog_slope};
+use stationary_rigid::problems::thrown_boxes;
+use stationary_rigid::tree::{
+    Tree, TreeBuilder, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
+};
+use stationary_rigid::{
+    Attachment, Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, FreeTop, Joint,
+    LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
+};
+
+use crate::tree::{Shape, somewhere, tree};
+
+const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
+fn at(translation: Vector3<f64>) -> RigidMotion {
+    RigidMotion { translation, rotation: Rotation::identity() }
+}
+
+/// The end of a motion under weight from coordinates and speeds, by the adaptive method.
+fn end(
+    tree: &Tree,
+    gravity: Vector3<f64>,
+    q: &[f64],
+    v: &[f64],
+    time: f64,
+    relative: f64,
+) -> Vec<f64> {
+    let weight = TreeForces::weight(tree, gravity).unwrap();
+    let field = TreeField::new(tree.clone(), weight).unwrap();
+    let start = Moment::new(0.0, [q, v].concat());
+    let tolerance = Tolerance::new(relative, relative).unwrap();
+    let mut method = DormandPrince853::new(field, tolerance.into(), start).unwrap();
+    integrate(&mut method, time, |_| ControlFlow::Continue(())).unwrap();
+    method.moment().y.clone()
+}
+
+/// The state after equal steps.
+fn stepped(
+    method: &mut TreeVariational,
+    start: &State<Vec<f64>>,
+    time: f64,
+    steps: u32,
+) -> State<Vec<f64>> {
+    let mut state = start.clone();
+    for _ in 0..steps {
+        method.step(&mut state, time / f64::from(steps)).unwrap();
+    }
+    state
+}
+
+fn order(errors: impl Fn(u32) -> f64, steps: &[u32]) -> f64 {
+    let points: Vec<_> = steps.iter().map(|&n| (1.0 / f64::from(n), errors(n))).collect();
+    loglog_slope(&points).unwrap()
+}
+
+/// A bar of 2 kg hung by its upper end.
+fn bar() -> (Tree, f64) {
+    let half = 0.4;
+    let body = Body::solid_box(2.0, [0.03, 0.05, half]).unwrap();
+    let mut builder = TreeBuilder::default();
+    let joint = TreeJoint::Hinge { axis: -Vector3::y() };
+    builder.hang(None, joint, [RigidMotion::identity(), at(Vector3::z() * half)], body);
+    let inertia = body.moments().y + 2.0 * half * half;
+    (builder.build().unwrap(), (2.0 * 9.81 * half / inertia).sqrt())
+}
+
+#[test]
+fn a_bar_on_a_hinge_swings_as_the_pendulum_in_closed_form() {
+    let (tree, rate) = bar();
+    let problem = pendulum(2.5).unwrap();
+    let exact = |time: f64| (problem.solution)(rate * time).unwrap()[0];
+    let off = (end(&tree, GRAVITY, &[2.5], &[0.0], 5.0, 1e-12)[0] - exact(5.0)).abs();
+    assert!(off < 1e-9, "{off:e}");
+    let mut method = TreeVariational::new(tree, GRAVITY).unwrap();
+    let start = method.state(&[2.5], &[0.0]).unwrap();
+    // The largest error along the way.
+    let error = |steps: u32| {
+        let (mut method, mut state, mut worst) = (method.clone(), start.clone(), 0.0_f64);
+        for step in 1..=steps {
+            method.step(&mut state, 5.0 / f64::from(steps)).unwrap();
+            worst = worst.max((state.q[0] - exact(5.0 * f64::from(step) / f64::from(steps))).abs());
+        }
+        worst
+    };
+    let order = order(error, &[1_000, 2_000, 4_000]);
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+}
+
+#[test]
+fn a_free_body_turns_as_the_free_top_in_closed_form_and_flies_straight() {
+    let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
+    let (w, velocity) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 2.0));
+    let mut builder = TreeBuilder::default();
+    builder.hang(None, TreeJoint::Free, [RigidMotion::identity(); 2], body);
+    let tree = builder.build().unwrap();
+    let (q, v) = (tree.rest(), [velocity.as_slice(), w.as_slice()].concat());
+    let top = FreeTop::new(body, Rotation::identity(), w).unwrap();
+    let none = Vector3::zeros();
+    let off = |q: &[f64]| {
+        let motion = Poses::pose_at(q, 0);
+        let turned = motion.rotation.normalized().direction_to(&top.orientation(4.0).unwrap());
+        turned.norm().max((motion.translation - velocity * 4.0).norm())
+    };
+    let adaptive = off(&end(&tree, none, &q, &v, 4.0, 1e-12));
+    assert!(adaptive < 1e-10, "{adaptive:e}");
+    let mut method = TreeVariational::new(tree, none).unwrap();
+    let start = method.state(&q, &v).unwrap();
+    let order = order(
+        |steps| off(&stepped(&mut method.clone(), &start, 4.0, steps).q),
+        &[500, 1_000, 2_000],
+    );
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+}
+
+/// Boxes in a row, each hung by its top from the foot of the one before it: as a tree, and as bodies
+/// with joints.
+struct Both<J> {
+    tree: Tree,
+    bodies: Vec<Body>,
+    joints: J,
+}
+
+const HALF: f64 = 0.25;
+
+fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
+    let bodies: Vec<Body> = (0..n)
+        .map(|k| Body::solid_box(1.0 + 0.3 * k as f64, [0.05, 0.08, HALF]).unwrap())
+        .collect();
+    let joint = axis.map_or(TreeJoint::Ball, |axis| TreeJoint::Hinge { axis });
+    let (top, foot) = (Vector3::z() * HALF, -Vector3::z() * HALF);
+    let mut builder = TreeBuilder::default();
+    let mut joints = Vec::new();
+    for (k, body) in bodies.iter().enumerate() {
+        let parent = k.checked_sub(1);
+        let before = if k == 0 { Vector3::zeros() } else { foot };
+        builder.hang(parent, joint, [at(before), at(top)], *body);
+        let up = parent.map_or(Attachment::World(before), |p| Attachment::Body(p, before));
+        let ends = [up, Attachment::Body(k, top)];
+        joints.push(match axis {
+            None => Joint::ball(Poses, n, ends).unwrap(),
+            Some(axis) => Joint::hinge(Poses, n, ends, [axis; 2]).unwrap(),
+        });
+    }
+    Both { tree: builder.build().unwrap(), bodies, joints }
+}
+
+/// Runs the bodies by RATTLE from the tree's motion, and returns their poses.
+fn by_rattle<const M: usize>(
+    both: &Both<Vec<Joint<Poses>>>,
+    (q, v): (&[f64], &[f64]),
+    time: f64,
+    steps: u32,
+) -> Vec<RigidMotion> {
+    let mut motion = TreeMotion::new(both.tree.clone());
+    motion.place(q, v).unwrap();
+    let n = both.bodies.len();
+    let motions: Vec<_> = (0..n).map(|body| motion.body(body).unwrap()).collect();
+    let metric = BodyMetric::<Poses>::new(both.bodies.clone());
+    let mut state = metric.state(&motions).unwrap();
+    let load = |body: &Body| PointMass { mass: body.mass(), point: Vector3::zeros() };
+    let masses = both.bodies.iter().map(load).collect();
+    let system = metric.under(Weight { gravity: GRAVITY, masses, space: Poses }).unwrap();
+    let free = FreeBodies(ConstantVelocity);
+    let few = Few::<M>(Redundancy::Refuse);
+    let mut rattle = Rattle::along(free, &system, &both.joints, &state, few).unwrap();
+    for _ in 0..steps {
+        rattle.step(&mut state, time / f64::from(steps)).unwrap();
+    }
+    (0..n).map(|body| Poses::pose_at(&state.q, body)).collect()
+}
+
+fn apart(a: &[RigidMotion], b: &[RigidMotion]) -> f64 {
+    let one = |(a, b): (&RigidMotion, &RigidMotion)| {
+        (a.translation - b.translation).norm().max(a.rotation.direction_to(&b.rotation).norm())
+    };
+    a.iter().zip(b).map(one).fold(0.0, f64::max)
+}
+
+fn poses(tree: &Tree, q: &[f64]) -> Vec<RigidMotion> {
+    let mut motion = TreeMotion::new(tree.clone());
+    motion.place(q, &vec![0.0; tree.speeds()]).unwrap();
+    (0..tree.bodies()).map(|body| motion.pose(body).unwrap()).collect()
+}
+
+fn compare<const M: usize>(both: &Both<Vec<Joint<Poses>>>, q: &[f64], v: &[f64]) {
+    let time = 1.0;
+    // The same discrete principle: the same motion to rounding, at any step.
+    let mut method = TreeVariational::new(both.tree.clone(), GRAVITY).unwrap();
+    let start = method.state(q, v).unwrap();
+    let reduced = stepped(&mut method, &start, time, 100);
+    let full = by_rattle::<M>(both, (q, v), time, 100);
+    let off = apart(&full, &poses(&both.tree, &reduced.q));
+    assert!(off < 1e-10, "{off:e}");
+    // Both against the adaptive method, in the limit of small steps.
+    let exact = end(&both.tree, GRAVITY, q, v, time, 1e-13);
+    let exact = poses(&both.tree, &exact[..q.len()]);
+    let order =
+        order(|steps| apart(&by_rattle::<M>(both, (q, v), time, steps), &exact), &[400, 800, 1600]);
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+}
+
+#[test]
+fn a_chain_of_hinges_moves_as_rattle_moves_its_bodies_to_rounding_and_both_converge_with_order_two()
+{
+    let both = row(4, Some(Vector3::new(0.0, 1.0, 0.2)));
+    compare::<20>(&both, &[0.9, -0.4, 0.5, 0.2], &[1.0, -2.0, 0.5, 1.0]);
+}
+
+#[test]
+fn a_ball_jointed_double_pendulum_moves_as_rattle_moves_it_to_rounding_and_both_converge_with_order_two()
+ {
+    let both = row(2, None);
+    let mut q = both.tree.rest();
+    both.tree.advance(&mut q, &[0.4, 0.9, -0.3, -0.5, 0.2, 0.6]).unwrap();
+    compare::<6>(&both, &q, &[1.0, -0.5, 3.0, 2.0, 1.0, -4.0]);
+}
+
+/// The three boxes of [`thrown_boxes`] as a free tree, with their coordinates and speeds.
+fn boxes() -> (Tree, Vec<f64>, Vec<f64>) {
+    let problem = thrown_boxes().unwrap();
+    let bodies = problem.system.metric().bodies();
+    let widths = [0.1, 0.2, 0.15];
+    let mut builder = TreeBuilder::default();
+    builder.hang(None, TreeJoint::Free, [RigidMotion::identity(); 2], bodies[0]);
+    let joints = [TreeJoint::Ball, TreeJoint::Hinge { axis: Vector3::y() }];
+    for (k, joint) in joints.into_iter().enumerate() {
+        let frames = [at(Vector3::x() * widths[k]), at(-Vector3::x() * widths[k + 1])];
+        builder.hang(Some(k), joint, frames, bodies[k + 1]);
+    }
+    let tree = builder.build().unwrap();
+    let velocity = |k: usize| problem.initial.p.0[k] / bodies[0].mass();
+    let v = vec![velocity(0), velocity(1), velocity(2), 1.0, 2.0, 3.0, -3.0, -1.0, -2.5, 3.0];
+    let mut q = tree.rest();
+    q[..3].copy_from_slice(&problem.initial.q[..3]);
+    (tree, q, v)
+}
+
+#[test]
+fn a_free_tree_keeps_its_momenta_over_100_000_steps_and_its_energy_has_no_trend() {
+    let (tree, q, v) = boxes();
+    let mut method = TreeVariational::new(tree, Vector3::zeros()).unwrap();
+    let mut state = method.state(&q, &v).unwrap();
+    let energy = method.energy(&state).unwrap();
+    let problem = thrown_boxes().unwrap();
+    assert!((energy / problem.energy(&problem.initial) - 1.0).abs() < 1e-14);
+    let mut see = method.clone();
+    let mut momenta = |state: &State<Vec<f64>>| {
+        let motion = see.motion(state).unwrap();
+        (motion.linear_momentum(), motion.angular_momentum())
+    };
+    let start = momenta(&state);
+    let mut worst = [0.0_f64; 2];
+    for step in 0..100_000 {
+        method.step(&mut state, 2e-3).unwrap();
+        if step % 50 == 0 {
+            let (linear, angular) = momenta(&state);
+            assert!((linear - start.0).norm() < 1e-12 && (angular - start.1).norm() < 1e-12);
+            let off = (method.energy(&state).unwrap() / energy - 1.0).abs();
+            let half = usize::from(step >= 50_000);
+            worst[half] = worst[half].max(off);
+        }
+    }
+    assert!(worst[0] < 1e-3 && worst[1] < 2.0 * worst[0], "{worst:?}");
+}
+
+#[test]
+fn under_weight_the_momentum_about_the_vertical_is_kept_and_the_largest_energy_error_falls_with_h_squared()
+ {
+    let both = row(3, None);
+    let mut q = both.tree.rest();
+    both.tree.advance(&mut q, &[0.4, 0.9, -0.3, -0.5, 0.2, 0.6, 0.1, 0.3, 0.2]).unwrap();
+    let v = [1.0, -0.5, 3.0, 2.0, 1.0, -4.0, 0.0, 1.0, 0.5];
+    let method = TreeVariational::new(both.tree.clone(), GRAVITY).unwrap();
+    let error = |steps: u32| {
+        let mut method = method.clone();
+        let mut state = method.state(&q, &v).unwrap();
+        let energy = method.energy(&state).unwrap();
+        let about = method.motion(&state).unwrap().angular_momentum().z;
+        let mut worst = 0.0_f64;
+        for _ in 0..steps {
+            method.step(&mut state, 2.0 / f64::from(steps)).unwrap();
+            worst = worst.max((method.energy(&state).unwrap() - energy).abs());
+            let now = method.motion(&state).unwrap().angular_momentum().z;
+            assert!((now - about).abs() < 1e-12, "{:e}", now - about);
+        }
+        worst
+    };
+    let order = order(error, &[1_000, 2_000, 4_000]);
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+}
+
+#[test]
+fn the_variational_step_returns_when_momenta_are_reversed() {
+    let (tree, q, v) = boxes();
+    let mut method = TreeVariational::new(tree, GRAVITY).unwrap();
+    let start = method.state(&q, &v).unwrap();
+    let mut state = start.clone();
+    for _ in 0..2 {
+        for _ in 0..50 {
+            method.step(&mut state, 0.01).unwrap();
+        }
+        state.p.0.iter_mut().for_each(|p| *p = -*p);
+    }
+    let off = state.q.iter().zip(&start.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-11, "{off:e}");
+}
+
+#[test]
+fn energy_is_kept_by_the_adaptive_method_on_random_trees() {
+    for seed in 0..40 {
+        let mut random = SplitMix64::new(1_000 + seed);
+        let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
+        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let tree = tree(&mut random, 1 + seed as usize % 8, shape, root);
+        let (q, v) = somewhere(&mut random, &tree);
+        let end = end(&tree, GRAVITY, &q, &v, 0.2, 1e-11);
+        let mut motion = TreeMotion::new(tree.clone());
+        let mut parts = |q: &[f64], v: &[f64]| {
+            motion.place(q, v).unwrap();
+            [motion.kinetic_energy(), motion.potential_energy(&GRAVITY)]
+        };
+        let (before, after) = (parts(&q, &v), parts(&end[..q.len()], &end[q.len()..]));
+        let off = (after[0] + after[1] - before[0] - before[1]).abs();
+        let scale = before[0] + after[0] + (after[1] - before[1]).abs();
+        assert!(off < 1e-8 * scale, "seed {seed}: {:e}", off / scale);
+    }
+}
+
+#[test]
+fn a_driven_field_loses_what_its_dampers_take() {
+    let (tree, rate) = bar();
+    // Small swings with a torque -c v die out as exp(-c t/2 I).
+    let damping = 0.05;
+    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
+    let mut momentum = [0.0];
+    let mut motion = TreeMotion::new(tree.clone());
+    motion.place(&[0.0], &[1.0]).unwrap();
+    motion.momenta(&mut momentum).unwrap();
+    let decay = 0.5 * damping / momentum[0];
+    let field =
+        TreeField::driven(tree, weight, |_t, motion: &TreeMotion, forces: &mut TreeForces| {
+            let turning = motion.body(0).map_or(f64::NAN, |body| -body.angular_velocity.y);
+            forces.joints_mut()[0] -= damping * turning;
+        })
+        .unwrap();
+    let tolerance = Tolerance::new(1e-11, 1e-15).unwrap();
+    let start = Moment::new(0.0, vec![1e-4, 0.0]);
+    let mut method = DormandPrince853::new(field, tolerance.into(), start).unwrap();
+    integrate(&mut method, 3.0, |_| ControlFlow::Continue(())).unwrap();
+    let fast = (rate * rate - decay * decay).sqrt();
+    let (sine, cosine) = (fast * 3.0).sin_cos();
+    let expected = 1e-4 * (-decay * 3.0).exp() * (cosine + decay / fast * sine);
+    assert!((method.moment().y[0] - expected).abs() < 1e-11, "{}", method.moment().y[0] - expected);
+}
+
+#[test]
+fn every_adaptive_method_runs_a_tree_to_the_same_end() {
+    let both = row(2, Some(Vector3::y()));
+    let (q, v) = ([0.9, -0.4], [1.0, -2.0]);
+    let exact = end(&both.tree, GRAVITY, &q, &v, 1.0, 1e-12);
+    let weight = TreeForces::weight(&both.tree, GRAVITY).unwrap();
+    let field = TreeField::new(both.tree.clone(), weight).unwrap();
+    let start = || Moment::new(0.0, [q, v].concat());
+    let control = || Tolerance::new(1e-9, 1e-9).unwrap().into();
+    let mut radau = RadauIia5::new(&field, control(), start()).unwrap();
+    let mut backward = BackwardDifferences::new(&field, control(), start()).unwrap();
+    integrate(&mut radau, 1.0, |_| ControlFlow::Continue(())).unwrap();
+    integrate(&mut backward, 1.0, |_| ControlFlow::Continue(())).unwrap();
+    for y in [&radau.moment().y, &backward.moment().y] {
+        let off = y.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-5, "{off:e}");
+    }
+}
+
+#[test]
+fn accelerations_do_not_depend_on_the_length_of_quaternions() {
+    let mut random = SplitMix64::new(5);
+    let tree = tree(&mut random, 6, Shape::Chain, TreeJoint::Free);
+    let (q, v) = somewhere(&mut random, &tree);
+    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
+    let field = TreeField::new(tree.clone(), weight).unwrap();
+    let n = q.len();
+    let mut stretched = q.clone();
+    for body in 0..tree.bodies() {
+        let range = tree.coordinates_of(body).unwrap();
+        if matches!(tree.joint(body).unwrap().0, TreeJoint::Ball | TreeJoint::Free) {
+            stretched[range.end - 4..range.end].iter_mut().for_each(|c| *c *= 3.0);
+        }
+    }
+    let rates = |q: &[f64]| {
+        let mut f = vec![0.0; field.dim()];
+        field.evaluate(0.0, &[q, &v].concat(), &mut f);
+        f
+    };
+    let (unit, long) = (rates(&q), rates(&stretched));
+    let scale = unit[n..].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(unit[n..].iter().zip(&long[n..]).all(|(a, b)| (a - b).abs() < 1e-12 * scale));
+}
+
+#[test]
+fn a_step_and_an_evaluation_of_a_tree_allocate_nothing() {
+    let (tree, q, v) = boxes();
+    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
+    let field = TreeField::new(tree.clone(), weight).unwrap();
+    let (y, mut f) = ([&q[..], &v].concat(), vec![0.0; field.dim()]);
+    let mut method = TreeVariational::new(tree, GRAVITY).unwrap();
+    let mut state = method.state(&q, &v).unwrap();
+    let count = allocation_counter::measure(|| {
+        field.evaluate(0.0, &y, &mut f);
+        (0..10).for_each(|_| _ = method.step(&mut state, 1e-3).unwrap());
+    });
+    assert_eq!(count.count_total, 0);
+}
+
+/// The condition number of the mass matrix: what a momentum's rounding becomes in the speeds.
+fn condition(tree: &Tree, q: &[f64]) -> f64 {
+    let n = tree.speeds();
+    let (mut motion, mut matrix) = (TreeMotion::new(tree.clone()), vec![0.0; n * n]);
+    motion.place(q, &vec![0.0; n]).unwrap();
+    motion.mass_matrix(&mut matrix).unwrap();
+    let eigenvalues = DMatrix::from_vec(n, n, matrix).symmetric_eigenvalues();
+    eigenvalues.max() / eigenvalues.min()
+}
+
+#[test]
+fn the_variational_step_moves_every_kind_of_joint_with_order_two_down_to_the_rounding_of_its_momenta()
+ {
+    for seed in 0..12 {
+        let mut random = SplitMix64::new(2_000 + seed);
+        let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
+        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let tree = tree(&mut random, 6, shape, root);
+        let (q, v) = somewhere(&mut random, &tree);
+        let exact = end(&tree, GRAVITY, &q, &v, 0.1, 1e-13);
+        let exact = poses(&tree, &exact[..q.len()]);
+        let mut method = TreeVariational::new(tree.clone(), GRAVITY).unwrap();
+        let start = method.state(&q, &v).unwrap();
+        let error = |steps: u32| {
+            let state = stepped(&mut method.clone(), &start, 0.1, steps);
+            apart(&poses(&tree, &state.q), &exact)
+        };
+        let order = order(error, &[100, 200, 400]);
+        let rounding = f64::EPSILON * condition(&tree, &q);
+        assert!((order - 2.0).abs() < 0.1 || error(400) < rounding, "seed {seed}: {order}");
+    }
+}
+
+#[test]
+fn the_variational_step_preserves_the_symplectic_form() {
+    let mut builder = TreeBuilder::default();
+    let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
+    let axes = [Vector3::x(), Vector3::new(0.0, 1.0, 0.4)];
+    let frames = [at(Vector3::new(0.1, 0.3, -0.4)), at(Vector3::new(0.2, -0.1, 0.3))];
+    builder.hang(None, TreeJoint::Universal { axes }, frames, body);
+    builder.hang(Some(0), TreeJoint::Cylinder { axis: axes[1] }, frames, body);
+    let mut method = TreeVariational::new(builder.build().unwrap(), GRAVITY).unwrap();
+    let state = method.state(&[0.3, -0.8, 0.1, 0.5], &[2.0, -1.0, 0.5, 3.0]).unwrap();
+    let mut moved = |k: usize, by: f64| {
+        let mut state = state.clone();
+        let (q, p) = (&mut state.q, &mut state.p.0);
+        *q.iter_mut().chain(p).nth(k).unwrap() += by;
+        method.step(&mut state, 0.05).unwrap();
+        DVector::from_iterator(8, state.q.into_iter().chain(state.p.0))
+    };
+    let e = 1e-3;
+    let mut d = DMatrix::<f64>::zeros(8, 8);
+    for k in 0..8 {
+        let (near, far) = (moved(k, e) - moved(k, -e), moved(k, 2.0 * e) - moved(k, -2.0 * e));
+        d.set_column(k, &((near * 8.0 - far) / (12.0 * e)));
+    }
+    let form = DMatrix::from_fn(8, 8, |i, j| match (i + 4 == j, j + 4 == i) {
+        (true, _) => 1.0,
+        (_, true) => -1.0,
+        _ => 0.0,
+    });
+    let off = (d.transpose() * &form * d - form).amax();
+    assert!(off < 1e-8, "{off:e}");
+}
+
+#[test]
+fn the_variational_step_of_a_small_swing_is_unstable_above_two_over_omega() {
+    let (tree, rate) = bar();
+    let grown = |product: f64| {
+        let mut method = TreeVariational::new(tree.clone(), GRAVITY).unwrap();
+        let mut state = method.state(&[1e-9], &[0.0]).unwrap();
+        (0..80).for_each(|_| _ = method.step(&mut state, product / rate).unwrap());
+        state.q[0].abs().max(state.p.0[0].abs()) / 1e-9
+    };
+    assert!(grown(1.98) < 100.0, "{}", grown(1.98));
+    assert!(grown(2.01) > 1e4, "{}", grown(2.01));
+}
