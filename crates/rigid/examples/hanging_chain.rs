@@ -9,10 +9,8 @@ use nalgebra::Vector3;
 use stationary_integrators::{
     AdaptiveMethod, DormandPrince853, Integrator, Moment, Tolerance, integrate,
 };
-use stationary_rigid::tree::{
-    TreeBuilder, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
-};
-use stationary_rigid::{Body, LieGroup, RigidMotion, Rotation};
+use stationary_rigid::tree::{TreeBuilder, TreeField, TreeForces, TreeMotion, TreeVariational};
+use stationary_rigid::{Body, JointKind, LieGroup, RigidMotion, Rotation};
 
 const LINKS: usize = 30;
 const HALF: f64 = 0.5 / LINKS as f64;
@@ -22,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Each link hangs by its top from the foot of the one before it.
     let at = |z| RigidMotion { translation: Vector3::z() * z, rotation: Rotation::identity() };
     let link = Body::solid_box(1.0 / LINKS as f64, [0.01, 0.015, HALF])?;
-    let hinge = TreeJoint::Hinge { axis: Vector3::y() };
+    let hinge = JointKind::Hinge { axis: Vector3::y() };
     let mut builder = TreeBuilder::default();
     let mut last = None;
     for _ in 0..LINKS {

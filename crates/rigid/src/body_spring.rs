@@ -25,6 +25,24 @@ pub enum Attachment {
     Body(usize, Vector3<f64>),
 }
 
+impl Attachment {
+    fn vector(&self) -> Vector3<f64> {
+        match *self {
+            Attachment::World(v) | Attachment::Body(_, v) => v,
+        }
+    }
+
+    /// An error where its body is not among `bodies`.
+    fn check_body(&self, bodies: usize) -> Result<(), RigidError> {
+        match *self {
+            Attachment::Body(body, _) if body >= bodies => {
+                Err(RigidError::NoSuchBody { body, bodies })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// A spring of no rest length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodySpring<S> {

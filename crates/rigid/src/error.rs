@@ -2,6 +2,8 @@
 
 use stationary_calculus::SizeError;
 
+use crate::{JointFault, JointName};
+
 /// Input that is no rotation, no body or no pose.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RigidError {
@@ -123,11 +125,13 @@ pub enum RigidError {
         /// How many there are.
         bodies: usize,
     },
-    /// A joint between two points of one body, or of the world.
-    #[error("a joint holds {ends:?} to itself")]
-    JoinedToItself {
-        /// The bodies of its ends; `None` is the world.
-        ends: [Option<usize>; 2],
+    /// A joint that holds nothing, or cannot be.
+    #[error("{joint}: {fault}")]
+    Joint {
+        /// The joint.
+        joint: JointName,
+        /// What is wrong with it.
+        fault: JointFault,
     },
     /// A box has sizes.
     #[error(

@@ -16,7 +16,7 @@
 use nalgebra::Vector2;
 use stationary_calculus::DiagonalMetric;
 
-use crate::{PlanarAttachment, PlanarJoint, PlanarWeight, RigidError};
+use crate::{PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, RigidError};
 
 /// A crank, a coupler and a follower of uniform rods; the crank turns about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,17 +95,17 @@ impl FourBar {
     /// The pins at both hooks and at both ends of the coupler.
     ///
     /// # Errors
-    /// [`RigidError::NonFinite`] for a length that is not finite.
+    /// [`RigidError::Joint`] for a length that is not finite.
     pub fn joints(&self) -> Result<Vec<PlanarJoint>, RigidError> {
         let [a, b, c, d] = self.lengths.map(|length| Vector2::x() * length);
-        let body = |bar, point: Vector2<f64>| PlanarAttachment::Body(bar, point / 2.0);
+        let body = |bar, point: Vector2<f64>| PlanarEnd::on(bar, point / 2.0);
         let pairs = [
-            [PlanarAttachment::World(Vector2::zeros()), body(0, -a)],
+            [PlanarEnd::world(Vector2::zeros()), body(0, -a)],
             [body(0, a), body(1, -b)],
             [body(1, b), body(2, c)],
-            [body(2, -c), PlanarAttachment::World(d)],
+            [body(2, -c), PlanarEnd::world(d)],
         ];
-        pairs.into_iter().map(|ends| PlanarJoint::pin(3, ends)).collect()
+        pairs.into_iter().map(|ends| PlanarJoint::new(3, PlanarJointKind::Pin, ends)).collect()
     }
 
     /// The metric of the bars' freedoms.

@@ -104,7 +104,7 @@ pub use jacobian::{
     left_jacobian, left_jacobian_inverse, right_jacobian, right_jacobian_derivative,
     right_jacobian_inverse,
 };
-pub use joint::Joint;
+pub use joint::{Joint, JointEnd, JointFault, JointKind, JointName};
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;
 pub use mass_properties::{PlanarMass, SpatialMass};
@@ -114,7 +114,7 @@ pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
 pub use motion::RigidMotion;
 pub use munthe_kaas::MuntheKaas4;
 pub use planar::{PlanarMotion, PlanarRotation};
-pub use planar_joint::{PlanarAttachment, PlanarJoint};
+pub use planar_joint::{PlanarEnd, PlanarJoint, PlanarJointKind};
 pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
 pub use renormalized_euler::RenormalizedEuler;

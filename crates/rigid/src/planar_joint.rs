@@ -1,109 +1,189 @@
-//! Joints between bodies in the plane: pins and welds.
+//! Joints of the plane as data, and as constraints on bodies of the plane.
 //!
-//! ```text
-//! pin     x_1 - x_2 = 0,    x = t + R(theta) c             2 equations
-//! weld    and  theta_1 - theta_2 = angle                   3
-//! dx = dt + Z R c dtheta,   d2x = -R c dtheta^2            Z a quarter turn
-//! ```
-//! `t` a centre, `c` a point in the body's axes (m); `theta` an angle in radians, of the world
-//! zero. A body has the freedoms (x, y, theta) and a metric that is constant on flat space, so that
-//! every method of flat spaces moves jointed bodies rightly. Multipliers are the force of end 2 on
-//! end 1 with its sign turned (N), and a torque (N m). Source: notes 6, 7.4.
+//! | joint | rows | equations |
+//! | --- | --- | --- |
+//! | pin | 2 | `x_1 - x_2 = 0` |
+//! | weld | 3 | and `theta_1 - theta_2 = 0` |
+//! | slider | 2 | `<n_1, x_1 - x_2> = 0`, `theta_1 - theta_2 = 0` |
+//! | pin in a slot | 1 | `<n_1, x_1 - x_2> = 0` |
+//! | rod | 1 | `(\|x_1 - x_2\|^2 - L^2) / 2L = 0` |
+//! | rolling | 2 | `<n_1, x_2 - x_1> = r`, `<a_1, x_2 - x_1> + r (theta_2 - theta_1) = 0` |
+//!
+//! `x` the origins of the joint's frames (m) and `theta` their angles in the world (rad), `a` the
+//! axis and `n` the same a quarter turn further, both of the first end. A body has the freedoms (x,
+//! y, theta) and a metric that is constant on flat space, so that every method of flat spaces moves
+//! jointed bodies rightly. Multipliers are the force of end 2 on end 1 with its sign turned (N), and
+//! torques (N m). What rolls without slipping does so by an equation between places: the plane has
+//! no other kind of rolling. Source: notes 6, 7.4.
+
+mod row;
 
 use nalgebra::Vector2;
-use stationary_calculus::{Flat, Sink, SizeError};
+use stationary_calculus::{FIXED, Flat, Sink, SizeError};
 use stationary_constraints::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };
 
-use crate::error::check_finite;
-use crate::{LieGroup, PlanarRotation, RigidError};
+use crate::{JointFault, JointName, LieGroup, PlanarRotation, RigidError};
+use row::{Local, Placed, Row};
 
-/// An end of a joint in the plane.
+/// What a joint of the plane leaves free; axes are told in the joint's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlanarAttachment {
-    /// A point of the plane, metres.
-    World(Vector2<f64>),
-    /// A point of a body, metres, body axes.
-    Body(usize, Vector2<f64>),
+pub enum PlanarJointKind {
+    /// A turn about a point.
+    Pin,
+    /// Nothing.
+    Weld,
+    /// A shift along an axis.
+    Slider {
+        /// The axis.
+        axis: Vector2<f64>,
+    },
+    /// A shift along an axis and a turn: a pin in a straight slot.
+    PinInSlot {
+        /// The axis of the slot.
+        axis: Vector2<f64>,
+    },
+    /// What keeps the distance of two points.
+    Rod {
+        /// The distance, metres.
+        length: f64,
+    },
+    /// A wheel about the second end's point that rolls, without slipping, along a straight line of
+    /// the first: on the side to which a quarter turn of the axis points.
+    Rolling {
+        /// The direction of the line, which passes through the first end's point.
+        axis: Vector2<f64>,
+        /// The radius of the wheel, metres.
+        radius: f64,
+    },
 }
 
-/// A joint between two planar bodies, or a body and the world.
+/// Where the frame of a joint is held: at a point of a body, turned by an angle, or in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanarJoint {
-    bodies: usize,
-    ends: [PlanarAttachment; 2],
-    /// The angle that a weld holds.
-    angle: Option<f64>,
+pub struct PlanarEnd {
+    /// The body; `None` is the world.
+    pub body: Option<usize>,
+    /// The origin of the joint's frame, metres, in the axes of the body or of the world.
+    pub point: Vector2<f64>,
+    /// The angle of the joint's axes in those, radians.
+    pub angle: f64,
 }
 
-impl PlanarAttachment {
-    fn body(&self) -> Option<usize> {
-        match *self {
-            PlanarAttachment::World(_) => None,
-            PlanarAttachment::Body(body, _) => Some(body),
-        }
+impl PlanarEnd {
+    /// A point of the plane (m), the joint's axes along the world's.
+    pub fn world(point: Vector2<f64>) -> Self {
+        PlanarEnd { body: None, point, angle: 0.0 }
     }
 
-    fn vector(&self) -> Vector2<f64> {
-        match *self {
-            PlanarAttachment::World(v) | PlanarAttachment::Body(_, v) => v,
-        }
+    /// A point of a body (m, body axes), the joint's axes along the body's.
+    pub fn on(body: usize, point: Vector2<f64>) -> Self {
+        PlanarEnd { body: Some(body), point, angle: 0.0 }
     }
 
-    /// From the body's centre to the end, in the world.
-    fn arm(&self, q: &[f64]) -> Vector2<f64> {
-        match *self {
-            PlanarAttachment::World(_) => Vector2::zeros(),
-            PlanarAttachment::Body(body, c) => PlanarRotation::exp(q[3 * body + 2]).rotate(&c),
-        }
+    /// The same with the joint's axes turned, radians.
+    pub fn turned(self, angle: f64) -> Self {
+        PlanarEnd { angle, ..self }
     }
 
-    fn place(&self, q: &[f64]) -> Vector2<f64> {
-        match *self {
-            PlanarAttachment::World(x) => x,
-            PlanarAttachment::Body(body, _) => {
-                Vector2::new(q[3 * body], q[3 * body + 1]) + self.arm(q)
+    /// The end on a body that stands at `(x, y, theta)`, of a joint at a point of the world whose
+    /// axes are the world's.
+    pub fn where_it_stands(body: usize, [x, y, theta]: [f64; 3], point: Vector2<f64>) -> Self {
+        let point = PlanarRotation::exp(theta).rotate_back(&(point - Vector2::new(x, y)));
+        PlanarEnd { body: Some(body), point, angle: -theta }
+    }
+
+    fn check(&self, bodies: usize) -> Result<(), JointFault> {
+        let numbers = [("its point", self.point.x), ("its point", self.point.y)];
+        for (what, value) in numbers.into_iter().chain([("its angle", self.angle)]) {
+            if !value.is_finite() {
+                return Err(JointFault::NotFinite { what, value });
             }
         }
+        match self.body {
+            Some(body) if body >= bodies => Err(JointFault::NoSuchBody { body, bodies }),
+            _ => Ok(()),
+        }
     }
 
-    fn turn(&self, q: &[f64]) -> f64 {
-        self.body().map_or(0.0, |body| q[3 * body + 2])
+    fn placed(&self, q: &[f64]) -> Placed {
+        let Some(body) = self.body else {
+            let rotation = PlanarRotation::identity();
+            return Placed {
+                rotation,
+                arm: Vector2::zeros(),
+                place: self.point,
+                angle: self.angle,
+            };
+        };
+        let [x, y, theta] = [0, 1, 2].map(|k| q[3 * body + k]);
+        let rotation = PlanarRotation::exp(theta);
+        let arm = rotation.rotate(&self.point);
+        Placed { rotation, arm, place: Vector2::new(x, y) + arm, angle: theta + self.angle }
     }
+}
+
+impl PlanarJointKind {
+    /// The kind in a word or two.
+    pub fn name(&self) -> &'static str {
+        match self {
+            PlanarJointKind::Pin => "pin",
+            PlanarJointKind::Weld => "weld",
+            PlanarJointKind::Slider { .. } => "slider",
+            PlanarJointKind::PinInSlot { .. } => "pin in a slot",
+            PlanarJointKind::Rod { .. } => "rod",
+            PlanarJointKind::Rolling { .. } => "rolling wheel",
+        }
+    }
+}
+
+/// A joint between two bodies of the plane, or a body and the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanarJoint {
+    bodies: usize,
+    kind: PlanarJointKind,
+    ends: [PlanarEnd; 2],
+    rows: Vec<Row>,
 }
 
 impl PlanarJoint {
-    /// Two points that stay together, among `bodies` bodies.
+    /// A joint of this kind between two ends, among `bodies` bodies.
     ///
     /// # Errors
-    /// [`RigidError::NonFinite`] for a point that is not finite; [`RigidError::NoSuchBody`];
-    /// [`RigidError::JoinedToItself`] for two ends on one body, or on the world.
-    pub fn pin(bodies: usize, ends: [PlanarAttachment; 2]) -> Result<Self, RigidError> {
-        for end in &ends {
-            check_finite("the joint's point", end.vector().as_slice())?;
-            if let Some(body) = end.body().filter(|&body| body >= bodies) {
-                return Err(RigidError::NoSuchBody { body, bodies });
-            }
+    /// [`RigidError::Joint`] names the joint and what is wrong with it.
+    pub fn new(
+        bodies: usize,
+        kind: PlanarJointKind,
+        ends: [PlanarEnd; 2],
+    ) -> Result<Self, RigidError> {
+        let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
+        let fault = |fault| RigidError::Joint { joint, fault };
+        ends.iter().try_for_each(|end| end.check(bodies)).map_err(fault)?;
+        if ends[0].body == ends[1].body {
+            return Err(fault(JointFault::ToItself));
         }
-        if ends[0].body() == ends[1].body() {
-            return Err(RigidError::JoinedToItself { ends: ends.map(|end| end.body()) });
-        }
-        Ok(PlanarJoint { bodies, ends, angle: None })
+        let rows = Row::all(&kind, ends[0].angle).map_err(fault)?;
+        Ok(PlanarJoint { bodies, kind, ends, rows })
     }
 
-    /// A pin whose ends do not turn against each other, either: the first end's body is ahead by
-    /// `angle` radians.
-    ///
-    /// # Errors
-    /// Those of [`PlanarJoint::pin`]; [`RigidError::NonFinite`] for an angle that is not finite.
-    pub fn weld(
-        bodies: usize,
-        ends: [PlanarAttachment; 2],
-        angle: f64,
-    ) -> Result<Self, RigidError> {
-        check_finite("the joint's angle", &[angle])?;
-        Ok(PlanarJoint { angle: Some(angle), ..PlanarJoint::pin(bodies, ends)? })
+    /// What it leaves free.
+    pub fn kind(&self) -> &PlanarJointKind {
+        &self.kind
+    }
+
+    /// Its ends.
+    pub fn ends(&self) -> &[PlanarEnd; 2] {
+        &self.ends
+    }
+
+    /// How a message names it.
+    pub fn name(&self) -> JointName {
+        JointName { kind: self.kind.name(), bodies: self.ends.map(|end| end.body) }
+    }
+
+    fn placed(&self, q: &[f64]) -> Result<[Placed; 2], SizeError> {
+        check_read(self.dim(), q)?;
+        Ok(self.ends.each_ref().map(|end| end.placed(q)))
     }
 }
 
@@ -115,33 +195,24 @@ impl Constraint for PlanarJoint {
     }
 
     fn count(&self) -> usize {
-        2 + usize::from(self.angle.is_some())
+        self.rows.len()
     }
 
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.count(), g)?;
-        check_read(self.dim(), q)?;
-        let [a, b] = &self.ends;
-        let gap = a.place(q) - b.place(q);
-        let turn = self.angle.map(|angle| a.turn(q) - b.turn(q) - angle);
-        let values = gap.iter().copied().chain(turn);
-        g.iter_mut().zip(values).for_each(|(g, value)| *g = value);
+        let ends = self.placed(q)?;
+        g.iter_mut().zip(&self.rows).for_each(|(g, row)| *g = row.value(&ends));
         Ok(())
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
-        check_read(self.dim(), q)?;
-        for row in 0..self.count() {
-            for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
-                let Some(body) = end.body() else { continue };
-                let arm = end.arm(q);
-                match row {
-                    0 => rows.add(0, 3 * body + 2, -sign * arm.y),
-                    1 => rows.add(1, 3 * body + 2, sign * arm.x),
-                    _ => rows.add(2, 3 * body + 2, sign),
-                }
-                if row < 2 {
-                    rows.add(row, 3 * body + row, sign);
+        let ends = self.placed(q)?;
+        for (number, row) in self.rows.iter().enumerate() {
+            let differential = row.differential(&ends);
+            for (end, slope) in self.ends.iter().zip(differential.as_chunks::<3>().0) {
+                let Some(body) = end.body else { continue };
+                for k in (0..3).filter(|&k| row.moves_along(k)) {
+                    rows.add(number, 3 * body + k, slope[k]);
                 }
             }
         }
@@ -156,57 +227,20 @@ impl Constraint for PlanarJoint {
         hessian: &mut impl Sink,
     ) -> Result<(), SizeError> {
         check_multipliers(self.count(), lambda)?;
-        check_read(self.dim(), q)?;
-        for (end, sign) in self.ends.iter().zip([1.0, -1.0]) {
-            let Some(body) = end.body() else { continue };
-            let arm = end.arm(q);
-            let bend = -sign * (lambda[0] * arm.x + lambda[1] * arm.y);
-            hessian.add_symmetric(&[3 * body + 2], &[bend]);
+        let ends = self.placed(q)?;
+        let mut local = Local::zeros();
+        for (row, &lambda) in self.rows.iter().zip(lambda) {
+            row.add_hessian(&ends, lambda, &mut local);
         }
+        let freedoms: [usize; 6] =
+            std::array::from_fn(|k| self.ends[k / 3].body.map_or(FIXED, |body| 3 * body + k % 3));
+        hessian.add_symmetric(&freedoms, local.as_slice());
         Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {
-        let arms = self.ends.iter().filter(|end| end.body().is_some());
-        let arm = arms.map(|end| end.vector().norm()).fold(0.0, f64::max);
-        match row {
-            0 | 1 if arm > 0.0 => Scale { slope: 1.0, length: arm },
-            _ => Scale::default(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use stationary_calculus::assert_derivatives;
-    use stationary_constraints::Pairing;
-
-    const POINT: Vector2<f64> = Vector2::new(0.3, -0.7);
-
-    #[test]
-    fn the_derivatives_of_pins_and_welds_are_right() {
-        let q = [0.4, -0.2, 0.9, -0.5, 0.1, 2.3];
-        let multipliers = || vec![0.7, -1.3, 2.0];
-        let between = [PlanarAttachment::Body(0, POINT), PlanarAttachment::Body(1, -2.0 * POINT)];
-        let hung = [PlanarAttachment::World(POINT), PlanarAttachment::Body(1, POINT)];
-        for ends in [between, hung] {
-            let constraint = PlanarJoint::weld(2, ends, 0.3).unwrap();
-            assert_derivatives(&Pairing::new(constraint, multipliers(), 0.0).unwrap(), &q);
-            let constraint = PlanarJoint::pin(2, ends).unwrap();
-            let multipliers = multipliers()[..2].to_vec();
-            assert_derivatives(&Pairing::new(constraint, multipliers, 0.0).unwrap(), &q);
-        }
-    }
-
-    #[test]
-    fn pins_that_join_nothing_are_refused() {
-        let body = |k| PlanarAttachment::Body(k, POINT);
-        let same = PlanarJoint::pin(2, [body(1), body(1)]);
-        assert!(matches!(same, Err(RigidError::JoinedToItself { .. })));
-        let absent = PlanarJoint::weld(2, [body(0), body(2)], 0.0);
-        assert!(matches!(absent, Err(RigidError::NoSuchBody { body: 2, bodies: 2 })));
-        let nowhere = PlanarJoint::weld(2, [body(0), body(1)], f64::NAN);
-        assert!(matches!(nowhere, Err(RigidError::NonFinite { .. })));
+        let reach = |end: &PlanarEnd| end.body.map_or(0.0, |_| end.point.norm());
+        let arm = self.ends.iter().map(reach).fold(0.0, f64::max);
+        self.rows.get(row).map_or_else(Scale::default, |row| row.scale(arm))
     }
 }

@@ -24,8 +24,9 @@ pub use references::{LOGARITHMS, Logarithm, REFERENCES, Reference};
 
 use crate::error::check_finite;
 use crate::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, KovalevskayaTop, LieGroup,
-    Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, SymmetricTop, Weight,
+    Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, JointEnd, JointKind, KovalevskayaTop,
+    LieGroup, Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation, SymmetricTop,
+    Weight,
 };
 
 /// A system of bodies with initial data.
@@ -186,14 +187,15 @@ pub fn held_at_a_point(
     gravity: Vector3<f64>,
 ) -> Result<JointedProblem<Weight<Poses>>, RigidError> {
     check_finite("the gravity", gravity.as_slice())?;
+    check_finite("the point", point.as_slice())?;
     let metric = BodyMetric::new(vec![body]);
     let motion = BodyMotion {
         pose: RigidMotion { translation: -rotation.rotate(&point), rotation },
         velocity: -rotation.rotate(&w.cross(&point)),
         angular_velocity: w,
     };
-    let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, point)];
-    let joints = vec![Joint::ball(Poses, 1, ends)?];
+    let ends = [JointEnd::world(Vector3::zeros()), JointEnd::on(0, point)];
+    let joints = vec![Joint::new(Poses, 1, JointKind::Ball, ends)?];
     let masses = vec![PointMass { mass: body.mass(), point: Vector3::zeros() }];
     let initial = metric.state(&[motion])?;
     let system = metric.under(Weight { gravity, masses, space: Poses })?;
@@ -229,13 +231,11 @@ pub fn thrown_boxes() -> Result<JointedProblem<Free>, RigidError> {
     let metric = BodyMetric::<Poses>::new(bodies.collect::<Result<_, _>>()?);
     let end = |body: usize, side: f64| Vector3::x() * (side * boxes[body][0]);
     let joint = |first: usize| {
-        [
-            Attachment::Body(first, end(first, 1.0)),
-            Attachment::Body(first + 1, end(first + 1, -1.0)),
-        ]
+        let (before, after) = (end(first, 1.0), end(first + 1, -1.0));
+        [JointEnd::on(first, before), JointEnd::on(first + 1, after)]
     };
-    let ball = Joint::ball(Poses, 3, joint(0))?;
-    let hinge = Joint::hinge(Poses, 3, joint(1), [Vector3::y(); 2])?;
+    let ball = Joint::new(Poses, 3, JointKind::Ball, joint(0))?;
+    let hinge = Joint::new(Poses, 3, JointKind::Hinge { axis: Vector3::y() }, joint(1))?;
     // Each box turns with the one before it, and against it as its joint allows.
     let turns =
         [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-2.0, 1.0, 0.5), Vector3::new(-2.0, 4.0, 0.5)];

@@ -19,11 +19,11 @@
 //!
 //! ```
 //! use nalgebra::Vector3;
-//! use stationary_rigid::tree::{TreeBuilder, TreeJoint, TreeMotion, TreeForces};
-//! use stationary_rigid::{Body, LieGroup, RigidMotion, Rotation};
+//! use stationary_rigid::tree::{TreeBuilder, TreeMotion, TreeForces};
+//! use stationary_rigid::{Body, JointKind, LieGroup, RigidMotion, Rotation};
 //!
 //! let at = |x, z| RigidMotion { translation: Vector3::new(x, 0.0, z), rotation: Rotation::identity() };
-//! let (bar, hinge) = (Body::solid_box(1.0, [0.02, 0.02, 0.5])?, TreeJoint::Hinge { axis: Vector3::y() });
+//! let (bar, hinge) = (Body::solid_box(1.0, [0.02, 0.02, 0.5])?, JointKind::Hinge { axis: Vector3::y() });
 //! let mut builder = TreeBuilder::default();
 //! let upper = builder.hang(None, hinge, [at(0.0, 0.0), at(0.0, 0.5)], bar);
 //! builder.hang(Some(upper), hinge, [at(0.0, -0.5), at(0.0, 0.5)], bar);
@@ -40,7 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Reading order: errors; twists, wrenches and inertias; [`TreeJoint`]; [`Tree`] and its builder;
+//! Reading order: errors; twists, wrenches and inertias; [`JointKind`](crate::JointKind); [`Tree`] and its builder;
 //! [`TreeMotion`] with its kinematics; [`TreeForces`]; inverse and forward dynamics, the mass
 //! matrix, energy and momenta; [`TreeLoops`], which close loops by a few rows; then [`TreeField`] for
 //! the adaptive methods and [`TreeVariational`], the fixed step of open trees. Source: Featherstone,
@@ -67,7 +67,6 @@ pub use builder::{Tree, TreeBuilder};
 pub use error::{Joining, TreeError};
 pub use field::TreeField;
 pub use forces::TreeForces;
-pub use joint::TreeJoint;
-pub use loops::{LoopEnd, TreeLoops};
+pub use loops::TreeLoops;
 pub use motion::TreeMotion;
 pub use variational::TreeVariational;

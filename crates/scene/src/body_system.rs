@@ -10,14 +10,15 @@ use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
 use stationary_integrators::State;
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, LieGroup, PlanarAttachment,
-    PlanarJoint, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, JointEnd, JointKind, LieGroup, PlanarEnd,
+    PlanarJoint, PlanarJointKind, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 use crate::equal_steps::Equal;
 use crate::steps::Steps;
 use crate::{
-    AssemblyError, JointKind, RigidBody, Scene, SceneJoint, Stepping, joint_steps, touching,
+    AssemblyError, JointKind as SceneJointKind, RigidBody, Scene, SceneJoint, Stepping,
+    joint_steps, touching,
 };
 
 /// What a run asks of bodies in space and in the plane alike.
@@ -138,52 +139,41 @@ impl BodySystem for InThePlane {
     }
 }
 
-/// A joint's place in the axes of an end, and the turn of that end.
-fn seen(bodies: &[RigidBody], end: Option<usize>, place: [f64; 3]) -> (Vector3<f64>, Rotation) {
-    match end {
-        None => (place.into(), Rotation::identity()),
+fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Poses>, AssemblyError> {
+    let frame = RigidMotion { translation: joint.place.into(), rotation: Rotation::identity() };
+    let ends = joint.between.map(|end| match end {
+        None => JointEnd { body: None, frame },
         Some(index) => {
             let body = &bodies[index];
-            let arm = Vector3::from(place) - Vector3::from(body.position);
-            (body.turned().rotate_back(&arm), body.turned())
+            let pose = RigidMotion { translation: body.position.into(), rotation: body.turned() };
+            JointEnd::where_it_stands(index, &pose, &frame)
         }
-    }
-}
-
-fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Poses>, AssemblyError> {
-    let sides = joint.between.map(|end| seen(bodies, end, joint.place));
-    let ends = [0, 1].map(|side| match joint.between[side] {
-        None => Attachment::World(sides[side].0),
-        Some(body) => Attachment::Body(body, sides[side].0),
     });
-    let (count, axis) = (bodies.len(), Vector3::from(joint.axis));
-    Ok(match joint.kind {
-        JointKind::Ball => Joint::ball(Poses, count, ends),
-        JointKind::Hinge => {
-            Joint::hinge(Poses, count, ends, [0, 1].map(|side| sides[side].1.rotate_back(&axis)))
-        }
-        JointKind::Fixed => {
-            Joint::fixed(Poses, count, ends, [0, 1].map(|side| sides[side].1.inverse()))
-        }
-    }?)
+    let kind = match joint.kind {
+        SceneJointKind::Ball => JointKind::Ball,
+        SceneJointKind::Hinge => JointKind::Hinge { axis: joint.axis.into() },
+        SceneJointKind::Fixed => JointKind::Weld,
+    };
+    Ok(Joint::new(Poses, bodies.len(), kind, ends)?)
 }
 
 fn joint_in_the_plane(
     bodies: &[RigidBody],
     joint: &SceneJoint,
 ) -> Result<PlanarJoint, AssemblyError> {
-    let ends = joint.between.map(|end| {
-        let place = seen(bodies, end, joint.place).0.xy();
-        match end {
-            None => PlanarAttachment::World(place),
-            Some(body) => PlanarAttachment::Body(body, place),
+    let place = Vector3::from(joint.place).xy();
+    let ends = joint.between.map(|end| match end {
+        None => PlanarEnd::world(place),
+        Some(index) => {
+            let RigidBody { position: [x, y, _], rotation: [.., angle], .. } = bodies[index];
+            PlanarEnd::where_it_stands(index, [x, y, angle], place)
         }
     });
-    let [a, b] = joint.between.map(|end| end.map_or(0.0, |index| bodies[index].rotation[2]));
-    Ok(match joint.kind {
-        JointKind::Fixed => PlanarJoint::weld(bodies.len(), ends, a - b),
-        _ => PlanarJoint::pin(bodies.len(), ends),
-    }?)
+    let kind = match joint.kind {
+        SceneJointKind::Fixed => PlanarJointKind::Weld,
+        _ => PlanarJointKind::Pin,
+    };
+    Ok(PlanarJoint::new(bodies.len(), kind, ends)?)
 }
 
 impl Scene {

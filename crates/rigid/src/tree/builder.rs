@@ -17,14 +17,13 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::error::{Joining, TreeError, check_numbers};
-use super::joint::TreeJoint;
-use crate::{Body, LieGroup, RigidMotion};
+use crate::{Body, JointFault, JointKind, LieGroup, RigidMotion};
 
 /// A body, and the joint from which it hangs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Link {
     pub parent: Option<usize>,
-    pub joint: TreeJoint,
+    pub joint: JointKind,
     /// F on the parent.
     pub before: RigidMotion,
     /// G on the body, and back.
@@ -55,7 +54,7 @@ pub struct TreeBuilder {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Hung {
     parent: Option<usize>,
-    joint: TreeJoint,
+    joint: JointKind,
     frames: [RigidMotion; 2],
     mass: Option<Body>,
 }
@@ -66,7 +65,7 @@ impl TreeBuilder {
     pub fn hang(
         &mut self,
         parent: Option<usize>,
-        joint: TreeJoint,
+        joint: JointKind,
         frames: [RigidMotion; 2],
         body: Body,
     ) -> usize {
@@ -78,7 +77,7 @@ impl TreeBuilder {
     pub fn hang_frame(
         &mut self,
         parent: Option<usize>,
-        joint: TreeJoint,
+        joint: JointKind,
         frames: [RigidMotion; 2],
     ) -> usize {
         self.hung.push(Hung { parent, joint, frames, mass: None });
@@ -89,14 +88,13 @@ impl TreeBuilder {
     ///
     /// # Errors
     /// [`TreeError::NoSuchParent`]; [`TreeError::Circle`] for a parent that is the body itself or
-    /// comes later; [`TreeError::NoAxis`], [`TreeError::ParallelAxes`]; [`TreeError::Placed`] for a
-    /// frame or a pitch that is not finite; [`TreeError::Massless`] for a joint that moves bodies
-    /// without mass only.
+    /// comes later; [`TreeError::Joint`] for one that cannot be; [`TreeError::Massless`] for one that
+    /// moves bodies without mass only.
     pub fn build(self) -> Result<Tree, TreeError> {
         let bodies = self.hung.len();
         let mut tree = Tree { links: Vec::with_capacity(bodies), coordinates: 0, speeds: 0 };
         for (body, Hung { parent, joint, frames, mass }) in self.hung.into_iter().enumerate() {
-            let joining = Joining { kind: joint.kind(), body, parent };
+            let joining = Joining { kind: joint.name(), body, parent };
             match parent {
                 Some(parent) if parent >= bodies => {
                     return Err(TreeError::NoSuchParent { joining, bodies });
@@ -110,13 +108,17 @@ impl TreeBuilder {
                 let numbers = frame.translation.iter().copied().chain(frame.rotation.quaternion());
                 for value in numbers {
                     if !value.is_finite() {
-                        return Err(TreeError::Placed { joining, what, value });
+                        let fault = JointFault::NotFinite { what, value };
+                        return Err(TreeError::Joint { joining, fault });
                     }
                 }
             }
-            let joint = joint.checked(joining)?;
+            let joint = joint
+                .checked()
+                .and_then(JointKind::of_a_tree)
+                .map_err(|fault| TreeError::Joint { joining, fault })?;
             let (q, v) = (tree.coordinates, tree.speeds);
-            (tree.coordinates, tree.speeds) = (q + joint.coordinates(), v + joint.speeds());
+            (tree.coordinates, tree.speeds) = (q + joint.coordinates(), v + joint.freedoms());
             tree.links.push(Link {
                 parent,
                 joint,
@@ -154,7 +156,7 @@ impl Tree {
     ///
     /// # Errors
     /// [`TreeError::NoSuchBody`].
-    pub fn joint(&self, body: usize) -> Result<(&TreeJoint, Option<usize>), TreeError> {
+    pub fn joint(&self, body: usize) -> Result<(&JointKind, Option<usize>), TreeError> {
         let link = self.link(body)?;
         Ok((&link.joint, link.parent))
     }
@@ -244,7 +246,7 @@ impl Tree {
 
     pub(super) fn joining(&self, body: usize) -> Joining {
         let link = &self.links[body];
-        Joining { kind: link.joint.kind(), body, parent: link.parent }
+        Joining { kind: link.joint.name(), body, parent: link.parent }
     }
 
     /// Every joint that moves must move some mass.

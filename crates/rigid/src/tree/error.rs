@@ -4,6 +4,8 @@ use std::fmt;
 
 use stationary_calculus::{SizeError, first_non_finite};
 
+use crate::{JointFault, JointName};
+
 /// A joint as a message names it: its kind, the body that hangs from it, and what that hangs from.
 ///
 /// A joint has the number of the body that hangs from it.
@@ -45,31 +47,13 @@ pub enum TreeError {
         /// The joint.
         joining: Joining,
     },
-    /// An axis has a direction.
-    #[error("{joining}: axis {axis:?} has no direction; it must be finite and not zero")]
-    NoAxis {
+    /// A joint that cannot be.
+    #[error("{joining}: {fault}")]
+    Joint {
         /// The joint.
         joining: Joining,
-        /// Its axis.
-        axis: [f64; 3],
-    },
-    /// Two axes along one line.
-    #[error("{joining}: axes {axes:?} are parallel; they must span a plane")]
-    ParallelAxes {
-        /// The joint.
-        joining: Joining,
-        /// Its axes.
-        axes: [[f64; 3]; 2],
-    },
-    /// A number of a joint's data that is not finite.
-    #[error("{joining}: {what} is {value}; it must be finite")]
-    Placed {
-        /// The joint.
-        joining: Joining,
-        /// What is not finite.
-        what: &'static str,
-        /// Its value.
-        value: f64,
+        /// What is wrong with it.
+        fault: JointFault,
     },
     /// A joint moves what has no mass.
     #[error("{joining}: it moves bodies without mass only; one of them must have a mass")]
@@ -89,6 +73,14 @@ pub enum TreeError {
         /// The inertia that it meets, kg or kg m^2.
         inertia: f64,
     },
+    /// A joint that cannot close a loop.
+    #[error("{joint}: {fault}")]
+    Loop {
+        /// The joint.
+        joint: JointName,
+        /// What is wrong with it.
+        fault: JointFault,
+    },
     /// Rows of loops that ask the same of the tree.
     #[error("the {rows} rows of the loops depend on each other here; leave out what others hold")]
     DependentLoops {
@@ -96,9 +88,10 @@ pub enum TreeError {
         rows: usize,
     },
     /// Loops that do not close near where they were.
-    #[error("no closed configuration was found near: a gap of {gap:e} m is left")]
+    #[error("no closed configuration was found near: a gap of {gap:e} of the mechanism is left")]
     NotClosed {
-        /// The largest gap, metres.
+        /// The largest gap, as a part of the distance of its points from their bodies' centres and
+        /// from the origin, or as the cosine of an angle.
         gap: f64,
     },
     /// A quaternion without a direction.

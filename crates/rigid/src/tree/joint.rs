@@ -1,82 +1,25 @@
-//! The joints of a tree, as data: each a product of motions along fixed screws.
+//! How the joints of a tree move: each by a product of motions along fixed screws.
 //!
 //! ```text
 //! J(q) = exp(q1 s1) exp(q2 s2) ...        the body's frame G as seen from the parent's frame F
 //! S = (u, w) columns                      of the speeds: velocity of G's origin, and rotation
 //! ```
-//! | joint | q | v | motion |
-//! | --- | --- | --- | --- |
-//! | weld | - | - | none |
-//! | hinge | angle | rate | a turn about the axis n |
-//! | slider | distance | rate | a shift along n |
-//! | screw | angle | rate | both, `pitch` metres a radian |
-//! | cylinder | distance, angle | rates | both, on their own |
-//! | universal | two angles | rates | a turn about a, then one about b of the turned body |
-//! | planar | two distances, angle | rates | shifts along a and b, then a turn across both |
-//! | ball | quaternion | angular velocity in G's axes | every turn |
-//! | free | origin, quaternion | its velocity in F's axes, angular velocity in G's axes | every motion |
-//!
-//! Axes are in the joint's axes; F and G coincide where all coordinates are zero and quaternions 1.
-//! Metres, radians. `S` is seen from F here. Only the universal joint's has a rate of change of its
+//! Coordinates and speeds are those of [`JointKind`]; F and G coincide where all coordinates are zero
+//! and quaternions 1. Metres, radians. `S` is seen from F here. Only the universal joint's has a rate of change of its
 //! own as seen from there: `v1 v2 a x R b`. Of a quaternion only the direction matters. Source:
 //! Featherstone 2008, 4.4; notes 8.2.
 
 use nalgebra::{Vector3, Vector4};
 
-use super::error::{Joining, TreeError};
 use super::spatial::Twist;
-use crate::{LieGroup, RigidMotion, Rotation};
+use crate::{JointKind, LieGroup, RigidMotion, Rotation};
 
-/// How a body hangs from its parent. Axes have any length but zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TreeJoint {
-    /// Not at all movable.
-    Weld,
-    /// A turn about an axis.
-    Hinge {
-        /// The axis.
-        axis: Vector3<f64>,
-    },
-    /// A shift along an axis.
-    Slider {
-        /// The axis.
-        axis: Vector3<f64>,
-    },
-    /// A turn about an axis with a shift along it in proportion.
-    Screw {
-        /// The axis.
-        axis: Vector3<f64>,
-        /// The shift, metres a radian.
-        pitch: f64,
-    },
-    /// A shift along an axis and a turn about it.
-    Cylinder {
-        /// The axis.
-        axis: Vector3<f64>,
-    },
-    /// A turn about a first axis, and one about a second that turns with the first.
-    Universal {
-        /// The axis on the parent, and that on the body.
-        axes: [Vector3<f64>; 2],
-    },
-    /// Shifts along two axes of the parent, and a turn about what is perpendicular to both.
-    Planar {
-        /// The two axes.
-        axes: [Vector3<f64>; 2],
-    },
-    /// Every turn about a point.
-    Ball,
-    /// Every motion.
-    Free,
-}
-
-use TreeJoint::{Ball, Cylinder, Free, Hinge, Planar, Screw, Slider, Universal, Weld};
+use JointKind::{
+    Ball, Cylinder, Free, Hinge, OnCircle, OnLine, Planar, Rod, Screw, Slider, Universal, Weld,
+};
 
 /// Twists of a joint's speeds; a joint has at most six.
 pub(super) type Columns = [Twist; 6];
-
-/// Axes closer to parallel than this, as the sine of their angle, span no plane that rounding keeps.
-const PARALLEL: f64 = 1e-8;
 
 fn turn(axis: &Vector3<f64>, angle: f64) -> Rotation {
     let (sine, cosine) = (0.5 * angle).sin_cos();
@@ -100,39 +43,13 @@ fn turned_quaternion(q: &mut [f64], by: &[f64]) {
     q.copy_from_slice(&next.normalized().quaternion());
 }
 
-impl TreeJoint {
-    /// The kind in a word.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Weld => "weld",
-            Hinge { .. } => "hinge",
-            Slider { .. } => "slider",
-            Screw { .. } => "screw",
-            Cylinder { .. } => "cylinder",
-            Universal { .. } => "universal",
-            Planar { .. } => "planar",
-            Ball => "ball",
-            Free => "free",
-        }
-    }
-
+impl JointKind {
     /// How many coordinates it has.
-    pub fn coordinates(&self) -> usize {
+    pub(super) fn coordinates(&self) -> usize {
         match self {
             Ball => 4,
             Free => 7,
-            _ => self.speeds(),
-        }
-    }
-
-    /// How many speeds it has: its freedoms.
-    pub fn speeds(&self) -> usize {
-        match self {
-            Weld => 0,
-            Hinge { .. } | Slider { .. } | Screw { .. } => 1,
-            Cylinder { .. } | Universal { .. } => 2,
-            Planar { .. } | Ball => 3,
-            Free => 6,
+            _ => self.freedoms(),
         }
     }
 
@@ -143,36 +60,6 @@ impl TreeJoint {
             Free => Some(3),
             _ => None,
         }
-    }
-
-    /// The joint with axes of length 1.
-    pub(super) fn checked(self, joining: Joining) -> Result<Self, TreeError> {
-        let unit = |axis: Vector3<f64>| {
-            let largest = axis.amax();
-            if !axis.iter().all(|c| c.is_finite()) || largest == 0.0 {
-                return Err(TreeError::NoAxis { joining, axis: axis.into() });
-            }
-            Ok((axis / largest).normalize())
-        };
-        let pair = |axes: [Vector3<f64>; 2]| {
-            let units = [unit(axes[0])?, unit(axes[1])?];
-            if units[0].cross(&units[1]).norm() < PARALLEL {
-                return Err(TreeError::ParallelAxes { joining, axes: axes.map(Into::into) });
-            }
-            Ok(units)
-        };
-        Ok(match self {
-            Hinge { axis } => Hinge { axis: unit(axis)? },
-            Slider { axis } => Slider { axis: unit(axis)? },
-            Cylinder { axis } => Cylinder { axis: unit(axis)? },
-            Screw { pitch, .. } if !pitch.is_finite() => {
-                return Err(TreeError::Placed { joining, what: "the pitch", value: pitch });
-            }
-            Screw { axis, pitch } => Screw { axis: unit(axis)?, pitch },
-            Universal { axes } => Universal { axes: pair(axes)? },
-            Planar { axes } => Planar { axes: pair(axes)? },
-            Weld | Ball | Free => self,
-        })
     }
 
     /// Writes the coordinates at which both frames coincide.
@@ -189,7 +76,8 @@ impl TreeJoint {
         let at = |translation, rotation| RigidMotion { translation, rotation };
         let here = Vector3::zeros();
         match self {
-            Weld => RigidMotion::identity(),
+            // The builder refuses the last three.
+            Weld | Rod { .. } | OnLine { .. } | OnCircle { .. } => RigidMotion::identity(),
             Hinge { axis } => at(here, turn(axis, q[0])),
             Slider { axis } => at(axis * q[0], Rotation::identity()),
             Screw { axis, pitch } => at(axis * (pitch * q[0]), turn(axis, q[0])),
@@ -208,7 +96,7 @@ impl TreeJoint {
         let spin = |w: Vector3<f64>| Twist { linear: Vector3::zeros(), angular: w };
         let unit = |k: usize| Vector3::ith(k, 1.0);
         match self {
-            Weld => {}
+            Weld | Rod { .. } | OnLine { .. } | OnCircle { .. } => {}
             Hinge { axis } => columns[0] = spin(*axis),
             Slider { axis } => columns[0] = shift(*axis),
             Screw { axis, pitch } => {
@@ -284,7 +172,7 @@ mod tests {
     const A: Vector3<f64> = Vector3::new(0.6, 0.0, 0.8);
     const B: Vector3<f64> = Vector3::new(0.0, 1.0, 0.0);
 
-    pub(super) const ALL: [TreeJoint; 9] = [
+    pub(super) const ALL: [JointKind; 9] = [
         Weld,
         Hinge { axis: A },
         Slider { axis: A },
@@ -301,7 +189,7 @@ mod tests {
     }
 
     /// `(velocity of the origin, angular velocity)` of a motion by differences along its coordinates.
-    fn difference(joint: &TreeJoint, q: &[f64], v: &[f64]) -> Twist {
+    fn difference(joint: &JointKind, q: &[f64], v: &[f64]) -> Twist {
         let e = 1e-6;
         let moved = |sign: f64| {
             let mut moved = q.to_vec();
@@ -320,7 +208,7 @@ mod tests {
     fn every_joint_moves_along_its_columns() {
         for joint in ALL {
             let (q, v) = some();
-            let (q, v) = (&q[..joint.coordinates()], &v[..joint.speeds()]);
+            let (q, v) = (&q[..joint.coordinates()], &v[..joint.freedoms()]);
             let mut columns = [Twist::zero(); 6];
             joint.columns(q, &joint.motion(q), &mut columns);
             let sum = |twist, (column, v): (&Twist, &f64)| twist + *column * *v;
@@ -328,7 +216,7 @@ mod tests {
             let expected = difference(&joint, q, v);
             let off =
                 (twist.linear - expected.linear).norm() + (twist.angular - expected.angular).norm();
-            assert!(off < 1e-9, "{}: {off:e}", joint.kind());
+            assert!(off < 1e-9, "{}: {off:e}", joint.name());
         }
     }
 

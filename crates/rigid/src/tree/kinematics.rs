@@ -7,11 +7,11 @@
 //! alpha = w_p x W + R_F b
 //! a = w_p x (w_p x (x_G - x_p)) + 2 w_p x U + alpha x d + w x (w x d)      bias
 //! ```
-//! `p` the parent, `u w` the columns of the joint and `b` their own rate ([`TreeJoint`]), `d` from
+//! `p` the parent, `u w` the columns of the joint and `b` their own rate ([`JointKind`]), `d` from
 //! the joint to the body's centre. Accelerations are those of the centre itself. Source: Featherstone
 //! 2008, 4 and 5, told at centres; the theorem of Coriolis.
 //!
-//! [`TreeJoint`]: super::TreeJoint
+//! [`JointKind`]: crate::JointKind
 
 use nalgebra::{Matrix3, Vector3};
 

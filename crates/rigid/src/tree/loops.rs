@@ -1,48 +1,41 @@
-//! Loops: points of two bodies of a tree that stay together.
+//! Loops: joints between bodies of a tree, beside those from which they hang.
 //!
 //! ```text
-//! g = n.(x_a - x_b) = 0,     J v = n.(v_a - v_b) = 0            rows, n a direction of the world
-//! M v. = tau - C + J^T lambda,    (J M^-1 J^T) lambda = -J v._0 - J. v
+//! g = 0,     J V = 0                                rows of joints, V the twists of two bodies
+//! M v. = tau - C + J^T lambda,    (J M^-1 J^T) lambda = -J v._0 - V d2g V
 //! q <- q - M^-1 J^T (J M^-1 J^T)^-1 g,    v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v
 //! ```
-//! `x_a x_b` the points (m), `v._0` the accelerations of the open tree, `lambda` the force (N) of the
-//! point b on the point a along n. Each row is one more pass over the tree, so that a few rows cost
-//! little; their matrix is full. Two rows close a loop in the plane, three a ball joint in space;
-//! joints that hold directions too are not told here.
+//! `v._0` the accelerations of the open tree, `lambda` minus what the joint's first end exerts along
+//! each row (N, or N m). Each row is one more pass over the tree, so that a few rows cost little;
+//! their matrix is full. Rows that the tree holds already are refused: a loop of parallel hinges is
+//! closed by a point on a line along them, which is two rows.
 //!
 //! A field with multipliers keeps `g` to the tolerance of the run only, and it drifts: the second
 //! line brings a state back along the shortest way in the metric. Call it after a step, or as often
 //! as the drift matters. Source: Featherstone 2008, 8; notes 6.3, 6.4.
 
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 use stationary_calculus::{DenseLu, SizeError};
 
 use super::builder::Tree;
 use super::error::{TreeError, check_numbers};
 use super::forces::TreeForces;
-use super::motion::{Placed, TreeMotion};
+use super::motion::TreeMotion;
 use super::spatial::{SpatialForce, Twist};
-
-/// A point of a body, or of the world, metres, in the axes of its body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoopEnd {
-    /// The body; `None` is the world.
-    pub body: Option<usize>,
-    /// The point.
-    pub point: Vector3<f64>,
-}
+use crate::joint::{Local, Placed, Row, along};
+use crate::{JointEnd, JointFault, JointKind, JointName, Wrench};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Row {
-    ends: [LoopEnd; 2],
-    direction: Vector3<f64>,
+struct LoopRow {
+    ends: [JointEnd; 2],
+    row: Row,
 }
 
-/// Points that stay together, and the memory to hold them so.
+/// Joints that close loops, and the memory to hold them so.
 #[derive(Clone, Debug)]
 pub struct TreeLoops {
     bodies: usize,
-    rows: Vec<Row>,
+    rows: Vec<LoopRow>,
     /// `M^-1 J^T`, row after row.
     responses: Vec<f64>,
     matrix: DenseLu,
@@ -72,27 +65,25 @@ impl TreeLoops {
         }
     }
 
-    /// Two points that stay together along these directions of the world.
+    /// A joint between two bodies, or a body and the world.
     ///
     /// # Errors
-    /// [`TreeError::NoSuchBody`]; numbers that are not finite.
+    /// [`TreeError::Loop`] names the joint and what is wrong with it.
     pub fn join(
         &mut self,
         tree: &Tree,
-        ends: [LoopEnd; 2],
-        directions: &[Vector3<f64>],
+        kind: JointKind,
+        ends: [JointEnd; 2],
     ) -> Result<(), TreeError> {
         self.check_tree(tree)?;
-        for end in &ends {
-            check_numbers("the loop's point", 3, end.point.as_slice())?;
-            if let Some(body) = end.body {
-                tree.link(body)?;
-            }
+        let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
+        let fault = |fault| TreeError::Loop { joint, fault };
+        ends.iter().try_for_each(|end| end.check(self.bodies)).map_err(fault)?;
+        if ends[0].body == ends[1].body {
+            return Err(fault(JointFault::ToItself));
         }
-        for direction in directions {
-            check_numbers("the loop's direction", 3, direction.as_slice())?;
-            self.rows.push(Row { ends, direction: *direction });
-        }
+        let kind = kind.checked().map_err(fault)?;
+        self.rows.extend(Row::all(&kind, &ends).into_iter().map(|row| LoopRow { ends, row }));
         let m = self.rows.len();
         self.responses.resize(m * self.idle.len(), 0.0);
         self.multipliers.resize(m, 0.0);
@@ -100,18 +91,18 @@ impl TreeLoops {
         Ok(())
     }
 
-    /// The forces along the rows, N, at the last [`TreeLoops::forward_dynamics`].
+    /// The forces and torques along the rows (N, N m) at the last [`TreeLoops::forward_dynamics`].
     pub fn multipliers(&self) -> &[f64] {
         &self.multipliers
     }
 
-    /// The largest gap (m) and the largest velocity of a gap (m/s) along the directions.
+    /// The largest gap (m, or the cosine of an angle) and the largest rate of one.
     ///
     /// # Errors
     /// A motion of another tree.
     pub fn violation(&self, motion: &TreeMotion) -> Result<[f64; 2], TreeError> {
         self.check(motion)?;
-        let worst = |of: &dyn Fn(&Row) -> f64| {
+        let worst = |of: &dyn Fn(&LoopRow) -> f64| {
             self.rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max)
         };
         Ok([worst(&|row| row.gap(motion)), worst(&|row| row.speed(motion))])
@@ -155,13 +146,12 @@ impl TreeLoops {
         motion.place(q, v)?;
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
-            let (mut gap, mut reach) = (0.0_f64, 0.0_f64);
+            let mut gap = 0.0_f64;
             for (lambda, row) in self.multipliers.iter_mut().zip(&self.rows) {
                 *lambda = -row.gap(motion);
-                gap = gap.max(lambda.abs());
-                reach = reach.max(row.reach(motion));
+                gap = gap.max(lambda.abs() / row.size(motion));
             }
-            if gap <= ROUNDING * reach || (gap >= 0.5 * last && gap <= STALLED * reach) {
+            if gap <= ROUNDING || (gap >= 0.5 * last && gap <= STALLED) {
                 return self.close_speeds(motion, q, v);
             }
             last = gap;
@@ -219,7 +209,7 @@ impl TreeLoops {
             let m = self.rows.len();
             let column = &mut self.matrix.matrix()[m * r..][..m];
             for (entry, felt) in column.iter_mut().zip(&self.rows) {
-                *entry = felt.difference(|end| end.moved(motion));
+                *entry = felt.rate(motion, |body| motion.accelerations[body]);
             }
         }
         Ok(())
@@ -241,68 +231,65 @@ impl TreeLoops {
     }
 }
 
-impl LoopEnd {
-    fn placed<'m>(&self, motion: &'m TreeMotion) -> Option<(&'m Placed, Vector3<f64>)> {
-        let placed = &motion.placed[self.body?];
-        Some((placed, placed.matrix * self.point))
+impl LoopRow {
+    fn placed(&self, motion: &TreeMotion) -> [Placed; 2] {
+        self.ends.each_ref().map(|end| match end.body {
+            None => end.in_world(),
+            Some(body) => {
+                let at = &motion.placed[body];
+                let arm = end.frame.translation;
+                Placed { rotation: at.rotation, arm, place: at.centre + at.matrix * arm }
+            }
+        })
     }
 
-    fn place(&self, motion: &TreeMotion) -> Vector3<f64> {
-        self.placed(motion).map_or(self.point, |(placed, arm)| placed.centre + arm)
-    }
-
-    fn velocity(&self, motion: &TreeMotion) -> Vector3<f64> {
-        self.placed(motion)
-            .map_or(Vector3::zeros(), |(placed, arm)| placed.twist.outward(&arm).linear)
-    }
-
-    /// Its velocity under the motions that the tree solved for last.
-    fn moved(&self, motion: &TreeMotion) -> Vector3<f64> {
-        let (Some((_, arm)), Some(body)) = (self.placed(motion), self.body) else {
-            return Vector3::zeros();
-        };
-        motion.accelerations[body].outward(&arm).linear
-    }
-
-    fn acceleration(&self, motion: &TreeMotion) -> Vector3<f64> {
-        let circling = self.placed(motion).map_or(Vector3::zeros(), |(placed, arm)| {
-            let w = placed.twist.angular;
-            w.cross(&w.cross(&arm))
-        });
-        self.moved(motion) + circling
-    }
-}
-
-impl Row {
-    fn difference(&self, of: impl Fn(&LoopEnd) -> Vector3<f64>) -> f64 {
-        self.direction.dot(&(of(&self.ends[0]) - of(&self.ends[1])))
+    fn differential(&self, motion: &TreeMotion) -> [Wrench; 2] {
+        self.row.differential(&self.placed(motion))
     }
 
     fn gap(&self, motion: &TreeMotion) -> f64 {
-        self.difference(|end| end.place(motion))
+        self.row.value(&self.placed(motion))
+    }
+
+    /// What a gap is rounded against.
+    fn size(&self, motion: &TreeMotion) -> f64 {
+        let far = |at: Placed| at.place.norm().max(at.arm.norm());
+        self.row.scale(self.placed(motion).map(far).into_iter().fold(0.0, f64::max)).length
+    }
+
+    /// Each body's motion in the row's axes: that of the centre in the world's, turns in the body's.
+    fn local(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> SVector<f64, 12> {
+        along(&self.ends.each_ref().map(|end| match end.body {
+            None => Wrench { force: Vector3::zeros(), torque: Vector3::zeros() },
+            Some(body) => {
+                let Twist { linear, angular } = of(body);
+                Wrench { force: linear, torque: motion.placed[body].matrix.tr_mul(&angular) }
+            }
+        }))
+    }
+
+    fn rate(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> f64 {
+        along(&self.differential(motion)).dot(&self.local(motion, of))
     }
 
     fn speed(&self, motion: &TreeMotion) -> f64 {
-        self.difference(|end| end.velocity(motion))
+        self.rate(motion, |body| motion.placed[body].twist)
     }
 
     fn acceleration(&self, motion: &TreeMotion) -> f64 {
-        self.difference(|end| end.acceleration(motion))
-    }
-
-    /// The length that the gap is rounded against.
-    fn reach(&self, motion: &TreeMotion) -> f64 {
-        let far = self.ends.iter().map(|end| end.place(motion).norm().max(end.point.norm()));
-        self.direction.norm() * far.fold(0.0, f64::max)
+        let mut bend = Local::zeros();
+        self.row.add_hessian(&self.placed(motion), 1.0, &mut bend);
+        let velocity = self.local(motion, |body| motion.placed[body].twist);
+        self.rate(motion, |body| motion.accelerations[body]) + velocity.dot(&(bend * velocity))
     }
 
     /// Sets the tree's bias forces to a unit of this row's force.
     fn push(&self, motion: &mut TreeMotion) {
         motion.forces.fill(SpatialForce::zero());
-        for (end, sign) in self.ends.iter().zip([-1.0, 1.0]) {
-            let (Some((_, arm)), Some(body)) = (end.placed(motion), end.body) else { continue };
-            let force = SpatialForce { force: self.direction * sign, torque: Vector3::zeros() };
-            motion.forces[body] += force.inward(&arm);
+        for (end, Wrench { force, torque }) in self.ends.iter().zip(self.differential(motion)) {
+            let Some(body) = end.body else { continue };
+            let torque = motion.placed[body].matrix * torque;
+            motion.forces[body] += SpatialForce { force: -force, torque: -torque };
         }
     }
 }

@@ -7,8 +7,9 @@ use stationary_integrators::{State, StepError};
 use stationary_rigid::problems::{held_at_a_point, nodding_top, top_on_its_tip, tumbling_box};
 use stationary_rigid::{
     Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, BodySpring, Free, Joint,
-    LieGroup, Orientations, PlanarAttachment, PlanarJoint, PlanarWeight, PointMass, Poses,
-    RigidError, RigidMotion, Rotation, Spun, Weight, apply_impulse, spatial_angular_momentum,
+    JointEnd, JointFault, JointKind, LieGroup, Orientations, PlanarEnd, PlanarJoint,
+    PlanarJointKind, PlanarWeight, PointMass, Poses, RigidError, RigidMotion, Rotation, Spun,
+    Weight, apply_impulse, spatial_angular_momentum,
 };
 
 #[test]
@@ -151,10 +152,10 @@ fn hessian(joint: &impl Constraint, numbers: usize, multipliers: usize) -> Resul
 
 #[test]
 fn joints_refuse_too_few_numbers_and_other_counts_of_values() {
-    let ends = [Attachment::Body(0, Vector3::x()), Attachment::Body(1, Vector3::y())];
-    let hinge = Joint::hinge(Poses, 2, ends, [Vector3::z(); 2]).unwrap();
-    let flat = |body| PlanarAttachment::Body(body, Vector2::x());
-    let weld = PlanarJoint::weld(2, [flat(0), flat(1)], 0.1).unwrap();
+    let ends = [JointEnd::on(0, Vector3::x()), JointEnd::on(1, Vector3::y())];
+    let hinge = Joint::new(Poses, 2, JointKind::Hinge { axis: Vector3::z() }, ends).unwrap();
+    let flat = |body| PlanarEnd::on(body, Vector2::x());
+    let weld = PlanarJoint::new(2, PlanarJointKind::Weld, [flat(0), flat(1).turned(0.1)]).unwrap();
     let what = "the configuration's numbers";
     let short = |expected, got| Err(SizeError { what, expected, got });
     assert_eq!(hinge.value(0.0, &[0.0; 13], &mut [0.0; 5]), short(14, 13));
@@ -171,15 +172,16 @@ fn joints_refuse_too_few_numbers_and_other_counts_of_values() {
 
 #[test]
 fn pins_and_welds_at_numbers_that_are_not_finite_are_refused() {
-    let world = PlanarAttachment::World(Vector2::zeros());
+    let world = PlanarEnd::world(Vector2::zeros());
     for bad in [f64::NAN, f64::INFINITY] {
-        let end = PlanarAttachment::Body(0, Vector2::new(1.0, bad));
+        let end = PlanarEnd::on(0, Vector2::new(1.0, bad));
         for ends in [[world, end], [end, world]] {
-            let error = PlanarJoint::pin(1, ends).unwrap_err();
-            assert!(matches!(error, RigidError::NonFinite { index: 1, .. }), "{error}");
+            let error = PlanarJoint::new(1, PlanarJointKind::Pin, ends).unwrap_err();
+            let RigidError::Joint { fault, .. } = error else { panic!("{error}") };
+            assert!(matches!(fault, JointFault::NotFinite { what: "its point", .. }), "{error}");
         }
-        let good = PlanarAttachment::Body(0, Vector2::x());
-        assert!(PlanarJoint::weld(1, [world, good], bad).is_err());
+        let good = PlanarEnd::on(0, Vector2::x());
+        assert!(PlanarJoint::new(1, PlanarJointKind::Weld, [world, good.turned(bad)]).is_err());
     }
 }
 

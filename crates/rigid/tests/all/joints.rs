@@ -5,29 +5,42 @@ use stationary_calculus::{Covector, Metric, Space, Vector, assert_derivatives_on
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
     ConstrainedHamilton, ConstrainedIntegrator, Constraint, Few, FreeMotion, Pairing, Rattle,
-    Redundancy, Rows, Scale,
+    Redundancy, Rows,
 };
 use stationary_integrators::{State, StepError};
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, Free, FreeBodies,
-    FreeTop, Joint, LieGroup, Orientations, PointMass, Poses, RigidError, RigidMotion, Rotation,
-    Weight, null_space, spatial_angular_momentum,
+    Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, Free, FreeBodies, FreeTop, Joint,
+    JointEnd, JointFault, JointKind, LieGroup, Orientations, PointMass, Poses, RigidError,
+    RigidMotion, Rotation, Weight, null_space, spatial_angular_momentum,
 };
 
 const POINT: Vector3<f64> = Vector3::new(0.1, 0.4, -0.3);
 const OTHER: Vector3<f64> = Vector3::new(-0.2, 0.3, 0.6);
 
-fn all<S: BodySpace>(space: S) -> [Joint<S>; 4] {
-    let between = [Attachment::Body(0, POINT), Attachment::Body(1, OTHER)];
-    let hung = [Attachment::World(OTHER), Attachment::Body(1, POINT)];
-    let frames = [Rotation::exp(POINT), Rotation::exp(-OTHER)];
-    [
-        Joint::ball(space, 2, between).unwrap(),
-        Joint::hinge(space, 2, between, [POINT, OTHER]).unwrap(),
-        Joint::hinge(space, 2, hung, [POINT, OTHER]).unwrap(),
-        Joint::fixed(space, 2, between, frames).unwrap(),
-    ]
+const A: Vector3<f64> = Vector3::new(0.6, 0.0, 0.8);
+const B: Vector3<f64> = Vector3::new(0.3, 1.0, -0.2);
+
+const KINDS: [JointKind; 11] = [
+    JointKind::Weld,
+    JointKind::Hinge { axis: A },
+    JointKind::Slider { axis: A },
+    JointKind::Screw { axis: A, pitch: 0.3 },
+    JointKind::Cylinder { axis: A },
+    JointKind::Universal { axes: [A, B] },
+    JointKind::Planar { axes: [A, B] },
+    JointKind::Ball,
+    JointKind::Rod { length: 0.7 },
+    JointKind::OnLine { axis: A },
+    JointKind::OnCircle { axis: A, radius: 0.4 },
+];
+
+/// Two ends, on two bodies or on one and the world, with frames of their own.
+fn ends() -> [[JointEnd; 2]; 3] {
+    let (turn, other) = (Rotation::exp(POINT), Rotation::exp(-OTHER));
+    let hung = JointEnd::world(OTHER).turned(turn);
+    let second = JointEnd::on(1, OTHER).turned(other);
+    [[JointEnd::on(0, POINT).turned(turn), second], [hung, second], [second, hung]]
 }
 
 #[test]
@@ -39,14 +52,16 @@ fn the_derivatives_of_every_joint_are_right() {
     poses.extend(turns[0].quaternion());
     poses.extend([-0.5, 0.1, 0.3]);
     poses.extend(turns[1].quaternion());
-    for joint in all(Poses) {
-        let multipliers = multipliers[..joint.count()].to_vec();
-        assert_derivatives_on(&Poses, &Pairing::new(joint, multipliers, 0.0).unwrap(), &poses);
-    }
-    for joint in all(Orientations) {
-        let multipliers = multipliers[..joint.count()].to_vec();
-        let pairing = Pairing::new(joint, multipliers, 0.0).unwrap();
-        assert_derivatives_on(&Orientations, &pairing, &orientations);
+    for kind in KINDS {
+        for ends in ends() {
+            let joint = Joint::new(Poses, 2, kind, ends).unwrap();
+            let own = multipliers[..joint.count()].to_vec();
+            assert_derivatives_on(&Poses, &Pairing::new(joint, own, 0.0).unwrap(), &poses);
+            let joint = Joint::new(Orientations, 2, kind, ends).unwrap();
+            let own = multipliers[..joint.count()].to_vec();
+            let pairing = Pairing::new(joint, own, 0.0).unwrap();
+            assert_derivatives_on(&Orientations, &pairing, &orientations);
+        }
     }
 }
 
@@ -57,42 +72,118 @@ impl Rows for Dense {
     }
 }
 
-#[test]
-fn closed_joints_have_full_rank_and_leave_three_one_or_no_freedom_between_the_bodies() {
-    // Bodies put together so that each joint is closed.
-    let closed = |joint: &Joint<Poses>, poses: [RigidMotion; 2]| {
-        let mut q = Vec::new();
-        for pose in poses {
-            q.extend_from_slice(pose.translation.as_slice());
-            q.extend(pose.rotation.quaternion());
-        }
-        let mut g = vec![0.0; joint.count()];
-        joint.value(0.0, &q, &mut g).unwrap();
-        assert!(g.iter().all(|g| g.abs() < 1e-15), "{g:?}");
-        let mut rows = Dense(nalgebra::DMatrix::zeros(joint.count(), 12));
-        joint.differential(0.0, &q, &mut rows).unwrap();
-        null_space(&rows.0).unwrap().ncols()
+/// Poses of two bodies whose ends stand a motion apart: the second's frame, as the first's sees it.
+fn apart(ends: &[JointEnd; 2], motion: &RigidMotion) -> [RigidMotion; 2] {
+    let first = RigidMotion { translation: OTHER, rotation: Rotation::exp(POINT) };
+    let frame = first.compose(&ends[0].frame).compose(motion);
+    [first, frame.compose(&ends[1].frame.inverse())]
+}
+
+fn numbers(poses: [RigidMotion; 2]) -> Vec<f64> {
+    let one = |pose: &RigidMotion| {
+        let [w, x, y, z] = pose.rotation.quaternion();
+        let t = pose.translation;
+        [t.x, t.y, t.z, w, x, y, z]
     };
-    let same = RigidMotion { translation: OTHER, rotation: Rotation::exp(POINT) };
-    let ends = [Attachment::Body(0, POINT), Attachment::Body(1, POINT)];
-    let axes = [OTHER, OTHER];
-    assert_eq!(closed(&Joint::ball(Poses, 2, ends).unwrap(), [same; 2]), 6 + 3);
-    assert_eq!(closed(&Joint::hinge(Poses, 2, ends, axes).unwrap(), [same; 2]), 6 + 1);
-    let frames = [Rotation::identity(); 2];
-    assert_eq!(closed(&Joint::fixed(Poses, 2, ends, frames).unwrap(), [same; 2]), 6);
+    poses.iter().flat_map(one).collect()
+}
+
+/// Motions that the kind leaves free.
+fn left_free(kind: &JointKind) -> Vec<RigidMotion> {
+    let across = A.cross(&B).normalize();
+    let moved = |translation, turn| RigidMotion { translation, rotation: Rotation::exp(turn) };
+    let rest = Vector3::zeros();
+    let some = [0.0, 0.4, -2.9, 3.5, 40.0];
+    let motion = |s: f64| match kind {
+        JointKind::Weld | JointKind::Free => RigidMotion::identity(),
+        JointKind::Hinge { axis } => moved(rest, axis * s),
+        JointKind::Slider { axis } => moved(axis * s, rest),
+        JointKind::Screw { axis, pitch } => moved(axis * (pitch * s), axis * s),
+        JointKind::Cylinder { axis } => moved(axis * s, axis * (2.0 * s)),
+        JointKind::Universal { axes: [a, b] } => {
+            moved(rest, a * s).compose(&moved(rest, b.normalize() * (0.3 * s)))
+        }
+        JointKind::Planar { axes: [a, b] } => moved(a * s + b * (0.2 * s), across * s),
+        JointKind::Ball => moved(rest, POINT * s),
+        JointKind::Rod { length } => moved(POINT.normalize() * *length, OTHER * s),
+        JointKind::OnLine { axis } => moved(axis * s, OTHER * s),
+        JointKind::OnCircle { radius, .. } => {
+            moved(Rotation::exp(A * s).rotate(&(across * *radius)), OTHER * s)
+        }
+    };
+    some.map(motion).to_vec()
 }
 
 #[test]
-fn joints_that_join_nothing_are_refused() {
-    let body = |k| Attachment::Body(k, POINT);
-    let same = Joint::ball(Poses, 2, [body(1), body(1)]);
-    assert!(matches!(same, Err(RigidError::JoinedToItself { .. })));
-    let absent = Joint::ball(Poses, 2, [body(0), body(2)]);
-    assert!(matches!(absent, Err(RigidError::NoSuchBody { body: 2, bodies: 2 })));
-    let axisless = Joint::hinge(Poses, 2, [body(0), body(1)], [POINT, Vector3::zeros()]);
-    assert!(matches!(axisless, Err(RigidError::NoAxis(_))));
-    let nowhere = Attachment::World(Vector3::new(f64::NAN, 0.0, 0.0));
-    assert!(matches!(Joint::ball(Poses, 2, [nowhere, body(0)]), Err(RigidError::NonFinite { .. })));
+fn a_joint_stays_closed_along_the_motions_that_it_leaves_free_and_has_full_rank_there() {
+    for kind in KINDS {
+        for ends in ends().into_iter().take(1) {
+            let joint = Joint::new(Poses, 2, kind, ends).unwrap();
+            assert_eq!(joint.count() + kind.freedoms(), 6, "{kind:?}");
+            for motion in left_free(&kind) {
+                let q = numbers(apart(&ends, &motion));
+                let mut g = vec![0.0; joint.count()];
+                joint.value(0.0, &q, &mut g).unwrap();
+                let reach = 1.0 + motion.translation.norm();
+                assert!(g.iter().all(|g| g.abs() < 4e-15 * reach), "{kind:?} {motion:?}: {g:?}");
+                let mut rows = Dense(nalgebra::DMatrix::zeros(joint.count(), 12));
+                joint.differential(0.0, &q, &mut rows).unwrap();
+                let free = null_space(&rows.0).unwrap().ncols();
+                assert_eq!(free, 6 + kind.freedoms(), "{kind:?} {motion:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_joint_is_open_beside_the_motions_that_it_leaves_free() {
+    for kind in KINDS {
+        let ends = ends()[0];
+        let joint = Joint::new(Poses, 2, kind, ends).unwrap();
+        // Six small motions away from a closed place: as many of them open it as it has rows, at least.
+        let closed = left_free(&kind)[1];
+        let opened = (0..6).filter(|&k| {
+            let mut by = nalgebra::Vector6::zeros();
+            by[k] = 1e-3;
+            let q = numbers(apart(&ends, &closed.compose(&RigidMotion::exp(by))));
+            let mut g = vec![0.0; joint.count()];
+            joint.value(0.0, &q, &mut g).unwrap();
+            g.iter().any(|g| g.abs() > 1e-7)
+        });
+        assert!(opened.count() >= joint.count(), "{kind:?}");
+    }
+}
+
+#[test]
+fn a_joint_that_cannot_be_is_refused_by_its_name_and_its_bodies() {
+    let fault = |kind: JointKind, ends: [JointEnd; 2]| {
+        let error = Joint::new(Poses, 2, kind, ends).unwrap_err();
+        let RigidError::Joint { joint, fault } = error else { panic!("{error}") };
+        assert_eq!(joint.bodies, ends.map(|end| end.body));
+        assert!(error.to_string().starts_with(&format!("{joint}: ")), "{error}");
+        fault
+    };
+    let body = |k| JointEnd::on(k, POINT);
+    let ball = JointKind::Ball;
+    assert_eq!(fault(ball, [body(1), body(1)]), JointFault::ToItself);
+    assert_eq!(fault(ball, [JointEnd::world(POINT); 2]), JointFault::ToItself);
+    let absent = JointFault::NoSuchBody { body: 2, bodies: 2 };
+    assert_eq!(fault(ball, [body(0), body(2)]), absent);
+    let two = [body(0), body(1)];
+    let axisless = fault(JointKind::Hinge { axis: Vector3::zeros() }, two);
+    assert_eq!(axisless, JointFault::NoAxis([0.0; 3]));
+    let parallel = fault(JointKind::Planar { axes: [A, A * -2.0] }, two);
+    assert!(matches!(parallel, JointFault::Parallel(_)));
+    let endless = fault(JointKind::Screw { axis: A, pitch: f64::INFINITY }, two);
+    assert!(matches!(endless, JointFault::NotFinite { what: "the pitch", .. }));
+    let short = fault(JointKind::Rod { length: -0.1 }, two);
+    assert_eq!(short, JointFault::NotPositive { what: "the length", value: -0.1 });
+    let point = fault(JointKind::OnCircle { axis: A, radius: 0.0 }, two);
+    assert_eq!(point, JointFault::NotPositive { what: "the radius", value: 0.0 });
+    let nowhere = JointEnd::world(Vector3::new(f64::NAN, 0.0, 0.0));
+    assert!(matches!(fault(ball, [nowhere, body(0)]), JointFault::NotFinite { .. }));
+    let hinge = Joint::new(Poses, 2, JointKind::Hinge { axis: A }, ends()[1]).unwrap();
+    assert_eq!(hinge.name().to_string(), "hinge between the world and body 1");
 }
 
 #[test]
@@ -114,9 +205,9 @@ fn a_box_on_a_hinge_swings_as_a_physical_pendulum_with_order_two() {
     let load = PointMass { mass: body.mass(), point: Vector3::zeros() };
     let gravity = Vector3::z() * -GRAVITY;
     let system = metric.under(Weight { gravity, masses: vec![load], space: Poses }).unwrap();
-    let tip = Attachment::Body(0, Vector3::z() * ARM);
-    let ends = [Attachment::World(Vector3::zeros()), tip];
-    let hinge = Joint::hinge(Poses, 1, ends, [Vector3::y(); 2]).unwrap();
+    let tip = JointEnd::on(0, Vector3::z() * ARM);
+    let ends = [JointEnd::world(Vector3::zeros()), tip];
+    let hinge = Joint::new(Poses, 1, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
     let mut points = Vec::new();
     for steps in [200_u32, 400, 800] {
         let h = exact.period / omega / f64::from(steps);
@@ -150,8 +241,8 @@ fn two_cubes_fixed_to_each_other_keep_their_pose_and_their_angular_momentum() {
     };
     let initial: State<Vec<f64>> = metric.state(&[motion(-1.0), motion(1.0)]).unwrap();
     let system = metric.under(Free { freedoms: 12 }).unwrap();
-    let ends = [Attachment::Body(0, half), Attachment::Body(1, -half)];
-    let fixed = Joint::fixed(Poses, 2, ends, [Rotation::identity(); 2]).unwrap();
+    let ends = [JointEnd::on(0, half), JointEnd::on(1, -half)];
+    let fixed = Joint::new(Poses, 2, JointKind::Weld, ends).unwrap();
     let choice = Few::<6>(Redundancy::Refuse);
     let mut rattle =
         Rattle::along(FreeBodies(ConstantVelocity), &system, fixed, &initial, choice).unwrap();
@@ -204,8 +295,8 @@ fn along_straight_motions_bodies_of_unequal_moments_would_lose_their_gyroscopic_
     let motion = BodyMotion { pose, velocity: Vector3::zeros(), angular_velocity: w };
     let initial = metric.state(&[motion]).unwrap();
     let system = metric.under(Free { freedoms: 6 }).unwrap();
-    let ends = [Attachment::World(Vector3::zeros()), Attachment::Body(0, Vector3::zeros())];
-    let joint = Joint::ball(Poses, 1, ends).unwrap();
+    let ends = [JointEnd::world(Vector3::zeros()), JointEnd::on(0, Vector3::zeros())];
+    let joint = Joint::new(Poses, 1, JointKind::Ball, ends).unwrap();
     let top = FreeTop::new(body, Rotation::identity(), w).unwrap();
     let few = || Few::<3>(Redundancy::Refuse);
     let off = |rattle: &mut dyn ConstrainedIntegrator<Vec<f64>>| {
@@ -224,14 +315,16 @@ fn along_straight_motions_bodies_of_unequal_moments_would_lose_their_gyroscopic_
 }
 
 #[test]
-fn a_point_that_is_off_is_measured_by_the_longer_arm() {
-    let length = POINT.norm().max(OTHER.norm());
-    for joint in all(Poses) {
-        let hung = joint == all(Poses)[2];
-        let arm = if hung { POINT.norm() } else { length };
-        for row in 0..joint.count() {
-            let expected = Scale { slope: 1.0, length: if row < 3 { arm } else { 1.0 } };
-            assert_eq!(joint.scale(row), expected, "{joint:?} {row}");
-        }
+fn a_point_that_is_off_is_measured_by_the_longer_arm_and_an_angle_by_its_cosine() {
+    let longer = POINT.norm().max(OTHER.norm());
+    for (ends, arm) in ends().into_iter().zip([longer, OTHER.norm(), OTHER.norm()]) {
+        let scales = |kind: JointKind| {
+            let joint = Joint::new(Poses, 2, kind, ends).unwrap();
+            (0..joint.count()).map(|row| joint.scale(row).length).collect::<Vec<_>>()
+        };
+        assert_eq!(scales(JointKind::Hinge { axis: A }), [arm, arm, arm, 1.0, 1.0]);
+        assert_eq!(scales(JointKind::Rod { length: 9.0 }), [9.0]);
+        assert_eq!(scales(JointKind::Screw { axis: A, pitch: -5.0 })[4], 5.0);
+        assert_eq!(scales(JointKind::OnLine { axis: A }), [arm, arm]);
     }
 }

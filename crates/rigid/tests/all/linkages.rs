@@ -9,9 +9,9 @@ use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Red
 use stationary_integrators::State;
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, FourBar, FreeBodies,
-    Joint, LieGroup, PlanarAttachment, PlanarJoint, PlanarMass, PlanarWeight, PointMass, Poses,
-    RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodyMotion, BodySpace, ConstantVelocity, FourBar, FreeBodies, Joint,
+    JointEnd, JointKind, LieGroup, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarMass,
+    PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 const GRAVITY: f64 = 9.81;
@@ -73,10 +73,10 @@ fn a_pendulum_of_two_boxes_swings_as_lagranges_equations_say_in_space_and_in_the
     let masses = vec![PointMass { mass: 1.0, point: Vector3::zeros() }; 2];
     let gravity = Vector3::z() * -GRAVITY;
     let system = metric.under(Weight { gravity, masses, space: Poses }).unwrap();
-    let up = |k: usize| Attachment::Body(k, Vector3::z() * arms[k]);
-    let foot = Attachment::Body(0, Vector3::z() * -arms[0]);
-    let hinge = |ends| Joint::hinge(Poses, 2, ends, [Vector3::y(); 2]).unwrap();
-    let joints = vec![hinge([Attachment::World(Vector3::zeros()), up(0)]), hinge([foot, up(1)])];
+    let up = |k: usize| JointEnd::on(k, Vector3::z() * arms[k]);
+    let foot = JointEnd::on(0, Vector3::z() * -arms[0]);
+    let hinge = |ends| Joint::new(Poses, 2, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
+    let joints = vec![hinge([JointEnd::world(Vector3::zeros()), up(0)]), hinge([foot, up(1)])];
     let in_space = |steps: u32| {
         let motion = FreeBodies(ConstantVelocity);
         let mut rattle = Rattle::along(motion, &system, &joints, &initial, few::<10>()).unwrap();
@@ -97,10 +97,15 @@ fn a_pendulum_of_two_boxes_swings_as_lagranges_equations_say_in_space_and_in_the
     let flat = System::new(metric, weight).unwrap();
     let q = (0..2).flat_map(|k| [centres[k].x, centres[k].z, start[k]]).collect::<Vec<_>>();
     let start = State::new(q, Covector(vec![0.0; 6]));
-    let body = |k: usize, side: f64| PlanarAttachment::Body(k, Vector2::y() * (side * arms[k]));
+    let body = |k: usize, side: f64| PlanarEnd::on(k, Vector2::y() * (side * arms[k]));
     let pins = vec![
-        PlanarJoint::pin(2, [PlanarAttachment::World(Vector2::zeros()), body(0, 1.0)]).unwrap(),
-        PlanarJoint::pin(2, [body(0, -1.0), body(1, 1.0)]).unwrap(),
+        PlanarJoint::new(
+            2,
+            PlanarJointKind::Pin,
+            [PlanarEnd::world(Vector2::zeros()), body(0, 1.0)],
+        )
+        .unwrap(),
+        PlanarJoint::new(2, PlanarJointKind::Pin, [body(0, -1.0), body(1, 1.0)]).unwrap(),
     ];
     let in_the_plane = |steps: u32| {
         let mut rattle = Rattle::new(&flat, &pins, &start, few::<4>()).unwrap();
@@ -194,13 +199,13 @@ fn a_four_bar_linkage_of_bodies_takes_the_time_of_a_revolution_that_energy_gives
     let gravity = Vector3::y() * -GRAVITY;
     let system = metric.under(Weight { gravity, masses: loads, space: Poses }).unwrap();
     let [a, b, c, d] = LINKAGE.lengths.map(|length| Vector3::x() * length);
-    let body = |k: usize, point: Vector3<f64>| Attachment::Body(k, point / 2.0);
-    let hinge = |ends| Joint::hinge(Poses, 3, ends, [Vector3::z(); 2]).unwrap();
+    let body = |k: usize, point: Vector3<f64>| JointEnd::on(k, point / 2.0);
+    let hinge = |ends| Joint::new(Poses, 3, JointKind::Hinge { axis: Vector3::z() }, ends).unwrap();
     let hinges = vec![
-        hinge([Attachment::World(Vector3::zeros()), body(0, -a)]),
+        hinge([JointEnd::world(Vector3::zeros()), body(0, -a)]),
         hinge([body(0, a), body(1, -b)]),
         hinge([body(1, b), body(2, c)]),
-        hinge([body(2, -c), Attachment::World(d)]),
+        hinge([body(2, -c), JointEnd::world(d)]),
     ];
     let in_space = |h: f64| {
         let choice = Few::<20>(Redundancy::LeastNorm);

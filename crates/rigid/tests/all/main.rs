@@ -13,6 +13,7 @@ mod lie_groups;
 mod linkages;
 mod manifolds;
 mod planar;
+mod planar_joints;
 mod shapes;
 mod symmetries;
 mod tree;

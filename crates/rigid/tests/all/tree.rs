@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use stationary_measure::SplitMix64;
-use stationary_rigid::tree::{Tree, TreeBuilder, TreeForces, TreeJoint, TreeMotion};
-use stationary_rigid::{Body, LieGroup, RigidMotion, Rotation};
+use stationary_rigid::tree::{Tree, TreeBuilder, TreeForces, TreeMotion};
+use stationary_rigid::{Body, JointKind, LieGroup, RigidMotion, Rotation};
 
 /// What hangs from what.
 #[derive(Clone, Copy, Debug)]
@@ -25,24 +25,24 @@ fn below(random: &mut SplitMix64, n: usize) -> usize {
     (random.bits() % n as u64) as usize
 }
 
-fn joint(random: &mut SplitMix64) -> TreeJoint {
+fn joint(random: &mut SplitMix64) -> JointKind {
     let axis = vector(random);
     let axes = [axis, vector(random)];
     match below(random, 9) {
-        0 => TreeJoint::Weld,
-        1 => TreeJoint::Hinge { axis },
-        2 => TreeJoint::Slider { axis },
-        3 => TreeJoint::Screw { axis, pitch: random.symmetric() },
-        4 => TreeJoint::Cylinder { axis },
-        5 => TreeJoint::Universal { axes },
-        6 => TreeJoint::Planar { axes },
-        7 => TreeJoint::Ball,
-        _ => TreeJoint::Free,
+        0 => JointKind::Weld,
+        1 => JointKind::Hinge { axis },
+        2 => JointKind::Slider { axis },
+        3 => JointKind::Screw { axis, pitch: random.symmetric() },
+        4 => JointKind::Cylinder { axis },
+        5 => JointKind::Universal { axes },
+        6 => JointKind::Planar { axes },
+        7 => JointKind::Ball,
+        _ => JointKind::Free,
     }
 }
 
 /// Boxes whose masses differ by up to a factor of a million.
-pub fn tree(random: &mut SplitMix64, bodies: usize, shape: Shape, root: TreeJoint) -> Tree {
+pub fn tree(random: &mut SplitMix64, bodies: usize, shape: Shape, root: JointKind) -> Tree {
     let mut builder = TreeBuilder::default();
     for body in 0..bodies {
         let parent = match shape {
@@ -73,7 +73,7 @@ fn each(trees: u64, largest: usize, mut see: impl FnMut(&mut SplitMix64, Tree)) 
         let mut random = SplitMix64::new(seed);
         let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
         let bodies = if seed < 3 { largest } else { 1 + below(&mut random, largest) };
-        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let root = if seed % 2 == 0 { JointKind::Free } else { JointKind::Ball };
         let tree = tree(&mut random, bodies, shape, root);
         see(&mut random, tree);
     }
@@ -160,7 +160,7 @@ fn forward_dynamics_solves_the_mass_matrix_and_inverse_dynamics_multiplies_by_it
 #[test]
 fn momenta_of_a_free_tree_change_as_the_outer_forces_say_and_its_energy_as_their_power_does() {
     each(60, 12, |random, tree| {
-        let tree = if tree.joint(0).unwrap().0 == &TreeJoint::Free { tree } else { return };
+        let tree = if tree.joint(0).unwrap().0 == &JointKind::Free { tree } else { return };
         let (q, v) = somewhere(random, &tree);
         let n = tree.speeds();
         let mut motion = TreeMotion::new(tree);
@@ -211,14 +211,14 @@ fn momenta_of_a_free_tree_change_as_the_outer_forces_say_and_its_energy_as_their
 }
 
 /// The same mechanism with compound joints, and with simple ones in a row.
-fn compound(random: &mut SplitMix64, whole: TreeJoint, parts: &[TreeJoint]) -> [Tree; 2] {
+fn compound(random: &mut SplitMix64, whole: JointKind, parts: &[JointKind]) -> [Tree; 2] {
     let frames = [motion(random), motion(random)];
     let (first, second) = (motion(random), motion(random));
     let body = Body::solid_box(1.3, [0.1, 0.2, 0.3]).unwrap();
     let here = RigidMotion::identity();
     [&[whole][..], parts].map(|joints| {
         let mut builder = TreeBuilder::default();
-        let hinge = TreeJoint::Hinge { axis: Vector3::new(0.0, 1.0, 1.0) };
+        let hinge = JointKind::Hinge { axis: Vector3::new(0.0, 1.0, 1.0) };
         let mut parent = builder.hang(None, hinge, [first, second], body);
         for (k, joint) in joints.iter().enumerate() {
             let before = if k == 0 { frames[0] } else { here };
@@ -235,11 +235,11 @@ fn compound(random: &mut SplitMix64, whole: TreeJoint, parts: &[TreeJoint]) -> [
 fn compound_joints_move_as_simple_ones_in_a_row_with_frames_without_mass_between_them() {
     let mut random = SplitMix64::new(7);
     let (a, b) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(0.0, 1.0, 0.3).normalize());
-    let (hinge, slider) = (|axis| TreeJoint::Hinge { axis }, |axis| TreeJoint::Slider { axis });
+    let (hinge, slider) = (|axis| JointKind::Hinge { axis }, |axis| JointKind::Slider { axis });
     let cases = [
-        (TreeJoint::Cylinder { axis: a }, vec![slider(a), hinge(a)]),
-        (TreeJoint::Universal { axes: [a, b] }, vec![hinge(a), hinge(b)]),
-        (TreeJoint::Planar { axes: [a, b] }, vec![slider(a), slider(b), hinge(a.cross(&b))]),
+        (JointKind::Cylinder { axis: a }, vec![slider(a), hinge(a)]),
+        (JointKind::Universal { axes: [a, b] }, vec![hinge(a), hinge(b)]),
+        (JointKind::Planar { axes: [a, b] }, vec![slider(a), slider(b), hinge(a.cross(&b))]),
     ];
     for (whole, parts) in cases {
         let trees = compound(&mut random, whole, &parts);
@@ -254,7 +254,7 @@ fn compound_joints_move_as_simple_ones_in_a_row_with_frames_without_mass_between
         });
         let pairs = accelerations[0].iter().zip(&accelerations[1]);
         let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-12 * largest(&accelerations[0]), "{}: {off:e}", whole.kind());
+        assert!(off < 1e-12 * largest(&accelerations[0]), "{}: {off:e}", whole.name());
     }
 }
 
@@ -263,7 +263,7 @@ fn a_body_on_a_screw_falls_with_the_inertia_that_its_pitch_adds() {
     let (mass, pitch) = (2.0, 0.1);
     let body = Body::new(mass, [0.3, 0.4, 0.5]).unwrap();
     let mut builder = TreeBuilder::default();
-    let joint = TreeJoint::Screw { axis: Vector3::z() * 5.0, pitch };
+    let joint = JointKind::Screw { axis: Vector3::z() * 5.0, pitch };
     builder.hang(None, joint, [RigidMotion::identity(); 2], body);
     let tree = builder.build().unwrap();
     let weight = TreeForces::weight(&tree, Vector3::z() * -9.81).unwrap();
@@ -279,7 +279,7 @@ fn a_body_on_a_screw_falls_with_the_inertia_that_its_pitch_adds() {
 #[test]
 fn the_algorithms_allocate_nothing() {
     let mut random = SplitMix64::new(3);
-    let tree = tree(&mut random, 20, Shape::Any, TreeJoint::Free);
+    let tree = tree(&mut random, 20, Shape::Any, JointKind::Free);
     let (q, v) = somewhere(&mut random, &tree);
     let n = tree.speeds();
     let weight = TreeForces::weight(&tree, Vector3::z() * -9.81).unwrap();
@@ -304,8 +304,8 @@ fn a_tree_a_million_metres_away_loses_no_digits() {
         let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
         let at = |translation| RigidMotion { translation, rotation: Rotation::identity() };
         let arm = Vector3::new(0.2, -0.1, 0.3);
-        builder.hang(None, TreeJoint::Ball, [at(Vector3::x() * far), at(arm)], body);
-        builder.hang(Some(0), TreeJoint::Ball, [at(-arm), at(arm)], body);
+        builder.hang(None, JointKind::Ball, [at(Vector3::x() * far), at(arm)], body);
+        builder.hang(Some(0), JointKind::Ball, [at(-arm), at(arm)], body);
         let tree = builder.build().unwrap();
         let weight = TreeForces::weight(&tree, Vector3::z() * -9.81).unwrap();
         let mut q = tree.rest();

@@ -3,21 +3,21 @@
 use nalgebra::Vector3;
 use stationary_integrators::{Integrator, StepError};
 use stationary_rigid::tree::{
-    Tree, TreeBuilder, TreeError, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
+    Tree, TreeBuilder, TreeError, TreeField, TreeForces, TreeMotion, TreeVariational,
 };
-use stationary_rigid::{Body, LieGroup, RigidMotion};
+use stationary_rigid::{Body, JointFault, JointKind, LieGroup, RigidMotion};
 
 const HERE: fn() -> [RigidMotion; 2] = || [RigidMotion::identity(); 2];
-const HINGE: TreeJoint = TreeJoint::Hinge { axis: Vector3::new(0.0, 0.0, 1.0) };
+const HINGE: JointKind = JointKind::Hinge { axis: Vector3::new(0.0, 0.0, 1.0) };
 
 fn body() -> Body {
     Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap()
 }
 
 /// Two bodies, the second on the given joint.
-fn second(parent: Option<usize>, joint: TreeJoint) -> Result<Tree, TreeError> {
+fn second(parent: Option<usize>, joint: JointKind) -> Result<Tree, TreeError> {
     let mut builder = TreeBuilder::default();
-    builder.hang(None, TreeJoint::Ball, HERE(), body());
+    builder.hang(None, JointKind::Ball, HERE(), body());
     builder.hang(parent, joint, HERE(), body());
     builder.build()
 }
@@ -40,24 +40,37 @@ fn absent_parents_and_circles_are_refused_by_the_name_of_the_joint() {
 fn axes_without_direction_and_parallel_axes_are_refused() {
     for axis in [Vector3::zeros(), Vector3::new(0.0, f64::NAN, 1.0), Vector3::x() * f64::INFINITY] {
         for joint in [
-            TreeJoint::Hinge { axis },
-            TreeJoint::Slider { axis },
-            TreeJoint::Screw { axis, pitch: 1.0 },
-            TreeJoint::Cylinder { axis },
-            TreeJoint::Universal { axes: [Vector3::x(), axis] },
-            TreeJoint::Planar { axes: [axis, Vector3::x()] },
+            JointKind::Hinge { axis },
+            JointKind::Slider { axis },
+            JointKind::Screw { axis, pitch: 1.0 },
+            JointKind::Cylinder { axis },
+            JointKind::Universal { axes: [Vector3::x(), axis] },
+            JointKind::Planar { axes: [axis, Vector3::x()] },
         ] {
             let error = second(Some(0), joint).unwrap_err();
-            assert!(matches!(error, TreeError::NoAxis { .. }), "{error}");
-            assert!(error.to_string().contains(joint.kind()), "{error}");
+            let axisless = |fault| matches!(fault, JointFault::NoAxis(_));
+            assert!(matches!(error, TreeError::Joint { fault, .. } if axisless(fault)), "{error}");
+            assert!(error.to_string().contains(joint.name()), "{error}");
         }
     }
-    let parallel = TreeJoint::Universal { axes: [Vector3::x(), Vector3::x() * -3.0] };
-    assert!(matches!(second(Some(0), parallel), Err(TreeError::ParallelAxes { .. })));
-    let screw = TreeJoint::Screw { axis: Vector3::x(), pitch: f64::NAN };
-    assert!(matches!(second(Some(0), screw), Err(TreeError::Placed { what: "the pitch", .. })));
+    let parallel = JointKind::Universal { axes: [Vector3::x(), Vector3::x() * -3.0] };
+    let fault = |joint| match second(Some(0), joint) {
+        Err(TreeError::Joint { fault, .. }) => fault,
+        other => panic!("{other:?}"),
+    };
+    assert!(matches!(fault(parallel), JointFault::Parallel(_)));
+    let screw = JointKind::Screw { axis: Vector3::x(), pitch: f64::NAN };
+    assert!(matches!(fault(screw), JointFault::NotFinite { what: "the pitch", .. }));
+    // By a rod, or on a curve, nothing hangs.
+    for joint in [
+        JointKind::Rod { length: 1.0 },
+        JointKind::OnLine { axis: Vector3::x() },
+        JointKind::OnCircle { axis: Vector3::x(), radius: 1.0 },
+    ] {
+        assert_eq!(fault(joint), JointFault::RowsOnly);
+    }
     // An axis may have any length.
-    let tiny = TreeJoint::Hinge { axis: Vector3::x() * 1e-300 };
+    let tiny = JointKind::Hinge { axis: Vector3::x() * 1e-300 };
     assert!(second(Some(0), tiny).is_ok());
 }
 
@@ -67,7 +80,8 @@ fn a_frame_that_is_not_finite_is_refused() {
     let nowhere = RigidMotion { translation: Vector3::x() * f64::NAN, ..RigidMotion::identity() };
     builder.hang(None, HINGE, [RigidMotion::identity(), nowhere], body());
     let error = builder.build().unwrap_err();
-    assert!(matches!(error, TreeError::Placed { what: "the frame on the body", .. }), "{error}");
+    let TreeError::Joint { fault, .. } = error else { panic!("{error}") };
+    assert!(matches!(fault, JointFault::NotFinite { what: "the frame on the body", .. }));
 }
 
 #[test]
@@ -80,7 +94,7 @@ fn a_joint_that_moves_no_mass_is_refused_when_it_is_built_or_where_it_is_met() {
     // A frame that is welded on moves nothing.
     let mut builder = TreeBuilder::default();
     builder.hang(None, HINGE, HERE(), body());
-    builder.hang_frame(Some(0), TreeJoint::Weld, HERE());
+    builder.hang_frame(Some(0), JointKind::Weld, HERE());
     assert!(builder.build().is_ok());
     // Two hinges in one line: the frame between them is turned by no force.
     let mut builder = TreeBuilder::default();

@@ -5,9 +5,11 @@ use std::f64::consts::TAU;
 use nalgebra::{Vector2, Vector3};
 use stationary_integrators::{AdaptiveMethod, DormandPrince853, Moment, Tolerance};
 use stationary_rigid::tree::{
-    LoopEnd, Tree, TreeBuilder, TreeError, TreeField, TreeForces, TreeJoint, TreeLoops, TreeMotion,
+    Tree, TreeBuilder, TreeError, TreeField, TreeForces, TreeLoops, TreeMotion,
 };
-use stationary_rigid::{Body, FourBar, LieGroup, RigidMotion, Rotation};
+use stationary_rigid::{
+    Body, FourBar, JointEnd, JointFault, JointKind, LieGroup, RigidMotion, Rotation,
+};
 
 const LINKAGE: FourBar =
     FourBar { lengths: [0.2, 0.5, 0.4, 0.5], density: 2.0, gravity: Vector2::new(0.0, -9.81) };
@@ -22,16 +24,17 @@ fn linkage() -> (Tree, TreeLoops) {
     let [a, b, c, d] = LINKAGE.lengths;
     let (masses, moments) = (LINKAGE.masses(), LINKAGE.moments());
     let bar = |k: usize| Body::new(masses[k], [0.01 * moments[k], moments[k], moments[k]]).unwrap();
-    let hinge = TreeJoint::Hinge { axis: Vector3::z() };
+    let hinge = JointKind::Hinge { axis: Vector3::z() };
     let mut builder = TreeBuilder::default();
     let crank = builder.hang(None, hinge, [at(0.0), at(-a / 2.0)], bar(0));
     let coupler = builder.hang(Some(crank), hinge, [at(a / 2.0), at(-b / 2.0)], bar(1));
     let follower = builder.hang(None, hinge, [at(d), at(-c / 2.0)], bar(2));
     let tree = builder.build().unwrap();
     let mut loops = TreeLoops::new(&tree);
-    let end =
-        |body, length: f64| LoopEnd { body: Some(body), point: Vector3::x() * (length / 2.0) };
-    loops.join(&tree, [end(coupler, b), end(follower, c)], &[Vector3::x(), Vector3::y()]).unwrap();
+    let end = |body, length: f64| JointEnd::on(body, Vector3::x() * (length / 2.0));
+    // The hinges hold everything out of their plane already.
+    let pin = JointKind::OnLine { axis: Vector3::z() };
+    loops.join(&tree, pin, [end(coupler, b), end(follower, c)]).unwrap();
     (tree, loops)
 }
 
@@ -114,9 +117,10 @@ fn the_multipliers_are_the_forces_that_hold_the_loop() {
     motion.place(&q, &v).unwrap();
     let mut held = [0.0; 3];
     loops.forward_dynamics(&mut motion, &weight, &mut held).unwrap();
-    // The same forces, given to the open tree.
-    let [x, y] = [loops.multipliers()[0], loops.multipliers()[1]];
-    let force = Vector3::new(x, y, 0.0);
+    // The same forces, given to the open tree: along two directions of the coupler, across the axis.
+    let turned = motion.pose(1).unwrap().rotation;
+    let across = [Vector3::y(), -Vector3::x()].map(|across| turned.rotate(&across));
+    let force = across[0] * loops.multipliers()[0] + across[1] * loops.multipliers()[1];
     let mut forces = weight.clone();
     let tip = |length: f64| Vector3::x() * (length / 2.0);
     forces.add_force(&motion, 1, &tip(LINKAGE.lengths[1]), force).unwrap();
@@ -133,9 +137,10 @@ fn rows_that_hold_the_same_and_loops_that_cannot_close_are_refused() {
     let (mut q, mut v) = start();
     let mut motion = TreeMotion::new(tree.clone());
     // Out of the plane the hinges hold already.
-    let ends = [1, 2].map(|body| LoopEnd { body: Some(body), point: Vector3::zeros() });
-    let mut redundant = loops.clone();
-    redundant.join(&tree, ends, &[Vector3::z()]).unwrap();
+    let [_, b, c, _] = LINKAGE.lengths;
+    let ends = [(1, b), (2, c)].map(|(k, length)| JointEnd::on(k, Vector3::x() * (length / 2.0)));
+    let mut redundant = TreeLoops::new(&tree);
+    redundant.join(&tree, JointKind::Ball, ends).unwrap();
     let error = redundant.close(&mut motion, &mut q, &mut v).unwrap_err();
     assert!(matches!(error, TreeError::DependentLoops { rows: 3 }), "{error}");
     let weight = TreeForces::weight(&tree, Vector3::y()).unwrap();
@@ -143,12 +148,14 @@ fn rows_that_hold_the_same_and_loops_that_cannot_close_are_refused() {
     let error = redundant.forward_dynamics(&mut motion, &weight, &mut [0.0; 3]).unwrap_err();
     assert!(matches!(error, TreeError::DependentLoops { rows: 3 }), "{error}");
     // A point out of reach.
-    let far = LoopEnd { body: None, point: Vector3::x() * 10.0 };
-    let tip = LoopEnd { body: Some(0), point: Vector3::zeros() };
-    loops.join(&tree, [tip, far], &[Vector3::x()]).unwrap();
+    let far = JointEnd::world(Vector3::x() * 10.0);
+    let tip = JointEnd::on(0, Vector3::zeros());
+    loops.join(&tree, JointKind::Rod { length: 1.0 }, [tip, far]).unwrap();
     assert!(loops.close(&mut motion, &mut q, &mut v).is_err());
-    let absent = LoopEnd { body: Some(9), point: Vector3::zeros() };
-    assert!(matches!(loops.join(&tree, [tip, absent], &[]), Err(TreeError::NoSuchBody { .. })));
+    let absent = JointEnd::on(9, Vector3::zeros());
+    let error = loops.join(&tree, JointKind::Ball, [tip, absent]).unwrap_err();
+    let fault = JointFault::NoSuchBody { body: 9, bodies: 3 };
+    assert!(matches!(error, TreeError::Loop { fault: it, .. } if it == fault), "{error}");
 }
 
 #[test]

@@ -13,10 +13,10 @@ use stationary_integrators::{
 use stationary_measure::{SplitMix64, loglog_slope};
 use stationary_rigid::problems::thrown_boxes;
 use stationary_rigid::tree::{
-    Tree, TreeBuilder, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
+    Tree, TreeBuilder, TreeField, TreeForces, TreeMotion, TreeVariational,
 };
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, FreeTop, Joint,
+    Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, FreeTop, Joint, JointEnd, JointKind,
     LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
@@ -70,7 +70,7 @@ fn bar() -> (Tree, f64) {
     let half = 0.4;
     let body = Body::solid_box(2.0, [0.03, 0.05, half]).unwrap();
     let mut builder = TreeBuilder::default();
-    let joint = TreeJoint::Hinge { axis: -Vector3::y() };
+    let joint = JointKind::Hinge { axis: -Vector3::y() };
     builder.hang(None, joint, [RigidMotion::identity(), at(Vector3::z() * half)], body);
     let inertia = body.moments().y + 2.0 * half * half;
     (builder.build().unwrap(), (2.0 * 9.81 * half / inertia).sqrt())
@@ -103,7 +103,7 @@ fn a_free_body_turns_as_the_free_top_in_closed_form_and_flies_straight() {
     let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
     let (w, velocity) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 2.0));
     let mut builder = TreeBuilder::default();
-    builder.hang(None, TreeJoint::Free, [RigidMotion::identity(); 2], body);
+    builder.hang(None, JointKind::Free, [RigidMotion::identity(); 2], body);
     let tree = builder.build().unwrap();
     let (q, v) = (tree.rest(), [velocity.as_slice(), w.as_slice()].concat());
     let top = FreeTop::new(body, Rotation::identity(), w).unwrap();
@@ -138,7 +138,7 @@ fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
     let bodies: Vec<Body> = (0..n)
         .map(|k| Body::solid_box(1.0 + 0.3 * k as f64, [0.05, 0.08, HALF]).unwrap())
         .collect();
-    let joint = axis.map_or(TreeJoint::Ball, |axis| TreeJoint::Hinge { axis });
+    let joint = axis.map_or(JointKind::Ball, |axis| JointKind::Hinge { axis });
     let (top, foot) = (Vector3::z() * HALF, -Vector3::z() * HALF);
     let mut builder = TreeBuilder::default();
     let mut joints = Vec::new();
@@ -146,11 +146,11 @@ fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
         let parent = k.checked_sub(1);
         let before = if k == 0 { Vector3::zeros() } else { foot };
         builder.hang(parent, joint, [at(before), at(top)], *body);
-        let up = parent.map_or(Attachment::World(before), |p| Attachment::Body(p, before));
-        let ends = [up, Attachment::Body(k, top)];
+        let up = parent.map_or(JointEnd::world(before), |p| JointEnd::on(p, before));
+        let ends = [up, JointEnd::on(k, top)];
         joints.push(match axis {
-            None => Joint::ball(Poses, n, ends).unwrap(),
-            Some(axis) => Joint::hinge(Poses, n, ends, [axis; 2]).unwrap(),
+            None => Joint::new(Poses, n, JointKind::Ball, ends).unwrap(),
+            Some(axis) => Joint::new(Poses, n, JointKind::Hinge { axis }, ends).unwrap(),
         });
     }
     Both { tree: builder.build().unwrap(), bodies, joints }
@@ -233,8 +233,8 @@ fn boxes() -> (Tree, Vec<f64>, Vec<f64>) {
     let bodies = problem.system.metric().bodies();
     let widths = [0.1, 0.2, 0.15];
     let mut builder = TreeBuilder::default();
-    builder.hang(None, TreeJoint::Free, [RigidMotion::identity(); 2], bodies[0]);
-    let joints = [TreeJoint::Ball, TreeJoint::Hinge { axis: Vector3::y() }];
+    builder.hang(None, JointKind::Free, [RigidMotion::identity(); 2], bodies[0]);
+    let joints = [JointKind::Ball, JointKind::Hinge { axis: Vector3::y() }];
     for (k, joint) in joints.into_iter().enumerate() {
         let frames = [at(Vector3::x() * widths[k]), at(-Vector3::x() * widths[k + 1])];
         builder.hang(Some(k), joint, frames, bodies[k + 1]);
@@ -322,7 +322,7 @@ fn energy_is_kept_by_the_adaptive_method_on_random_trees() {
     for seed in 0..40 {
         let mut random = SplitMix64::new(1_000 + seed);
         let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
-        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let root = if seed % 2 == 0 { JointKind::Free } else { JointKind::Ball };
         let tree = tree(&mut random, 1 + seed as usize % 8, shape, root);
         let (q, v) = somewhere(&mut random, &tree);
         let end = end(&tree, GRAVITY, &q, &v, 0.2, 1e-11);
@@ -387,7 +387,7 @@ fn every_adaptive_method_runs_a_tree_to_the_same_end() {
 #[test]
 fn accelerations_do_not_depend_on_the_length_of_quaternions() {
     let mut random = SplitMix64::new(5);
-    let tree = tree(&mut random, 6, Shape::Chain, TreeJoint::Free);
+    let tree = tree(&mut random, 6, Shape::Chain, JointKind::Free);
     let (q, v) = somewhere(&mut random, &tree);
     let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
     let field = TreeField::new(tree.clone(), weight).unwrap();
@@ -395,7 +395,7 @@ fn accelerations_do_not_depend_on_the_length_of_quaternions() {
     let mut stretched = q.clone();
     for body in 0..tree.bodies() {
         let range = tree.coordinates_of(body).unwrap();
-        if matches!(tree.joint(body).unwrap().0, TreeJoint::Ball | TreeJoint::Free) {
+        if matches!(tree.joint(body).unwrap().0, JointKind::Ball | JointKind::Free) {
             stretched[range.end - 4..range.end].iter_mut().for_each(|c| *c *= 3.0);
         }
     }
@@ -440,7 +440,7 @@ fn the_variational_step_moves_every_kind_of_joint_with_order_two_down_to_the_rou
     for seed in 0..12 {
         let mut random = SplitMix64::new(2_000 + seed);
         let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
-        let root = if seed % 2 == 0 { TreeJoint::Free } else { TreeJoint::Ball };
+        let root = if seed % 2 == 0 { JointKind::Free } else { JointKind::Ball };
         let tree = tree(&mut random, 6, shape, root);
         let (q, v) = somewhere(&mut random, &tree);
         let exact = end(&tree, GRAVITY, &q, &v, 0.1, 1e-13);
@@ -463,8 +463,8 @@ fn the_variational_step_preserves_the_symplectic_form() {
     let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
     let axes = [Vector3::x(), Vector3::new(0.0, 1.0, 0.4)];
     let frames = [at(Vector3::new(0.1, 0.3, -0.4)), at(Vector3::new(0.2, -0.1, 0.3))];
-    builder.hang(None, TreeJoint::Universal { axes }, frames, body);
-    builder.hang(Some(0), TreeJoint::Cylinder { axis: axes[1] }, frames, body);
+    builder.hang(None, JointKind::Universal { axes }, frames, body);
+    builder.hang(Some(0), JointKind::Cylinder { axis: axes[1] }, frames, body);
     let mut method = TreeVariational::new(builder.build().unwrap(), GRAVITY).unwrap();
     let state = method.state(&[0.3, -0.8, 0.1, 0.5], &[2.0, -1.0, 0.5, 3.0]).unwrap();
     let mut moved = |k: usize, by: f64| {

@@ -11,10 +11,10 @@ use stationary_integrators::{
 };
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::tree::{
-    Tree, TreeBuilder, TreeField, TreeForces, TreeJoint, TreeMotion, TreeVariational,
+    Tree, TreeBuilder, TreeField, TreeForces, TreeMotion, TreeVariational,
 };
 use stationary_rigid::{
-    Attachment, Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, Joint, LieGroup,
+    Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, Joint, JointEnd, JointKind, LieGroup,
     PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
@@ -72,14 +72,13 @@ impl Chain {
         for k in 0..links {
             let parent = k.checked_sub(1);
             let foot = if k == 0 { 0.0 } else { -half };
-            let hinge = TreeJoint::Hinge { axis: Vector3::y() };
+            let hinge = JointKind::Hinge { axis: Vector3::y() };
             builder.hang(parent, hinge, [at(foot), at(half)], body);
             let foot = Vector3::z() * foot;
-            let up = parent.map_or(Attachment::World(foot), |p| Attachment::Body(p, foot));
-            let ends = [up, Attachment::Body(k, Vector3::z() * half)];
+            let up = parent.map_or(JointEnd::world(foot), |p| JointEnd::on(p, foot));
+            let ends = [up, JointEnd::on(k, Vector3::z() * half)];
             joints.push(
-                Joint::hinge(Poses, links, ends, [Vector3::y(); 2])
-                    .map_err(StudyError::at("a hinge"))?,
+                Joint::new(Poses, links, hinge, ends).map_err(StudyError::at("a hinge"))?,
             );
         }
         let tree = builder.build().map_err(StudyError::at("the tree"))?;

@@ -8,17 +8,20 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use stationary_rigid::{
-    Attachment, Body, Joint, LieGroup, Poses, RigidError, RigidMotion, Rotation,
+    Body, Joint, JointEnd, JointKind, LieGroup, Poses, RigidError, RigidMotion, Rotation,
 };
 
 use crate::Draw;
 
-/// What a joint leaves free.
+/// What a joint leaves free; axes in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Held {
     Ball,
     Hinge(Vector3<f64>),
     Fixed,
+    Slider(Vector3<f64>),
+    Cylinder(Vector3<f64>),
+    Universal([Vector3<f64>; 2]),
 }
 
 /// A joint at a point of the world; no body is the world itself.
@@ -131,10 +134,13 @@ impl Linkage {
         for k in 0..n {
             let along = direction(draw) * draw.log_uniform(0.2, 1.0);
             let across = direction(draw);
-            let held = match draw.below(3) {
+            let held = match draw.below(6) {
                 0 => Held::Ball,
                 1 => Held::Hinge(across),
-                _ => Held::Fixed,
+                2 => Held::Fixed,
+                3 => Held::Slider(across),
+                4 => Held::Cylinder(across),
+                _ => Held::Universal([across, across.cross(&direction(draw)).normalize()]),
             };
             if k > 0 || self.hung {
                 let before = (k > 0).then(|| k - 1);
@@ -167,37 +173,23 @@ impl Linkage {
         }
     }
 
-    fn end(&self, body: Option<usize>, point: Vector3<f64>) -> Attachment {
-        match body {
-            None => Attachment::World(point),
-            Some(k) => {
-                let pose = &self.poses[k];
-                Attachment::Body(k, pose.rotation.rotate_back(&(point - pose.translation)))
-            }
-        }
-    }
-
-    fn seen(&self, body: Option<usize>, v: Vector3<f64>) -> Vector3<f64> {
-        body.map_or(v, |k| self.poses[k].rotation.rotate_back(&v))
-    }
-
     /// The crate's joints for these pins.
     pub(super) fn joints(&self) -> Result<Vec<Joint<Poses>>, RigidError> {
-        let n = self.bodies.len();
         let one = |pin: &Pin| {
-            let ends = pin.ends.map(|body| self.end(body, pin.point));
-            match pin.held {
-                Held::Ball => Joint::ball(Poses, n, ends),
-                Held::Hinge(axis) => {
-                    Joint::hinge(Poses, n, ends, pin.ends.map(|body| self.seen(body, axis)))
-                }
-                Held::Fixed => {
-                    let frame = |body: Option<usize>| {
-                        body.map_or(Rotation::identity(), |k| self.poses[k].rotation.inverse())
-                    };
-                    Joint::fixed(Poses, n, ends, pin.ends.map(frame))
-                }
-            }
+            let frame = RigidMotion { translation: pin.point, rotation: Rotation::identity() };
+            let ends = pin.ends.map(|body| match body {
+                None => JointEnd { body, frame },
+                Some(k) => JointEnd::where_it_stands(k, &self.poses[k], &frame),
+            });
+            let kind = match pin.held {
+                Held::Ball => JointKind::Ball,
+                Held::Hinge(axis) => JointKind::Hinge { axis },
+                Held::Fixed => JointKind::Weld,
+                Held::Slider(axis) => JointKind::Slider { axis },
+                Held::Cylinder(axis) => JointKind::Cylinder { axis },
+                Held::Universal(axes) => JointKind::Universal { axes },
+            };
+            Joint::new(Poses, self.bodies.len(), kind, ends)
         };
         self.pins.iter().map(one).collect()
     }
@@ -218,17 +210,24 @@ impl Linkage {
         };
         let mut worst = 0.0_f64;
         for pin in &self.pins {
+            let seen =
+                |end: usize, v: Vector3<f64>| pin.ends[end].map_or(v, |k| self.turned(poses, k, v));
             let [a, b] = pin.ends.map(|body| carried(body, pin.point));
-            worst = worst.max((a - b).norm());
-            let axes = match pin.held {
-                Held::Ball => vec![],
-                Held::Hinge(axis) => vec![axis],
-                Held::Fixed => vec![Vector3::x(), Vector3::y()],
+            let apart = match pin.held {
+                Held::Slider(axis) | Held::Cylinder(axis) => seen(0, axis).cross(&(a - b)),
+                _ => a - b,
             };
-            for axis in axes {
-                let [a, b] =
-                    pin.ends.map(|body| body.map_or(axis, |k| self.turned(poses, k, axis)));
-                worst = worst.max(a.cross(&b).norm());
+            worst = worst.max(apart.norm());
+            let parallel = match pin.held {
+                Held::Ball | Held::Universal(_) => vec![],
+                Held::Hinge(axis) | Held::Cylinder(axis) => vec![axis],
+                Held::Fixed | Held::Slider(_) => vec![Vector3::x(), Vector3::y()],
+            };
+            for axis in parallel {
+                worst = worst.max(seen(0, axis).cross(&seen(1, axis)).norm());
+            }
+            if let Held::Universal([one, other]) = pin.held {
+                worst = worst.max((seen(0, one).dot(&seen(1, other)) - one.dot(&other)).abs());
             }
         }
         worst

@@ -5,8 +5,8 @@ use stationary_calculus::Covector;
 use stationary_constraints::{ConstrainedIntegrator, Few, Many, Rattle, Redundancy};
 use stationary_integrators::State;
 use stationary_rigid::{
-    Attachment, Body, BodyMethod, BodyMetric, BodyMotion, BodyStore, ConstantVelocity, Free,
-    FreeBodies, FreeTop, Joint, LieGroup, Poses, RigidMotion, Rotation,
+    Body, BodyMethod, BodyMetric, BodyMotion, BodyStore, ConstantVelocity, Free, FreeBodies,
+    FreeTop, Joint, JointEnd, JointKind, LieGroup, Poses, RigidMotion, Rotation,
 };
 
 use super::{box_of_one, finite, number, unit, vector};
@@ -56,13 +56,13 @@ pub(super) fn states(draw: &mut Draw) -> Verdict {
         },
         None => {
             let ends = [
-                Attachment::Body(0, Vector3::new(0.5, 0.0, 0.0)),
-                Attachment::Body(1, Vector3::new(-0.5, 0.0, 0.0)),
+                JointEnd::on(0, Vector3::new(0.5, 0.0, 0.0)),
+                JointEnd::on(1, Vector3::new(-0.5, 0.0, 0.0)),
             ];
             // A joint whose feasibility does not tell: at the centres, or none at all.
             let joints: Vec<Joint<Poses>> = match draw.chance(0.5) {
                 true => vec![],
-                false => match Joint::ball(Poses, 2, ends) {
+                false => match Joint::new(Poses, 2, JointKind::Ball, ends) {
                     Ok(joint) => vec![joint],
                     Err(error) => return Verdict::wrong(format!("no joint: {error}")),
                 },

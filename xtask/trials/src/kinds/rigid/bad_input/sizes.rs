@@ -5,8 +5,9 @@ use stationary_calculus::{Covector, Potential, Sink, Vector};
 use stationary_constraints::{Constraint, Rows};
 use stationary_integrators::{State, Symmetry};
 use stationary_rigid::{
-    Attachment, BodySpace, BodySpring, Carried, Joint, LieGroup, Orientations, PlanarAttachment,
-    PlanarJoint, PointMass, Poses, Rotation, Spun, Weight, apply_impulse, spatial_angular_momentum,
+    Attachment, BodySpace, BodySpring, Carried, Joint, JointEnd, JointKind, Orientations,
+    PlanarEnd, PlanarJoint, PlanarJointKind, PointMass, Poses, Spun, Weight, apply_impulse,
+    spatial_angular_momentum,
 };
 
 use super::{finite, number, vector};
@@ -104,7 +105,7 @@ pub(super) fn short(draw: &mut Draw) -> Verdict {
     let (stored, given) = (draw.between(0, 15), draw.between(0, 6));
     let q: Vec<f64> = (0..stored).map(|_| draw.symmetric()).collect();
     draw.note(format!("{stored} places, {given} values"));
-    let ends = [Attachment::Body(0, Vector3::x()), Attachment::Body(1, Vector3::y())];
+    let ends = [JointEnd::on(0, Vector3::x()), JointEnd::on(1, Vector3::y())];
     let mut g = vec![0.0; given];
     match draw.below(4) {
         0 => {
@@ -120,18 +121,17 @@ pub(super) fn short(draw: &mut Draw) -> Verdict {
             }
         }
         1 => {
-            let ends =
-                [PlanarAttachment::Body(0, Vector2::x()), PlanarAttachment::Body(1, Vector2::y())];
-            match PlanarJoint::weld(2, ends, 0.1) {
+            let ends = [PlanarEnd::on(0, Vector2::x()), PlanarEnd::on(1, Vector2::y())];
+            match PlanarJoint::new(2, PlanarJointKind::Weld, ends) {
                 Ok(joint) => asked(&joint, &q, &mut g, 6),
                 Err(error) => Verdict::wrong(error),
             }
         }
-        2 => match Joint::hinge(Orientations, 2, ends, [Vector3::z(); 2]) {
+        2 => match Joint::new(Orientations, 2, JointKind::Hinge { axis: Vector3::z() }, ends) {
             Ok(joint) => asked(&joint, &q, &mut g, 8),
             Err(error) => Verdict::wrong(error),
         },
-        _ => match Joint::fixed(Poses, 2, ends, [Rotation::identity(); 2]) {
+        _ => match Joint::new(Poses, 2, JointKind::Weld, ends) {
             Ok(joint) => asked(&joint, &q, &mut g, 14),
             Err(error) => Verdict::wrong(error),
         },

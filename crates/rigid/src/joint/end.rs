@@ -1,0 +1,94 @@
+//! An end of a joint: the joint's frame on a body, or in the world.
+//!
+//! ```text
+//! frame = pose^-1 F          of a body at `pose`, for a joint whose frame is F in the world
+//! ```
+
+use nalgebra::Vector3;
+
+use super::JointFault;
+use crate::{BodySpace, LieGroup, RigidError, RigidMotion, Rotation};
+
+/// Where the frame of a joint is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointEnd {
+    /// The body; `None` is the world.
+    pub body: Option<usize>,
+    /// From the joint's axes into those of the body, or of the world.
+    pub frame: RigidMotion,
+}
+
+/// An end as it stands in the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// Of the body; the identity of the world.
+    pub rotation: Rotation,
+    /// From the body's centre to the frame's origin, body axes; zero of the world.
+    pub arm: Vector3<f64>,
+    /// The frame's origin in the world.
+    pub place: Vector3<f64>,
+}
+
+impl JointEnd {
+    /// A point of the world (m), the joint's axes along the world's.
+    pub fn world(point: Vector3<f64>) -> Self {
+        JointEnd { body: None, frame: moved(point) }
+    }
+
+    /// A point of a body (m, body axes), the joint's axes along the body's.
+    pub fn on(body: usize, point: Vector3<f64>) -> Self {
+        JointEnd { body: Some(body), frame: moved(point) }
+    }
+
+    /// The end on a body that stands at `pose`, of a joint whose frame is `frame` in the world.
+    pub fn where_it_stands(body: usize, pose: &RigidMotion, frame: &RigidMotion) -> Self {
+        JointEnd { body: Some(body), frame: pose.inverse().compose(frame) }
+    }
+
+    /// The same with its axes turned: `rotation` leads from the joint's axes into those of the end.
+    pub fn turned(self, rotation: Rotation) -> Self {
+        JointEnd { frame: RigidMotion { rotation, ..self.frame }, ..self }
+    }
+
+    /// What is wrong with it where there are `bodies` bodies.
+    pub(crate) fn check(&self, bodies: usize) -> Result<(), JointFault> {
+        let RigidMotion { translation, rotation } = self.frame;
+        for (what, numbers) in
+            [("its point", translation.as_slice()), ("its rotation", &rotation.quaternion())]
+        {
+            if let Some(index) = stationary_calculus::first_non_finite(numbers) {
+                return Err(JointFault::NotFinite { what, value: numbers[index] });
+            }
+        }
+        match (Rotation::from_quaternion(rotation.quaternion()), self.body) {
+            (Err(RigidError::NotUnit { length }), _) => Err(JointFault::NotUnit(length)),
+            (_, Some(body)) if body >= bodies => Err(JointFault::NoSuchBody { body, bodies }),
+            _ => Ok(()),
+        }
+    }
+
+    pub(crate) fn placed<S: BodySpace>(&self, q: &[f64]) -> Placed {
+        match self.body {
+            None => self.in_world(),
+            Some(body) => {
+                let pose = S::pose_at(q, body);
+                let arm = self.frame.translation;
+                Placed { rotation: pose.rotation, arm, place: pose.apply(&arm) }
+            }
+        }
+    }
+
+    pub(crate) fn in_world(&self) -> Placed {
+        let place = self.frame.translation;
+        Placed { rotation: Rotation::identity(), arm: Vector3::zeros(), place }
+    }
+
+    /// How far the joint's point is from the body's centre, metres; zero of the world.
+    pub(crate) fn reach(&self) -> f64 {
+        self.body.map_or(0.0, |_| self.frame.translation.norm())
+    }
+}
+
+fn moved(translation: Vector3<f64>) -> RigidMotion {
+    RigidMotion { translation, rotation: Rotation::identity() }
+}
