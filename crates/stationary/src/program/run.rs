@@ -94,7 +94,7 @@ pub enum RunSceneError {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: CheckpointError,
+        source: Box<CheckpointError>,
     },
     /// The folder cannot be written.
     #[error("{0}")]
@@ -198,7 +198,9 @@ pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
             }
             Ok(Ending { summary: run.summary(), stopped })
         }
-        Err(RunError::Checkpoint(source)) => Err(RunSceneError::Checkpoint { path, source }),
+        Err(RunError::Checkpoint(source)) => {
+            Err(RunSceneError::Checkpoint { path, source: Box::new(source) })
+        }
         Err(error) => {
             if let Some(partial) = error.partial() {
                 write(partial, job)?;
@@ -218,7 +220,8 @@ fn write(run: &SceneRun, job: &Job<'_>) -> Result<(), WriteError> {
 
 /// The checkpoint from which the run begins.
 fn found(path: &Path, start: Start) -> Result<Option<Checkpoint>, RunSceneError> {
-    let failed = |source| RunSceneError::Checkpoint { path: path.to_owned(), source };
+    let failed =
+        |source| RunSceneError::Checkpoint { path: path.to_owned(), source: Box::new(source) };
     if start == Start::Fresh {
         return Ok(None);
     }

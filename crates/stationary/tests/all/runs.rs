@@ -61,9 +61,8 @@ fn a_checkpoint_that_does_not_fit_is_named_and_left_where_it_is() {
     let out = folder("foreign");
     run(&scene("heavy-top"), &out, Start::Fresh, true).unwrap();
     let error = run(&scene("thrown-racket"), &out, Start::Resumed, false).unwrap_err();
-    let RunSceneError::Checkpoint { path, source: CheckpointError::Foreign } = error else {
-        panic!("{error}");
-    };
+    let RunSceneError::Checkpoint { path, source } = error else { panic!("{error}") };
+    assert!(matches!(*source, CheckpointError::Foreign), "{source}");
     assert_eq!(path, out.join("checkpoint"));
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
