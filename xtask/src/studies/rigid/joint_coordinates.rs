@@ -14,8 +14,8 @@ use stationary_rigid::tree::{
     Tree, TreeBuilder, TreeField, TreeForces, TreeMotion, TreeVariational,
 };
 use stationary_rigid::{
-    Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, Joint, JointEnd, JointKind, LieGroup,
-    PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyMetric, BodySpace, ConstantVelocity, FreeBodies, Joint, JointEnd, JointKind,
+    LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 use crate::studies::cheapest::{Asked, cost_at};
@@ -77,9 +77,7 @@ impl Chain {
             let foot = Vector3::z() * foot;
             let up = parent.map_or(JointEnd::world(foot), |p| JointEnd::on(p, foot));
             let ends = [up, JointEnd::on(k, Vector3::z() * half)];
-            joints.push(
-                Joint::new(Poses, links, hinge, ends).map_err(StudyError::at("a hinge"))?,
-            );
+            joints.push(Joint::new(Poses, links, hinge, ends).map_err(StudyError::at("a hinge"))?);
         }
         let tree = builder.build().map_err(StudyError::at("the tree"))?;
         Ok(Chain { tree, bodies: vec![body; links], joints })
