@@ -125,6 +125,11 @@ where
         &self.keeper.constraint
     }
 
+    /// The free motion: of a [`Forced`](crate::Forced) one the works of the last step's forces.
+    pub fn motion(&self) -> &F {
+        &self.keeper.motion
+    }
+
     /// Goes on with another constraint, which the state must satisfy. On an error the method is as
     /// it was.
     ///

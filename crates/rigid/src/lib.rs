@@ -65,6 +65,7 @@ mod metric;
 mod weight;
 mod body_spring;
 mod point_force;
+mod body_forces;
 mod joint;
 mod planar_weight;
 mod planar_joint;
@@ -90,6 +91,7 @@ pub mod problems;
 
 pub use axis_rotations::AxisRotations;
 pub use body::{Body, PrincipalFrame};
+pub use body_forces::BodyForces;
 pub use body_spring::{Attachment, BodySpring};
 pub use body_store::BodyStore;
 pub use error::RigidError;
@@ -104,7 +106,10 @@ pub use jacobian::{
     left_jacobian, left_jacobian_inverse, right_jacobian, right_jacobian_derivative,
     right_jacobian_inverse,
 };
-pub use joint::{Joint, JointEnd, JointFault, JointKind, JointName};
+pub use joint::{
+    Along, Drive, Joint, JointEnd, JointFault, JointKind, JointName, Schedule, Steady,
+    TorsionSpring,
+};
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;
 pub use mass_properties::{PlanarMass, SpatialMass};
