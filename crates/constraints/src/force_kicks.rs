@@ -47,9 +47,9 @@ pub struct ForceKicks<F> {
     preconditioned: Vector<Vec<f64>>,
 }
 
-/// `sqrt(<p, M^-1 p>)`, of a momentum and its velocity.
+/// `sqrt(<p, M^-1 p>)`, of a momentum and its velocity; not a number if a component is not.
 fn norm(p: &Covector<Vec<f64>>, v: &Vector<Vec<f64>>) -> f64 {
-    p.apply(v).max(0.0).sqrt()
+    p.apply(v).abs().sqrt()
 }
 
 impl<F: Force> ForceKicks<F> {
@@ -193,7 +193,7 @@ impl<F: Force> ForceKicks<F> {
             residual.add_scaled(-length, product.view());
             metric.sharp(residual.view(), preconditioned.view_mut());
             let next = residual.apply(preconditioned);
-            if next.is_nan() || next.max(0.0).sqrt() <= SOLVED * size {
+            if next.is_nan() || next.abs().sqrt() <= SOLVED * size {
                 return;
             }
             let turn = next / square;

@@ -86,11 +86,13 @@ mod keeper;
 mod hamilton;
 mod rattle;
 mod halving;
+mod composed;
 mod breaking;
 pub mod problems;
 
 pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
+pub use composed::Composed;
 pub use constraint::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };

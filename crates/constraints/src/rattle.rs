@@ -164,6 +164,15 @@ where
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h)?;
+        self.step_either_way(state, h)
+    }
+
+    fn step_either_way(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+    ) -> Result<ConstrainedReport, ConstraintError> {
+        check_step(h.abs())?;
         let keeper = &mut self.keeper;
         keeper.begin(state)?;
         keeper.kick_here(0.5 * h);

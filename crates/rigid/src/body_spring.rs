@@ -15,6 +15,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 use stationary_calculus::{Covector, FIXED, Potential, PotentialOn, Sink};
 
 use crate::error::{check_finite, check_not_negative};
+use crate::joint::{body_freedoms, curvature};
 use crate::point_force::{add_wrench, force_at_point};
 use crate::space::pose_or_none;
 use crate::{BodySpace, LieGroup, RigidError};
@@ -120,14 +121,8 @@ impl<S: BodySpace> BodySpring<S> {
         jacobian.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
         jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
         let g = rotation.rotate_back(pull);
-        let product = g * c.transpose();
-        let curvature = (product + product.transpose()) * 0.5 - Matrix3::identity() * g.dot(&c);
-        let first = S::FREEDOMS * body;
-        let freedom = |k: usize| match k {
-            0..3 if S::TRANSLATION == 0 => FIXED,
-            _ => first + k + S::TRANSLATION - 3,
-        };
-        End { freedoms: [0, 1, 2, 3, 4, 5].map(freedom), jacobian, curvature }
+        let curvature = curvature(&c, &g);
+        End { freedoms: body_freedoms::<S>(body), jacobian, curvature }
     }
 }
 

@@ -45,6 +45,6 @@ pub use kind::JointKind;
 pub use row::Along;
 pub use torsion_spring::TorsionSpring;
 
-pub(crate) use end::{Placed, pair_freedoms};
+pub(crate) use end::{Placed, body_freedoms, pair_freedoms};
 pub(crate) use kind::unit;
-pub(crate) use row::{Local, Row, along, triad};
+pub(crate) use row::{Local, Row, along, curvature, triad};

@@ -64,9 +64,11 @@ mod space;
 mod metric;
 mod weight;
 mod body_spring;
+mod pose_potential;
 mod point_force;
 mod body_forces;
 mod joint;
+mod mechanism;
 mod planar_weight;
 mod planar_joint;
 mod four_bar;
@@ -114,6 +116,10 @@ pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;
 pub use mass_properties::{PlanarMass, SpatialMass};
 pub use matrix_group::{matrix_exponential, matrix_logarithm, null_space};
+pub use mechanism::{
+    Assembly, Instant, Linearization, MechanismError, Mobility, assemble, instant, linearize,
+    mobility,
+};
 pub use method::BodyMethod;
 pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
 pub use motion::RigidMotion;
@@ -122,6 +128,7 @@ pub use planar::{PlanarMotion, PlanarRotation};
 pub use planar_joint::{PlanarEnd, PlanarJoint, PlanarJointKind};
 pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
+pub use pose_potential::{PoseEnergy, PoseOf, PosePotential};
 pub use renormalized_euler::RenormalizedEuler;
 pub use rotation::Rotation;
 pub use space::{BodySpace, Orientations, Poses};

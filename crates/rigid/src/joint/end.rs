@@ -101,14 +101,18 @@ impl JointEnd {
     }
 }
 
-/// The freedoms of two bodies, six each: those of the world, and of bodies about fixed points the
-/// first three, do not move.
-pub(crate) fn pair_freedoms<S: BodySpace>(bodies: [Option<usize>; 2]) -> [usize; 12] {
-    std::array::from_fn(|k| match (bodies[k / 6], k % 6) {
-        (None, _) => FIXED,
-        (Some(_), 0..3) if S::TRANSLATION == 0 => FIXED,
-        (Some(body), k) => S::FREEDOMS * body + k + S::TRANSLATION - 3,
+/// The six freedoms of a body; the first three do not move where it turns about a fixed point.
+pub(crate) fn body_freedoms<S: BodySpace>(body: usize) -> [usize; 6] {
+    std::array::from_fn(|k| match k {
+        0..3 if S::TRANSLATION == 0 => FIXED,
+        _ => S::FREEDOMS * body + k + S::TRANSLATION - 3,
     })
+}
+
+/// Those of two bodies, none of which move of the world.
+pub(crate) fn pair_freedoms<S: BodySpace>(bodies: [Option<usize>; 2]) -> [usize; 12] {
+    let freedoms = bodies.map(|body| body.map_or([FIXED; 6], body_freedoms::<S>));
+    std::array::from_fn(|k| freedoms[k / 6][k % 6])
 }
 
 fn moved(translation: Vector3<f64>) -> RigidMotion {
