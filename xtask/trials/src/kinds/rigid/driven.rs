@@ -1,4 +1,4 @@
-//! Random trees of all joints under random forces: in joint coordinates, in full ones, and in motion.
+//! Random trees of all joints, some closed by a rod, under random forces: in joint coordinates, in full ones, and in motion.
 //!
 //! ```text
 //! reduced   d/dt of bodies' velocities along (q., v.) of the tree, by differences
@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Metric, Vector};
 use stationary_constraints::{ConstrainedIntegrator, Forced, Many, Rattle, Redundancy};
 use stationary_integrators::VectorField;
-use stationary_rigid::tree::{Tree, TreeBuilder, TreeField, TreeForces, TreeMotion};
+use stationary_rigid::tree::{Tree, TreeBuilder, TreeField, TreeForces, TreeLoops, TreeMotion};
 use stationary_rigid::{
     Attachment, Body, BodyForces, BodyMetric, ConstantVelocity, FreeBodies, Joint, JointEnd,
     JointKind, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight, instant,
@@ -102,7 +102,7 @@ impl Link {
         };
         let (one, other) = (at(0), at(1));
         let apart = other.0 - one.0;
-        let unit = apart / apart.norm();
+        let unit = apart.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
         let rate = unit.dot(&(other.1 - one.1));
         let force = unit * self.law(t, apart.norm(), rate);
         let axis = one.3 * self.axis;
@@ -161,10 +161,11 @@ fn trial(draw: &mut Draw) -> Verdict {
         Ok(tree) => tree,
         Err(error) => return Verdict::wrong(error),
     };
-    let links: Vec<Link> = (0..draw.between(1, 3))
+    let alone = free && n == 1;
+    let links: Vec<Link> = (0..if alone { 0 } else { draw.between(1, 3) })
         .map(|_| {
             let second = draw.below(n);
-            let first = if free && n > 1 {
+            let first = if free {
                 Some((second + draw.between(1, n - 1)) % n)
             } else {
                 (second > 0).then(|| draw.below(second))
@@ -187,7 +188,38 @@ fn trial(draw: &mut Draw) -> Verdict {
         }
     }
     let gravity = if free { Vector3::zeros() } else { Vector3::new(0.0, 0.3, -1.0) * 9.0 };
-    compare(draw, &tree, &bodies, &joints, &links, gravity, &[q, v].concat())
+    let mut loops = TreeLoops::new(&tree);
+    if n > 1 && draw.chance(0.3) {
+        // A rod as long as its ends are apart, and speeds that it allows.
+        let first = draw.below(n);
+        let second = (first + draw.between(1, n - 1)) % n;
+        let ends = [first, second]
+            .map(|body| JointEnd::on(body, direction(draw) * draw.log_uniform(0.05, 1.0)));
+        let mut motion = TreeMotion::new(tree.clone());
+        if motion.place(&q, &v).is_err() {
+            return Verdict::refused("the tree has no such place");
+        }
+        let place = |end: &JointEnd| {
+            let pose = end.body.and_then(|body| motion.pose(body).ok())?;
+            Some(pose.translation + pose.rotation.matrix() * end.frame.translation)
+        };
+        let (Some(one), Some(other)) = (place(&ends[0]), place(&ends[1])) else {
+            return Verdict::wrong("a body that is there has no pose");
+        };
+        let kind = JointKind::Rod { length: (one - other).norm() };
+        draw.note(format!("{kind:?} {ends:?}"));
+        let closed =
+            loops.join(&tree, kind, ends).and_then(|()| loops.close(&mut motion, &mut q, &mut v));
+        if let Err(error) = closed {
+            // Of bodies that one weld or pin holds at this distance.
+            return Verdict::not_judged(error);
+        }
+        match Joint::new(Poses, n, kind, ends) {
+            Ok(joint) => joints.push(joint),
+            Err(error) => return Verdict::wrong(error),
+        }
+    }
+    compare(draw, (&tree, loops), &bodies, &joints, &links, gravity, &[q, v].concat())
 }
 
 /// Velocities of all bodies, six numbers each, where the tree is.
@@ -203,7 +235,7 @@ fn velocities(motion: &TreeMotion, bodies: usize) -> Vec<f64> {
 
 fn compare(
     draw: &mut Draw,
-    tree: &Tree,
+    (tree, loops): (&Tree, TreeLoops),
     bodies: &[Body],
     joints: &Vec<Joint<Poses>>,
     links: &[Link],
@@ -217,7 +249,7 @@ fn compare(
         links.iter().for_each(|link| link.push(t, motion, forces));
     };
     let field = match TreeField::driven(tree.clone(), weight, drive) {
-        Ok(field) => field,
+        Ok(field) => field.closed(loops),
         Err(error) => return Verdict::wrong(error),
     };
     let mut rate = vec![0.0; y.len()];
