@@ -35,8 +35,10 @@ mod fault;
 mod kind;
 mod row;
 mod drive;
+mod bound;
 mod torsion_spring;
 
+pub use bound::{BoundRow, JointFriction, JointLimits};
 pub use constraint::Joint;
 pub use drive::{Drive, Schedule, Steady};
 pub use end::JointEnd;

@@ -8,9 +8,10 @@ use stationary_constraints::{
 use stationary_integrators::Scheme;
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
-    Along, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive, ExactRotation,
-    FreeBodies, Joint, JointEnd, JointKind, LieGroup, MechanismError, Mobility, PointMass, Poses,
-    RigidMotion, Rotation, Schedule, Weight, assemble, instant, linearize, mobility,
+    Along, Body, BodyForces, BodyMetric, BodyMotion, BoundRow, ConstantVelocity, Drive,
+    ExactRotation, FreeBodies, Joint, JointEnd, JointFriction, JointKind, JointLimits, LieGroup,
+    MechanismError, Mobility, PointMass, Poses, RigidMotion, Rotation, Schedule, Weight, assemble,
+    instant, linearize, mobility,
 };
 
 type Weighed = System<BodyMetric<Poses>, Weight<Poses>, Poses>;
@@ -296,4 +297,38 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
     let rattle = Rattle::along(FreeBodies(ExactRotation), &system, &held, &initial, few).unwrap();
     let error = Composed::new(rattle, Scheme::BlanesMoan4, &initial).unwrap_err();
     assert!(matches!(error, ConstraintError::NotOfSteps { scheme: "blanes-moan-4" }));
+}
+
+#[test]
+fn limits_and_friction_are_rows_along_the_joint_and_limits_in_the_wrong_order_are_refused() {
+    let system = bodies(1);
+    let limits = |limits| JointLimits::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), limits);
+    let state = system.metric().state(&[swinging(0.7, 1.3)]).unwrap();
+    let bound = limits([-0.2, 1.0]).unwrap();
+    assert!((bound.coordinate(&state.q) - 0.7).abs() < 1e-14);
+    let [low, high] = bound.rows(&state.q);
+    assert!((low.gap - 0.9).abs() < 1e-14 && (high.gap - 0.3).abs() < 1e-14);
+    // Along the motion the lower gap opens at the hinge's rate, and the upper one closes.
+    let mut v = stationary_calculus::Vector(vec![0.0; 6]);
+    stationary_calculus::Metric::sharp(system.metric(), state.p.view(), v.view_mut());
+    let rate = |row: &BoundRow| {
+        let [_, own] = row.wrenches;
+        own.force.dot(&Vector3::from_column_slice(&v.0[..3]))
+            + own.torque.dot(&Vector3::from_column_slice(&v.0[3..]))
+    };
+    assert_eq!(low.bodies, [None, Some(0)]);
+    assert!((rate(&low) - 1.3).abs() < 1e-14 && (rate(&high) + 1.3).abs() < 1e-14);
+    let friction = JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), 0.5).unwrap();
+    let row = friction.row(&state.q);
+    assert!(row.bound == 0.5 && (rate(&row) - 1.3).abs() < 1e-14);
+    for wrong in [[1.0, -0.2], [0.5, 0.5], [f64::NAN, 1.0], [-4.0, 0.0]] {
+        let error = limits(wrong).unwrap_err().to_string();
+        assert!(
+            error.starts_with("limits between the world and body 0: the limits are"),
+            "{error}"
+        );
+    }
+    let error =
+        JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), -0.5).unwrap_err();
+    assert!(error.to_string().contains("the friction's bound is -0.5"), "{error}");
 }
