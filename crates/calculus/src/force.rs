@@ -22,6 +22,22 @@ pub trait Force {
     /// What dF/dq and an unsymmetric dF/dv leave out costs Newton's method iterations, not
     /// correctness.
     fn add_damping(&self, _t: f64, _q: &[f64], _v: Vector<&[f64]>, _damping: &mut impl Sink) {}
+
+    /// How many powers it tells apart, one for each thing that acts; none unless it says so.
+    fn works(&self) -> usize {
+        0
+    }
+
+    /// Adds the power `<F_k(t, q, v), u>`, watts, of each thing that acts along a velocity u.
+    fn add_powers(
+        &self,
+        _t: f64,
+        _q: &[f64],
+        _v: Vector<&[f64]>,
+        _u: Vector<&[f64]>,
+        _powers: &mut [f64],
+    ) {
+    }
 }
 
 impl<F: Force> Force for &F {
@@ -35,6 +51,21 @@ impl<F: Force> Force for &F {
 
     fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
         F::add_damping(self, t, q, v, damping);
+    }
+
+    fn works(&self) -> usize {
+        F::works(self)
+    }
+
+    fn add_powers(
+        &self,
+        t: f64,
+        q: &[f64],
+        v: Vector<&[f64]>,
+        u: Vector<&[f64]>,
+        powers: &mut [f64],
+    ) {
+        F::add_powers(self, t, q, v, u, powers);
     }
 }
 
@@ -53,6 +84,23 @@ impl<F: Force> Force for Option<F> {
     fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
         if let Some(force) = self {
             force.add_damping(t, q, v, damping);
+        }
+    }
+
+    fn works(&self) -> usize {
+        self.as_ref().map_or(0, F::works)
+    }
+
+    fn add_powers(
+        &self,
+        t: f64,
+        q: &[f64],
+        v: Vector<&[f64]>,
+        u: Vector<&[f64]>,
+        powers: &mut [f64],
+    ) {
+        if let Some(force) = self {
+            force.add_powers(t, q, v, u, powers);
         }
     }
 }
@@ -85,6 +133,26 @@ macro_rules! sum_of_forces {
                 _damping: &mut impl Sink,
             ) {
                 $(self.$index.add_damping(_t, _q, _v, _damping);)*
+            }
+
+            fn works(&self) -> usize {
+                0 $(+ self.$index.works())*
+            }
+
+            fn add_powers(
+                &self,
+                _t: f64,
+                _q: &[f64],
+                _v: Vector<&[f64]>,
+                _u: Vector<&[f64]>,
+                _powers: &mut [f64],
+            ) {
+                let rest = _powers;
+                $(
+                    let (own, rest) = rest.split_at_mut(self.$index.works());
+                    self.$index.add_powers(_t, _q, _v, _u, own);
+                )*
+                let _ = rest;
             }
         }
     };
@@ -119,6 +187,23 @@ mod tests {
         fn add_damping(&self, _: f64, _: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
             (0..2).for_each(|freedom| damping.add_symmetric(&[freedom], &[self.c]));
         }
+
+        fn works(&self) -> usize {
+            2
+        }
+
+        fn add_powers(
+            &self,
+            t: f64,
+            _: &[f64],
+            v: Vector<&[f64]>,
+            u: Vector<&[f64]>,
+            powers: &mut [f64],
+        ) {
+            let along: f64 = u.0.iter().sum();
+            powers[0] += self.strength * t * along;
+            powers[1] -= self.c * v.0.iter().zip(u.0).map(|(v, u)| v * u).sum::<f64>();
+        }
     }
 
     #[test]
@@ -132,6 +217,17 @@ mod tests {
         sum.add_damping(4.0, &q, v.view(), &mut DenseSink::new(1.0, 2, &mut damping).unwrap());
         assert_eq!(damping, [2.5, 0.0, 0.0, 2.5]);
         assert_eq!(sum.dim(), 2);
+    }
+
+    #[test]
+    fn a_tuple_tells_the_powers_of_its_members_apart_and_their_sum_is_that_of_the_force() {
+        let sum = (Servo { strength: 1.0, c: 2.0 }, (), Servo { strength: -3.0, c: 0.5 });
+        let (q, v, u) = ([0.0; 2], Vector([1.0, -2.0]), Vector([3.0, 0.5]));
+        let (mut f, mut powers) = (Covector([0.0; 2]), vec![0.0; sum.works()]);
+        sum.add_force(4.0, &q, v.view(), f.view_mut());
+        sum.add_powers(4.0, &q, v.view(), u.view(), &mut powers);
+        assert_eq!(powers, [14.0, -4.0, -42.0, -1.0]);
+        assert_eq!(powers.iter().sum::<f64>(), f.0[0] * u.0[0] + f.0[1] * u.0[1]);
     }
 
     #[test]

@@ -6,6 +6,12 @@ use stationary_integrators::StepError;
 /// A constraint that cannot be, or cannot be kept. The state is as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConstraintError {
+    /// A scheme of kicks and drifts composes no whole steps.
+    #[error("the scheme {scheme} is one of kicks and drifts; it must be one of whole steps")]
+    NotOfSteps {
+        /// The scheme.
+        scheme: &'static str,
+    },
     /// Two things that must have the same size do not.
     #[error(transparent)]
     Size(#[from] SizeError),

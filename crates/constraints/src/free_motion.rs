@@ -15,15 +15,16 @@ use stationary_integrators::StepError;
 
 /// A motion free of forces.
 pub trait FreeMotion<M, S> {
-    /// Moves `q` and `p` for `h` seconds. `room` holds as many numbers as `p`, of no meaning.
+    /// Moves `q` and `p` from a time for an interval, both in seconds. `room` holds as many numbers as `p`, of no
+    /// meaning.
     ///
     /// # Errors
     /// A step that the motion cannot make; `q` and `p` are then undefined.
     fn advance(
-        &self,
+        &mut self,
         metric: &M,
         space: &S,
-        h: f64,
+        interval: (f64, f64),
         q: &mut [f64],
         p: Covector<&mut [f64]>,
         room: Vector<&mut [f64]>,
@@ -47,10 +48,10 @@ pub struct Straight;
 impl<M: Metric> FreeMotion<M, Flat> for Straight {
     #[inline]
     fn advance(
-        &self,
+        &mut self,
         metric: &M,
         space: &Flat,
-        h: f64,
+        (_, h): (f64, f64),
         q: &mut [f64],
         p: Covector<&mut [f64]>,
         mut room: Vector<&mut [f64]>,

@@ -26,6 +26,18 @@ pub trait ConstrainedIntegrator<C> {
     /// each other; a step without constraints inside that fails, as [`ConstraintError::Step`].
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError>;
 
+    /// The same for an `h` of either sign, of a method that goes back in time as it goes forward.
+    ///
+    /// # Errors
+    /// Those of [`ConstrainedIntegrator::step`]; a negative step of a method that does not.
+    fn step_either_way(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+    ) -> Result<ConstrainedReport, ConstraintError> {
+        self.step(state, h)
+    }
+
     /// The multipliers of the last step: those of its mean force, zero before the first.
     fn multipliers(&self) -> &[f64];
 

@@ -43,7 +43,7 @@ struct Place<C, X> {
 pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers, F> {
     system: &'s System<M, P, S>,
     pub(crate) constraint: K,
-    motion: F,
+    pub(crate) motion: F,
     scales: Scales,
     here: Place<C, X>,
     there: Place<C, X>,
@@ -210,7 +210,8 @@ where
             q.clone_from(q0);
             p.copy_from(before.view());
             let room = self.displacement.view_mut();
-            self.motion.advance(metric, space, h, q.as_mut(), p.view_mut(), room)?;
+            let interval = (self.here.t, h);
+            self.motion.advance(metric, space, interval, q.as_mut(), p.view_mut(), room)?;
             self.constraint.value(t, q.as_ref(), g)?;
             let distance = self.scales.distance(g);
             if distance.is_nan() && iterations == 0 {

@@ -80,15 +80,19 @@ mod integrator;
 mod step_and_project;
 mod critical_point;
 mod free_motion;
+mod force_kicks;
+mod forced;
 mod keeper;
 mod hamilton;
 mod rattle;
 mod halving;
+mod composed;
 mod breaking;
 pub mod problems;
 
 pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
+pub use composed::Composed;
 pub use constraint::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };
@@ -96,6 +100,8 @@ pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{DenseMultipliers, Few, Room};
 pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};
 pub use error::ConstraintError;
+pub use force_kicks::ForceKicks;
+pub use forced::Forced;
 pub use free_motion::{FreeMotion, Straight};
 pub use function::{Function, FunctionConstraint};
 pub use halving::Halving;

@@ -125,6 +125,11 @@ where
         &self.keeper.constraint
     }
 
+    /// The free motion: of a [`Forced`](crate::Forced) one the works of the last step's forces.
+    pub fn motion(&self) -> &F {
+        &self.keeper.motion
+    }
+
     /// Goes on with another constraint, which the state must satisfy. On an error the method is as
     /// it was.
     ///
@@ -159,6 +164,15 @@ where
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h)?;
+        self.step_either_way(state, h)
+    }
+
+    fn step_either_way(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+    ) -> Result<ConstrainedReport, ConstraintError> {
+        check_step(h.abs())?;
         let keeper = &mut self.keeper;
         keeper.begin(state)?;
         keeper.kick_here(0.5 * h);

@@ -177,6 +177,15 @@ impl Scheme {
         }
     }
 
+    /// The steps, as parts of the whole, of a symmetric method of order 2 that this scheme composes; none
+    /// of a scheme of kicks and drifts.
+    pub fn steps(self) -> Option<Vec<f64>> {
+        match self.half() {
+            Half::Verlets(half) => Some(whole(half)),
+            Half::Kicks { .. } | Half::Drifts { .. } => None,
+        }
+    }
+
     /// Which flow comes first, and the times of all flows in turn.
     pub(crate) fn times(self) -> (First, Vec<f64>) {
         match self.half() {
@@ -204,9 +213,14 @@ const fn facts(name: &'static str, order: u32, stages: u32, limit: f64) -> Facts
     }
 }
 
+/// Half of the steps, the one in the middle, and their mirror image.
+fn whole(half: &[f64]) -> Vec<f64> {
+    mirrored(half.to_vec(), 1.0 - 2.0 * half.iter().sum::<f64>())
+}
+
 /// Steps of Stormer-Verlet, with the kicks between two of them made one.
 fn verlets(half: &[f64]) -> Vec<f64> {
-    let steps = mirrored(half.to_vec(), 1.0 - 2.0 * half.iter().sum::<f64>());
+    let steps = whole(half);
     let mut times = vec![0.5 * steps[0]];
     for (i, &step) in steps.iter().enumerate() {
         let next = steps.get(i + 1).copied().unwrap_or(0.0);

@@ -152,6 +152,14 @@ pub enum RigidError {
         /// Its area (m^2) or volume (m^3).
         measure: f64,
     },
+    /// A number that is not negative.
+    #[error("{what} is {value}; it must be finite and not negative")]
+    Negative {
+        /// What it is.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// Something has the wrong size.
     #[error(transparent)]
     Size(#[from] SizeError),
@@ -163,4 +171,10 @@ pub(crate) fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), Ri
         Some(index) => Err(RigidError::NonFinite { what, index, value: numbers[index] }),
         None => Ok(()),
     }
+}
+
+/// An error where a number is negative or not finite.
+pub(crate) fn check_not_negative(what: &'static str, value: f64) -> Result<(), RigidError> {
+    let fits = value >= 0.0 && value.is_finite();
+    if fits { Ok(()) } else { Err(RigidError::Negative { what, value }) }
 }

@@ -34,10 +34,10 @@ pub struct FreeBodies<R>(pub R);
 impl<S: BodySpace, R: FreeRotation> FreeMotion<BodyMetric<S>, S> for FreeBodies<R> {
     #[inline]
     fn advance(
-        &self,
+        &mut self,
         metric: &BodyMetric<S>,
         _space: &S,
-        h: f64,
+        (_, h): (f64, f64),
         q: &mut [f64],
         p: Covector<&mut [f64]>,
         _room: Vector<&mut [f64]>,

@@ -34,11 +34,19 @@ mod end;
 mod fault;
 mod kind;
 mod row;
+mod drive;
+mod bound;
+mod torsion_spring;
 
+pub use bound::{BoundRow, JointFriction, JointLimits};
 pub use constraint::Joint;
+pub use drive::{Drive, Schedule, Steady};
 pub use end::JointEnd;
 pub use fault::{JointFault, JointName};
 pub use kind::JointKind;
+pub use row::Along;
+pub use torsion_spring::TorsionSpring;
 
-pub(crate) use end::Placed;
-pub(crate) use row::{Local, Row, along};
+pub(crate) use end::{Placed, body_freedoms, pair_freedoms};
+pub(crate) use kind::unit;
+pub(crate) use row::{Local, Row, along, curvature, triad};

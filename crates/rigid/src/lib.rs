@@ -10,6 +10,7 @@
 //! p <- p - J^T A,  free motion,  p <- p - J^T B,   g = 0, J v = 0   joints                (6.5, 9.2)
 //! J = <P, v> + <a, t x P + R m>                                  momentum maps                 (8.3)
 //! F dx = (F, c x R^T F)                                          forces at points             (10.1)
+//! p <- p + h/2 F,  free motion,  p <- p + h/2 F                  forces under every stepper   (10.1)
 //! M(q) v. = tau - C(q, v)                                        trees in joint coordinates
 //! ```
 //! `V f C` the moments of a shape of density `rho`, `g k` motions, `v w` directions in body axes,
@@ -37,8 +38,9 @@
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
 //! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
-//! potentials, forces and joints on them, in space and in the plane, and the symmetries that they
-//! may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked
+//! potentials, forces and joints on them, in space and in the plane, what drives and limits joints,
+//! questions to a mechanism that stands still ([`mobility`], [`assemble`], [`instant`], [`linearize`]),
+//! and the symmetries that they may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked
 //! in [`LieVerlet`], held by joints in `constraints`' RATTLE along [`FreeBodies`], Munthe-Kaas and
 //! what games do for contrast; many free bodies in a [`BodyStore`]; [`BodyMethod`], which names
 //! them all; [`tree`], where bodies are told by their joints' coordinates; and [`problems`].
@@ -64,8 +66,11 @@ mod space;
 mod metric;
 mod weight;
 mod body_spring;
+mod pose_potential;
 mod point_force;
+mod body_forces;
 mod joint;
+mod mechanism;
 mod planar_weight;
 mod planar_joint;
 mod four_bar;
@@ -90,6 +95,7 @@ pub mod problems;
 
 pub use axis_rotations::AxisRotations;
 pub use body::{Body, PrincipalFrame};
+pub use body_forces::BodyForces;
 pub use body_spring::{Attachment, BodySpring};
 pub use body_store::BodyStore;
 pub use error::RigidError;
@@ -104,11 +110,18 @@ pub use jacobian::{
     left_jacobian, left_jacobian_inverse, right_jacobian, right_jacobian_derivative,
     right_jacobian_inverse,
 };
-pub use joint::{Joint, JointEnd, JointFault, JointKind, JointName};
+pub use joint::{
+    Along, BoundRow, Drive, Joint, JointEnd, JointFault, JointFriction, JointKind, JointLimits,
+    JointName, Schedule, Steady, TorsionSpring,
+};
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;
 pub use mass_properties::{PlanarMass, SpatialMass};
 pub use matrix_group::{matrix_exponential, matrix_logarithm, null_space};
+pub use mechanism::{
+    Assembly, Instant, Linearization, MechanismError, Mobility, assemble, instant, linearize,
+    mobility,
+};
 pub use method::BodyMethod;
 pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
 pub use motion::RigidMotion;
@@ -117,6 +130,7 @@ pub use planar::{PlanarMotion, PlanarRotation};
 pub use planar_joint::{PlanarEnd, PlanarJoint, PlanarJointKind};
 pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
+pub use pose_potential::{PoseEnergy, PoseOf, PosePotential};
 pub use renormalized_euler::RenormalizedEuler;
 pub use rotation::Rotation;
 pub use space::{BodySpace, Orientations, Poses};

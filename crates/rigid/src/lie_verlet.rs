@@ -1,9 +1,9 @@
 //! Kick, turn freely, kick: Stormer-Verlet on poses.
 //!
 //! ```text
-//! p  <- p - h/2 dV(q)                        forces and torques
+//! p  <- p - h/2 dV(q),   then + h/2 F        forces and torques
 //! t  <- t + h P/m,   (R, m) <- turned        free motion, the rotation by a map of its own
-//! p  <- p - h/2 dV(q)
+//! p  <- p + h/2 F,       then - h/2 dV(q)
 //! ```
 //! `q = (t, R)` poses or orientations, `p = (P, m)` momenta, linear in world axes, angular in body
 //! axes; `dV` in the same axes. The free rotation is a [`FreeRotation`]: with [`ConstantVelocity`]
@@ -21,21 +21,23 @@
 
 use std::marker::PhantomData;
 
-use stationary_calculus::{Covector, Potential, SizeError, System};
-use stationary_integrators::{Facts, Integrator, State, StepError, StepReport};
+use stationary_calculus::{Covector, Force, Potential, SizeError, System};
+use stationary_constraints::ForceKicks;
+use stationary_integrators::{Facts, Integrator, State, StepError, StepReport, Symplecticity};
 
 use crate::free_bodies::move_freely;
 use crate::free_rotation::FreeRotation;
 use crate::step::{accept, check_step};
 use crate::{BodyMetric, BodySpace};
 
-/// Stormer-Verlet on poses, with a map for free rotation.
+/// Stormer-Verlet on poses, with a map for free rotation, under forces beside the potential.
 #[derive(Clone, Debug)]
-pub struct LieVerlet<'s, P, S, R> {
+pub struct LieVerlet<'s, P, S, R, F = ()> {
     system: &'s System<BodyMetric<S>, P, S>,
     /// The configuration at which `differential` was evaluated.
     evaluated: Vec<f64>,
     differential: Covector<Vec<f64>>,
+    kicks: ForceKicks<F>,
     next: State<Vec<f64>>,
     rotation: PhantomData<R>,
 }
@@ -46,12 +48,34 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation> LieVerlet<'s, P, S, R> {
     /// # Errors
     /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
+        LieVerlet::under(system, ())
+    }
+}
+
+impl<'s, P: Potential, S: BodySpace, R: FreeRotation, F: Force> LieVerlet<'s, P, S, R, F> {
+    /// The method on a system of bodies under a force that no potential gives; its kicks are those of
+    /// [`ForceKicks`].
+    ///
+    /// # Errors
+    /// A force of another size than the system's.
+    pub fn forced(system: &'s System<BodyMetric<S>, P, S>, force: F) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        LieVerlet::under(system, force)
+    }
+
+    /// The work of each thing that acts, in the last step, joules.
+    pub fn works(&self) -> &[f64] {
+        self.kicks.works()
+    }
+
+    fn under(system: &'s System<BodyMetric<S>, P, S>, force: F) -> Result<Self, SizeError> {
         let n = system.dim();
         let stored = system.space().stored(n);
         Ok(LieVerlet {
             system,
             evaluated: Vec::with_capacity(stored),
             differential: Covector(vec![0.0; n]),
+            kicks: ForceKicks::new(force),
             next: State::new(vec![0.0; stored], Covector(vec![0.0; n])),
             rotation: PhantomData,
         })
@@ -69,9 +93,11 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation> LieVerlet<'s, P, S, R> {
     }
 }
 
-impl<P: Potential, S: BodySpace, R: FreeRotation> Integrator<Vec<f64>> for LieVerlet<'_, P, S, R> {
+impl<P: Potential, S: BodySpace, R: FreeRotation, F: Force> Integrator<Vec<f64>>
+    for LieVerlet<'_, P, S, R, F>
+{
     fn facts(&self) -> Facts {
-        R::FACTS
+        unless_forced(R::FACTS, self.kicks.force())
     }
 
     fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
@@ -79,10 +105,22 @@ impl<P: Potential, S: BodySpace, R: FreeRotation> Integrator<Vec<f64>> for LieVe
         self.next.clone_from(state);
         let mut differentials = 0;
         self.kick(0.5 * h, &mut differentials);
-        let State { q, p, .. } = &mut self.next;
-        let report = move_freely::<S, R>(self.system.metric(), h, q, p.components_mut())?;
+        let State { t, q, p } = &mut self.next;
+        let (metric, interval) = (self.system.metric(), (*t, h));
+        let solved = self.kicks.before(metric, interval, q, &mut p.view_mut())?;
+        let report = move_freely::<S, R>(metric, h, q, p.components_mut())?;
+        self.kicks.after(metric, interval, q, &mut p.view_mut());
         self.kick(0.5 * h, &mut differentials);
         accept(state, &mut self.next, h)?;
-        Ok(StepReport { differentials, ..report })
+        let hessians = report.hessians.max(solved);
+        Ok(StepReport { differentials, hessians, ..report })
+    }
+}
+
+/// Facts of a method where a force may act beside the potential: no symplectic map has friction.
+pub(crate) fn unless_forced(facts: Facts, force: &impl Force) -> Facts {
+    match force.dim() {
+        0 => facts,
+        _ => Facts { symplecticity: Symplecticity::No, ..facts },
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use stationary_calculus::{Potential, SizeError, System};
+use stationary_calculus::{Force, Potential, SizeError, System};
 use stationary_integrators::{Facts, Integrator, UnknownMethod};
 
 use crate::free_rotation::FreeRotation;
@@ -64,6 +64,30 @@ impl BodyMethod {
             BodyMethod::ExactRotation => Box::new(LieVerlet::<_, _, ExactRotation>::new(system)?),
             BodyMethod::MuntheKaas4 => Box::new(MuntheKaas4::new(system)?),
             BodyMethod::RenormalizedEuler => Box::new(RenormalizedEuler::new(system)?),
+        })
+    }
+
+    /// The method on a system of bodies under a force that no potential gives.
+    ///
+    /// # Errors
+    /// A force of another size than the system's.
+    pub fn forced<'s, P: Potential, S: BodySpace, F: Force + 's>(
+        self,
+        system: &'s System<BodyMetric<S>, P, S>,
+        force: F,
+    ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, SizeError> {
+        Ok(match self {
+            BodyMethod::VariationalRotation => {
+                Box::new(LieVerlet::<_, _, ConstantVelocity, _>::forced(system, force)?)
+            }
+            BodyMethod::AxisRotations => {
+                Box::new(LieVerlet::<_, _, AxisRotations, _>::forced(system, force)?)
+            }
+            BodyMethod::ExactRotation => {
+                Box::new(LieVerlet::<_, _, ExactRotation, _>::forced(system, force)?)
+            }
+            BodyMethod::MuntheKaas4 => Box::new(MuntheKaas4::forced(system, force)?),
+            BodyMethod::RenormalizedEuler => Box::new(RenormalizedEuler::forced(system, force)?),
         })
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! R = R0 exp(u),    u. = T(u)^-1 w,     m. = m x w - dV        u = 0 at the start of each step
-//! t. = P/m,         P. = -dV
+//! t. = P/m,         P. = -dV                            and forces beside the potential
 //! ```
 //! `u` a turn from the step's start, body axes; `w = I^-1 m` the angular velocity; `T` the right
 //! Jacobian. The classical stages and weights act on (t, u, P, m), which is flat.
@@ -11,7 +11,7 @@
 //! Source: Munthe-Kaas 1998.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
+use stationary_calculus::{Covector, Force, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
     State, StepError, StepReport, Symplecticity,
@@ -40,8 +40,9 @@ pub(crate) const FACTS: Facts = Facts {
 
 /// Runge-Kutta of order 4 on poses.
 #[derive(Clone, Debug)]
-pub struct MuntheKaas4<'s, P, S> {
+pub struct MuntheKaas4<'s, P, S, F = ()> {
     system: &'s System<BodyMetric<S>, P, S>,
+    outer: F,
     /// Where a stage is, seen from the start of the step.
     displacement: Vector<Vec<f64>>,
     velocity: Vector<Vec<f64>>,
@@ -58,10 +59,26 @@ impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
     /// # Errors
     /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
+        MuntheKaas4::under(system, ())
+    }
+}
+
+impl<'s, P: Potential, S: BodySpace, F: Force> MuntheKaas4<'s, P, S, F> {
+    /// The method on a system of bodies under a force that no potential gives.
+    ///
+    /// # Errors
+    /// A force of another size than the system's.
+    pub fn forced(system: &'s System<BodyMetric<S>, P, S>, force: F) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        MuntheKaas4::under(system, force)
+    }
+
+    fn under(system: &'s System<BodyMetric<S>, P, S>, outer: F) -> Result<Self, SizeError> {
         let n = system.dim();
         let state = State::new(vec![0.0; system.space().stored(n)], Covector(vec![0.0; n]));
         Ok(MuntheKaas4 {
             system,
+            outer,
             displacement: Vector(vec![0.0; n]),
             velocity: Vector(vec![0.0; n]),
             force: Covector(vec![0.0; n]),
@@ -73,11 +90,12 @@ impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
 
     /// Evaluates the field at `stage` and adds it to the step with this weight.
     fn add(&mut self, weight: f64) {
-        let MuntheKaas4 { system, displacement, velocity, force, stage, .. } = self;
+        let MuntheKaas4 { system, outer, displacement, velocity, force, stage, .. } = self;
         system.metric().sharp(stage.p.view(), velocity.view_mut());
         force.clear();
         system.potential().add_differential(&stage.q, force.view_mut());
         force.0.iter_mut().for_each(|f| *f = -*f);
+        outer.add_force(stage.t, &stage.q, velocity.view(), force.view_mut());
         for body in 0..system.metric().bodies().len() {
             let turn = S::FREEDOMS * body + S::TRANSLATION..S::FREEDOMS * (body + 1);
             let three = |v: &[f64]| Vector3::new(v[0], v[1], v[2]);
@@ -97,12 +115,13 @@ impl<'s, P: Potential, S: BodySpace> MuntheKaas4<'s, P, S> {
         self.displacement.clear();
         self.displacement.add_scaled(h, self.velocity.view());
         self.stage.clone_from(start);
+        self.stage.t = start.t + h;
         self.system.space().advance(&mut self.stage.q, 1.0, self.displacement.view());
         self.stage.p.add_scaled(h, self.force.view());
     }
 }
 
-impl<P: Potential, S: BodySpace> Integrator<Vec<f64>> for MuntheKaas4<'_, P, S> {
+impl<P: Potential, S: BodySpace, F: Force> Integrator<Vec<f64>> for MuntheKaas4<'_, P, S, F> {
     fn facts(&self) -> Facts {
         FACTS
     }

@@ -31,6 +31,21 @@ pub fn force_at_point(pose: &RigidMotion, point: &Vector3<f64>, force: Vector3<f
     Wrench { force, torque: point.cross(&pose.rotation.rotate_back(&force)) }
 }
 
+/// Adds a multiple of what acts on a body to a covector of all bodies; nothing of the world's.
+#[inline]
+pub(crate) fn add_wrench<S: BodySpace>(
+    f: &mut [f64],
+    body: Option<usize>,
+    wrench: &Wrench,
+    scale: f64,
+) {
+    let own = body.map(|body| S::FREEDOMS * body..S::FREEDOMS * (body + 1));
+    let Some(f) = own.and_then(|own| f.get_mut(own)) else { return };
+    let (forces, torques) = f.split_at_mut(S::TRANSLATION);
+    forces.iter_mut().zip(&wrench.force).for_each(|(f, force)| *f += scale * force);
+    torques.iter_mut().zip(&wrench.torque).for_each(|(f, torque)| *f += scale * torque);
+}
+
 /// Adds an impulse at a point of a body to its momentum.
 ///
 /// # Errors

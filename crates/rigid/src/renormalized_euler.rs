@@ -1,7 +1,7 @@
 //! What games do: push the angular velocity, add it to the quaternion, divide by the length.
 //!
 //! ```text
-//! P <- P - h dV,     m <- m + h (m x w - dV),     w = I^-1 m
+//! P <- P - h dV,     m <- m + h (m x w - dV),     w = I^-1 m          and forces beside dV
 //! t <- t + h P/m,    q <- (q + h/2 q w) / |.|
 //! ```
 //! `m` angular momentum and `w` angular velocity in body axes, `q` the quaternion, `w` on its right
@@ -11,7 +11,7 @@
 //! semi-implicit Euler step of game engines, as in Catto's talks.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Potential, SizeError, System};
+use stationary_calculus::{Covector, Force, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
     State, StepError, StepReport, Symplecticity,
@@ -39,8 +39,10 @@ pub(crate) const FACTS: Facts = Facts {
 
 /// The semi-implicit Euler step of games.
 #[derive(Clone, Debug)]
-pub struct RenormalizedEuler<'s, P, S> {
+pub struct RenormalizedEuler<'s, P, S, F = ()> {
     system: &'s System<BodyMetric<S>, P, S>,
+    force: F,
+    velocity: Vector<Vec<f64>>,
     differential: Covector<Vec<f64>>,
     next: State<Vec<f64>>,
 }
@@ -51,16 +53,33 @@ impl<'s, P: Potential, S: BodySpace> RenormalizedEuler<'s, P, S> {
     /// # Errors
     /// None: vectors hold every system of bodies.
     pub fn new(system: &'s System<BodyMetric<S>, P, S>) -> Result<Self, SizeError> {
+        RenormalizedEuler::under(system, ())
+    }
+}
+
+impl<'s, P: Potential, S: BodySpace, F: Force> RenormalizedEuler<'s, P, S, F> {
+    /// The method on a system of bodies under a force that no potential gives.
+    ///
+    /// # Errors
+    /// A force of another size than the system's.
+    pub fn forced(system: &'s System<BodyMetric<S>, P, S>, force: F) -> Result<Self, SizeError> {
+        SizeError::check("the force's freedoms", system.dim(), force.dim())?;
+        RenormalizedEuler::under(system, force)
+    }
+
+    fn under(system: &'s System<BodyMetric<S>, P, S>, force: F) -> Result<Self, SizeError> {
         let n = system.dim();
         Ok(RenormalizedEuler {
             system,
+            force,
+            velocity: Vector(vec![0.0; n]),
             differential: Covector(vec![0.0; n]),
             next: State::new(vec![0.0; system.space().stored(n)], Covector(vec![0.0; n])),
         })
     }
 }
 
-impl<P: Potential, S: BodySpace> Integrator<Vec<f64>> for RenormalizedEuler<'_, P, S> {
+impl<P: Potential, S: BodySpace, F: Force> Integrator<Vec<f64>> for RenormalizedEuler<'_, P, S, F> {
     fn facts(&self) -> Facts {
         FACTS
     }
@@ -71,6 +90,13 @@ impl<P: Potential, S: BodySpace> Integrator<Vec<f64>> for RenormalizedEuler<'_, 
         self.differential.clear();
         self.system.potential().add_differential(&state.q, self.differential.view_mut());
         self.next.p.add_scaled(-h, self.differential.view());
+        if self.force.dim() > 0 {
+            self.system.metric().sharp(state.p.view(), self.velocity.view_mut());
+            self.differential.clear();
+            let (v, f) = (self.velocity.view(), self.differential.view_mut());
+            self.force.add_force(state.t, &state.q, v, f);
+            self.next.p.add_scaled(h, self.differential.view());
+        }
         for (i, body) in self.system.metric().bodies().iter().enumerate() {
             let old = body_momentum::<S>(state.p.components(), i);
             let pushed = body_momentum::<S>(self.next.p.components(), i);

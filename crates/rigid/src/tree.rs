@@ -61,6 +61,7 @@ mod invariants;
 mod loops;
 mod field;
 mod bilinear;
+mod driven;
 mod variational;
 
 pub use builder::{Tree, TreeBuilder};

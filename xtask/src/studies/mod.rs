@@ -76,6 +76,7 @@ studies! {
             racket: [RACKET],
             heavy_tops: [NUTATION, KOVALEVSKAYA],
             jointed: [JOINTED],
+            forced: [FORCED],
             joint_coordinates: [JOINT_COORDINATES],
         }
         contact {

@@ -50,10 +50,10 @@ struct EqualMoments;
 
 impl FreeMotion<DiagonalMetric<Vec<f64>>, Poses> for EqualMoments {
     fn advance(
-        &self,
+        &mut self,
         metric: &DiagonalMetric<Vec<f64>>,
         space: &Poses,
-        h: f64,
+        (_, h): (f64, f64),
         q: &mut [f64],
         p: Covector<&mut [f64]>,
         mut room: Vector<&mut [f64]>,

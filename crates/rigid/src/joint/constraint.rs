@@ -9,13 +9,14 @@
 //! moves jointed bodies; straight motions, which would lose their gyroscopic torque, are not theirs.
 //! Source: notes 6, 9.2.
 
-use stationary_calculus::{FIXED, Sink, SizeError};
+use stationary_calculus::{Sink, SizeError};
 use stationary_constraints::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };
 
+use super::end::pair_freedoms;
 use super::row::Local;
-use super::{JointEnd, JointFault, JointKind, JointName, Placed, Row};
+use super::{JointEnd, JointKind, JointName, Placed, Row};
 #[cfg(doc)]
 use crate::FreeBodies;
 use crate::{BodySpace, RigidError};
@@ -45,10 +46,7 @@ impl<S: BodySpace> Joint<S> {
     ) -> Result<Self, RigidError> {
         let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
         let fault = |fault| RigidError::Joint { joint, fault };
-        ends.iter().try_for_each(|end| end.check(bodies)).map_err(fault)?;
-        if ends[0].body == ends[1].body {
-            return Err(fault(JointFault::ToItself));
-        }
+        JointEnd::check_pair(&ends, bodies).map_err(fault)?;
         let kind = kind.checked().map_err(fault)?;
         Ok(Joint { bodies, kind, ends, rows: Row::all(&kind, &ends), space })
     }
@@ -95,15 +93,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         let ends = self.placed(q)?;
         for (number, row) in self.rows.iter().enumerate() {
-            for (end, wrench) in self.ends.iter().zip(row.differential(&ends)) {
-                let Some(body) = end.body else { continue };
-                let first = S::FREEDOMS * body;
-                for k in (0..S::TRANSLATION).filter(|&k| row.moves_along(k)) {
-                    rows.add(number, first + k, wrench.force[k]);
-                }
-                let turns = first + S::TRANSLATION;
-                (0..3).for_each(|k| rows.add(number, turns + k, wrench.torque[k]));
-            }
+            row.bring::<S>(number, &self.ends, &ends, rows);
         }
         Ok(())
     }
@@ -121,11 +111,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
         for (row, &lambda) in self.rows.iter().zip(lambda) {
             row.add_hessian(&ends, lambda, &mut local);
         }
-        let freedoms: [usize; 12] = std::array::from_fn(|k| match (self.ends[k / 6].body, k % 6) {
-            (None, _) => FIXED,
-            (Some(_), 0..3) if S::TRANSLATION == 0 => FIXED,
-            (Some(body), k) => S::FREEDOMS * body + k + S::TRANSLATION - 3,
-        });
+        let freedoms = pair_freedoms::<S>(self.ends.map(|end| end.body));
         hessian.add_symmetric(&freedoms, local.as_slice());
         Ok(())
     }

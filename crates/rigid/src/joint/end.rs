@@ -5,8 +5,10 @@
 //! ```
 
 use nalgebra::Vector3;
+use stationary_calculus::FIXED;
 
 use super::JointFault;
+use crate::space::pose_or_none;
 use crate::{BodySpace, LieGroup, RigidError, RigidMotion, Rotation};
 
 /// Where the frame of a joint is held.
@@ -67,15 +69,25 @@ impl JointEnd {
         }
     }
 
+    /// What is wrong with two ends of one joint.
+    pub(crate) fn check_pair(ends: &[JointEnd; 2], bodies: usize) -> Result<(), JointFault> {
+        ends.iter().try_for_each(|end| end.check(bodies))?;
+        if ends[0].body == ends[1].body { Err(JointFault::ToItself) } else { Ok(()) }
+    }
+
     pub(crate) fn placed<S: BodySpace>(&self, q: &[f64]) -> Placed {
-        match self.body {
-            None => self.in_world(),
-            Some(body) => {
-                let pose = S::pose_at(q, body);
-                let arm = self.frame.translation;
-                Placed { rotation: pose.rotation, arm, place: pose.apply(&arm) }
-            }
-        }
+        self.on_body(|body| S::pose_at(q, body))
+    }
+
+    /// The same where sizes were not checked: no numbers of a body that `q` does not hold.
+    pub(crate) fn placed_or_none<S: BodySpace>(&self, q: &[f64]) -> Placed {
+        self.on_body(|body| pose_or_none::<S>(q, body))
+    }
+
+    fn on_body(&self, pose: impl Fn(usize) -> RigidMotion) -> Placed {
+        let Some(body) = self.body else { return self.in_world() };
+        let (pose, arm) = (pose(body), self.frame.translation);
+        Placed { rotation: pose.rotation, arm, place: pose.apply(&arm) }
     }
 
     pub(crate) fn in_world(&self) -> Placed {
@@ -87,6 +99,20 @@ impl JointEnd {
     pub(crate) fn reach(&self) -> f64 {
         self.body.map_or(0.0, |_| self.frame.translation.norm())
     }
+}
+
+/// The six freedoms of a body; the first three do not move where it turns about a fixed point.
+pub(crate) fn body_freedoms<S: BodySpace>(body: usize) -> [usize; 6] {
+    std::array::from_fn(|k| match k {
+        0..3 if S::TRANSLATION == 0 => FIXED,
+        _ => S::FREEDOMS * body + k + S::TRANSLATION - 3,
+    })
+}
+
+/// Those of two bodies, none of which move of the world.
+pub(crate) fn pair_freedoms<S: BodySpace>(bodies: [Option<usize>; 2]) -> [usize; 12] {
+    let freedoms = bodies.map(|body| body.map_or([FIXED; 6], body_freedoms::<S>));
+    std::array::from_fn(|k| freedoms[k / 6][k % 6])
 }
 
 fn moved(translation: Vector3<f64>) -> RigidMotion {

@@ -60,6 +60,17 @@ pub enum JointFault {
         /// Its value.
         value: f64,
     },
+    /// Limits in the wrong order, not numbers, or of a turn beyond half a turn.
+    #[error(
+        "the limits are {low} and {high}; the first must be below the second, and those of a turn within \
+         half a turn of zero"
+    )]
+    Limits {
+        /// The lower limit.
+        low: f64,
+        /// The upper limit.
+        high: f64,
+    },
     /// The rotation of a frame whose quaternion has not length 1.
     #[error("the rotation of its frame has a quaternion of length {0}; it must be 1")]
     NotUnit(f64),

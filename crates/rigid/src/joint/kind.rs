@@ -86,7 +86,7 @@ use JointKind::{
 /// Axes closer to parallel than this, as the sine of their angle, span no plane that rounding keeps.
 const PARALLEL: f64 = 1e-8;
 
-fn unit(axis: Vector3<f64>) -> Result<Vector3<f64>, JointFault> {
+pub(crate) fn unit(axis: Vector3<f64>) -> Result<Vector3<f64>, JointFault> {
     let largest = axis.amax();
     if !axis.iter().all(|c| c.is_finite()) || largest == 0.0 {
         return Err(JointFault::NoAxis(axis.into()));

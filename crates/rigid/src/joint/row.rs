@@ -5,24 +5,25 @@
 //! across     <R_1 a, d>
 //! angle      <R_1 a, R_2 b> - cosine
 //! distance   (|d|^2 - L^2) / 2L
-//! screw      -<R_1 n, d> - p atan2(<R_1 v, R_2 u>, <R_1 u, R_2 u>)       u v n right-handed
+//! coordinate -a <R_1 n, d> + b atan2(<R_1 v, R_2 u>, <R_1 u, R_2 u>)     u v n right-handed
 //! ```
 //! `c_i` the joint's points and `a b u v n` unit directions in the axes of their end, `e` an axis of
 //! the world; `v_i w_i` velocities (world axes) and turns (body axes). A differential is a [`Wrench`]
 //! for each end, which a unit of the multiplier exerts with its sign turned: the multiplier of an
-//! angle is a torque, of the others a force. A screw's angle is the one of the whole turns that is
-//! nearest to its shift. Hessians are those along exponentials, which are symmetric.
+//! angle is a torque, of the others a force. A coordinate is a shift (`a = 1, b = 0`), a turn (0, 1), or
+//! what a screw of pitch p keeps (1, -p); a turn is known up to whole ones, and the coordinate the one
+//! nearest to what is asked for. Hessians are those along exponentials, which are symmetric.
 //!
 //! Source: Haug, Computer Aided Kinematics and Dynamics (1989), 9.4.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use stationary_constraints::Scale;
+use stationary_constraints::{Rows, Scale};
 
 use super::end::Placed;
 use super::{JointEnd, JointKind};
-use crate::{LieGroup, Wrench};
+use crate::{BodySpace, LieGroup, Wrench};
 
 /// An equation between two ends; directions of length 1, in the axes of their end's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,16 @@ pub(crate) enum Row {
     Across { a: Vector3<f64> },
     Angle { a: Vector3<f64>, b: Vector3<f64>, cosine: f64 },
     Distance { length: f64 },
-    Screw { first: [Vector3<f64>; 3], second: Vector3<f64>, pitch: f64 },
+    Coordinate { first: [Vector3<f64>; 3], second: Vector3<f64>, shift: f64, turn: f64 },
+}
+
+/// What a coordinate of a joint measures along its axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// The turn about it, radians.
+    Turn,
+    /// The shift along it, metres.
+    Shift,
 }
 
 use JointKind::{
@@ -42,7 +52,7 @@ use JointKind::{
 pub(crate) type Local = SMatrix<f64, 12, 12>;
 
 /// Two directions perpendicular to a unit axis and to each other, and the axis: right-handed.
-fn triad(axis: &Vector3<f64>) -> [Vector3<f64>; 3] {
+pub(crate) fn triad(axis: &Vector3<f64>) -> [Vector3<f64>; 3] {
     let mut across = Vector3::zeros();
     across[axis.iamin()] = 1.0;
     let u = axis.cross(&across).normalize();
@@ -88,7 +98,7 @@ impl Row {
             }
             Screw { axis, pitch } => {
                 let (a, b) = triads(axis);
-                let screw = Row::Screw { first: a, second: b[0], pitch: *pitch };
+                let screw = Row::Coordinate { first: a, second: b[0], shift: 1.0, turn: -pitch };
                 [&across(&a)[..], &parallel(&a, &b), &[screw]].concat()
             }
             Universal { axes: [a, b] } => {
@@ -107,12 +117,44 @@ impl Row {
         }
     }
 
+    /// The turn of the second end about an axis of the first, radians, or its shift along it, metres.
+    pub(crate) fn coordinate(axis: &Vector3<f64>, along: Along, ends: &[JointEnd; 2]) -> Row {
+        let axes = triad(axis);
+        let first = axes.map(|axis| ends[0].frame.rotation.rotate(&axis));
+        let second = ends[1].frame.rotation.rotate(&axes[0]);
+        let (shift, turn) = match along {
+            Along::Turn => (0.0, 1.0),
+            Along::Shift => (1.0, 0.0),
+        };
+        Row::Coordinate { first, second, shift, turn }
+    }
+
+    /// Brings the row's differential, between these ends.
+    pub(crate) fn bring<S: BodySpace>(
+        &self,
+        number: usize,
+        ends: &[JointEnd; 2],
+        placed: &[Placed; 2],
+        rows: &mut impl Rows,
+    ) {
+        for (end, wrench) in ends.iter().zip(self.differential(placed)) {
+            let Some(body) = end.body else { continue };
+            let first = S::FREEDOMS * body;
+            for k in (0..S::TRANSLATION).filter(|&k| self.moves_along(k)) {
+                rows.add(number, first + k, wrench.force[k]);
+            }
+            let turns = first + S::TRANSLATION;
+            (0..3).for_each(|k| rows.add(number, turns + k, wrench.torque[k]));
+        }
+    }
+
     /// Whether a shift along an axis of the world may change it, wherever the bodies are.
     pub(crate) fn moves_along(&self, k: usize) -> bool {
         match self {
             Row::Together { axis } => *axis == k,
             Row::Angle { .. } => false,
-            Row::Across { .. } | Row::Distance { .. } | Row::Screw { .. } => true,
+            Row::Coordinate { shift, .. } => *shift != 0.0,
+            Row::Across { .. } | Row::Distance { .. } => true,
         }
     }
 
@@ -122,7 +164,8 @@ impl Row {
             Row::Angle { .. } => 1.0,
             Row::Together { .. } | Row::Across { .. } => arm,
             Row::Distance { length } => arm.max(*length),
-            Row::Screw { pitch, .. } => arm.max(pitch.abs()),
+            Row::Coordinate { shift: 0.0, .. } => 1.0,
+            Row::Coordinate { turn, .. } => arm.max(turn.abs()),
         };
         if length > 0.0 { Scale { slope: 1.0, length } } else { Scale::default() }
     }
@@ -137,17 +180,27 @@ impl Row {
                 one.rotation.rotate(a).dot(&other.rotation.rotate(b)) - cosine
             }
             Row::Distance { length } => (d.norm() - length) * (d.norm() + length) / (2.0 * length),
-            Row::Screw { first: [u, v, n], second, pitch } => {
-                let shift = -one.rotation.rotate(n).dot(&d);
-                let seen = one.rotation.rotate_back(&other.rotation.rotate(second));
-                let angle = v.dot(&seen).atan2(u.dot(&seen));
-                if *pitch == 0.0 {
-                    return shift;
-                }
-                let turns = ((shift / pitch - angle) / TAU).round();
-                shift - pitch * (angle + TAU * turns)
-            }
+            Row::Coordinate { .. } => self.value_beyond(&[*one, *other], 0.0),
         }
+    }
+
+    /// How far a coordinate is beyond a target: of a turn the short way. Of other rows the value.
+    pub(crate) fn value_beyond(&self, ends: &[Placed; 2], target: f64) -> f64 {
+        let Row::Coordinate { first: [u, v, n], second, shift, turn } = self else {
+            return self.value(ends);
+        };
+        let [one, other] = ends;
+        let mut value = -target;
+        if *shift != 0.0 {
+            value -= shift * one.rotation.rotate(n).dot(&(one.place - other.place));
+        }
+        if *turn != 0.0 {
+            let seen = one.rotation.rotate_back(&other.rotation.rotate(second));
+            value += turn * v.dot(&seen).atan2(u.dot(&seen));
+            let whole = TAU * turn.abs();
+            value -= whole * (value / whole).round();
+        }
+        value
     }
 
     /// The differential: a wrench for each end.
@@ -170,14 +223,15 @@ impl Row {
                 let along = (one.place - other.place) / *length;
                 [one.pushed(along), other.pushed(-along)]
             }
-            Row::Screw { first: [u, v, n], second, pitch } => {
+            Row::Coordinate { first: [u, v, n], second, shift: by_shift, turn: by_turn } => {
                 let [shift, shifted] = Row::Across { a: *n }.differential(ends);
-                let (angle, turn) = (Angle::of(ends, u, v, second), [u, v]);
-                let [cosine, sine] = turn.map(|a| turned(ends, a, second));
+                let (angle, across) = (Angle::of(ends, u, v, second), [u, v]);
+                let [cosine, sine] = across.map(|a| turned(ends, a, second));
                 let bent = |shift: Wrench, cosine: Wrench, sine: Wrench| Wrench {
-                    force: -shift.force,
-                    torque: -shift.torque
-                        - (sine.torque * angle.by_sine + cosine.torque * angle.by_cosine) * *pitch,
+                    force: -shift.force * *by_shift,
+                    torque: (sine.torque * angle.by_sine + cosine.torque * angle.by_cosine)
+                        * *by_turn
+                        - shift.torque * *by_shift,
                 };
                 [bent(shift, cosine[0], sine[0]), bent(shifted, cosine[1], sine[1])]
             }
@@ -220,10 +274,10 @@ impl Row {
                 }
                 *hessian += slope.transpose() * slope * scale;
             }
-            Row::Screw { first: [u, v, n], second, pitch } => {
-                Row::Across { a: *n }.add_hessian(ends, -scale, hessian);
+            Row::Coordinate { first: [u, v, n], second, shift, turn } => {
+                Row::Across { a: *n }.add_hessian(ends, -scale * shift, hessian);
                 let angle = Angle::of(ends, u, v, second);
-                let scale = -scale * pitch;
+                let scale = scale * turn;
                 add_turned(hessian, ends, v, second, scale * angle.by_sine);
                 add_turned(hessian, ends, u, second, scale * angle.by_cosine);
                 let [c, s] = [u, v].map(|a| along(&turned(ends, a, second)));

@@ -22,7 +22,7 @@ use super::loops::TreeLoops;
 use super::motion::TreeMotion;
 
 /// What adds to the forces at a time and a motion: nothing.
-type Idle = fn(f64, &TreeMotion, &mut TreeForces);
+pub(super) type Idle = fn(f64, &TreeMotion, &mut TreeForces);
 
 #[derive(Clone, Debug)]
 struct Room {

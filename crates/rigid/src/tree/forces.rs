@@ -42,6 +42,12 @@ impl TreeForces {
         Ok(TreeForces { gravity, ..TreeForces::none(tree) })
     }
 
+    /// Takes all of them away but the gravity.
+    pub(super) fn clear(&mut self) {
+        self.bodies.fill(SpatialForce::zero());
+        self.joints.fill(0.0);
+    }
+
     /// The acceleration of gravity, m/s^2.
     pub fn gravity(&self) -> Vector3<f64> {
         self.gravity

@@ -39,6 +39,9 @@ pub struct TreeLoops {
     /// `M^-1 J^T`, row after row.
     responses: Vec<f64>,
     matrix: DenseLu,
+    /// A copy of it, and the roots of its diagonal, to examine its rank.
+    scaled: Vec<f64>,
+    sizes: Vec<f64>,
     multipliers: Vec<f64>,
     change: Vec<f64>,
     idle: Vec<f64>,
@@ -51,6 +54,13 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// So is one that corrections no longer halve: coordinates of many turns are rounded by more.
 const STALLED: f64 = 1e-9;
 
+/// What a row moves that is this part of what it would move of all bodies as one, is held by the tree.
+const HELD: f64 = 1e-11;
+/// So is what is rounding of the motion of the lightest.
+const ROUNDED: f64 = 256.0 * f64::EPSILON;
+/// The square of the sine of the angle between rows, masses counted, below which they hold the same.
+const DEPENDENT: f64 = 1e-11;
+
 impl TreeLoops {
     /// No loops yet.
     pub fn new(tree: &Tree) -> Self {
@@ -59,6 +69,8 @@ impl TreeLoops {
             rows: Vec::new(),
             responses: Vec::new(),
             matrix: DenseLu::new(0),
+            scaled: Vec::new(),
+            sizes: Vec::new(),
             multipliers: Vec::new(),
             change: vec![0.0; tree.speeds()],
             idle: vec![0.0; tree.speeds()],
@@ -88,6 +100,8 @@ impl TreeLoops {
         self.responses.resize(m * self.idle.len(), 0.0);
         self.multipliers.resize(m, 0.0);
         self.matrix = DenseLu::new(m);
+        self.scaled.resize(self.rows.len() * self.rows.len(), 0.0);
+        self.sizes.resize(self.rows.len(), 0.0);
         Ok(())
     }
 
@@ -198,7 +212,7 @@ impl TreeLoops {
         check_numbers("the coordinates", q.len(), q)
     }
 
-    /// `M^-1 J^T` and `J M^-1 J^T`.
+    /// `M^-1 J^T` and `J M^-1 J^T`, of full rank.
     fn respond(&mut self, motion: &mut TreeMotion) -> Result<(), TreeError> {
         motion.factor()?;
         let n = self.idle.len();
@@ -210,6 +224,38 @@ impl TreeLoops {
             let column = &mut self.matrix.matrix()[m * r..][..m];
             for (entry, felt) in column.iter_mut().zip(&self.rows) {
                 *entry = felt.rate(motion, |body| motion.accelerations[body]);
+            }
+        }
+        self.check_rank(motion)
+    }
+
+    /// An error where a row pushes against what the tree holds already, or against other rows: what it
+    /// meets is then rounding, and a number divided by it would be none.
+    fn check_rank(&mut self, motion: &TreeMotion) -> Result<(), TreeError> {
+        let m = self.rows.len();
+        let dependent = Err(TreeError::DependentLoops { rows: m });
+        let [together, lightest] = Lump::of(motion);
+        self.scaled.copy_from_slice(self.matrix.matrix());
+        for (r, row) in self.rows.iter().enumerate() {
+            let unit = row.differential(motion);
+            let rounding = HELD * together.response(&unit) + ROUNDED * lightest.response(&unit);
+            let response = self.scaled[(m + 1) * r];
+            if response.is_nan() || response <= rounding {
+                return dependent;
+            }
+            self.sizes[r] = response.sqrt();
+        }
+        // Cholesky's pivots, of rows that alone meet 1.
+        for k in 0..m {
+            for i in k..m {
+                let taken: f64 =
+                    (0..k).map(|j| self.scaled[m * j + i] * self.scaled[m * j + k]).sum();
+                let entry = self.scaled[m * k + i] / (self.sizes[i] * self.sizes[k]) - taken;
+                if i == k && (entry.is_nan() || entry <= DEPENDENT) {
+                    return dependent;
+                }
+                let pivot = if i == k { entry.sqrt() } else { self.scaled[(m + 1) * k] };
+                self.scaled[m * k + i] = if i == k { pivot } else { entry / pivot };
             }
         }
         Ok(())
@@ -228,6 +274,38 @@ impl TreeLoops {
         {
             to.iter_mut().zip(response).for_each(|(to, response)| *to += lambda * response);
         }
+    }
+}
+
+/// A mass and an inertia that a row could push, kg and kg m^2.
+struct Lump {
+    mass: f64,
+    inertia: f64,
+}
+
+impl Lump {
+    /// All bodies as one, and the lightest of each.
+    fn of(motion: &TreeMotion) -> [Lump; 2] {
+        let mut all = Lump { mass: 0.0, inertia: 0.0 };
+        let mut least = Lump { mass: f64::INFINITY, inertia: f64::INFINITY };
+        let origin = motion.placed[0].centre;
+        for (link, placed) in motion.tree.links.iter().zip(&motion.placed) {
+            if link.mass > 0.0 {
+                all.mass += link.mass;
+                all.inertia += link.moments.sum();
+                all.inertia += link.mass * (placed.centre - origin).norm_squared();
+                least.mass = least.mass.min(link.mass);
+                least.inertia = least.inertia.min(link.moments.min());
+            }
+        }
+        [all, least]
+    }
+
+    /// How a unit of a row's force moves it along the row.
+    fn response(&self, unit: &[Wrench; 2]) -> f64 {
+        let force = unit.iter().map(|wrench| wrench.force.norm_squared()).sum::<f64>();
+        let torque = unit.iter().map(|wrench| wrench.torque.norm_squared()).sum::<f64>();
+        force / self.mass + torque / self.inertia
     }
 }
 

@@ -21,13 +21,16 @@
 //! momenta are kept to their own rounding, not to that of places over `h`. The condition of the mass
 //! matrix multiplies that rounding.
 //!
-//! Forces are the weight of the bodies only. A body must turn by less than half a turn in a step, and
+//! Beside the weight, [`TreeVariational::driven`] takes what acts at a time and a motion, as a kick at
+//! either end of the step (the file `driven`). A body must turn by less than half a turn in a step, and
 //! the step must resolve the fastest mode: below `2 / omega`.
 //! Source: notes 5.5, 6.5, 9.5; Marsden and West 2001; Lee, Liu, Park and Srinivasa 2018, who solve
 //! the equations of the group SE(3) with an approximate matrix.
 //!
 //! [`FreeBodies`]: crate::FreeBodies
 //! [`ConstantVelocity`]: crate::ConstantVelocity
+
+use std::fmt;
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Covector, NewtonError, NewtonFailure, SizeError, first_non_finite};
@@ -38,15 +41,20 @@ use stationary_integrators::{
 
 use super::bilinear::Bilinear;
 use super::builder::{Link, Tree};
+use super::driven::Kicks;
 use super::error::{TreeError, check_numbers};
+use super::field::Idle;
+use super::forces::TreeForces;
 use super::motion::{Placed, TreeMotion};
 use super::spatial::{SpatialForce, Twist};
 use crate::LieGroup;
 use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
 
-/// The variational step, bound to a tree under its weight.
-#[derive(Clone, Debug)]
-pub struct TreeVariational {
+/// The variational step, bound to a tree under its weight and what drives it.
+#[derive(Clone)]
+pub struct TreeVariational<D = Idle> {
+    drive: Option<D>,
+    kicks: Kicks,
     gravity: Vector3<f64>,
     before: TreeMotion,
     after: TreeMotion,
@@ -119,17 +127,42 @@ impl Turn {
     }
 }
 
+impl<D> fmt::Debug for TreeVariational<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TreeVariational").field("tree", self.tree()).finish_non_exhaustive()
+    }
+}
+
 impl TreeVariational {
     /// The step of a tree under an acceleration of gravity, m/s^2.
     ///
     /// # Errors
     /// A gravity that is not finite.
     pub fn new(tree: Tree, gravity: Vector3<f64>) -> Result<Self, TreeError> {
+        Self::with(tree, gravity, None)
+    }
+}
+
+impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeVariational<D> {
+    /// The same step where `drive` adds forces at each time (s) and motion: motors, dampers, springs,
+    /// loads.
+    ///
+    /// # Errors
+    /// A gravity that is not finite.
+    pub fn driven(tree: Tree, gravity: Vector3<f64>, drive: D) -> Result<Self, TreeError> {
+        Self::with(tree, gravity, Some(drive))
+    }
+}
+
+impl<D> TreeVariational<D> {
+    fn with(tree: Tree, gravity: Vector3<f64>, drive: Option<D>) -> Result<Self, TreeError> {
         check_numbers("the gravity", 3, gravity.as_slice())?;
         let (bodies, freedoms) = (tree.bodies(), tree.speeds());
         let next = State::new(tree.rest(), Covector(vec![0.0; freedoms]));
         let motion = TreeMotion::new(tree);
         Ok(TreeVariational {
+            drive,
+            kicks: Kicks::new(&motion),
             gravity,
             after: motion.clone(),
             before: motion,
@@ -144,6 +177,11 @@ impl TreeVariational {
             speeds: vec![0.0; freedoms],
             next,
         })
+    }
+
+    /// The work of what drives the tree, in the last step, joules.
+    pub fn work(&self) -> f64 {
+        self.kicks.work
     }
 
     /// The tree.
@@ -212,14 +250,14 @@ impl TreeVariational {
     }
 
     /// A first guess: speeds of the momentum half a step on.
-    fn guess(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(), StepError> {
-        let TreeVariational { before, next, change, speeds, gravity, .. } = self;
-        before.put(&state.q);
+    fn guess(&mut self, q: &[f64], h: f64) -> Result<(), StepError> {
+        let TreeVariational { before, next, change, speeds, gravity, kicks, .. } = self;
+        before.put(q);
         for (f, link) in before.forces.iter_mut().zip(&before.tree.links) {
             *f = SpatialForce { force: *gravity * link.mass, torque: Vector3::zeros() };
         }
         before.gather(change);
-        let pushed = change.iter_mut().zip(state.p.components());
+        let pushed = change.iter_mut().zip(&kicks.momenta);
         pushed.for_each(|(change, p)| *change = p + 0.5 * h * *change);
         match before.speeds_of(change, speeds) {
             Err(TreeError::Singular { .. }) => Err(StepError::SingularLegendreTransform),
@@ -227,7 +265,7 @@ impl TreeVariational {
                 freedom: first_non_finite(change).unwrap_or_default(),
             }),
             Ok(()) => {
-                next.q.copy_from_slice(&state.q);
+                next.q.copy_from_slice(q);
                 change.iter_mut().zip(speeds).for_each(|(change, v)| *change = h * *v);
                 before.tree.move_along(&mut next.q, change);
                 Ok(())
@@ -258,7 +296,8 @@ impl TreeVariational {
     }
 
     /// The Newton step towards the momenta `p`, and its size, kg^1/2 m.
-    fn correct(&mut self, p: &[f64]) -> Result<f64, StepError> {
+    fn correct(&mut self) -> Result<f64, StepError> {
+        let p = &self.kicks.momenta;
         self.before.forces.copy_from_slice(&self.carried);
         for (body, link) in self.before.tree.links.iter().enumerate().rev() {
             let (mut form, mut f) = (self.forms[body], self.before.forces[body]);
@@ -327,7 +366,7 @@ impl TreeVariational {
     }
 }
 
-impl Integrator<Vec<f64>> for TreeVariational {
+impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVariational<D> {
     fn facts(&self) -> Facts {
         Facts {
             name: "tree-variational",
@@ -335,7 +374,10 @@ impl Integrator<Vec<f64>> for TreeVariational {
             stages: 1,
             evaluation: Evaluation::Implicit,
             symmetric: true,
-            symplecticity: Symplecticity::Symplectic,
+            symplecticity: match self.drive {
+                None => Symplecticity::Symplectic,
+                Some(_) => Symplecticity::No,
+            },
             energy: EnergyBehavior::Bounded,
             linear_momentum: Conservation::Exact,
             angular_momentum: Conservation::Exact,
@@ -347,13 +389,21 @@ impl Integrator<Vec<f64>> for TreeVariational {
 
     fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
         self.check(state, h)?;
-        self.guess(state, h)?;
+        let TreeVariational { drive, kicks, before, .. } = self;
+        match drive {
+            None => kicks.momenta.copy_from_slice(state.p.components()),
+            Some(drive) => {
+                let here = (state.q.as_slice(), state.p.components());
+                kicks.before(before, drive, (state.t, h), here)?;
+            }
+        }
+        self.guess(&state.q, h)?;
         let tolerance = self.tolerance();
         let mut history = [0.0; ITERATIONS];
         for iteration in 0..ITERATIONS {
             self.after.put(&self.next.q);
             let turn = self.set_equations(h);
-            let size = self.correct(state.p.components())?;
+            let size = self.correct()?;
             history[iteration] = size;
             if !size.is_finite() {
                 return Err(failed(NewtonFailure::NonFinite(0), &history[..=iteration]));
@@ -367,6 +417,11 @@ impl Integrator<Vec<f64>> for TreeVariational {
             }
             self.after.put(&self.next.q);
             self.finish(h);
+            let TreeVariational { drive, kicks, after, next, .. } = self;
+            if let Some(drive) = drive {
+                let there = (next.q.as_slice(), next.p.components_mut());
+                kicks.after(after, drive, (state.t, h), there)?;
+            }
             if let Some(freedom) = first_non_finite(&self.next.q) {
                 return Err(StepError::NonFiniteConfiguration { freedom });
             }

@@ -172,3 +172,32 @@ fn a_loop_s_dynamics_allocate_nothing() {
     });
     assert_eq!(count.count_total, 0);
 }
+
+#[test]
+fn a_rod_between_bodies_that_are_welded_or_share_its_end_is_refused_where_it_is_met() {
+    let at = |x: f64| RigidMotion {
+        translation: Vector3::new(x, 0.13 * x, 0.0),
+        rotation: Rotation::exp(Vector3::new(0.2, -0.4 * x, 0.7)),
+    };
+    for (ratio, welded) in [(1.0, true), (1e6, true), (1e-6, true), (1.0, false)] {
+        let mut builder = TreeBuilder::default();
+        let heavy = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
+        let light = Body::solid_box(ratio, [0.3, 0.1, 0.2]).unwrap();
+        let first = builder.hang(None, JointKind::Free, [at(0.0), at(0.2)], heavy);
+        let between =
+            if welded { JointKind::Weld } else { JointKind::Hinge { axis: Vector3::z() } };
+        let second = builder.hang(Some(first), between, [at(0.4), at(-0.3)], light);
+        let tree = builder.build().unwrap();
+        let mut motion = TreeMotion::new(tree.clone());
+        let (mut q, mut v) = (tree.rest(), vec![0.3; tree.speeds()]);
+        motion.place(&q, &v).unwrap();
+        let ends = [JointEnd::on(first, Vector3::x()), JointEnd::on(second, Vector3::y())];
+        let place = |body: usize, c: Vector3<f64>| motion.pose(body).unwrap().apply(&c);
+        let length = (place(first, Vector3::x()) - place(second, Vector3::y())).norm();
+        let mut loops = TreeLoops::new(&tree);
+        loops.join(&tree, JointKind::Rod { length }, ends).unwrap();
+        let closed = loops.close(&mut motion, &mut q, &mut v);
+        let dependent = matches!(closed, Err(TreeError::DependentLoops { rows: 1 }));
+        assert_eq!(dependent, welded, "{ratio}: {closed:?}");
+    }
+}

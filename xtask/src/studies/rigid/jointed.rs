@@ -74,10 +74,10 @@ struct Careless;
 
 impl FreeMotion<BodyMetric<Poses>, Poses> for Careless {
     fn advance(
-        &self,
+        &mut self,
         metric: &BodyMetric<Poses>,
         space: &Poses,
-        h: f64,
+        (_, h): (f64, f64),
         q: &mut [f64],
         p: Covector<&mut [f64]>,
         mut room: Vector<&mut [f64]>,

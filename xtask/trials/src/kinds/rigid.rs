@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod double_double;
+mod driven;
 mod free_top;
 mod independence;
 mod joints;
@@ -12,5 +13,11 @@ mod mass_properties;
 use crate::Kind;
 
 /// The kinds of trials of rigid.
-pub const KINDS: &[Kind] =
-    &[joints::KIND, lie_maps::KIND, mass_properties::KIND, free_top::KIND, bad_input::KIND];
+pub const KINDS: &[Kind] = &[
+    joints::KIND,
+    driven::KIND,
+    lie_maps::KIND,
+    mass_properties::KIND,
+    free_top::KIND,
+    bad_input::KIND,
+];

@@ -218,6 +218,8 @@ fn stepped(
                 Err(_) => Verdict::refused(error),
             };
         }
+        // A body on a slider may go far, and what is rounding grows with the distance.
+        let largest = state.q.iter().fold(largest, |a, x| a.max(x.abs()));
         let open = linkage.opening(&poses(&state.q));
         verdict = verdict.and(Verdict::of(open, 3e-12 + 2e-14 * largest, "a joint's opening"));
         if matches!(verdict, Verdict::Wrong { .. }) {

@@ -1,0 +1,106 @@
+//! Static assembly: a closed pose near a guess, or the plain word that there is none near.
+//!
+//! ```text
+//! min 1/2 |D g(q)|^2,     (A A^T + mu 1) y = D g,    q <- q exp(-M^-1/2 A^T y)
+//! ```
+//! `A = D J M^-1/2` in reference scales; `mu` the damping of Levenberg and Marquardt, which falls where a
+//! step helps and grows where it does not. Redundant equations do no harm. It ends at a closed pose, or
+//! where the gap is smallest although open: then no pose near is closed. Heavy bodies move least.
+
+use nalgebra::{DMatrix, DVector};
+use stationary_calculus::{Metric, Space, Vector};
+use stationary_constraints::Constraint;
+
+use super::MechanismError;
+use super::differential::{full, inverse_root, weights};
+use super::error::check_finite;
+
+/// A closed pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembly {
+    /// The configuration.
+    pub q: Vec<f64>,
+    /// The largest gap that is left, metres or radians.
+    pub gap: f64,
+    /// Steps that were tried.
+    pub iterations: u32,
+}
+
+/// Steps at most.
+const ITERATIONS: u32 = 500;
+/// Gaps of this part of the mechanism's lengths are closed.
+const CLOSED: f64 = 1e-13;
+/// A gap whose slope is this part of itself does not close.
+const LEVEL: f64 = 1e-7;
+
+/// Moves a configuration to one where all equations hold at the time `t`.
+///
+/// # Errors
+/// [`MechanismError::NotAssembled`] where the gap is smallest and open, [`MechanismError::TooFar`] after
+/// too many steps; a guess with too few numbers, or numbers that are not finite.
+pub fn assemble(
+    metric: &impl Metric,
+    space: &impl Space,
+    constraint: &impl Constraint,
+    t: f64,
+    guess: &[f64],
+) -> Result<Assembly, MechanismError> {
+    check_finite("the guess", guess)?;
+    let (n, count) = (metric.dim(), constraint.count());
+    let (weights, root) = (weights(constraint), inverse_root(metric));
+    let lengths = DVector::from_fn(count, |row, _| constraint.scale(row).length);
+    let values = |q: &[f64]| -> Result<DVector<f64>, MechanismError> {
+        let mut g = vec![0.0; count];
+        constraint.value(t, q, &mut g)?;
+        Ok(DVector::from_vec(g).component_mul(&weights))
+    };
+    let allowed = |q: &[f64]| {
+        let far = q.iter().fold(0.0_f64, |far, q| far.max(q.abs()));
+        CLOSED * lengths.amax() + 8.0 * f64::EPSILON * far
+    };
+    let mut q = guess.to_vec();
+    let mut g = values(&q)?;
+    let mut damping = 1e-6;
+    for iterations in 0..ITERATIONS {
+        check_finite("the gaps", g.as_slice())?;
+        if count == 0 || g.amax() <= allowed(&q) {
+            let gap = if count == 0 { 0.0 } else { g.amax() };
+            return Ok(Assembly { q, gap, iterations });
+        }
+        let a = DMatrix::from_diagonal(&weights) * full(constraint, n, t, &q)? * &root;
+        let size = a.norm();
+        let slope = a.tr_mul(&g);
+        if slope.norm() <= LEVEL * size * g.norm() {
+            let (row, gap) = worst(&g);
+            return Err(MechanismError::NotAssembled { row, gap });
+        }
+        let mut matrix = &a * a.transpose();
+        for k in 0..count {
+            matrix[(k, k)] += damping * size * size;
+        }
+        let step = matrix.cholesky().map(|factor| &root * a.tr_mul(&factor.solve(&g)));
+        let tried = step.map(|step| {
+            let mut next = q.clone();
+            space.advance(&mut next, -1.0, Vector(step.as_slice()));
+            values(&next).map(|g| (next, g))
+        });
+        match tried.transpose()? {
+            Some((next, gaps)) if gaps.norm() < g.norm() => {
+                (q, g) = (next, gaps);
+                damping = f64::max(1e-15, 0.1 * damping);
+            }
+            _ => damping *= 10.0,
+        }
+        if damping > 1e15 {
+            let (row, gap) = worst(&g);
+            return Err(MechanismError::NotAssembled { row, gap });
+        }
+    }
+    let (row, gap) = worst(&g);
+    Err(MechanismError::TooFar { iterations: ITERATIONS, row, gap })
+}
+
+fn worst(g: &DVector<f64>) -> (usize, f64) {
+    let row = g.iamax();
+    (row, g[row].abs())
+}

@@ -1,0 +1,123 @@
+//! Accelerations and forces of a mechanism at an instant, with no step taken.
+//!
+//! ```text
+//! M a + J^T lambda = f,     f = -dV + F(t, q, v) + (0, m x w)
+//! J a = -(v^T d2g v + d2g/dt2)
+//! A z = D (J M^-1 f + v^T d2g v + d2g/dt2),    A^T y = z,    a = M^-1 f - M^-1/2 z,    lambda = D y
+//! ```
+//! `A = D J M^-1/2` in reference scales, so that masses far apart cost no more digits than they must; `a` the rates of the velocities (world axes, and body axes), `lambda` the multipliers with the signs
+//! and units of the joints, `m w` angular momentum and velocity in body axes. Where equations are
+//! redundant, the multipliers are those of the smallest norm in reference scales and the accelerations
+//! the only ones. The second rate of a drive is a difference of its first, good to ten digits.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use stationary_calculus::{
+    Covector, Force, Metric, Potential, ProductSink, SizeError, System, Vector, least_norm,
+};
+use stationary_constraints::Constraint;
+
+use super::MechanismError;
+use super::differential::{DEPENDENT, full, inverse_root, weights};
+use super::error::check_finite;
+use crate::{BodyMetric, BodySpace};
+
+/// What holds at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// The rates of all velocities: m/s^2 in world axes, rad/s^2 in body axes.
+    pub accelerations: Vec<f64>,
+    /// The multipliers: forces (N) and torques (N m) of the joints, as their pages say.
+    pub multipliers: Vec<f64>,
+}
+
+/// What is left of the equations may be this part of their terms.
+const LEFT: f64 = 1e-8;
+/// Seconds between the rates of drives from which their second rates are made.
+const DIFFERENCE: f64 = 1e-3;
+
+/// The accelerations and multipliers of bodies at a time, a configuration and velocities `v`.
+///
+/// # Errors
+/// Sizes that do not fit, numbers that are not finite, [`MechanismError::Contradictory`] where no
+/// acceleration satisfies the equations.
+pub fn instant<P: Potential, S: BodySpace>(
+    system: &System<BodyMetric<S>, P, S>,
+    constraint: &impl Constraint,
+    force: &impl Force,
+    (t, q, v): (f64, &[f64], &[f64]),
+) -> Result<Instant, MechanismError> {
+    let (n, metric) = (system.dim(), system.metric());
+    SizeError::check("the velocities", n, v.len())?;
+    check_finite("the configuration", q)?;
+    check_finite("the velocities", v)?;
+    let j = full(constraint, n, t, q)?;
+    let free = free_forces(system, force, (t, q, v));
+    check_finite("the forces", &free.0)?;
+    let sharp = |p: &[f64]| {
+        let mut u = Vector(vec![0.0; n]);
+        metric.sharp(Covector(p), u.view_mut());
+        DVector::from_vec(u.0)
+    };
+    let (falling, bend) = (sharp(&free.0), bend(constraint, (t, q, v))?);
+    if constraint.count() == 0 {
+        return Ok(Instant { accelerations: falling.data.into(), multipliers: Vec::new() });
+    }
+    let weights = weights(constraint);
+    let (d, root) = (DMatrix::from_diagonal(&weights), inverse_root(metric));
+    let a = &d * &j * &root;
+    let b = &d * (&j * &falling + &bend);
+    let held = least_norm(&a, &b, DEPENDENT)?;
+    let terms = (&d * &j).abs() * falling.abs() + &d * bend.abs();
+    if held.residual.is_nan() || held.residual > LEFT * terms.norm() {
+        return Err(MechanismError::Contradictory { residual: held.residual / terms.norm() });
+    }
+    let multipliers = least_norm(&a.transpose(), &held.x, DEPENDENT)?.x.component_mul(&weights);
+    let accelerations = falling - root * held.x;
+    Ok(Instant { accelerations: accelerations.data.into(), multipliers: multipliers.data.into() })
+}
+
+/// All forces but those of the joints, and the gyroscopic torques.
+fn free_forces<P: Potential, S: BodySpace>(
+    system: &System<BodyMetric<S>, P, S>,
+    force: &impl Force,
+    (t, q, v): (f64, &[f64], &[f64]),
+) -> Covector<Vec<f64>> {
+    let mut f = Covector(vec![0.0; system.dim()]);
+    system.potential().add_differential(q, f.view_mut());
+    f.0.iter_mut().for_each(|f| *f = -*f);
+    force.add_force(t, q, Vector(v), f.view_mut());
+    for (i, body) in system.metric().bodies().iter().enumerate() {
+        let turn = S::FREEDOMS * i + S::TRANSLATION;
+        let w = Vector3::new(v[turn], v[turn + 1], v[turn + 2]);
+        let torque = body.angular_momentum(&w).cross(&w);
+        f.0[turn..turn + 3].iter_mut().zip(&torque).for_each(|(f, torque)| *f += torque);
+    }
+    f
+}
+
+/// `v^T d2g v + d2g/dt2` of each equation.
+fn bend(
+    constraint: &impl Constraint,
+    (t, q, v): (f64, &[f64], &[f64]),
+) -> Result<DVector<f64>, MechanismError> {
+    let count = constraint.count();
+    let mut bend = DVector::zeros(count);
+    let (mut one, mut product) = (vec![0.0; count], vec![0.0; v.len()]);
+    for row in 0..count {
+        one[row] = 1.0;
+        product.fill(0.0);
+        if let Some(mut sink) = ProductSink::new(1.0, v, &mut product) {
+            constraint.add_hessian(t, q, &one, &mut sink)?;
+        }
+        one[row] = 0.0;
+        bend[row] = product.iter().zip(v).map(|(p, v)| p * v).sum();
+    }
+    let mut rate = vec![0.0; count];
+    for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+        constraint.rate(t + steps * DIFFERENCE, q, &mut rate)?;
+        for (bend, rate) in bend.iter_mut().zip(&rate) {
+            *bend += weight * rate / (12.0 * DIFFERENCE);
+        }
+    }
+    Ok(bend)
+}
