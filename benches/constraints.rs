@@ -17,7 +17,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use stationary_constraints::problems::{RodProblem, writhing_chain};
-use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
+use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
 use stationary_measure::loglog_slope;
 
 /// How fast the links turn, radians a second: the step is then short enough for the tension of the
@@ -30,7 +30,7 @@ fn steps(n: usize, mut each: impl FnMut(&mut dyn FnMut() -> u32)) {
     let RodProblem { system, rods, initial } = writhing_chain(n, RATE).expect("a chain");
     let mut state = initial.clone();
     let mut rattle =
-        Rattle::new(&system, rods, &initial, Many::default()).expect("a feasible state");
+        Rattle::new(&system, rods, &initial, SparseDiagonal::default()).expect("a feasible state");
     let h = 0.01 / RATE;
     for _ in 0..3 {
         rattle.step(&mut state, h).expect("a step");

@@ -10,7 +10,7 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Potential, SymmetricMatrix};
 use stationary_constraints::problems::writhing_chain;
-use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
+use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
 use stationary_contact::problems::falling_boxes;
 use stationary_contact::{Settling, TouchingBodies};
 use stationary_elasticity::{
@@ -146,7 +146,7 @@ fn chain() {
     const LINKS: usize = 300;
     let chain = writhing_chain(LINKS, 100.0).expect("a chain");
     let mut state = chain.initial.clone();
-    let rattle = Rattle::new(&chain.system, chain.rods, &chain.initial, Many::default());
+    let rattle = Rattle::new(&chain.system, chain.rods, &chain.initial, SparseDiagonal::default());
     let mut rattle = rattle.expect("a feasible state");
     let mut count = 0_u32;
     kernel("rattle: a link and step", LINKS, || {

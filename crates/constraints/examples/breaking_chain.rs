@@ -3,7 +3,9 @@
 //! `cargo run -p stationary-constraints --example breaking_chain`
 
 use stationary_constraints::problems::{RodProblem, folded_chain};
-use stationary_constraints::{Constraint, ConstraintError, Few, Rattle, Redundancy, Rod, Rods};
+use stationary_constraints::{
+    Constraint, ConstraintError, Rattle, Redundancy, Rod, Rods, SparseDiagonal,
+};
 
 const LINKS: usize = 8;
 
@@ -13,7 +15,7 @@ fn main() -> Result<(), ConstraintError> {
     let strength = 1.5 * LINKS as f64;
     let weak = rods.rods().iter().map(|rod| Rod::with_strength(*rod, strength)).collect();
     let weak = Rods::new(LINKS, vec![[0.0, 0.0]], weak)?;
-    let few = Few::<LINKS>(Redundancy::Refuse);
+    let few = SparseDiagonal(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, weak, &initial, few)?;
     let mut state = initial.clone();
     println!("rods hold {strength} N; the chain weighs {LINKS} N");

@@ -5,8 +5,8 @@
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
-    ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Few, Penalty, Rattle, Redundancy,
-    StepAndProject,
+    ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Dense, Penalty, Rattle,
+    Redundancy, StepAndProject,
 };
 use stationary_integrators::{Integrator, State, StormerVerlet};
 
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let exact = pendulum(1.5)?;
     let RodProblem { system, rods, .. } = &exact.problem;
     let initial = &exact.state(START);
-    let few = Few::<1>(Redundancy::Refuse);
+    let few = Dense::<1>(Redundancy::Refuse);
     println!("reduced coordinates");
     let angle = ArcsinePendulum::new(1.0, 1.0, 1.0)?;
     let mut reduced = State::new([exact.angle(START)], Covector([exact.rate(START)]));

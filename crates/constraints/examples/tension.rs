@@ -3,12 +3,12 @@
 //! `cargo run -p stationary-constraints --example tension`
 
 use stationary_constraints::problems::{RodProblem, pendulum};
-use stationary_constraints::{ConstrainedIntegrator, ConstraintError, Few, Rattle, Redundancy};
+use stationary_constraints::{ConstrainedIntegrator, ConstraintError, Dense, Rattle, Redundancy};
 
 fn main() -> Result<(), ConstraintError> {
     let exact = pendulum(2.1)?;
     let RodProblem { system, rods, initial } = &exact.problem;
-    let mut rattle = Rattle::new(system, rods.clone(), initial, Few::<1>(Redundancy::Refuse))?;
+    let mut rattle = Rattle::new(system, rods.clone(), initial, Dense::<1>(Redundancy::Refuse))?;
     let mut state = initial.clone();
     let (steps, rod) = (1200, rods.rods()[0]);
     let h = exact.period / f64::from(steps);

@@ -13,7 +13,7 @@
 use stationary_calculus::{Covector, SizeError, Storage};
 use stationary_integrators::{Facts, Saved, Scheme, State, StepError};
 
-use crate::keeper::{check_step, zeros};
+use crate::rattle_core::{check_step, zeros};
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A symmetric method with the steps of a [`Scheme`].

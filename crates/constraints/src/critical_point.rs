@@ -203,7 +203,7 @@ fn kind(curvatures: &[f64], flat: f64) -> Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Level, Linear, OnLevel};
+    use crate::{Level, LevelSet, Linear};
     use stationary_calculus::{Automatic, Energy, Number};
 
     /// f = x^2 + 2 y^2 + 3 z^2, whose critical points on the unit sphere are the six poles.
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn the_poles_of_a_sphere_are_a_minimum_a_saddle_and_a_maximum() {
-        let sphere = OnLevel::new(0, Sphere);
+        let sphere = LevelSet::new(0, Sphere);
         let kinds = [Kind::Minimum, Kind::Saddle, Kind::Maximum];
         for (axis, kind) in kinds.into_iter().enumerate() {
             let mut guess = [0.1, -0.15, 0.12];
@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_constraint_that_moves_is_taken_at_the_time_zero() {
-        let line = OnLevel::new(0, Turning);
+        let line = LevelSet::new(0, Turning);
         let found = critical_point(&Automatic(Square), &line, &[0.3, 2.0], Newton::default());
         let point = found.unwrap();
         assert!(point.q.iter().all(|x| (x - 0.5).abs() < 1e-14), "{point:?}");
@@ -305,7 +305,7 @@ mod tests {
 
     #[test]
     fn a_guess_of_another_size_is_refused() {
-        let line = OnLevel::new(0, Turning);
+        let line = LevelSet::new(0, Turning);
         for guess in [&[0.0][..], &[0.0; 3]] {
             let error = critical_point(&Automatic(Square), &line, guess, Newton::default());
             let what = "the guess's numbers";

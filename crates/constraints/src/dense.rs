@@ -11,7 +11,7 @@
 //! step.
 //!
 //! Everything lives in arrays: nothing is allocated beyond what the storage C itself takes. The
-//! work grows with m^2 n; for many equations see `SchurMultipliers`.
+//! work grows with m^2 n; for many equations see `DiagonalMultipliers`.
 
 use std::array::from_fn;
 
@@ -48,11 +48,19 @@ pub struct DenseMultipliers<C, const M: usize> {
     regularity: f64,
 }
 
-/// The choice of [`DenseMultipliers`]: at most M equations, any metric.
+/// The choice of [`DenseMultipliers`]: at most M equations, any metric. M is at most three:
+/// ```compile_fail
+/// # use stationary_constraints::problems::folded_chain;
+/// use stationary_constraints::{Dense, Rattle, Redundancy};
+/// let chain = folded_chain(4)?;
+/// let dense = SparseDiagonal(Redundancy::Refuse);
+/// Rattle::new(&chain.system, chain.rods.clone(), &chain.initial, dense)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Few<const M: usize>(pub Redundancy);
+pub struct Dense<const M: usize>(pub Redundancy);
 
-impl<C: Storage, const M: usize> Solver<C> for Few<M> {
+impl<C: Storage, const M: usize> Solver<C> for Dense<M> {
     type Multipliers = DenseMultipliers<C, M>;
 
     fn analyse<A: Metric, K: Constraint>(
@@ -62,6 +70,7 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
         t: f64,
         q: &[f64],
     ) -> Result<DenseMultipliers<C, M>, ConstraintError> {
+        const { assert!(M <= 3, "more than three equations are SparseDiagonal's") };
         let (n, count) = (metric.dim(), constraint.count());
         check_entries(constraint, n, t, q)?;
         if count > M {
@@ -91,19 +100,19 @@ impl<C: Storage, const M: usize> Solver<C> for Few<M> {
 
 /// Numbers of which at most M are used, one for each equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room<const M: usize> {
+pub struct SmallVec<const M: usize> {
     count: usize,
     numbers: [f64; M],
 }
 
-impl<const M: usize> AsRef<[f64]> for Room<M> {
+impl<const M: usize> AsRef<[f64]> for SmallVec<M> {
     #[inline]
     fn as_ref(&self) -> &[f64] {
         &self.numbers[..self.count]
     }
 }
 
-impl<const M: usize> AsMut<[f64]> for Room<M> {
+impl<const M: usize> AsMut<[f64]> for SmallVec<M> {
     #[inline]
     fn as_mut(&mut self) -> &mut [f64] {
         &mut self.numbers[..self.count]
@@ -130,10 +139,10 @@ impl<C: Storage> Rows for Fill<'_, C> {
 }
 
 impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
-    type Numbers = Room<M>;
+    type Numbers = SmallVec<M>;
 
-    fn numbers(&self) -> Room<M> {
-        Room { count: self.count, numbers: [0.0; M] }
+    fn numbers(&self) -> SmallVec<M> {
+        SmallVec { count: self.count, numbers: [0.0; M] }
     }
 
     fn prepare(
@@ -332,9 +341,9 @@ mod tests {
             let j = matrix(&rods, &q);
             let weighted = SMatrix::<f64, 3, 4>::from_fn(|i, f| j[(i, f)] / MASS[f]);
             let s: Matrix3<f64> = weighted * j.transpose();
-            let few = Few::<4>(Redundancy::Refuse);
-            let mut dense: DenseMultipliers<[f64; 4], 4> =
-                few.analyse(&metric, &rods, 0.0, &q).unwrap();
+            let choice = Dense::<3>(Redundancy::Refuse);
+            let mut dense: DenseMultipliers<[f64; 4], 3> =
+                choice.analyse(&metric, &rods, 0.0, &q).unwrap();
             prop_assume!(dense.prepare(&metric, &rods, 0.0, &q).is_ok());
             prop_assume!(dense.regularity() > 1e-2);
             let mut x = b;
@@ -354,9 +363,9 @@ mod tests {
                 (vec![(0, 1.0), (1, angle)], 0.0),
             ])
             .unwrap();
-            let few = Few::<2>(Redundancy::Refuse);
+            let choice = Dense::<2>(Redundancy::Refuse);
             let mut dense: DenseMultipliers<[f64; 2], 2> =
-                few.analyse(&metric, &lines, 0.0, &[0.0; 2]).unwrap();
+                choice.analyse(&metric, &lines, 0.0, &[0.0; 2]).unwrap();
             let prepared = dense.prepare(&metric, &lines, 0.0, &[0.0; 2]);
             assert_eq!(prepared.is_ok(), regular, "{prepared:?}");
             assert!((dense.regularity() / (0.5 * angle) - 1.0).abs() < 1e-6);

@@ -100,3 +100,59 @@ impl Entries {
         }
     }
 }
+
+/// Which entries are those of each row, whatever the order in which they are brought.
+#[derive(Clone, Debug)]
+pub(crate) struct RowEntries {
+    starts: Vec<usize>,
+    entries: Vec<u32>,
+}
+
+impl RowEntries {
+    pub(crate) fn of(entries: &Entries, count: usize) -> Self {
+        let mut indices: Vec<u32> = (0..entries.places.len() as u32).collect();
+        indices.sort_by_key(|&index| entries.places[index as usize].0);
+        let row = |index: &u32| entries.places[*index as usize].0 as usize;
+        let starts = (0..=count).map(|i| indices.partition_point(|index| row(index) < i)).collect();
+        RowEntries { starts, entries: indices }
+    }
+}
+
+/// The rows of J M^-1/2, without the roots: the freedoms of a dense row are those of J, and products
+/// are those of covectors, `<a, M^-1 b>`.
+pub(crate) struct WeightedRows<'a> {
+    pub(crate) entries: &'a Entries,
+    pub(crate) rows: &'a RowEntries,
+    pub(crate) inverse_mass: &'a [f64],
+}
+
+impl WeightedRows<'_> {
+    fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
+        let own = &self.rows.entries[self.rows.starts[row]..self.rows.starts[row + 1]];
+        own.iter().map(|&entry| {
+            let entry = entry as usize;
+            (self.entries.places[entry].1 as usize, self.entries.values[entry])
+        })
+    }
+
+    /// Adds `factor` times a row to a dense one.
+    pub(crate) fn add(&self, row: usize, factor: f64, dense: &mut [f64]) {
+        self.row(row).for_each(|(freedom, value)| dense[freedom] += factor * value);
+    }
+
+    /// The product of a row and a dense one.
+    pub(crate) fn product(&self, row: usize, dense: &[f64]) -> f64 {
+        self.row(row)
+            .map(|(freedom, value)| value * dense[freedom] * self.inverse_mass[freedom])
+            .sum()
+    }
+
+    /// The part of a dense row's square that lies in the freedoms of a row, where it is cleared.
+    pub(crate) fn take_square(&self, row: usize, dense: &mut [f64]) -> f64 {
+        let take = |(freedom, _): (usize, f64)| {
+            let value = std::mem::take(&mut dense[freedom]);
+            value * value * self.inverse_mass[freedom]
+        };
+        self.row(row).map(take).sum()
+    }
+}

@@ -191,6 +191,34 @@ pub enum ConstraintError {
         /// The equations.
         count: usize,
     },
+    /// A block of rows has one row, and for a cone a normal and up to two tangents.
+    #[error("block {block} has {rows} rows; a cone has one to three, any other law one")]
+    Block {
+        /// The block, counted from 0.
+        block: usize,
+        /// Its rows.
+        rows: usize,
+    },
+    /// Rounding hides whether an equation depends on others, because those it almost depends on
+    /// almost depend on each other.
+    #[error(
+        "equation {row} is {distance:e} of its size away from depending on others, which is known to \
+         {error:e} only; remove an equation, or move off the singular configuration"
+    )]
+    RankUnclear {
+        /// The equation, counted from 0.
+        row: usize,
+        /// How far its row is from the span of others, relative to a normal row.
+        distance: f64,
+        /// What rounding may have made of it.
+        error: f64,
+    },
+    /// The shortest multipliers of redundant equations were not found.
+    #[error("the shared forces of redundant equations did not settle in {iterations} iterations")]
+    NotShared {
+        /// Iterations made.
+        iterations: usize,
+    },
     /// The solver needs masses that do not couple freedoms.
     #[error("the metric couples freedom {freedom} to others; this solver needs a diagonal one")]
     Coupled {

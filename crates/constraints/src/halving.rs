@@ -14,7 +14,7 @@
 use stationary_calculus::{Covector, SizeError, Storage};
 use stationary_integrators::{EnergyBehavior, Facts, Saved, State, StepError, Symplecticity};
 
-use crate::keeper::zeros;
+use crate::rattle_core::zeros;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A method whose failed steps are retried in halves.

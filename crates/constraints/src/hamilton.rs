@@ -23,7 +23,7 @@ use stationary_integrators::{
     Symplecticity,
 };
 
-use crate::keeper::{Keeper, check_step};
+use crate::rattle_core::{RattleCore, check_step};
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     FreeMotion, Multipliers, Solver, Straight,
@@ -48,7 +48,7 @@ const FACTS: Facts = Facts {
 /// The integrator of the notes' section 6.5 with multipliers solved for by X.
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamilton<'s, M, P, S, K, C, X: Multipliers, F = Straight> {
-    keeper: Keeper<'s, M, P, S, K, C, X, F>,
+    core: RattleCore<'s, M, P, S, K, C, X, F>,
     lambda: X::Numbers,
 }
 
@@ -71,9 +71,9 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice, Straight)?;
-        let lambda = X::Numbers::clone(&keeper.impulse);
-        Ok(ConstrainedHamilton { keeper, lambda })
+        let core = RattleCore::new(system, constraint, state, &choice, Straight)?;
+        let lambda = X::Numbers::clone(&core.impulse);
+        Ok(ConstrainedHamilton { core, lambda })
     }
 }
 
@@ -98,9 +98,9 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice, motion)?;
-        let lambda = X::Numbers::clone(&keeper.impulse);
-        Ok(ConstrainedHamilton { keeper, lambda })
+        let core = RattleCore::new(system, constraint, state, &choice, motion)?;
+        let lambda = X::Numbers::clone(&core.impulse);
+        Ok(ConstrainedHamilton { core, lambda })
     }
 }
 
@@ -120,17 +120,17 @@ where
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h)?;
-        let keeper = &mut self.keeper;
-        keeper.begin(state)?;
-        keeper.kick_here(h);
-        let (iterations, violation) = keeper.hold_configuration(h)?;
-        let work = keeper.work_here()?;
-        keeper.arrive(h)?;
-        keeper.finish(state, h)?;
-        for (lambda, a) in self.lambda.as_mut().iter_mut().zip(keeper.impulse.as_ref()) {
+        let core = &mut self.core;
+        core.begin(state)?;
+        core.kick_here(h);
+        let (iterations, violation) = core.hold_configuration(h)?;
+        let work = core.work_here()?;
+        core.arrive(h)?;
+        core.finish(state, h)?;
+        for (lambda, a) in self.lambda.as_mut().iter_mut().zip(core.impulse.as_ref()) {
             *lambda = a / h;
         }
-        let differentials = keeper.differentials;
+        let differentials = core.differentials;
         Ok(ConstrainedReport { differentials, iterations, violation, work, halvings: 0 })
     }
 

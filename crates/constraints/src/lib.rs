@@ -14,11 +14,11 @@
 //!
 //! ```
 //! use stationary_constraints::problems::{RodProblem, pendulum};
-//! use stationary_constraints::{ConstrainedIntegrator, Few, Rattle, Redundancy};
+//! use stationary_constraints::{ConstrainedIntegrator, Dense, Rattle, Redundancy};
 //!
 //! // A unit mass on a unit rod, pushed at the bottom hard enough to go round.
 //! let RodProblem { system, rods, initial } = pendulum(2.5)?.problem;
-//! let mut rattle = Rattle::new(&system, rods.clone(), &initial, Few::<1>(Redundancy::Refuse))?;
+//! let mut rattle = Rattle::new(&system, rods.clone(), &initial, Dense::<1>(Redundancy::Refuse))?;
 //! let mut state = initial;
 //! for _ in 0..1000 {
 //!     rattle.step(&mut state, 0.01)?;
@@ -29,10 +29,11 @@
 //! ```
 //!
 //! Reading order: what a [`Constraint`] is, sets of them, and the ones that are there ([`Rods`],
-//! [`FixedPoint`], [`Linear`], any [`Function`], a point [`OnLevel`] sets); the linear system
-//! behind all of it, solved for [`Few`] equations, `Many`, or `Coupled` freedoms; then the ways to
-//! keep a constraint in the notes' order: [`Reduced`] coordinates and the [`ArcsinePendulum`],
-//! [`Penalty`], [`Projection`] and [`StepAndProject`], [`critical_point`], [`ConstrainedHamilton`]
+//! [`FixedPoint`], [`Linear`], any [`Function`], a point on a [`LevelSet`]); the linear system behind all
+//! of it, solved by [`Dense`] for up to three equations, by [`SparseDiagonal`] for any number, or by
+//! `SparseGeneral` under a metric that couples freedoms; [`VelocityRows`], which hand equalities and
+//! inequalities to whoever solves both; then the ways to keep a constraint in the notes' order:
+//! [`Reduced`] coordinates and the [`ArcsinePendulum`], [`Penalty`], [`Projection`] and [`StepAndProject`], [`critical_point`], [`ConstrainedHamilton`]
 //! and [`Rattle`], rods that break; and [`problems`] with known answers.
 //!
 //! | way | feasible | order | energy | what it asks for |
@@ -48,10 +49,11 @@
 //! not feasible is an error that says by how much, and [`Projection`] mends it on request. A step
 //! allocates nothing, and a failed one leaves the state as it was.
 //!
-//! What the examination of rank cannot see: with [`Few`] it is exact, at each accepted
-//! configuration; between two of them a linkage may pass through a singular one unseen. `Many` sees
-//! a ratio of singular values below about 1e-7 and rows that vanish; `Coupled` what makes its
-//! matrix singular to working precision. The crate knows nothing of inequalities, contact or files.
+//! What the examination of rank cannot see: it is made at each accepted configuration, and between two
+//! of them a linkage may pass through a singular one unseen. [`Dense`] and [`SparseDiagonal`] tell a row
+//! that depends on others from one that is independent by a part in 1e7 of its size, or say that they
+//! cannot; `SparseGeneral` sees what makes its matrix singular to working precision. The crate states
+//! inequalities and solves none; it knows nothing of contact or files.
 
 mod error;
 mod constraint;
@@ -62,16 +64,17 @@ mod rods;
 mod points;
 mod linear;
 mod function;
-mod surface;
+mod level_set;
 mod feasible;
 mod multipliers;
 mod dense;
-#[cfg(feature = "sparse")]
 mod entries;
+mod elimination;
+mod rank_revealing;
+mod sparse_diagonal;
 #[cfg(feature = "sparse")]
-mod schur;
-#[cfg(feature = "sparse")]
-mod saddle;
+mod sparse_general;
+mod velocity_rows;
 mod embedding;
 mod arcsine;
 mod penalty;
@@ -82,7 +85,7 @@ mod critical_point;
 mod free_motion;
 mod force_kicks;
 mod forced;
-mod keeper;
+mod rattle_core;
 mod hamilton;
 mod rattle;
 mod halving;
@@ -97,7 +100,7 @@ pub use constraint::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };
 pub use critical_point::{CriticalPoint, Kind, critical_point};
-pub use dense::{DenseMultipliers, Few, Room};
+pub use dense::{Dense, DenseMultipliers, SmallVec};
 pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};
 pub use error::ConstraintError;
 pub use force_kicks::ForceKicks;
@@ -107,6 +110,7 @@ pub use function::{Function, FunctionConstraint};
 pub use halving::Halving;
 pub use hamilton::ConstrainedHamilton;
 pub use integrator::{ConstrainedIntegrator, ConstrainedReport};
+pub use level_set::{Level, LevelSet};
 pub use linear::Linear;
 pub use multipliers::{Multipliers, Redundancy, Solver};
 pub use pairing::Pairing;
@@ -115,9 +119,8 @@ pub use points::FixedPoint;
 pub use projection::{Projection, ProjectionReport};
 pub use rattle::Rattle;
 pub use rods::{Rod, Rods};
+pub use sparse_diagonal::{DiagonalMultipliers, SparseDiagonal};
 #[cfg(feature = "sparse")]
-pub use saddle::{Coupled, SaddleMultipliers};
-#[cfg(feature = "sparse")]
-pub use schur::{Many, SchurMultipliers};
+pub use sparse_general::{GeneralMultipliers, SparseGeneral};
 pub use step_and_project::StepAndProject;
-pub use surface::{Level, OnLevel};
+pub use velocity_rows::{RowLaw, VelocityRows};

@@ -8,9 +8,10 @@
 //! projection in the mass metric, and each iteration towards a feasible configuration is one such
 //! solve.
 //!
-//! Three solvers: [`Few`](crate::Few) equations and any metric, on the stack; `Many` (feature
-//! `sparse`) with a diagonal metric, linear in the links of a chain; `Coupled` (feature `sparse`)
-//! for many with a metric that couples freedoms. Knows nothing of time steps.
+//! Three solvers: [`Dense`](crate::Dense) of up to three equations and any metric, on the stack;
+//! [`SparseDiagonal`](crate::SparseDiagonal) of any number with a diagonal metric, linear in the links of a
+//! chain and in their redundant equations; `SparseGeneral` (feature `sparse`) with a metric that couples
+//! freedoms. Knows nothing of time steps.
 
 use stationary_calculus::{Covector, FIXED, Metric, Sink, SizeError, Vector};
 
@@ -59,13 +60,24 @@ pub trait Multipliers: Clone {
         None
     }
 
-    /// Replaces `b` by `S^-1 b`.
+    /// Replaces `b` by a solution of `S lambda = b`: the only one, or where equations depend on each
+    /// other and are not refused one whose force is that of the shortest.
     ///
     /// # Errors
     /// [`ConstraintError::NotPrepared`] unless the last preparation succeeded;
     /// [`ConstraintError::Size`] for another number of components than of equations; a solution that
-    /// cannot be trusted, or an iteration for shared forces that does not settle.
+    /// cannot be trusted.
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError>;
+
+    /// Replaces multipliers by the shortest, in reference scales, with the same force. Sums of solutions
+    /// need it once; it does nothing where every solution is the shortest.
+    ///
+    /// # Errors
+    /// Those of [`Multipliers::solve`]; [`ConstraintError::NotShared`] for an iteration that did not
+    /// settle.
+    fn share(&mut self, _lambda: &mut [f64]) -> Result<(), ConstraintError> {
+        Ok(())
+    }
 
     /// Adds `scale J^T lambda` to a covector.
     fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>);

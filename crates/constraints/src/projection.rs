@@ -18,7 +18,7 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage
 use stationary_integrators::State;
 
 use crate::feasible::{Flight, Scales, largest, rounding};
-use crate::keeper::{check_sizes, check_state, zeros};
+use crate::rattle_core::{check_sizes, check_state, zeros};
 use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.
@@ -199,6 +199,7 @@ where
         solver.add_along(displacement.view(), lambda);
         lambda.iter_mut().for_each(|x| *x = -*x);
         solver.solve(lambda)?;
+        solver.share(lambda)?;
         let distance = force.apply(&*displacement).sqrt();
         Ok(ProjectionReport { iterations, violation, distance })
     }
@@ -212,6 +213,7 @@ where
         solver.add_along(last.view(), impulse);
         solver.solve(impulse)?;
         solver.add_pulled_back(-1.0, impulse, state.p.view_mut());
+        solver.share(impulse)?;
         if largest(state.p.components()).is_finite() {
             return Ok(());
         }

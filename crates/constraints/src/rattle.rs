@@ -33,7 +33,7 @@ use stationary_integrators::{
     Symplecticity,
 };
 
-use crate::keeper::{Keeper, check_step};
+use crate::rattle_core::{RattleCore, check_step};
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     FreeMotion, Multipliers, Solver, Straight,
@@ -58,7 +58,7 @@ const FACTS: Facts = Facts {
 /// The RATTLE method with multipliers solved for by X.
 #[derive(Clone, Debug)]
 pub struct Rattle<'s, M, P, S, K, C, X: Multipliers, F = Straight> {
-    keeper: Keeper<'s, M, P, S, K, C, X, F>,
+    core: RattleCore<'s, M, P, S, K, C, X, F>,
     /// The impulse at the start of the step.
     start: X::Numbers,
     lambda: X::Numbers,
@@ -83,15 +83,15 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice, Straight)?;
-        Ok(Rattle::of(keeper))
+        let core = RattleCore::new(system, constraint, state, &choice, Straight)?;
+        Ok(Rattle::of(core))
     }
 }
 
 impl<'s, M, P, S, K, C, X: Multipliers, F> Rattle<'s, M, P, S, K, C, X, F> {
-    fn of(keeper: Keeper<'s, M, P, S, K, C, X, F>) -> Self {
-        let lambda = X::Numbers::clone(&keeper.impulse);
-        Rattle { start: lambda.clone(), keeper, lambda }
+    fn of(core: RattleCore<'s, M, P, S, K, C, X, F>) -> Self {
+        let lambda = X::Numbers::clone(&core.impulse);
+        Rattle { start: lambda.clone(), core, lambda }
     }
 }
 
@@ -116,18 +116,18 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<Self, ConstraintError> {
-        let keeper = Keeper::new(system, constraint, state, &choice, motion)?;
-        Ok(Rattle::of(keeper))
+        let core = RattleCore::new(system, constraint, state, &choice, motion)?;
+        Ok(Rattle::of(core))
     }
 
     /// The constraint.
     pub fn constraint(&self) -> &K {
-        &self.keeper.constraint
+        &self.core.constraint
     }
 
     /// The free motion: of a [`Forced`](crate::Forced) one the works of the last step's forces.
     pub fn motion(&self) -> &F {
-        &self.keeper.motion
+        &self.core.motion
     }
 
     /// Goes on with another constraint, which the state must satisfy. On an error the method is as
@@ -141,9 +141,9 @@ where
         state: &State<C>,
         choice: impl Solver<C, Multipliers = X>,
     ) -> Result<(), ConstraintError> {
-        self.keeper.with_constraint(constraint, state, &choice)?;
-        self.start = self.keeper.impulse.clone();
-        self.lambda = self.keeper.impulse.clone();
+        self.core.with_constraint(constraint, state, &choice)?;
+        self.start = self.core.impulse.clone();
+        self.lambda = self.core.impulse.clone();
         Ok(())
     }
 }
@@ -173,22 +173,22 @@ where
         h: f64,
     ) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h.abs())?;
-        let keeper = &mut self.keeper;
-        keeper.begin(state)?;
-        keeper.kick_here(0.5 * h);
-        let (iterations, violation) = keeper.hold_configuration(h)?;
-        self.start.clone_from(&keeper.impulse);
-        let mut work = keeper.work_here()?;
-        keeper.arrive(h)?;
-        keeper.kick_there(0.5 * h);
-        keeper.hold_velocity()?;
-        work += keeper.work_there()?;
-        keeper.finish(state, h)?;
-        let impulses = self.start.as_ref().iter().zip(keeper.impulse.as_ref());
+        let core = &mut self.core;
+        core.begin(state)?;
+        core.kick_here(0.5 * h);
+        let (iterations, violation) = core.hold_configuration(h)?;
+        self.start.clone_from(&core.impulse);
+        let mut work = core.work_here()?;
+        core.arrive(h)?;
+        core.kick_there(0.5 * h);
+        core.hold_velocity()?;
+        work += core.work_there()?;
+        core.finish(state, h)?;
+        let impulses = self.start.as_ref().iter().zip(core.impulse.as_ref());
         for (lambda, (a, b)) in self.lambda.as_mut().iter_mut().zip(impulses) {
             *lambda = (a + b) / h;
         }
-        let differentials = keeper.differentials;
+        let differentials = core.differentials;
         Ok(ConstrainedReport { differentials, iterations, violation, work, halvings: 0 })
     }
 

@@ -19,7 +19,7 @@ use stationary_integrators::{
 };
 
 use crate::feasible::Scales;
-use crate::keeper::{check_finite, check_step, check_time, zeros};
+use crate::rattle_core::{check_finite, check_step, check_time, zeros};
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     Multipliers, Projection, Solver,

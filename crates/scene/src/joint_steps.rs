@@ -1,7 +1,9 @@
 //! Steps of bodies that joints hold: RATTLE along their free motion.
 
 use stationary_calculus::{Metric, Potential, Space, System};
-use stationary_constraints::{ConstraintOn, Few, FreeMotion, Many, Rattle, Redundancy, Straight};
+use stationary_constraints::{
+    ConstraintOn, FreeMotion, Rattle, Redundancy, SparseDiagonal, Straight,
+};
 use stationary_integrators::State;
 use stationary_rigid::{
     AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies, Joint, PlanarJoint,
@@ -38,24 +40,15 @@ pub(crate) fn in_the_plane<'a>(
     held(Straight, system, joints, initial)
 }
 
-/// Equations up to which every one may depend on others, as in a planar loop of hinges.
-const FEW: usize = 24;
-
-/// RATTLE with a solver that fits the number of equations.
+/// RATTLE whose solver lets equations depend on others, as in a planar loop of hinges.
 fn held<'a, M: Metric, P: Potential, S: Space, K: ConstraintOn<S>>(
     motion: impl FreeMotion<M, S> + Clone + 'a,
     system: &'a System<M, P, S>,
     joints: &'a K,
     initial: &State<Vec<f64>>,
 ) -> Made<'a> {
-    let equations = joints.count();
-    let built = Built { equations: equations as u64, ..Built::default() };
-    if equations > FEW {
-        let many = Many(Redundancy::LeastNorm);
-        let integrator = Box::new(Rattle::along(motion, system, joints, initial, many)?);
-        return Ok(Box::new(Lasting { integrator, built: Built { sparse_solvers: 1, ..built } }));
-    }
-    let few = Few::<FEW>(Redundancy::LeastNorm);
-    let integrator = Box::new(Rattle::along(motion, system, joints, initial, few)?);
+    let built = Built { equations: joints.count() as u64, sparse_solvers: 1, ..Built::default() };
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
+    let integrator = Box::new(Rattle::along(motion, system, joints, initial, shared)?);
     Ok(Box::new(Lasting { integrator, built }))
 }

@@ -2,8 +2,8 @@
 
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Many, Rattle, Rods,
-    SchurMultipliers, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, DiagonalMultipliers,
+    Rattle, Rods, SparseDiagonal, StepAndProject,
 };
 use stationary_integrators::{Facts, Integrator, Method, Saved, State, StepError, StepReport};
 
@@ -42,7 +42,7 @@ impl<const D: usize> Way<D> for Held {
         problem: &'s SceneProblem<D>,
     ) -> Result<Box<dyn Steps + 's>, AssemblyError> {
         let (system, initial) = (&problem.system, &problem.initial);
-        let (rods, many) = (scene.constraint::<D>()?, Many::default());
+        let (rods, many) = (scene.constraint::<D>()?, SparseDiagonal::default());
         // The equations are solved by a sparse matrix of their own.
         let built = Built { equations: rods.count() as u64, sparse_solvers: 1, ..Built::default() };
         let integrator: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's> = match *self {
@@ -69,7 +69,7 @@ type Masses = DiagonalMetric<Vec<f64>>;
 /// Steps of rods that break where they have a strength.
 struct Breaking<'s, const D: usize> {
     scene: &'s Scene,
-    rattle: Rattle<'s, Masses, ScenePotential<D>, Flat, Rods<D>, Vec<f64>, SchurMultipliers>,
+    rattle: Rattle<'s, Masses, ScenePotential<D>, Flat, Rods<D>, Vec<f64>, DiagonalMultipliers>,
     built: Built,
 }
 
@@ -80,7 +80,7 @@ impl<const D: usize> Steps for Breaking<'_, D> {
         h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
-        let (report, broken) = self.rattle.step_and_break(state, h, Many::default())?;
+        let (report, broken) = self.rattle.step_and_break(state, h, SparseDiagonal::default())?;
         let broken = broken.map(|rod| BrokenRod { rod: rod.index, time: to, tension: rod.tension });
         Ok(Stepped { broken, ..Stepped::done(counted(&report)) })
     }
@@ -99,7 +99,7 @@ impl<const D: usize> Steps for Breaking<'_, D> {
         if !before.broken.is_empty() {
             let mut rods = self.scene.constraint::<D>()?;
             rods.retain(|rod| before.broken.iter().all(|broken| broken.rod != rod));
-            self.rattle.set_constraint(rods, &before.state, Many::default())?;
+            self.rattle.set_constraint(rods, &before.state, SparseDiagonal::default())?;
         }
         Ok(())
     }

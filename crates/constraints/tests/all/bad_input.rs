@@ -5,15 +5,15 @@ use stationary_constraints::problems::{
     RodProblem, chain, four_bar, pendulum, slider_crank, square, writhing_chain,
 };
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Few, FixedPoint,
-    Level, Linear, OnLevel, Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows,
-    Scale, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Dense, FixedPoint,
+    Level, LevelSet, Linear, Pairing, Penalty, Projection, Rattle, Redundancy, Rod, Rods, Rows,
+    Scale, SparseDiagonal, StepAndProject,
 };
 use stationary_integrators::{
     Facts, Integrator, State, StepError, StepReport, StormerVerlet, UniformGravity,
 };
 
-const FEW: Few<3> = Few(Redundancy::Refuse);
+const FEW: Dense<3> = Dense(Redundancy::Refuse);
 
 #[test]
 fn steps_that_do_not_go_forward_are_refused() {
@@ -131,7 +131,7 @@ fn an_entry_outside_of_the_differential_is_refused_by_place() {
 #[test]
 fn more_equations_than_the_solver_has_room_for_are_refused() {
     let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
-    let few = Few::<2>(Redundancy::Refuse);
+    let few = Dense::<2>(Redundancy::Refuse);
     let error = Rattle::new(&system, rods, &initial, few).unwrap_err();
     assert_eq!(error, ConstraintError::TooMany { room: 2, count: 3 });
 }
@@ -143,11 +143,11 @@ fn a_point_that_is_held_twice_is_singular_and_named() {
     rest.p.0 = [0.0; 2];
     let hold = || FixedPoint::new(0, [0.0, -1.0]).unwrap();
     let both = (hold(), hold());
-    let few = Few::<4>(Redundancy::Refuse);
+    let few = SparseDiagonal(Redundancy::Refuse);
     let error = Rattle::new(&system, both, &rest, few).unwrap_err();
     assert!(matches!(error, ConstraintError::Singular { ratio, .. } if ratio < 1e-12), "{error}");
     // Shared, the two holds carry half of the weight each.
-    let shared = Few::<4>(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let mut rattle = Rattle::new(&system, (hold(), hold()), &rest, shared).unwrap();
     let mut state = rest.clone();
     rattle.step(&mut state, 0.1).unwrap();
@@ -194,12 +194,12 @@ impl Level<2> for Odd {
 fn scales_and_values_that_are_no_numbers_are_refused() {
     let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
     for slope in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320] {
-        let odd = || OnLevel::new(0, Odd { value: 1.0, slope });
+        let odd = || LevelSet::new(0, Odd { value: 1.0, slope });
         let error = Rattle::new(&system, odd(), &initial, FEW).unwrap_err();
         assert!(matches!(error, ConstraintError::Parameter { what: "slope", .. }), "{error}");
         assert!(Penalty::new(odd(), 1.0, 0.0).is_err());
     }
-    let odd = OnLevel::new(0, Odd { value: f64::NAN, slope: 2.0 });
+    let odd = LevelSet::new(0, Odd { value: f64::NAN, slope: 2.0 });
     let error = Rattle::new(&system, odd.clone(), &initial, FEW).unwrap_err();
     assert!(matches!(error, ConstraintError::NonFinite { .. }), "{error}");
     let mut state = initial.clone();
@@ -322,7 +322,7 @@ fn every_constraint_refuses_too_few_numbers_and_other_counts_of_values() {
     refuses_other_sizes(&point, 4);
     let lines = Linear::new(vec![(vec![(0, 1.0), (2, 1.0)], 0.5), (vec![(1, 2.0)], 0.0)]).unwrap();
     refuses_other_sizes(&lines, 3);
-    refuses_other_sizes(&OnLevel::new(2, Odd { value: 1.0, slope: 2.0 }), 6);
+    refuses_other_sizes(&LevelSet::new(2, Odd { value: 1.0, slope: 2.0 }), 6);
     // A vertex beyond all counting is one that is not there.
     let beyond = FixedPoint::new(usize::MAX, [0.0, 1.0]).unwrap();
     assert!(beyond.value(0.0, &[0.3; 4], &mut [0.0; 2]).is_err());
@@ -389,7 +389,7 @@ fn a_step_that_ends_where_equations_have_no_rank_is_refused_and_leaves_the_state
     let free = UniformGravity { acceleration: [0.0, 0.0], masses: vec![1.0] };
     let system = System::new(metric, free).unwrap();
     let initial = State::new([-1.0, 0.0], Covector([1.0, 0.0]));
-    let cross = || OnLevel::new(0, Cross);
+    let cross = || LevelSet::new(0, Cross);
     let mut hamilton = ConstrainedHamilton::new(&system, cross(), &initial, FEW).unwrap();
     let mut rattle = Rattle::new(&system, cross(), &initial, FEW).unwrap();
     let mut state = initial.clone();

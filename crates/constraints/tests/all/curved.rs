@@ -7,7 +7,7 @@ use stationary_calculus::{
 };
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, ConstraintOn, Few, FreeMotion, Pairing,
+    ConstrainedIntegrator, Constraint, ConstraintError, ConstraintOn, Dense, FreeMotion, Pairing,
     Projection, Rattle, Redundancy, Rows, Scale,
 };
 use stationary_integrators::{State, StepError};
@@ -208,7 +208,7 @@ fn a_body_on_a_ball_joint_swings_as_a_physical_pendulum_with_order_two() {
     let mut points = Vec::new();
     for steps in [200_u32, 400, 800] {
         let h = exact.period / omega / f64::from(steps);
-        let choice = Few::<3>(Redundancy::Refuse);
+        let choice = Dense::<3>(Redundancy::Refuse);
         let mut rattle = Rattle::along(EqualMoments, &system, BallJoint, &initial, choice).unwrap();
         let mut state = initial.clone();
         let mut worst = 0.0_f64;
@@ -230,7 +230,7 @@ fn angular_momentum_about_the_vertical_is_kept_to_rounding() {
     let system = system();
     let initial = hanging(2.0, 3.0);
     let mut state = initial.clone();
-    let choice = Few::<3>(Redundancy::Refuse);
+    let choice = Dense::<3>(Redundancy::Refuse);
     let mut rattle = Rattle::along(EqualMoments, &system, BallJoint, &initial, choice).unwrap();
     let about_vertical = |state: &State<Vec<f64>>| {
         let (q, p) = (&state.q, &state.p.0);
@@ -250,7 +250,7 @@ fn a_pose_is_projected_along_the_motions_of_the_space() {
     let system = system();
     let mut state = hanging(1.0, 0.0);
     Poses.advance(&mut state.q, 1.0, Vector(&[0.05, -0.02, 0.04, 0.1, -0.2, 0.1]));
-    let choice = Few::<3>(Redundancy::Refuse);
+    let choice = Dense::<3>(Redundancy::Refuse);
     let error = Rattle::along(EqualMoments, &system, BallJoint, &state, choice).unwrap_err();
     assert!(matches!(error, ConstraintError::Infeasible { .. }), "{error}");
     let mut projection = Projection::new(&system, BallJoint, &state, choice).unwrap();

@@ -3,13 +3,14 @@
 use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum, square};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Few, Linear, Rattle, Redundancy, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, Dense, Linear, Rattle, Redundancy, SparseDiagonal,
+    StepAndProject,
 };
 use stationary_integrators::{
     State, StormerVerlet, Symplecticity, angular_momentum, linear_momentum,
 };
 
-const FEW: Few<1> = Few(Redundancy::Refuse);
+const FEW: Dense<1> = Dense(Redundancy::Refuse);
 
 /// A step of a pendulum in its angle and angular momentum.
 fn stepped(
@@ -97,7 +98,7 @@ fn a_bead_with_a_spring_on_a_line_is_unstable_above_two_over_omega() {
 #[test]
 fn the_constrained_hamilton_principle_keeps_momenta_and_the_projection_the_linear_one_only() {
     let RodProblem { system, rods, initial } = square(1, 2.0, [0.3, 0.2]).unwrap();
-    let few = Few::<5>(Redundancy::Refuse);
+    let few = SparseDiagonal(Redundancy::Refuse);
     let change = |method: &mut dyn ConstrainedIntegrator<[f64; 8]>| {
         let mut state = initial.clone();
         for _ in 0..1000 {

@@ -2,7 +2,8 @@
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, Halving, Projection, Rattle, Redundancy, Rod, Rods,
+    ConstrainedIntegrator, ConstraintError, Dense, Halving, Projection, Rattle, Redundancy, Rod,
+    Rods,
 };
 use stationary_integrators::{State, Symplecticity, UniformGravity};
 
@@ -22,7 +23,7 @@ fn double(ratio: f64) -> (Problem, Rods<2>, State<[f64; 4]>) {
     (System::new(metric, gravity).unwrap(), rods, initial)
 }
 
-const FEW: Few<2> = Few(Redundancy::Refuse);
+const FEW: Dense<2> = Dense(Redundancy::Refuse);
 
 /// The first error in two seconds of steps.
 fn failure(

@@ -4,7 +4,8 @@ use allocation_counter::measure;
 use stationary_calculus::Storage;
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Few, Rattle, Redundancy, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, Dense, Rattle, Redundancy, SparseDiagonal,
+    StepAndProject,
 };
 use stationary_integrators::{State, StormerVerlet};
 
@@ -27,7 +28,7 @@ fn allocations<C: Storage>(
 #[test]
 fn no_method_allocates_in_a_step() {
     let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
-    let few = Few::<1>(Redundancy::Refuse);
+    let few = Dense::<1>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods.clone(), &initial, few).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);
     let mut hamilton = ConstrainedHamilton::new(&system, rods.clone(), &initial, few).unwrap();
@@ -36,11 +37,11 @@ fn no_method_allocates_in_a_step() {
     let mut project = StepAndProject::new(verlet, &system, rods, &initial, few).unwrap();
     assert_eq!(allocations(&mut project, &initial, 0.01), 0);
     let RodProblem { system, rods, initial } = square(2, 1.0, [0.1, 0.2]).unwrap();
-    let shared = Few::<6>(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let mut rattle = Rattle::new(&system, rods, &initial, shared).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);
     let RodProblem { system, rods, initial } = four_bar(1.0, 1.0).unwrap().problem;
-    let few = Few::<3>(Redundancy::Refuse);
+    let few = Dense::<3>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, few).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);
 }
@@ -50,19 +51,21 @@ fn no_method_allocates_in_a_step() {
 fn no_sparse_step_allocates() {
     use stationary_calculus::{SparseMetric, SymmetricMatrix, System};
     use stationary_constraints::problems::chain;
-    use stationary_constraints::{Coupled, Many, Redundancy};
+    use stationary_constraints::{Redundancy, SparseDiagonal, SparseGeneral};
     let RodProblem { system, rods, initial } = chain(200, 0.1).unwrap();
-    let mut rattle = Rattle::new(&system, rods.clone(), &initial, Many::default()).unwrap();
+    let mut rattle =
+        Rattle::new(&system, rods.clone(), &initial, SparseDiagonal::default()).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.005), 0);
-    let shared = Many(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let mut rattle = Rattle::new(&system, rods.clone(), &initial, shared).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.005), 0);
     let verlet = StormerVerlet::new(&system).unwrap();
     let mut project =
-        StepAndProject::new(verlet, &system, rods.clone(), &initial, Many::default()).unwrap();
+        StepAndProject::new(verlet, &system, rods.clone(), &initial, SparseDiagonal::default())
+            .unwrap();
     assert_eq!(allocations(&mut project, &initial, 0.005), 0);
     let mass = SparseMetric::new(SymmetricMatrix::mass(system.metric()).unwrap()).unwrap();
     let sparse = System::new(mass, system.potential().clone()).unwrap();
-    let mut rattle = Rattle::new(&sparse, rods, &initial, Coupled).unwrap();
+    let mut rattle = Rattle::new(&sparse, rods, &initial, SparseGeneral).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.005), 0);
 }

@@ -3,7 +3,7 @@
 use stationary_calculus::{Covector, DiagonalMetric, Energy, Metric, Number, System, Vector};
 use stationary_constraints::problems::{RodProblem, pendulum};
 use stationary_constraints::{
-    ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Embedding, Few, Links, Rattle,
+    ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Dense, Embedding, Links, Rattle,
     Reduced, Redundancy, Rod, Rods, Sampling, Weight,
 };
 use stationary_integrators::problems::DoublePendulum;
@@ -93,7 +93,7 @@ const ANGLES: [f64; 2] = [1.0, 1.0];
 /// How far RATTLE is from a double pendulum in angles after some time.
 fn apart(angles: &mut impl Integrator<[f64; 2]>, time: f64, steps: u32) -> f64 {
     let RodProblem { system, rods, initial } = with_rods();
-    let choice = Few::<2>(Redundancy::Refuse);
+    let choice = Dense::<2>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, choice).unwrap();
     let h = time / f64::from(steps);
     let (mut a, mut b) = (initial, State::new(ANGLES, Covector([0.0; 2])));

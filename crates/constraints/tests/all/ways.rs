@@ -3,9 +3,9 @@
 use stationary_calculus::{Covector, DiagonalMetric, Number, System};
 use stationary_constraints::problems::{Pendulum, RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
-    ArcsinePendulum, ConstrainedIntegrator, Constraint, ConstraintError, Few, Function,
-    FunctionConstraint, Level, Linear, OnLevel, Penalty, Projection, Rattle, Redundancy, Rod, Rods,
-    StepAndProject,
+    ArcsinePendulum, ConstrainedIntegrator, Constraint, ConstraintError, Dense, Function,
+    FunctionConstraint, Level, LevelSet, Linear, Penalty, Projection, Rattle, Redundancy, Rod,
+    Rods, SparseDiagonal, StepAndProject,
 };
 use stationary_integrators::{
     Integrator, RungeKutta4, State, StormerVerlet, SymplecticEulerKickDrift, UniformGravity,
@@ -21,7 +21,7 @@ fn order<I: Integrator<[f64; 2]>>(pendulum: &Pendulum, make: impl Fn() -> I) -> 
     let mut points = Vec::new();
     for steps in [800, 1600, 3200, 6400] {
         let mut state = pendulum.state(0.7);
-        let choice = Few::<1>(REFUSE);
+        let choice = Dense::<1>(REFUSE);
         let mut method = StepAndProject::new(make(), system, rods.clone(), &state, choice).unwrap();
         let h = pendulum.period / f64::from(steps);
         let mut worst = 0.0_f64;
@@ -57,7 +57,7 @@ fn step_and_project_loses_the_energy_of_a_circling_pendulum() {
     let RodProblem { system, rods, initial } = &pendulum.problem;
     let verlet = StormerVerlet::new(system).unwrap();
     let mut method =
-        StepAndProject::new(verlet, system, rods.clone(), initial, Few::<1>(REFUSE)).unwrap();
+        StepAndProject::new(verlet, system, rods.clone(), initial, Dense::<1>(REFUSE)).unwrap();
     let mut state = initial.clone();
     let mut energies = vec![system.energy(&state.q, state.p.view())];
     for _ in 0..20 {
@@ -79,7 +79,7 @@ fn a_projection_in_the_mass_metric_keeps_linear_momentum_and_a_euclidean_one_doe
     let centre = |q: &[f64; 4]| [(q[0] + 9.0 * q[2]) / 10.0, (q[1] + 9.0 * q[3]) / 10.0];
     let stretched = State::new([0.0, 0.0, 0.66, 0.88], Covector([0.0; 4]));
     let mut state = stretched.clone();
-    let mut projection = Projection::new(&system, &rods, &state, Few::<1>(REFUSE)).unwrap();
+    let mut projection = Projection::new(&system, &rods, &state, Dense::<1>(REFUSE)).unwrap();
     let report = projection.project(&mut state).unwrap();
     assert!(report.violation < 1e-14 && report.distance > 0.0);
     let moved = |state: &State<[f64; 4]>| {
@@ -91,7 +91,7 @@ fn a_projection_in_the_mass_metric_keeps_linear_momentum_and_a_euclidean_one_doe
     let euclidean = DiagonalMetric::new([1.0; 4]).unwrap();
     let euclidean = System::new(euclidean, system.potential().clone()).unwrap();
     let mut state = stretched.clone();
-    let mut projection = Projection::new(&euclidean, &rods, &state, Few::<1>(REFUSE)).unwrap();
+    let mut projection = Projection::new(&euclidean, &rods, &state, Dense::<1>(REFUSE)).unwrap();
     projection.project(&mut state).unwrap();
     assert!(moved(&state) > 0.03);
 }
@@ -108,9 +108,9 @@ fn a_projection_finds_the_closest_configuration() {
     }
     let system = pendulum(1.0).unwrap().problem.system;
     let outside = State::new([1.9, 0.9], Covector([0.0; 2]));
-    let ellipse = OnLevel::new(0, Ellipse);
+    let ellipse = LevelSet::new(0, Ellipse);
     let mut state = outside.clone();
-    let mut projection = Projection::new(&system, ellipse, &state, Few::<1>(REFUSE)).unwrap();
+    let mut projection = Projection::new(&system, ellipse, &state, Dense::<1>(REFUSE)).unwrap();
     projection.project(&mut state).unwrap();
     let [x, y] = state.q;
     let (dx, dy) = (outside.q[0] - x, outside.q[1] - y);
@@ -122,7 +122,7 @@ fn a_projection_finds_the_closest_configuration() {
 fn an_infeasible_state_is_refused_with_its_violation_and_projected_on_request() {
     let pendulum = pendulum(1.0).unwrap();
     let RodProblem { system, rods, .. } = &pendulum.problem;
-    let choice = Few::<1>(REFUSE);
+    let choice = Dense::<1>(REFUSE);
     let mut state = State::new([0.0, -1.01], Covector([0.3, 0.2]));
     let error = Rattle::new(system, rods.clone(), &state, choice).unwrap_err();
     let ConstraintError::Infeasible { row: 0, violation, .. } = error else { panic!("{error}") };
@@ -145,7 +145,7 @@ fn equations_that_contradict_each_other_are_an_error_and_leave_the_state() {
     let lines = Linear::new(vec![(vec![(0, 1.0)], 0.0), (vec![(0, 1.0)], 1.0)]).unwrap();
     let mut state = State::new([0.3, 0.0], Covector([0.0; 2]));
     for redundancy in [REFUSE, Redundancy::LeastNorm] {
-        let choice = Few::<2>(redundancy);
+        let choice = Dense::<2>(redundancy);
         let mut projection = Projection::new(&system, &lines, &state, choice).unwrap();
         let error = projection.project(&mut state).unwrap_err();
         let named = matches!(
@@ -168,8 +168,8 @@ fn the_square_of_a_constraint_has_no_rank_where_it_holds() {
         }
     }
     let RodProblem { system, initial, .. } = pendulum(1.0).unwrap().problem;
-    let squared = OnLevel::new(0, Squared);
-    let error = Rattle::new(&system, squared, &initial, Few::<1>(REFUSE)).unwrap_err();
+    let squared = LevelSet::new(0, Squared);
+    let error = Rattle::new(&system, squared, &initial, Dense::<1>(REFUSE)).unwrap_err();
     let ConstraintError::Singular { ratio, row: 0 } = error else { panic!("{error}") };
     assert!(ratio < 1e-8);
 }
@@ -177,13 +177,14 @@ fn the_square_of_a_constraint_has_no_rank_where_it_holds() {
 #[test]
 fn redundant_rods_share_their_force_and_move_as_the_independent_ones() {
     let (five, six) = (square(1, 2.0, [0.3, 0.2]).unwrap(), square(2, 2.0, [0.3, 0.2]).unwrap());
-    let error =
-        Rattle::new(&six.system, six.rods.clone(), &six.initial, Few::<6>(REFUSE)).unwrap_err();
+    let error = Rattle::new(&six.system, six.rods.clone(), &six.initial, SparseDiagonal(REFUSE))
+        .unwrap_err();
     assert!(matches!(error, ConstraintError::Singular { .. }), "{error}");
-    let shared = Few::<6>(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let mut both = Rattle::new(&six.system, six.rods.clone(), &six.initial, shared).unwrap();
     let mut one =
-        Rattle::new(&five.system, five.rods.clone(), &five.initial, Few::<5>(REFUSE)).unwrap();
+        Rattle::new(&five.system, five.rods.clone(), &five.initial, SparseDiagonal(REFUSE))
+            .unwrap();
     let (mut a, mut b) = (six.initial.clone(), five.initial.clone());
     for _ in 0..1000 {
         both.step(&mut a, 0.01).unwrap();
@@ -208,7 +209,7 @@ fn a_rod_that_is_pulled_beyond_its_strength_breaks_in_that_step() {
     let quarter = 0.25 * pendulum.period;
     let mut state = pendulum.state(-quarter);
     state.t = 0.0;
-    let choice = Few::<1>(REFUSE);
+    let choice = Dense::<1>(REFUSE);
     let mut rattle = Rattle::new(system, rods, &state, choice).unwrap();
     let h = 1e-3;
     let broken = loop {
@@ -257,7 +258,7 @@ fn the_work_of_a_motor_is_the_energy_that_the_system_gains() {
     let energy = |state: &State<[f64; 2]>| system.energy(&state.q, state.p.view());
     let errors = |steps: u32| {
         let mut state = initial.clone();
-        let mut rattle = Rattle::new(&system, wire(), &state, Few::<1>(REFUSE)).unwrap();
+        let mut rattle = Rattle::new(&system, wire(), &state, Dense::<1>(REFUSE)).unwrap();
         let h = 1.0 / f64::from(steps);
         let mut work = 0.0;
         for _ in 0..steps {
@@ -291,8 +292,8 @@ fn the_work_of_a_lift_is_the_energy_gained_by_step_and_project_too() {
     let system = System::new(metric, gravity).unwrap();
     let initial = State::new([0.0, 0.0], Covector([1.0, 3.0 * 0.7]));
     let verlet = StormerVerlet::new(&system).unwrap();
-    let lift = OnLevel::new(0, Lift);
-    let choice = Few::<1>(REFUSE);
+    let lift = LevelSet::new(0, Lift);
+    let choice = Dense::<1>(REFUSE);
     let mut method = StepAndProject::new(verlet, &system, lift, &initial, choice).unwrap();
     let mut state = initial.clone();
     for k in 1..=10 {
@@ -309,7 +310,7 @@ fn the_work_of_a_lift_is_the_energy_gained_by_step_and_project_too() {
 fn a_constraint_that_stays_does_no_work() {
     let RodProblem { system, rods, initial } = four_bar(1.0, 2.0).unwrap().problem;
     let mut state = initial.clone();
-    let mut rattle = Rattle::new(&system, rods, &initial, Few::<3>(REFUSE)).unwrap();
+    let mut rattle = Rattle::new(&system, rods, &initial, Dense::<3>(REFUSE)).unwrap();
     for _ in 0..100 {
         assert_eq!(rattle.step(&mut state, 0.01).unwrap().work, 0.0);
     }
@@ -417,7 +418,7 @@ fn linear_momentum_of_a_free_square_survives_the_projections() {
     let RodProblem { system, rods, initial } = square(1, 2.0, [0.3, 0.2]).unwrap();
     let verlet = StormerVerlet::new(&system).unwrap();
     let mut method =
-        StepAndProject::new(verlet, &system, rods, &initial, Few::<5>(REFUSE)).unwrap();
+        StepAndProject::new(verlet, &system, rods, &initial, SparseDiagonal(REFUSE)).unwrap();
     let mut state = initial.clone();
     let start = linear_momentum::<2>(&state);
     for _ in 0..1000 {
@@ -438,7 +439,7 @@ fn a_parallelogram_that_lies_flat_has_no_rank() {
     let at = |angle: f64| {
         let (s, c) = angle.sin_cos();
         let state = State::new([c, s, c + 2.0, s], Covector([0.0; 4]));
-        Rattle::new(&system, rods.clone(), &state, Few::<3>(REFUSE)).map(|_| ())
+        Rattle::new(&system, rods.clone(), &state, Dense::<3>(REFUSE)).map(|_| ())
     };
     assert_eq!(at(0.5), Ok(()));
     let error = at(0.0).unwrap_err();

@@ -5,7 +5,8 @@ use stationary_calculus::{
     Covector, Force, Metric, Potential, ProductSink, Vector, assert_derivatives_on,
 };
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, ConstraintError, Few, Forced, Pairing, Rattle, Redundancy,
+    ConstrainedIntegrator, Constraint, ConstraintError, Forced, Pairing, Rattle, Redundancy,
+    SparseDiagonal,
 };
 use stationary_integrators::{Integrator, State, StepError};
 use stationary_measure::loglog_slope;
@@ -357,9 +358,9 @@ fn a_drive_turns_as_told_and_its_torque_and_work_are_those_of_the_closed_form() 
         let drive = Drive::new(Poses, 1, Along::Turn, Vector3::y(), ends, Swing).unwrap();
         let mut state = system.metric().state(&[hanging(0.0, 0.8 * 1.7)]).unwrap();
         let held = (hinge.clone(), drive);
-        let few = Few::<6>(Redundancy::Refuse);
+        let equations = SparseDiagonal(Redundancy::Refuse);
         let motion = FreeBodies(ConstantVelocity);
-        let mut rattle = Rattle::along(motion, &system, &held, &state, few).unwrap();
+        let mut rattle = Rattle::along(motion, &system, &held, &state, equations).unwrap();
         let (mut error, mut work, start) = (0.0_f64, 0.0, system.energy(&state.q, state.p.view()));
         for _ in 0..steps {
             let middle = state.t + 0.5 * h;
@@ -387,8 +388,8 @@ fn a_drive_that_starts_at_another_speed_or_place_is_refused() {
         let drive = Drive::new(Poses, 1, Along::Turn, Vector3::y(), ends, steady).unwrap();
         let hinge = Joint::new(Poses, 1, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
         let state = system.metric().state(&[hanging(angle, speed)]).unwrap();
-        let few = Few::<6>(Redundancy::Refuse);
-        Rattle::along(FreeBodies(ExactRotation), &system, (hinge, drive), &state, few).err()
+        let equations = SparseDiagonal(Redundancy::Refuse);
+        Rattle::along(FreeBodies(ExactRotation), &system, (hinge, drive), &state, equations).err()
     };
     assert!(start(0.3, 2.0).is_none());
     assert!(matches!(start(0.3, 0.0), Some(ConstraintError::InfeasibleVelocity { .. })));
@@ -408,8 +409,8 @@ fn rattle_keeps_its_order_and_its_balance_of_energy_under_a_motor_and_a_damper()
         let drag = |_: f64, _: Vector3<f64>, v: Vector3<f64>| v * (-0.3 * v.norm());
         forces.at_point(0, Vector3::z() * -0.4, drag).unwrap();
         let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
-        let few = Few::<5>(Redundancy::Refuse);
-        let mut rattle = Rattle::along(motion, &system, &hinge, &initial, few).unwrap();
+        let equations = SparseDiagonal(Redundancy::Refuse);
+        let mut rattle = Rattle::along(motion, &system, &hinge, &initial, equations).unwrap();
         let (mut state, h) = (initial.clone(), 3.0 / f64::from(steps));
         let (mut seen, mut works, mut defect) = (Vec::new(), [0.0; 2], 0.0_f64);
         for step in 1..=steps {

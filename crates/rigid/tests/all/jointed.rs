@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{SMatrix, SVector, Vector3};
 use stationary_calculus::Potential;
-use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Redundancy};
+use stationary_constraints::{
+    ConstrainedIntegrator, Constraint, Dense, Rattle, Redundancy, SparseDiagonal,
+};
 use stationary_integrators::State;
 use stationary_measure::loglog_slope;
 use stationary_rigid::problems::{
@@ -19,13 +21,9 @@ use stationary_rigid::{
 const GRAVITY: f64 = 9.81;
 const BOX: [f64; 3] = [0.1, 0.2, 0.3];
 
-fn few<const M: usize>() -> Few<M> {
-    Few(Redundancy::Refuse)
-}
-
 /// Runs jointed bodies for `steps` steps of `h`, turned by the map `R`, and shows every state with
 /// the multipliers of the step before it.
-fn run<R: FreeRotation + Clone, P: Potential, const M: usize>(
+fn run<R: FreeRotation + Clone, P: Potential>(
     map: R,
     problem: &JointedProblem<P>,
     (h, steps): (f64, u32),
@@ -33,7 +31,8 @@ fn run<R: FreeRotation + Clone, P: Potential, const M: usize>(
 ) -> State<Vec<f64>> {
     let JointedProblem { system, joints, initial, .. } = problem;
     let motion = FreeBodies(map);
-    let mut rattle = Rattle::along(motion, system, joints, initial, few::<M>()).unwrap();
+    let mut rattle =
+        Rattle::along(motion, system, joints, initial, SparseDiagonal::default()).unwrap();
     let mut state = initial.clone();
     for _ in 0..steps {
         rattle.step(&mut state, h).unwrap();
@@ -64,7 +63,7 @@ fn a_box_held_at_its_centre_turns_as_the_free_top() {
         top: &FreeTop,
         steps: u32,
     ) -> f64 {
-        let end = run::<_, _, 3>(map, problem, (4.0 / f64::from(steps), steps), |_, lambda| {
+        let end = run(map, problem, (4.0 / f64::from(steps), steps), |_, lambda| {
             assert!(lambda.iter().all(|f| f.abs() < 1e-12), "no force holds it: {lambda:?}");
         });
         attitude(&end).direction_to(&top.orientation(4.0).unwrap()).norm()
@@ -123,7 +122,7 @@ fn a_box_on_its_corner_moves_as_a_body_about_a_fixed_point_with_order_two() {
     ) -> Vec<(f64, f64)> {
         let one = |steps: u32| {
             let h = 1.0 / f64::from(steps);
-            let end = run::<_, _, 3>(map.clone(), problem, (h, steps), |_, _| ());
+            let end = run(map.clone(), problem, (h, steps), |_, _| ());
             (h, attitude(&end).direction_to(exact).norm())
         };
         [500, 1_000, 2_000].map(one).to_vec()
@@ -148,7 +147,7 @@ fn a_precessing_top_on_a_ball_joint_keeps_its_tilt_and_rate_and_its_support_carr
     let (h, steps) = (1e-4, 10_000);
     let start = attitude(&problem.initial).rotate(&Vector3::z());
     let (mut azimuth, mut turned) = (start.y.atan2(start.x), 0.0);
-    run::<_, _, 3>(ConstantVelocity, &problem, (h, steps), |state, lambda| {
+    run(ConstantVelocity, &problem, (h, steps), |state, lambda| {
         let axis = attitude(state).rotate(&Vector3::z());
         assert!((tilt(&attitude(state)) - 0.5).abs() < 1e-5);
         let now = axis.y.atan2(axis.x);
@@ -176,7 +175,7 @@ fn a_nodding_top_on_a_ball_joint_stays_between_its_bounds_and_reaches_both() {
     assert!((low - 0.5).abs() < 1e-7 && high > 0.55, "{low} {high}");
     let reach = |h: f64, steps: u32| {
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        run::<_, _, 3>(ConstantVelocity, &problem, (h, steps), |state, _| {
+        run(ConstantVelocity, &problem, (h, steps), |state, _| {
             let angle = tilt(&attitude(state));
             (least, most) = (least.min(angle), most.max(angle));
         });
@@ -196,7 +195,7 @@ fn thrown_jointed_boxes_keep_their_momenta_over_100_000_steps_and_their_energy_h
     };
     let (start, energy) = (&problem.initial, problem.energy(&problem.initial));
     let (mut drift, mut worst, mut step) = ([0.0_f64; 2], [0.0_f64; 2], 0);
-    run::<_, _, 8>(ConstantVelocity, &problem, (2e-3, 100_000), |state, _| {
+    run(ConstantVelocity, &problem, (2e-3, 100_000), |state, _| {
         drift[0] = drift[0].max((linear(state) - linear(start)).norm());
         drift[1] = drift[1].max((angular(state) - angular(start)).norm());
         let off = (problem.energy(state) / energy - 1.0).abs();
@@ -206,7 +205,7 @@ fn thrown_jointed_boxes_keep_their_momenta_over_100_000_steps_and_their_energy_h
     });
     assert!(drift.iter().all(|drift| *drift < 1e-12), "{drift:?}");
     assert!(worst[0] < 1e-3 && worst[1] < 2.0 * worst[0], "{worst:?}");
-    let end = run::<_, _, 8>(ConstantVelocity, &problem, (2e-3, 1_000), |_, _| ());
+    let end = run(ConstantVelocity, &problem, (2e-3, 1_000), |_, _| ());
     let mut g = vec![0.0; problem.joints.count()];
     problem.joints.value(0.0, &end.q, &mut g).unwrap();
     assert!(g.iter().all(|g| g.abs() < 1e-12), "{g:?}");
@@ -217,7 +216,8 @@ fn jointed_bodies_return_when_their_momenta_are_reversed() {
     let problem = thrown_boxes().unwrap();
     let JointedProblem { system, joints, initial, .. } = &problem;
     let motion = FreeBodies(AxisRotations);
-    let mut rattle = Rattle::along(motion, system, joints, initial, few::<8>()).unwrap();
+    let mut rattle =
+        Rattle::along(motion, system, joints, initial, SparseDiagonal::default()).unwrap();
     let mut state = initial.clone();
     for _ in 0..2 {
         for _ in 0..50 {
@@ -250,7 +250,8 @@ fn jointed_motion_preserves_the_symplectic_form_of_what_the_joint_leaves_free() 
         let gravity = Vector3::z() * -GRAVITY;
         let mut state = held_at_a_point(body, corner, rotation, w, gravity).unwrap().initial;
         let motion = FreeBodies(ConstantVelocity);
-        let mut rattle = Rattle::along(motion, system, joints, &state, few::<3>()).unwrap();
+        let mut rattle =
+            Rattle::along(motion, system, joints, &state, Dense::<3>(Redundancy::Refuse)).unwrap();
         rattle.step(&mut state, 0.05).unwrap();
         let theta = attitude(&state).log();
         let m = attitude(&state).rotate_back(&spatial_angular_momentum::<Poses>(&state).unwrap());
@@ -286,7 +287,8 @@ fn a_step_of_jointed_bodies_allocates_nothing() {
     let problem = thrown_boxes().unwrap();
     let JointedProblem { system, joints, initial, .. } = &problem;
     let motion = FreeBodies(ConstantVelocity);
-    let mut rattle = Rattle::along(motion, system, joints, initial, few::<8>()).unwrap();
+    let mut rattle =
+        Rattle::along(motion, system, joints, initial, SparseDiagonal::default()).unwrap();
     let mut state = initial.clone();
     rattle.step(&mut state, 1e-3).unwrap();
     let steps = || (0..10).for_each(|_| _ = rattle.step(&mut state, 1e-3).unwrap());

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Space, Vector, assert_derivatives_on};
 use stationary_constraints::problems::pendulum;
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Constraint, Few, FreeMotion, Pairing, Rattle,
-    Redundancy, Rows,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, Dense, FreeMotion, Pairing, Rattle,
+    Redundancy, Rows, SparseDiagonal,
 };
 use stationary_integrators::{State, StepError};
 use stationary_measure::loglog_slope;
@@ -65,8 +65,8 @@ fn the_derivatives_of_every_joint_are_right() {
     }
 }
 
-struct Dense(nalgebra::DMatrix<f64>);
-impl Rows for Dense {
+struct Entries(nalgebra::DMatrix<f64>);
+impl Rows for Entries {
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
         self.0[(row, freedom)] += value;
     }
@@ -126,7 +126,7 @@ fn a_joint_stays_closed_along_the_motions_that_it_leaves_free_and_has_full_rank_
                 joint.value(0.0, &q, &mut g).unwrap();
                 let reach = 1.0 + motion.translation.norm();
                 assert!(g.iter().all(|g| g.abs() < 4e-15 * reach), "{kind:?} {motion:?}: {g:?}");
-                let mut rows = Dense(nalgebra::DMatrix::zeros(joint.count(), 12));
+                let mut rows = Entries(nalgebra::DMatrix::zeros(joint.count(), 12));
                 joint.differential(0.0, &q, &mut rows).unwrap();
                 let free = null_space(&rows.0).unwrap().ncols();
                 assert_eq!(free, 6 + kind.freedoms(), "{kind:?} {motion:?}");
@@ -211,7 +211,7 @@ fn a_box_on_a_hinge_swings_as_a_physical_pendulum_with_order_two() {
     let mut points = Vec::new();
     for steps in [200_u32, 400, 800] {
         let h = exact.period / omega / f64::from(steps);
-        let choice = Few::<5>(Redundancy::Refuse);
+        let choice = SparseDiagonal::default();
         let mut rattle =
             Rattle::along(FreeBodies(ConstantVelocity), &system, hinge.clone(), &initial, choice)
                 .unwrap();
@@ -243,7 +243,7 @@ fn two_cubes_fixed_to_each_other_keep_their_pose_and_their_angular_momentum() {
     let system = metric.under(Free { freedoms: 12 }).unwrap();
     let ends = [JointEnd::on(0, half), JointEnd::on(1, -half)];
     let fixed = Joint::new(Poses, 2, JointKind::Weld, ends).unwrap();
-    let choice = Few::<6>(Redundancy::Refuse);
+    let choice = SparseDiagonal::default();
     let mut rattle =
         Rattle::along(FreeBodies(ConstantVelocity), &system, fixed, &initial, choice).unwrap();
     let mut state = initial.clone();
@@ -298,7 +298,7 @@ fn along_straight_motions_bodies_of_unequal_moments_would_lose_their_gyroscopic_
     let ends = [JointEnd::world(Vector3::zeros()), JointEnd::on(0, Vector3::zeros())];
     let joint = Joint::new(Poses, 1, JointKind::Ball, ends).unwrap();
     let top = FreeTop::new(body, Rotation::identity(), w).unwrap();
-    let few = || Few::<3>(Redundancy::Refuse);
+    let few = || Dense::<3>(Redundancy::Refuse);
     let off = |rattle: &mut dyn ConstrainedIntegrator<Vec<f64>>| {
         let mut state = initial.clone();
         (0..1_000).for_each(|_| _ = rattle.step(&mut state, 1e-3).unwrap());

@@ -5,7 +5,9 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{Covector, System};
-use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Rattle, Redundancy};
+use stationary_constraints::{
+    ConstrainedIntegrator, Constraint, Rattle, Redundancy, SparseDiagonal,
+};
 use stationary_integrators::State;
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
@@ -15,10 +17,6 @@ use stationary_rigid::{
 };
 
 const GRAVITY: f64 = 9.81;
-
-fn few<const M: usize>() -> Few<M> {
-    Few(Redundancy::Refuse)
-}
 
 /// From one angle to another the short way, radians.
 fn apart(to: f64, from: f64) -> f64 {
@@ -79,7 +77,8 @@ fn a_pendulum_of_two_boxes_swings_as_lagranges_equations_say_in_space_and_in_the
     let joints = vec![hinge([JointEnd::world(Vector3::zeros()), up(0)]), hinge([foot, up(1)])];
     let in_space = |steps: u32| {
         let motion = FreeBodies(ConstantVelocity);
-        let mut rattle = Rattle::along(motion, &system, &joints, &initial, few::<10>()).unwrap();
+        let mut rattle =
+            Rattle::along(motion, &system, &joints, &initial, SparseDiagonal::default()).unwrap();
         let mut state = initial.clone();
         (0..steps).for_each(|_| _ = rattle.step(&mut state, 1.0 / f64::from(steps)).unwrap());
         let angle = |k| {
@@ -108,7 +107,7 @@ fn a_pendulum_of_two_boxes_swings_as_lagranges_equations_say_in_space_and_in_the
         PlanarJoint::new(2, PlanarJointKind::Pin, [body(0, -1.0), body(1, 1.0)]).unwrap(),
     ];
     let in_the_plane = |steps: u32| {
-        let mut rattle = Rattle::new(&flat, &pins, &start, few::<4>()).unwrap();
+        let mut rattle = Rattle::new(&flat, &pins, &start, SparseDiagonal::default()).unwrap();
         let mut state = start.clone();
         (0..steps).for_each(|_| _ = rattle.step(&mut state, 1.0 / f64::from(steps)).unwrap());
         apart(state.q[2], exact[0]).hypot(apart(state.q[5], exact[1]))
@@ -180,7 +179,7 @@ fn a_four_bar_linkage_of_bodies_takes_the_time_of_a_revolution_that_energy_gives
     let flat = State::new(q.to_vec(), Covector(p));
     let pins = LINKAGE.joints().unwrap();
     let in_the_plane = |h: f64| {
-        let mut rattle = Rattle::new(&system, &pins, &flat, few::<8>()).unwrap();
+        let mut rattle = Rattle::new(&system, &pins, &flat, SparseDiagonal::default()).unwrap();
         revolution(&mut rattle, &flat, h, |s| [s.q[2], s.p.0[2] / moments[0]])
     };
     // In space: six freedoms a bar, four hinges, of whose twenty equations three are redundant.
@@ -208,7 +207,7 @@ fn a_four_bar_linkage_of_bodies_takes_the_time_of_a_revolution_that_energy_gives
         hinge([body(2, -c), JointEnd::world(d)]),
     ];
     let in_space = |h: f64| {
-        let choice = Few::<20>(Redundancy::LeastNorm);
+        let choice = SparseDiagonal(Redundancy::LeastNorm);
         let motion = FreeBodies(ConstantVelocity);
         let mut rattle = Rattle::along(motion, &system, &hinges, &initial, choice).unwrap();
         revolution(&mut rattle, &initial, h, |s| {

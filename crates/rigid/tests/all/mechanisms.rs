@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use stationary_calculus::{Potential, System, assert_derivatives};
 use stationary_constraints::{
-    Composed, ConstrainedIntegrator, Constraint, ConstraintError, Few, Forced, Rattle, Redundancy,
+    Composed, ConstrainedIntegrator, Constraint, ConstraintError, Forced, Rattle, Redundancy,
+    SparseDiagonal,
 };
 use stationary_integrators::Scheme;
 use stationary_measure::loglog_slope;
@@ -214,8 +215,8 @@ fn forces_at_an_instant_are_the_limit_of_rattle_s_with_a_drive_and_with_redundan
     let mut forces = BodyForces::new(Poses, 1);
     forces.about_axis(hung(), Vector3::y(), |_, _, rate| -0.3 * rate).unwrap();
     let motion = Forced::new(FreeBodies(ConstantVelocity), forces.clone());
-    let few = Few::<11>(Redundancy::LeastNorm);
-    let mut rattle = Rattle::along(motion, &system, &held, &start, few).unwrap();
+    let equations = SparseDiagonal(Redundancy::LeastNorm);
+    let mut rattle = Rattle::along(motion, &system, &held, &start, equations).unwrap();
     let (mut state, h) = (start, 1e-3);
     for _ in 0..500 {
         rattle.step(&mut state, h).unwrap();
@@ -267,9 +268,9 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
     };
     let initial = system.metric().state(&[first, second]).unwrap();
     let run = |scheme: Scheme, steps: u32| {
-        let few = Few::<9>(Redundancy::Refuse);
+        let equations = SparseDiagonal(Redundancy::Refuse);
         let motion = FreeBodies(ExactRotation);
-        let rattle = Rattle::along(motion, &system, &held, &initial, few).unwrap();
+        let rattle = Rattle::along(motion, &system, &held, &initial, equations).unwrap();
         let mut method = Composed::new(rattle, scheme, &initial).unwrap();
         let (mut state, mut seen) = (initial.clone(), Vec::new());
         for step in 1..=steps {
@@ -293,8 +294,9 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
         let (slope, order) = (loglog_slope(&points).unwrap(), scheme.facts().order);
         assert!((slope - f64::from(order)).abs() < 0.3, "{slope} {points:?}");
     }
-    let few = Few::<9>(Redundancy::Refuse);
-    let rattle = Rattle::along(FreeBodies(ExactRotation), &system, &held, &initial, few).unwrap();
+    let equations = SparseDiagonal(Redundancy::Refuse);
+    let rattle =
+        Rattle::along(FreeBodies(ExactRotation), &system, &held, &initial, equations).unwrap();
     let error = Composed::new(rattle, Scheme::BlanesMoan4, &initial).unwrap_err();
     assert!(matches!(error, ConstraintError::NotOfSteps { scheme: "blanes-moan-4" }));
 }

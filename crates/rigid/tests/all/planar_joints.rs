@@ -2,7 +2,9 @@
 
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System, assert_derivatives};
-use stationary_constraints::{ConstrainedIntegrator, Constraint, Few, Pairing, Rattle, Redundancy};
+use stationary_constraints::{
+    ConstrainedIntegrator, Constraint, Dense, Pairing, Rattle, Redundancy,
+};
 use stationary_integrators::State;
 use stationary_rigid::{
     JointFault, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, RigidError,
@@ -51,7 +53,7 @@ fn a_wheel_rolls_down_an_incline_at_two_thirds_of_the_acceleration_of_what_slide
     let wheel = PlanarJoint::new(1, kind, ends).unwrap();
     let start = across * radius;
     let mut state = State::new(vec![start.x, start.y, 0.0], Covector(vec![0.0; 3]));
-    let few = Few::<2>(Redundancy::Refuse);
+    let few = Dense::<2>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, wheel, &state, few).unwrap();
     for _ in 0..100 {
         rattle.step(&mut state, 0.01).unwrap();

@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{Covector, Metric, Potential, Sink, Space, System, Vector};
-use stationary_constraints::{ConstrainedIntegrator, Few, Rattle, Redundancy};
+use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
 use stationary_integrators::{Asymmetry, State, Symmetry};
 use stationary_rigid::problems::{nodding_top, thrown_boxes};
 use stationary_rigid::{
@@ -180,7 +180,7 @@ fn a_symmetry_that_weight_breaks_is_measured_as_its_torque() {
 fn joints_between_bodies_keep_the_momenta_of_all_motions_of_space() {
     let boxes = thrown_boxes().unwrap();
     let motion = FreeBodies(ConstantVelocity);
-    let choice = Few::<8>(Redundancy::Refuse);
+    let choice = SparseDiagonal::default();
     let (system, joints) = (&boxes.system, &boxes.joints);
     let mut rattle = Rattle::along(motion, system, joints, &boxes.initial, choice).unwrap();
     let mut state = boxes.initial.clone();

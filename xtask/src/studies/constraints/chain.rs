@@ -2,7 +2,7 @@
 
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{RodProblem, writhing_chain};
-use stationary_constraints::{ConstrainedIntegrator, Many, Rattle, Solver};
+use stationary_constraints::{ConstrainedIntegrator, Rattle, Solver, SparseDiagonal};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
@@ -40,9 +40,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         let RodProblem { system, rods, initial } =
             writhing_chain(n, RATE).map_err(StudyError::at("a chain"))?;
         let solver =
-            Solver::<Vec<f64>>::analyse(&Many::default(), system.metric(), &rods, 0.0, &initial.q)
+            Solver::<Vec<f64>>::analyse(&SparseDiagonal::default(), system.metric(), &rods, 0.0, &initial.q)
                 .map_err(StudyError::at("a chain"))?;
-        let mut rattle = Rattle::new(&system, rods, &initial, Many::default())
+        let mut rattle = Rattle::new(&system, rods, &initial, SparseDiagonal::default())
             .map_err(StudyError::at("a chain"))?;
         let mut state = initial.clone();
         let mut last = rattle.step(&mut state, STEP).map_err(StudyError::at("a step"))?;

@@ -2,10 +2,7 @@
 
 use stationary_calculus::{Covector, Number};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
-use stationary_constraints::{
-    ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Few, Level, OnLevel, Projection,
-    Rattle, Redundancy,
-};
+use stationary_constraints::{ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Level, LevelSet, Projection, Rattle, Redundancy, SparseDiagonal};
 use stationary_integrators::State;
 use stationary_measure::{Column, Table};
 
@@ -47,7 +44,7 @@ fn words<T>(result: Result<T, ConstraintError>) -> &'static str {
 }
 
 fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, ConstraintError> {
-    let few = Few::<6>(Redundancy::Refuse);
+    let few = SparseDiagonal(Redundancy::Refuse);
     let RodProblem { system, rods, initial } = pendulum(1.9)?.problem;
     let mut cases = Vec::new();
     let project = |q: [f64; 2]| {
@@ -67,7 +64,7 @@ fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, Constraint
     cases.push(("RATTLE, a tenth of a second", "done", words(step(0.1))));
     let long = words(step(3.0));
     cases.push(("RATTLE, three seconds", "no feasible configuration found", long));
-    let squared = Rattle::new(&system, OnLevel::new(0, Squared), &initial, few);
+    let squared = Rattle::new(&system, LevelSet::new(0, Squared), &initial, few);
     cases.push(("the square of a constraint", "not of full rank", words(squared)));
     let moved = State::new([0.0, -1.001], Covector([0.0; 2]));
     let moved = Rattle::new(&system, &rods, &moved, few);
@@ -75,7 +72,7 @@ fn cases() -> Result<Vec<(&'static str, &'static str, &'static str)>, Constraint
     let twice = square(2, 1.0, [0.0; 2])?;
     let refused = Rattle::new(&twice.system, &twice.rods, &twice.initial, few);
     cases.push(("a square with both diagonals", "not of full rank", words(refused)));
-    let shared = Few::<6>(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let shared = Rattle::new(&twice.system, &twice.rods, &twice.initial, shared);
     cases.push(("the same, sharing its force", "done", words(shared)));
     let linkage = four_bar(1.0, 1.0)?.problem;

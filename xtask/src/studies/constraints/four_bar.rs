@@ -5,10 +5,7 @@ use std::error::Error;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Crank, FourBar, RodProblem, four_bar};
-use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Constraint, Few, Penalty, Rattle, Reduced,
-    Redundancy, Sampling, StepAndProject, Weight,
-};
+use stationary_constraints::{ConstrainedHamilton, ConstrainedIntegrator, Constraint, Dense, Penalty, Rattle, Reduced, Redundancy, Sampling, StepAndProject, Weight};
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 
@@ -86,7 +83,7 @@ fn run(
 ) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let problem = &linkage.problem;
     let RodProblem { system, rods, initial } = problem;
-    let few = Few::<3>(Redundancy::Refuse);
+    let few = Dense::<3>(Redundancy::Refuse);
     let steps = (h, steps);
     match way {
         "RATTLE" => constrained(problem, &mut Rattle::new(system, rods, initial, few)?, steps),

@@ -5,10 +5,7 @@ use std::error::Error;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
-use stationary_constraints::{
-    ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Few, Links, Penalty, Rattle,
-    Reduced, Redundancy, Sampling, StepAndProject, Weight,
-};
+use stationary_constraints::{ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Dense, Links, Penalty, Rattle, Reduced, Redundancy, Sampling, StepAndProject, Weight};
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 
@@ -36,7 +33,7 @@ pub const PENDULUM_ENERGY: Entry<'static> = Entry {
     run: &energy,
 };
 
-const FEW: Few<1> = Few(Redundancy::Refuse);
+const FEW: Dense<1> = Dense(Redundancy::Refuse);
 
 /// A way to keep the rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, Forced, Rattle, Redundancy,
+    ConstrainedIntegrator, ConstraintError, SparseDiagonal, Forced, Rattle, Redundancy,
 };
 use stationary_integrators::StepError;
 use stationary_measure::{Cell, Column, Table, loglog_slope};
@@ -59,7 +59,7 @@ fn budget(steps: u32) -> Result<([f64; 3], f64, f64), StudyError> {
     let hinge = hinge.map_err(at())?;
     let motion = Forced::new(FreeBodies(ConstantVelocity), acting()?);
     let stage = StudyError::at::<ConstraintError>;
-    let mut rattle = Rattle::along(motion, &system, &hinge, &state, Few::<5>(Redundancy::Refuse))
+    let mut rattle = Rattle::along(motion, &system, &hinge, &state, SparseDiagonal(Redundancy::Refuse))
         .map_err(stage("the hinge"))?;
     let start = system.energy(&state.q, state.p.view());
     let (mut works, mut defect, mut change) = ([0.0; 3], 0.0_f64, 0.0);

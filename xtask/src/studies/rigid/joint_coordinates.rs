@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
 use stationary_chart::{Axis, Chart, Lines, Series};
-use stationary_constraints::{ConstrainedIntegrator, Many, Rattle};
+use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
 use stationary_integrators::{
     AdaptiveMethod, DormandPrince853, Integrator, Moment, Tolerance, integrate,
 };
@@ -150,7 +150,7 @@ impl Chain {
         let weight = Weight { gravity: GRAVITY, masses, space: Poses };
         let system = metric.under(weight).map_err(StudyError::at("the bodies"))?;
         let free = FreeBodies(ConstantVelocity);
-        let mut rattle = Rattle::along(free, &system, &self.joints, &state, Many::default())
+        let mut rattle = Rattle::along(free, &system, &self.joints, &state, SparseDiagonal::default())
             .map_err(StudyError::at("the joints"))?;
         let mut solves = 0;
         for _ in 0..steps {

@@ -3,9 +3,7 @@
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Space, Vector};
 use stationary_chart::{Axis, Lines, Series};
-use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Few, FreeMotion, Rattle, Redundancy,
-};
+use stationary_constraints::{ConstrainedIntegrator, ConstraintError, Dense, FreeMotion, Rattle, Redundancy};
 use stationary_integrators::StepError;
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::{JointedProblem, held_at_a_point};
@@ -51,7 +49,7 @@ fn run(
     steps: u32,
 ) -> Result<Outcome, StudyError> {
     let problem = hung()?;
-    let choice = Few::<3>(Redundancy::Refuse);
+    let choice = Dense::<3>(Redundancy::Refuse);
     let stage = StudyError::at::<ConstraintError>;
     let mut rattle =
         Rattle::along(motion, &problem.system, &problem.joints, &problem.initial, choice)

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
-use stationary_constraints::{ConstrainedIntegrator, Few, Penalty, Rattle, Redundancy, Rod, Rods};
+use stationary_constraints::{ConstrainedIntegrator, Penalty, Rattle, Redundancy, Rod, Rods, SparseDiagonal};
 use stationary_integrators::{Integrator, State, StormerVerlet, UniformGravity};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::{LieGroup, PlanarMass, PlanarRotation, PlanarWeight};
@@ -96,7 +96,7 @@ fn metric() -> Result<DiagonalMetric<Points>, StudyError> {
 /// Rods held by multipliers.
 fn by_rattle(shape: &Shape, steps: u32) -> Result<f64, StudyError> {
     let system = System::new(metric()?, gravity()).map_err(StudyError::at("the corners"))?;
-    let (mut state, few) = (shape.thrown(), Few::<5>(Redundancy::Refuse));
+    let (mut state, few) = (shape.thrown(), SparseDiagonal(Redundancy::Refuse));
     let mut rattle =
         Rattle::new(&system, rods()?, &state, few).map_err(StudyError::at("the rods"))?;
     for _ in 0..steps {

@@ -1,6 +1,7 @@
 //! What constraints promises, on random problems.
 
 mod bad_input;
+mod equalities;
 mod net;
 mod reduced_chain;
 mod rods;
@@ -8,4 +9,4 @@ mod rods;
 use crate::Kind;
 
 /// The kinds of trials of constraints.
-pub const KINDS: &[Kind] = &[rods::KIND, bad_input::KIND];
+pub const KINDS: &[Kind] = &[rods::KIND, equalities::KIND, bad_input::KIND];

@@ -6,9 +6,9 @@ use stationary_calculus::{
 };
 use stationary_constraints::{
     ArcsinePendulum, ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError,
-    Coupled, Few, FixedPoint, Function, FunctionConstraint, Level, Linear, Links, Many, OnLevel,
-    Pairing, Penalty, Projection, Rattle, Reduced, Redundancy, Rod, Rods, Rows, Sampling,
-    StepAndProject, Weight, critical_point, problems,
+    Dense, FixedPoint, Function, FunctionConstraint, Level, LevelSet, Linear, Links, Pairing,
+    Penalty, Projection, Rattle, Reduced, Redundancy, Rod, Rods, Rows, Sampling, SparseDiagonal,
+    SparseGeneral, StepAndProject, Weight, critical_point, problems,
 };
 use stationary_integrators::{State, StormerVerlet, UniformGravity};
 
@@ -101,9 +101,9 @@ fn states(draw: &mut Draw) -> Verdict {
         };
     }
     let made: Made<'_> = match solver {
-        0 => with!(Few::<2>(Redundancy::Refuse)),
-        1 => with!(Many(Redundancy::LeastNorm)),
-        _ => with!(Coupled),
+        0 => with!(Dense::<2>(Redundancy::Refuse)),
+        1 => with!(SparseDiagonal(Redundancy::LeastNorm)),
+        _ => with!(SparseGeneral),
     };
     let Ok(mut method) = made else { return Verdict::due() };
     if !finite(start) {
@@ -229,7 +229,7 @@ fn short(draw: &mut Draw) -> Verdict {
         1 => asked(&line, t, &q, given),
         2 => asked(&point, t, &q, given),
         3 => asked(&two, t, &q, given),
-        4 => asked(&OnLevel::new(1, Circle), t, &q, given),
+        4 => asked(&LevelSet::new(1, Circle), t, &q, given),
         5 => asked(&(rods, line, point), t, &q, given),
         _ => asked(&vec![point, point], t, &q, given),
     }
@@ -295,7 +295,7 @@ fn optimization(draw: &mut Draw) -> Verdict {
     let tolerance = number(draw, Newton::default().tolerance, 0.3);
     let newton = Newton { tolerance, ..Newton::default() };
     draw.note(format!("guess {guess:?}, tolerance {tolerance:e}"));
-    match critical_point(&Automatic(Bowl), &OnLevel::new(0, Circle), &guess, newton) {
+    match critical_point(&Automatic(Bowl), &LevelSet::new(0, Circle), &guess, newton) {
         Ok(point) => {
             let finite = finite_all(&[&point.q, &point.multipliers, &point.curvatures]);
             let on = (point.q[0].hypot(point.q[1]) - 1.0).abs() < 1e-6;
@@ -396,9 +396,9 @@ fn sizes(draw: &mut Draw) -> Verdict {
     draw.note(format!("{n} points, {stored} places, {momenta} momenta, {point:?}"));
     let solver = draw.below(3);
     let made = match solver {
-        0 => Rattle::new(&system, point, &state, Few::<1>(Redundancy::Refuse)).map(|_| ()),
-        1 => Rattle::new(&system, point, &state, Many(Redundancy::Refuse)).map(|_| ()),
-        _ => Projection::new(&system, point, &state, Coupled).map(|_| ()),
+        0 => Rattle::new(&system, point, &state, Dense::<1>(Redundancy::Refuse)).map(|_| ()),
+        1 => Rattle::new(&system, point, &state, SparseDiagonal(Redundancy::Refuse)).map(|_| ()),
+        _ => Projection::new(&system, point, &state, SparseGeneral).map(|_| ()),
     };
     let fits = stored == 2 * n && momenta == 2 * n && point.dim() <= 2 * n && solver != 0;
     match made {

@@ -158,17 +158,6 @@ impl Net {
         self.smallest(sigma.as_slice()) / sigma[0]
     }
 
-    /// The smallest singular value that is not zero of `J M^-1/2`, over that of a rod between two of the
-    /// lightest points.
-    pub(super) fn sharing_regularity(&self, q: &[f64]) -> f64 {
-        let lightest = self.masses.iter().fold(f64::INFINITY, |a, &m| a.min(m));
-        let mut weighted = self.differential(q);
-        for (freedom, mut column) in weighted.column_iter_mut().enumerate() {
-            column *= (lightest / self.mass(freedom)).sqrt();
-        }
-        self.smallest(weighted.svd(false, false).singular_values.as_slice())
-    }
-
     /// The smallest of the singular values that is not zero.
     fn smallest(&self, sigma: &[f64]) -> f64 {
         let rank = match self.shape {

@@ -4,8 +4,8 @@
 use nalgebra::DVector;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, ConstraintError, Coupled, Few, Many, Projection,
-    Rattle, Redundancy, Rod, Rods, StepAndProject,
+    ConstrainedHamilton, ConstrainedIntegrator, ConstraintError, Projection, Rattle, Redundancy,
+    Rod, Rods, SparseDiagonal, SparseGeneral, StepAndProject,
 };
 use stationary_integrators::{State, StormerVerlet, UniformGravity};
 
@@ -30,10 +30,6 @@ const TURN: f64 = 0.4;
 /// masses, has a solution.
 const BOUND: f64 = 0.5;
 
-/// What is independent by less than this, masses counted, comes slowly where many share by least norm, and
-/// may be refused.
-const SHARED: f64 = 1e-4;
-
 type Problem = System<DiagonalMetric<Vec<f64>>, UniformGravity<2>>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +41,8 @@ enum Way {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Solved {
-    Few,
-    Many,
-    Coupled,
+    Diagonal,
+    General,
 }
 
 type Made<'s> = Result<Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>, ConstraintError>;
@@ -73,9 +68,8 @@ fn method<'s>(
         };
     }
     Ok(match solved {
-        Solved::Few => with!(Few::<10>(redundancy)),
-        Solved::Many => with!(Many(redundancy)),
-        Solved::Coupled => with!(Coupled),
+        Solved::Diagonal => with!(SparseDiagonal(redundancy)),
+        Solved::General => with!(SparseGeneral),
     })
 }
 
@@ -101,8 +95,8 @@ fn trial(draw: &mut Draw) -> Verdict {
     let redundant = net.shape == Shape::Braced;
     let share = redundant && draw.chance(0.8);
     let solved = match share {
-        true => draw.one_of(&[Solved::Few, Solved::Many]),
-        false => draw.one_of(&[Solved::Few, Solved::Many, Solved::Coupled]),
+        true => Solved::Diagonal,
+        false => draw.one_of(&[Solved::Diagonal, Solved::Diagonal, Solved::General]),
     };
     let redundancy = if share { Redundancy::LeastNorm } else { Redundancy::Refuse };
     let turn = match draw.chance(0.5) {
@@ -177,11 +171,7 @@ fn trial(draw: &mut Draw) -> Verdict {
         }
         Ok(_) if redundant && !share => {
             // Six rods on four points: rounding leaves a rank that need not be full.
-            return match solved {
-                // The page says that it does not see it.
-                Solved::Many => Verdict::not_judged("dependent by more than Many can tell"),
-                _ => Verdict::wrong("redundant rods are taken as independent"),
-            };
+            return Verdict::wrong("redundant rods are taken as independent");
         }
         Ok(_) => {}
     }
@@ -224,7 +214,7 @@ fn projected(
     redundancy: Redundancy,
 ) -> Verdict {
     let given = state.clone();
-    let done = Projection::new(system, rods.clone(), state, Few::<10>(redundancy))
+    let done = Projection::new(system, rods.clone(), state, SparseDiagonal(redundancy))
         .and_then(|mut projection| projection.project(state));
     match done {
         Err(error) if is_absurd(&error) => Verdict::wrong(format!("projection says: {error}")),
@@ -285,13 +275,6 @@ fn stepped(
                 if is_absurd(&error) {
                     return Verdict::wrong(format!("step {step} says: {error}"));
                 }
-                let shares = choice.1 == Solved::Many && choice.2 == Redundancy::LeastNorm;
-                if shares
-                    && matches!(error, ConstraintError::Dependent { .. })
-                    && net.sharing_regularity(&before.q) < SHARED
-                {
-                    return Verdict::refused(error);
-                }
                 return refusal(net, &before, system, (h, regularity), error);
             }
             Ok(report) if !report.violation.is_finite() => {
@@ -305,7 +288,7 @@ fn stepped(
             // Impulses round, too, and light points are moved by what heavy ones leave.
             let rate = stretching(net, &state.q, &state.p.0);
             // Well within the 1e-9 of the page; the solver of coupled freedoms keeps a digit less.
-            let kept = if choice.1 == Solved::Coupled { 1e-11 } else { 1e-12 };
+            let kept = if choice.1 == Solved::General { 1e-11 } else { 1e-12 };
             let allowed = kept * net.mass_ratio().sqrt() / regularity.max(1e-8);
             verdict = verdict.and(Verdict::of(rate, allowed, "a velocity after a step"));
         }

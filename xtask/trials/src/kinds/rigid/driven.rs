@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Metric, Vector};
-use stationary_constraints::{ConstrainedIntegrator, Forced, Many, Rattle, Redundancy};
+use stationary_constraints::{ConstrainedIntegrator, Forced, Rattle, Redundancy, SparseDiagonal};
 use stationary_integrators::VectorField;
 use stationary_rigid::tree::{Tree, TreeBuilder, TreeField, TreeForces, TreeLoops, TreeMotion};
 use stationary_rigid::{
@@ -302,8 +302,8 @@ fn compare(
     let fastest = here.iter().fold(1.0_f64, |v, w| v.max(w.abs()));
     let h = 0.01 / (fastest + size.sqrt());
     let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
-    let many = Many(Redundancy::LeastNorm);
-    let mut rattle = match Rattle::along(motion, &system, joints, &state, many) {
+    let equations = SparseDiagonal(Redundancy::LeastNorm);
+    let mut rattle = match Rattle::along(motion, &system, joints, &state, equations) {
         Ok(rattle) => rattle,
         Err(error) => return verdict.and(Verdict::refused(error)),
     };

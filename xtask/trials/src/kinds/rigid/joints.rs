@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use stationary_calculus::System;
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Few, Many, Projection,
-    Rattle, Redundancy,
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, ConstraintError, Projection, Rattle,
+    Redundancy, SparseDiagonal, SparseGeneral,
 };
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -40,9 +40,6 @@ enum Way {
 
 /// What is independent by less than this, masses counted, need not be shared by least norm.
 const SHARED: f64 = 1e-4;
-
-/// Room for every linkage here.
-const ROOM: usize = 40;
 
 type Made<'s> = Result<Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>, ConstraintError>;
 
@@ -81,8 +78,8 @@ fn method<'s>(
         };
     }
     Ok(match many {
-        true => with!(Many(redundancy)),
-        false => with!(Few::<ROOM>(redundancy)),
+        false if redundancy == Redundancy::Refuse => with!(SparseGeneral),
+        _ => with!(SparseDiagonal(redundancy)),
     })
 }
 
@@ -148,7 +145,7 @@ fn trial(draw: &mut Draw) -> Verdict {
         return Verdict::wrong("no system");
     };
     // A velocity that opens nothing, the fastest body turning by 1 rad/s.
-    let shared = Few::<ROOM>(Redundancy::LeastNorm);
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
     let projected = Projection::new(&system, &joints, &state, shared)
         .and_then(|mut projection| projection.project(&mut state));
     if let Err(error) = projected {
@@ -203,9 +200,9 @@ fn stepped(
             if is_absurd(&error) {
                 return Verdict::wrong(format!("step {step} says: {error}"));
             }
-            // Many by least norm may give up there, as the page says.
+            // Rounding may hide the rank there, as the page says.
             if redundancy == Redundancy::LeastNorm
-                && matches!(error, ConstraintError::Dependent { .. })
+                && matches!(error, ConstraintError::RankUnclear { .. })
                 && independence(&linkage.bodies, joints, &before.q) < SHARED
             {
                 return Verdict::refused(error);

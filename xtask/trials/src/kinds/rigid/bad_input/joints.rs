@@ -1,7 +1,7 @@
 //! Joints of bad numbers and of absent bodies.
 
 use stationary_calculus::{Covector, System};
-use stationary_constraints::{Few, Rattle, Redundancy};
+use stationary_constraints::{Rattle, Redundancy, SparseDiagonal};
 use stationary_integrators::State;
 use stationary_rigid::{
     BodyMetric, ConstantVelocity, Free, FreeBodies, Joint, JointEnd, JointKind, Poses,
@@ -47,7 +47,7 @@ pub(super) fn joints(draw: &mut Draw) -> Verdict {
             };
             let state = State::new(vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Covector(vec![0.0; 6]));
             let motion = FreeBodies(ConstantVelocity);
-            let few = Few::<6>(Redundancy::Refuse);
+            let few = SparseDiagonal(Redundancy::Refuse);
             match Rattle::along(motion, &system, &joint, &state, few) {
                 Ok(_) if bodies > 1 => Verdict::wrong("a joint of more bodies than there are"),
                 _ => Verdict::due(),

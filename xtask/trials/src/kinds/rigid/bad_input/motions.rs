@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use stationary_calculus::Covector;
-use stationary_constraints::{ConstrainedIntegrator, Few, Many, Rattle, Redundancy};
+use stationary_constraints::{ConstrainedIntegrator, Dense, Rattle, Redundancy, SparseDiagonal};
 use stationary_integrators::State;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, BodyStore, ConstantVelocity, Free, FreeBodies,
@@ -70,11 +70,17 @@ pub(super) fn states(draw: &mut Draw) -> Verdict {
             let motion = FreeBodies(ConstantVelocity);
             let made = match which == BodyMethod::ALL.len() {
                 true => {
-                    Rattle::along(motion, &system, &joints, &state, Few::<3>(Redundancy::Refuse))
+                    Rattle::along(motion, &system, &joints, &state, Dense::<3>(Redundancy::Refuse))
                         .and_then(|mut rattle| rattle.step(&mut state, h))
                 }
-                false => Rattle::along(motion, &system, &joints, &state, Many(Redundancy::Refuse))
-                    .and_then(|mut rattle| rattle.step(&mut state, h)),
+                false => Rattle::along(
+                    motion,
+                    &system,
+                    &joints,
+                    &state,
+                    SparseDiagonal(Redundancy::Refuse),
+                )
+                .and_then(|mut rattle| rattle.step(&mut state, h)),
             };
             made.map(|_| ()).map_err(|e| e.to_string())
         }

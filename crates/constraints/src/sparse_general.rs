@@ -30,13 +30,13 @@ use crate::{Constraint, ConstraintError, Multipliers, Solver};
 /// rounding makes what is redundant regular, now and then by as much as 1e-3.
 const DEPENDENT: f64 = 1e-5;
 
-/// The choice of [`SaddleMultipliers`]: many equations, a metric that couples freedoms.
+/// The choice of [`GeneralMultipliers`]: many equations, a metric that couples freedoms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Coupled;
+pub struct SparseGeneral;
 
 /// Multipliers of many equations, from the saddle system.
 #[derive(Clone, Debug)]
-pub struct SaddleMultipliers {
+pub struct GeneralMultipliers {
     freedoms: usize,
     count: usize,
     prepared: bool,
@@ -106,8 +106,8 @@ impl<S: Sink> Sink for Scaled<'_, S> {
     }
 }
 
-impl<C> Solver<C> for Coupled {
-    type Multipliers = SaddleMultipliers;
+impl<C> Solver<C> for SparseGeneral {
+    type Multipliers = GeneralMultipliers;
 
     fn analyse<M: Metric, K: Constraint>(
         &self,
@@ -115,7 +115,7 @@ impl<C> Solver<C> for Coupled {
         constraint: &K,
         t: f64,
         q: &[f64],
-    ) -> Result<SaddleMultipliers, ConstraintError> {
+    ) -> Result<GeneralMultipliers, ConstraintError> {
         let (n, count) = (metric.dim(), constraint.count());
         check_entries(constraint, n, t, q)?;
         let entries = Entries::find(constraint, t, q)?;
@@ -123,7 +123,7 @@ impl<C> Solver<C> for Coupled {
         let matrix = SymmetricMatrix::analyse(n + count, |sink| {
             scaling.visit(metric, &entries, sink);
         })?;
-        Ok(SaddleMultipliers {
+        Ok(GeneralMultipliers {
             freedoms: n,
             count,
             prepared: false,
@@ -136,7 +136,7 @@ impl<C> Solver<C> for Coupled {
     }
 }
 
-impl Multipliers for SaddleMultipliers {
+impl Multipliers for GeneralMultipliers {
     type Numbers = Vec<f64>;
 
     fn numbers(&self) -> Vec<f64> {
@@ -152,7 +152,7 @@ impl Multipliers for SaddleMultipliers {
     ) -> Result<(), ConstraintError> {
         self.prepared = false;
         self.entries.write(constraint, t, q)?;
-        let SaddleMultipliers { entries, matrix, scaling, .. } = self;
+        let GeneralMultipliers { entries, matrix, scaling, .. } = self;
         matrix.refill(|sink| scaling.visit(metric, entries, sink))?;
         match self.solver.factor(&self.matrix) {
             Ok(_) if self.solver.known_vector_error() <= DEPENDENT => {
@@ -202,7 +202,7 @@ mod tests {
             let q = [0.6 * size, -0.8 * size, 1.6 * size, -0.8 * size];
             let [a, b] = masses;
             let metric = DiagonalMetric::new(vec![a, a, b, b]).unwrap();
-            let analysed = Solver::<Vec<f64>>::analyse(&Coupled, &metric, &rods, 0.0, &q);
+            let analysed = Solver::<Vec<f64>>::analyse(&SparseGeneral, &metric, &rods, 0.0, &q);
             let mut coupled = analysed.unwrap();
             coupled.prepare(&metric, &rods, 0.0, &q).unwrap();
             // S by hand: rods of slope 2 L at an angle whose cosine is c.

@@ -40,7 +40,7 @@ struct Place<C, X> {
 
 /// A system, its constraint, and the memory to keep it.
 #[derive(Clone, Debug)]
-pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers, F> {
+pub(crate) struct RattleCore<'s, M, P, S, K, C, X: Multipliers, F> {
     system: &'s System<M, P, S>,
     pub(crate) constraint: K,
     pub(crate) motion: F,
@@ -52,7 +52,7 @@ pub(crate) struct Keeper<'s, M, P, S, K, C, X: Multipliers, F> {
     /// The momentum at the start of a drift, with the impulses so far.
     before: Covector<C>,
     pub(crate) next: State<C>,
-    /// The impulse of the last [`Keeper::hold_configuration`] or [`Keeper::hold_velocity`].
+    /// The impulse of the last [`RattleCore::hold_configuration`] or [`RattleCore::hold_velocity`].
     pub(crate) impulse: X::Numbers,
     pub(crate) differentials: u32,
 }
@@ -100,7 +100,7 @@ pub(crate) fn check_configuration(space: &impl Space, q: &[f64]) -> Result<(), C
     }
 }
 
-impl<'s, M, P, S, K, C, X, F> Keeper<'s, M, P, S, K, C, X, F>
+impl<'s, M, P, S, K, C, X, F> RattleCore<'s, M, P, S, K, C, X, F>
 where
     M: Metric,
     P: Potential,
@@ -125,7 +125,7 @@ where
         let numbers = solver.numbers();
         let place =
             Place { known: false, t: state.t, q: zeros(stored)?, dv: Covector(zeros(n)?), solver };
-        let mut keeper = Keeper {
+        let mut core = RattleCore {
             system,
             constraint,
             motion,
@@ -139,12 +139,12 @@ where
             impulse: numbers,
             differentials: 0,
         };
-        keeper.begin(state)?;
-        keeper.check_velocity(state)?;
-        Ok(keeper)
+        core.begin(state)?;
+        core.check_velocity(state)?;
+        Ok(core)
     }
 
-    /// The same keeper for another constraint.
+    /// The same core for another constraint.
     pub(crate) fn with_constraint(
         &mut self,
         constraint: K,
@@ -154,7 +154,7 @@ where
     where
         F: Clone,
     {
-        *self = Keeper::new(self.system, constraint, state, choice, self.motion.clone())?;
+        *self = RattleCore::new(self.system, constraint, state, choice, self.motion.clone())?;
         Ok(())
     }
 
@@ -221,6 +221,7 @@ where
             let feasible = self.scales.worst(g)?.excess <= eps;
             let stands_still = distance > 0.5 * last || iterations == ITERATIONS;
             if distance <= 0.25 * eps || (feasible && stands_still) {
+                self.here.solver.share(impulse)?;
                 return Ok((iterations, self.scales.largest_relative(g)));
             }
             if iterations == ITERATIONS {
@@ -245,7 +246,7 @@ where
 
     /// Evaluates everything at a configuration, or at the next one.
     fn examine(&mut self, t: f64, q: Option<&C>) -> Result<(), ConstraintError> {
-        let Keeper { system, constraint, there, next, .. } = self;
+        let RattleCore { system, constraint, there, next, .. } = self;
         let q = q.unwrap_or(&next.q);
         there.known = false;
         there.t = t;
@@ -272,7 +273,8 @@ where
             if solves > 0 {
                 let checked = self.scales.check_rates(g, self.displacement.components());
                 if checked.is_ok() || solves == SOLVES {
-                    return checked;
+                    checked?;
+                    return there.solver.share(impulse);
                 }
             }
             there.solver.solve(g)?;

@@ -38,19 +38,19 @@ impl<L: Level<D>, const D: usize> Function<D, 1> for Equation<L> {
 
 /// A point that stays on a curve (D = 2) or a surface (D = 3).
 #[derive(Clone, Debug, PartialEq)]
-pub struct OnLevel<L, const D: usize>(FunctionConstraint<Equation<L>, D, 1>);
+pub struct LevelSet<L, const D: usize>(FunctionConstraint<Equation<L>, D, 1>);
 
-impl<L: Level<D>, const D: usize> OnLevel<L, D> {
+impl<L: Level<D>, const D: usize> LevelSet<L, D> {
     /// Keeps a vertex on the zero level of a function.
     pub fn new(vertex: usize, level: L) -> Self {
         let freedoms = std::array::from_fn(|c| D.saturating_mul(vertex).saturating_add(c));
-        OnLevel(FunctionConstraint::of_distinct(Equation(level), freedoms))
+        LevelSet(FunctionConstraint::of_distinct(Equation(level), freedoms))
     }
 }
 
-impl<L: Level<D>, const D: usize> ConstraintOn<Flat> for OnLevel<L, D> {}
+impl<L: Level<D>, const D: usize> ConstraintOn<Flat> for LevelSet<L, D> {}
 
-impl<L: Level<D>, const D: usize> Constraint for OnLevel<L, D> {
+impl<L: Level<D>, const D: usize> Constraint for LevelSet<L, D> {
     fn dim(&self) -> usize {
         self.0.dim()
     }

@@ -1,0 +1,612 @@
+//! Multipliers of any number of equations under masses that do not couple freedoms.
+//!
+//! ```text
+//! S = J M^-1 J^T = sum over freedoms f of  J_f J_f^T / m_f        m x m, sparse, semidefinite
+//! ```
+//! `J_f` the column of a freedom, `m_f` its mass. Two equations meet in S where they share a
+//! freedom: for a chain S has three diagonals, and elimination in the order that is found once
+//! leaves it so, hence the work grows with the number of links. Columns of freedoms that the same
+//! equations touch (the coordinates of a body) are summed before they go to S.
+//!
+//! The factor reveals the rank: an equation is dependent where its row of J M^-1/2 is within 1e-8 of a
+//! normal row of those eliminated before it, a normal row being `slope / sqrt(m)` with the largest mass
+//! that the equation touches. Its multiplier is then zero, and the others solve the equations that are
+//! left, for the consistent right-hand side that is nearest to the one given. Where force is
+//! to be shared ([`Redundancy::LeastNorm`]) a multiple of each dependence is added afterwards:
+//!
+//! ```text
+//! lambda' = lambda - N y,   S N = 0,   min over y of |D (lambda - N y)|,    N = [ S_II^-1 S_ID ]
+//!                                                                               [     -1       ]
+//! ```
+//! `I` the independent equations, `D` the dependent ones, and the norm's `D` the slopes. N is never formed: conjugate gradients take as
+//! many products with it as it has different singular values, one for one redundant equation.
+//! Source: Paige and Saunders, ACM TOMS 8 (1982) 43 (least squares by conjugate gradients).
+
+use stationary_calculus::{Covector, Metric, Vector};
+
+use crate::elimination::Elimination;
+use crate::entries::{Entries, RowEntries, WeightedRows};
+use crate::multipliers::{DEPENDENT, Diagonal, Normal, check_solve};
+use crate::rank_revealing::{Dependent, RankRevealing, Unclear};
+use crate::rows::check_entries;
+use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Solver};
+
+/// The choice of [`DiagonalMultipliers`]: any number of equations, a diagonal metric.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SparseDiagonal(pub Redundancy);
+
+/// Freedoms that the same equations touch.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    freedoms: usize,
+    equations: usize,
+}
+
+/// Which entries make S, and in which order.
+#[derive(Clone, Debug)]
+struct Products {
+    groups: Vec<Group>,
+    /// Of each group, equation after equation, its entries; and of each freedom one over its mass.
+    entries: Vec<u32>,
+    inverse_mass: Vec<f64>,
+    /// Of each group where the products of two equations go, first those of the first with itself.
+    slots: Vec<u32>,
+    /// The rows of one group, and the same over masses.
+    block: Vec<f64>,
+    weighted: Vec<f64>,
+}
+
+/// Multipliers of any number of equations, by a sparse factor that reveals the rank.
+#[derive(Clone, Debug)]
+pub struct DiagonalMultipliers {
+    count: usize,
+    prepared: bool,
+    redundancy: Redundancy,
+    entries: Entries,
+    rows: RowEntries,
+    products: Products,
+    inverse_mass: Vec<f64>,
+    slopes: Vec<f64>,
+    /// The distance from other rows at which each row counts as dependent.
+    thresholds: Vec<f64>,
+    factor: RankRevealing,
+    /// Numbers for each freedom and for each equation.
+    velocity: Vec<f64>,
+    right: Vec<f64>,
+    gradient: Vec<f64>,
+    direction: Vec<f64>,
+    image: Vec<f64>,
+    left: Vec<f64>,
+}
+
+impl<C> Solver<C> for SparseDiagonal {
+    type Multipliers = DiagonalMultipliers;
+
+    fn analyse<M: Metric, K: Constraint>(
+        &self,
+        metric: &M,
+        constraint: &K,
+        t: f64,
+        q: &[f64],
+    ) -> Result<DiagonalMultipliers, ConstraintError> {
+        check_entries(constraint, metric.dim(), t, q)?;
+        let count = constraint.count();
+        let Diagonal { mass, coupled } = Diagonal::of(metric);
+        if let Some(freedom) = coupled {
+            return Err(ConstraintError::Coupled { freedom });
+        }
+        let entries = Entries::find(constraint, t, q)?;
+        let columns = columns(&entries, mass.len());
+        let elements = columns.iter().map(|c| c.iter().map(|&(row, _)| row).collect());
+        let elements: Vec<Vec<u32>> = elements.collect();
+        let elimination = Elimination::of(count, &elements);
+        let slopes: Vec<f64> = (0..count).map(|row| constraint.scale(row).slope).collect();
+        let normal = Normal::squares(metric, constraint, t, q)?.into_iter().zip(&slopes);
+        let zeros = vec![0.0; count];
+        Ok(DiagonalMultipliers {
+            count,
+            prepared: false,
+            redundancy: self.0,
+            rows: RowEntries::of(&entries, count),
+            products: Products::of(&columns, &mass, &elimination),
+            thresholds: normal.map(|(square, slope)| DEPENDENT * slope * square.sqrt()).collect(),
+            inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
+            slopes,
+            factor: RankRevealing::new(elimination, mass.len()),
+            velocity: vec![0.0; mass.len()],
+            right: zeros.clone(),
+            gradient: zeros.clone(),
+            direction: zeros.clone(),
+            image: zeros.clone(),
+            left: zeros,
+            entries,
+        })
+    }
+}
+
+/// Of each freedom its equations and entries, by equations.
+fn columns(entries: &Entries, freedoms: usize) -> Vec<Vec<(u32, u32)>> {
+    let mut columns: Vec<Vec<(u32, u32)>> = vec![Vec::new(); freedoms];
+    for (index, &(row, freedom)) in entries.places.iter().enumerate() {
+        columns[freedom as usize].push((row, index as u32));
+    }
+    columns.iter_mut().for_each(|column| column.sort_unstable());
+    columns
+}
+
+/// Adds the products of rows of F numbers, each with itself and those before it.
+#[inline]
+fn add_products<const F: usize>(
+    weighted: &[f64],
+    block: &[f64],
+    slots: &[u32],
+    values: &mut [f64],
+) {
+    let (weighted, block) = (weighted.as_chunks::<F>().0, block.as_chunks::<F>().0);
+    let mut slots = slots.iter();
+    for (i, a) in weighted.iter().enumerate() {
+        for (b, &slot) in block[..=i].iter().zip(&mut slots) {
+            let mut product = a[0] * b[0];
+            for f in 1..F {
+                product += a[f] * b[f];
+            }
+            values[slot as usize] += product;
+        }
+    }
+}
+
+impl Products {
+    fn of(columns: &[Vec<(u32, u32)>], mass: &[f64], elimination: &Elimination) -> Self {
+        let mut products = Products {
+            groups: Vec::new(),
+            entries: Vec::new(),
+            inverse_mass: Vec::new(),
+            slots: Vec::new(),
+            block: Vec::new(),
+            weighted: Vec::new(),
+        };
+        let equations = |column: &[(u32, u32)]| column.iter().map(|c| c.0).collect::<Vec<u32>>();
+        let used: Vec<usize> = (0..mass.len()).filter(|&f| !columns[f].is_empty()).collect();
+        for group in used.chunk_by(|&a, &b| equations(&columns[a]) == equations(&columns[b])) {
+            let own = equations(&columns[group[0]]);
+            let place = |equation: u32| elimination.place[equation as usize];
+            for (i, &a) in own.iter().enumerate() {
+                products.entries.extend(group.iter().map(|&f| columns[f][i].1));
+                let slot = |&b: &u32| elimination.slot(place(a), place(b)) as u32;
+                products.slots.extend(own[..=i].iter().map(slot));
+            }
+            products.inverse_mass.extend(group.iter().map(|&f| mass[f].recip()));
+            products.groups.push(Group { freedoms: group.len(), equations: own.len() });
+        }
+        let sizes = products.groups.iter().map(|group| group.freedoms * group.equations);
+        products.block = vec![0.0; sizes.max().unwrap_or(0)];
+        products.weighted = products.block.clone();
+        products
+    }
+
+    /// Writes S.
+    #[inline]
+    fn write(&mut self, entries: &Entries, values: &mut [f64]) {
+        values.fill(0.0);
+        let Products { groups, inverse_mass, slots, block, weighted, .. } = self;
+        let (mut masses, mut slots, mut places) =
+            (&inverse_mass[..], &slots[..], &self.entries[..]);
+        for &Group { freedoms, equations } in &*groups {
+            let (own, rest) = places.split_at(freedoms * equations);
+            let (inverse, others) = masses.split_at(freedoms);
+            let (block, weighted) = (&mut block[..own.len()], &mut weighted[..own.len()]);
+            for (at, &entry) in own.iter().enumerate() {
+                block[at] = entries.values[entry as usize];
+            }
+            for (weighted, row) in
+                weighted.chunks_exact_mut(freedoms).zip(block.chunks_exact(freedoms))
+            {
+                for (w, (value, inverse)) in weighted.iter_mut().zip(row.iter().zip(inverse)) {
+                    *w = value * inverse;
+                }
+            }
+            let (own_slots, left) = slots.split_at(equations * (equations + 1) / 2);
+            match freedoms {
+                1 => add_products::<1>(weighted, block, own_slots, values),
+                2 => add_products::<2>(weighted, block, own_slots, values),
+                3 => add_products::<3>(weighted, block, own_slots, values),
+                6 => add_products::<6>(weighted, block, own_slots, values),
+                _ => {
+                    let mut slots = own_slots.iter();
+                    for (i, a) in weighted.chunks_exact(freedoms).enumerate() {
+                        let before = block.chunks_exact(freedoms).take(i + 1);
+                        for (b, &slot) in before.zip(&mut slots) {
+                            let product = a.iter().zip(b).map(|(a, b)| a * b);
+                            values[slot as usize] += product.sum::<f64>();
+                        }
+                    }
+                }
+            }
+            slots = left;
+            (places, masses) = (rest, others);
+        }
+    }
+}
+
+/// Corrections of a solution where rows are close to dependent, and what may be left of its residual,
+/// relative to the largest number of the right-hand side, equation by equation in reference scales.
+const CORRECTIONS: u32 = 4;
+const RESIDUAL: f64 = 1e-3;
+/// Shared forces are the shortest where an iteration changes them by less than the first part, or by
+/// less than the second and no longer falls: rounding in the products is all that is left.
+const SETTLED: f64 = 1e-13;
+const SHORTEST: f64 = 1e-9;
+/// The same where the independent equations are nearly singular, and their rounding is larger.
+const NEAR_SINGULAR: f64 = 1e-6;
+
+impl DiagonalMultipliers {
+    /// How many numbers the factor of S has.
+    pub fn factor_len(&self) -> usize {
+        self.factor.len()
+    }
+
+    /// How many equations depend on the others, where it was prepared last.
+    pub fn dependent(&self) -> usize {
+        self.factor.dependent.len()
+    }
+
+    /// Writes `S x` for all equations.
+    fn product(&mut self, x: &[f64], image: &mut [f64]) {
+        self.velocity.fill(0.0);
+        self.entries.add_pulled_back(1.0, x, Covector(&mut self.velocity));
+        self.velocity.iter_mut().zip(&self.inverse_mass).for_each(|(v, w)| *v *= w);
+        image.fill(0.0);
+        self.entries.add_along(Vector(&self.velocity), image);
+    }
+
+    /// Where an equation is close to depending on others, corrects a solution by its residual.
+    #[cold]
+    fn refine(&mut self, x: &mut [f64]) -> Result<(), ConstraintError> {
+        let (right, mut change) =
+            (std::mem::take(&mut self.right), std::mem::take(&mut self.direction));
+        let mut residual = std::mem::take(&mut self.gradient);
+        let scaled = |r: &[f64], thresholds: &[f64]| {
+            let ratio = |(r, t): (&f64, &f64)| if *t > 0.0 { (r / t).abs() } else { 0.0 };
+            r.iter().zip(thresholds).map(ratio).fold(0.0, f64::max)
+        };
+        let whole = scaled(&right, &self.thresholds);
+        let (mut before, mut left) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..=CORRECTIONS {
+            self.product(x, &mut residual);
+            residual.iter_mut().zip(&right).for_each(|(r, b)| *r = b - *r);
+            for dependent in &self.factor.dependent {
+                residual[dependent.equation as usize] = 0.0;
+            }
+            left = scaled(&residual, &self.thresholds);
+            if left.is_nan() || left == 0.0 || left > 0.5 * before {
+                break;
+            }
+            before = left;
+            change.copy_from_slice(&residual);
+            self.factor.solve(&mut change);
+            x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
+        }
+        (self.right, self.direction, self.gradient) = (right, change, residual);
+        if left.min(before) <= RESIDUAL * whole {
+            return Ok(());
+        }
+        Err(ConstraintError::Dependent { row: None })
+    }
+
+    /// Writes `D N y` for y in reference scales: a combination of dependences.
+    fn along_dependences(&mut self, y: &[f64], image: &mut [f64]) {
+        let mut x = std::mem::take(&mut self.right);
+        x.fill(0.0);
+        for dependent in &self.factor.dependent {
+            let equation = dependent.equation as usize;
+            x[equation] = y[equation] / self.slopes[equation];
+        }
+        self.product(&x, image);
+        self.factor.solve(image);
+        // The force is then none but for rounding, of which a second solve removes the larger part.
+        x.iter_mut().zip(&*image).for_each(|(x, u)| *x -= u);
+        let mut left = std::mem::take(&mut self.left);
+        self.product(&x, &mut left);
+        self.factor.solve(&mut left);
+        x.iter_mut().zip(&left).for_each(|(x, u)| *x -= u);
+        self.left = left;
+        for (image, (x, slope)) in image.iter_mut().zip(x.iter().zip(&self.slopes)) {
+            *image = -slope * x;
+        }
+        self.right = x;
+    }
+
+    /// Writes `(D N)^T z`, in the places of the dependent equations.
+    fn across_dependences(&mut self, z: &[f64], image: &mut [f64]) {
+        let mut x = std::mem::take(&mut self.right);
+        for (x, (z, slope)) in x.iter_mut().zip(z.iter().zip(&self.slopes)) {
+            *x = slope * z;
+        }
+        let mut left = std::mem::take(&mut self.left);
+        left.copy_from_slice(&x);
+        self.factor.solve(&mut x);
+        self.product(&x, image);
+        left.iter_mut().zip(&*image).for_each(|(left, image)| *left -= image);
+        self.factor.solve(&mut left);
+        x.iter_mut().zip(&left).for_each(|(x, part)| *x += part);
+        self.left = left;
+        self.product(&x, image);
+        for (equation, image) in image.iter_mut().enumerate() {
+            let dependent = self.factor.is_dependent(equation);
+            *image = if dependent { *image / self.slopes[equation] - z[equation] } else { 0.0 };
+        }
+        self.right = x;
+    }
+
+    /// Replaces multipliers in reference scales by the shortest with the same force.
+    fn shorten(&mut self, z: &mut [f64]) -> Result<(), ConstraintError> {
+        let (mut gradient, mut direction) =
+            (std::mem::take(&mut self.gradient), std::mem::take(&mut self.direction));
+        let mut image = std::mem::take(&mut self.image);
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        // As many as there are dependences would do but for rounding.
+        let bound = 4 * self.dependent() + 40;
+        self.across_dependences(z, &mut gradient);
+        direction.copy_from_slice(&gradient);
+        let mut slope = square(&gradient);
+        let mut iterations = 0;
+        // The square of what an iteration takes off, relative to what is left.
+        let mut change = f64::INFINITY;
+        let mut settled = slope == 0.0;
+        while !settled && iterations < bound {
+            self.along_dependences(&direction, &mut image);
+            let step = slope / square(&image);
+            z.iter_mut().zip(&image).for_each(|(z, image)| *z -= step * image);
+            let before = std::mem::replace(&mut change, step * slope / square(z));
+            self.across_dependences(z, &mut gradient);
+            let ratio = square(&gradient) / slope;
+            slope *= ratio;
+            direction.iter_mut().zip(&gradient).for_each(|(d, g)| *d = g + ratio * *d);
+            iterations += 1;
+            // More iterations than dependences are rounding's.
+            let allowed = if iterations > self.dependent() { NEAR_SINGULAR } else { SHORTEST };
+            let rounding = change <= allowed * allowed && change > 0.25 * before;
+            settled = rounding || change <= SETTLED * SETTLED || slope == 0.0;
+        }
+        (self.gradient, self.direction, self.image) = (gradient, direction, image);
+        if settled { Ok(()) } else { Err(ConstraintError::NotShared { iterations }) }
+    }
+}
+
+impl Multipliers for DiagonalMultipliers {
+    type Numbers = Vec<f64>;
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![0.0; self.count]
+    }
+
+    fn prepare(
+        &mut self,
+        _: &impl Metric,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        self.prepared = false;
+        self.entries.write(constraint, t, q)?;
+        let DiagonalMultipliers { entries, rows, products, inverse_mass, factor, .. } = self;
+        products.write(entries, &mut factor.values);
+        if let Some(index) = factor.non_finite_row() {
+            return Err(ConstraintError::NonFinite { what: "size of an equation", index });
+        }
+        let rows = WeightedRows { entries, rows, inverse_mass };
+        factor.factor(&rows, &self.thresholds).map_err(|unclear| {
+            let Unclear { equation: row, distance, error } = unclear;
+            let size = self.thresholds[row] / DEPENDENT;
+            ConstraintError::RankUnclear { row, distance: distance / size, error: error / size }
+        })?;
+        if self.redundancy == Redundancy::Refuse
+            && let Some(&Dependent { equation, distance }) = factor.dependent.first()
+        {
+            let row = equation as usize;
+            let ratio = distance / (self.thresholds[row] / DEPENDENT);
+            return Err(ConstraintError::Singular { ratio, row });
+        }
+        self.prepared = true;
+        Ok(())
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        check_solve(self.prepared, self.count, b)?;
+        if !self.factor.dependent.is_empty() {
+            // What contradicts itself is spread over all equations, not left to the dependent ones.
+            b.iter_mut().zip(&self.slopes).for_each(|(b, slope)| *b /= slope);
+            self.shorten(b)?;
+            b.iter_mut().zip(&self.slopes).for_each(|(b, slope)| *b *= slope);
+        }
+        if self.factor.close == 0 {
+            self.factor.solve(b);
+            return Ok(());
+        }
+        self.right.copy_from_slice(b);
+        self.factor.solve(b);
+        self.refine(b)
+    }
+
+    fn share(&mut self, lambda: &mut [f64]) -> Result<(), ConstraintError> {
+        check_solve(self.prepared, self.count, lambda)?;
+        if self.factor.dependent.is_empty() {
+            return Ok(());
+        }
+        lambda.iter_mut().zip(&self.slopes).for_each(|(lambda, slope)| *lambda *= slope);
+        // Rounding is that of the longer multipliers that an iteration starts from.
+        let shortened = self.shorten(lambda).and_then(|()| self.shorten(lambda));
+        lambda.iter_mut().zip(&self.slopes).for_each(|(lambda, slope)| *lambda /= slope);
+        shortened
+    }
+
+    fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>) {
+        self.entries.add_pulled_back(scale, lambda, p);
+    }
+
+    fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
+        self.entries.add_along(v, rates);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Linear;
+    use nalgebra::{DMatrix, DVector};
+    use stationary_calculus::DiagonalMetric;
+    use stationary_measure::SplitMix64;
+
+    type Prepared = Result<DiagonalMultipliers, ConstraintError>;
+
+    /// The solver of the equations `A q = 0` under these masses, prepared.
+    fn prepared(a: &DMatrix<f64>, mass: &[f64], redundancy: Redundancy) -> Prepared {
+        let rows = a.row_iter().map(|row| {
+            let entries = row.iter().copied().enumerate().filter(|entry| entry.1 != 0.0);
+            (entries.collect(), 0.0)
+        });
+        let lines = Linear::new(rows.collect())?;
+        let metric = DiagonalMetric::new(mass.to_vec()).unwrap();
+        let (choice, q) = (SparseDiagonal(redundancy), vec![0.0; mass.len()]);
+        let mut solver = Solver::<Vec<f64>>::analyse(&choice, &metric, &lines, 0.0, &q)?;
+        solver.prepare(&metric, &lines, 0.0, &q)?;
+        Ok(solver)
+    }
+
+    #[test]
+    fn what_is_independent_by_a_part_in_ten_million_is_told_from_what_is_not() {
+        for (angle, told) in [(1e-3, true), (1e-5, true), (1e-7, true), (1e-9, false), (0.0, false)]
+        {
+            let lines = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, angle]);
+            let strict = prepared(&lines, &[1.0; 2], Redundancy::Refuse);
+            assert_eq!(strict.is_ok(), told, "{angle}: {:?}", strict.err());
+            let mut shared = prepared(&lines, &[1.0; 2], Redundancy::LeastNorm).unwrap();
+            assert_eq!(shared.dependent(), usize::from(!told));
+            // A velocity along the second coordinate alone.
+            let mut lambda = [0.0, angle];
+            shared.solve(&mut lambda).unwrap();
+            shared.share(&mut lambda).unwrap();
+            let expected = if told { angle.recip() } else { 0.0 };
+            assert!((lambda[1] - expected).abs() <= 1e-6 * expected + angle, "{angle}: {lambda:?}");
+        }
+    }
+
+    #[test]
+    fn where_rounding_hides_the_rank_it_says_so() {
+        // e_0, e_i + angle e_i+1, and the last direction alone: it depends on the others with
+        // coefficients of one over the angle for each row that is turned.
+        let angle = 1e-4;
+        for (turned, told) in [(1, true), (3, false)] {
+            let mut a = DMatrix::zeros(turned + 2, turned + 1);
+            (a[(0, 0)], a[(turned + 1, turned)]) = (1.0, 1.0);
+            for row in 1..=turned {
+                (a[(row, row - 1)], a[(row, row)]) = (1.0, angle);
+            }
+            let mass = vec![1.0; turned + 1];
+            match prepared(&a, &mass, Redundancy::LeastNorm) {
+                Ok(solver) => assert!(told && solver.dependent() == 1, "{turned}"),
+                Err(ConstraintError::RankUnclear { .. }) => assert!(!told, "{turned}"),
+                Err(other) => panic!("{other}"),
+            }
+        }
+    }
+
+    /// Between 0 and 1.
+    fn unit(noise: &mut SplitMix64) -> f64 {
+        0.5 + 0.5 * noise.symmetric()
+    }
+
+    /// Sparse rows of any size, of which a third are sums of others, and masses within a ratio.
+    fn random(noise: &mut SplitMix64, ratio: f64) -> (DMatrix<f64>, Vec<f64>) {
+        let below =
+            |noise: &mut SplitMix64, n: usize| ((unit(noise) * n as f64) as usize).min(n - 1);
+        let (m, n) = (2 + below(noise, 30), 3 + below(noise, 40));
+        let mut a = DMatrix::<f64>::zeros(m, n);
+        for row in 0..m {
+            if row > 2 && unit(noise) < 0.3 {
+                for _ in 0..2 {
+                    let (other, factor) = (below(noise, row), unit(noise) - 0.5);
+                    let sum = a.row(row) + factor * a.row(other);
+                    a.row_mut(row).copy_from(&sum);
+                }
+            }
+            if a.row(row).norm() == 0.0 {
+                for _ in 0..4 {
+                    a[(row, below(noise, n))] = unit(noise) - 0.5;
+                }
+            }
+            let size = a.row(row).norm();
+            a.row_mut(row).scale_mut(10_f64.powf(4.0 * unit(noise) - 2.0) / size);
+        }
+        let mass = (0..n).map(|_| ratio.powf(unit(noise))).collect();
+        (a, mass)
+    }
+
+    #[test]
+    fn shared_multipliers_are_those_of_a_singular_value_decomposition() {
+        let mut noise = SplitMix64::new(11);
+        let (mut judged, mut redundant) = (0, 0);
+        for case in 0..300 {
+            let (a, mass) = random(&mut noise, [1.0, 100.0][case % 2]);
+            // Rows of length 1 before masses.
+            let slopes: Vec<f64> = a.row_iter().map(|row| row.norm()).collect();
+            let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, f| {
+                a[(i, f)] / slopes[i] / mass[f].sqrt()
+            });
+            let svd = scaled.clone().svd(true, false);
+            let sigma = &svd.singular_values;
+            let largest = sigma.max();
+            let rank = sigma.iter().filter(|s| **s > 1e-11 * largest).count();
+            // Those whose smallest singular values leave the rank open are not cases of this test.
+            if sigma.iter().any(|s| *s > 1e-12 * largest && *s < 1e-3 * largest) {
+                continue;
+            }
+            judged += 1;
+            let mut solver = prepared(&a, &mass, Redundancy::LeastNorm).unwrap();
+            assert_eq!(a.nrows() - solver.dependent(), rank, "case {case}");
+            redundant += usize::from(rank < a.nrows());
+            let push = DVector::from_fn(a.ncols(), |_, _| noise.symmetric());
+            let b = &scaled * push;
+            let u = svd.u.as_ref().unwrap();
+            let mut along = u.transpose() * &b;
+            for (along, sigma) in along.iter_mut().zip(sigma) {
+                *along = if *sigma > 1e-11 * largest { *along / sigma.powi(2) } else { 0.0 };
+            }
+            let exact = u * along;
+            let mut lambda: Vec<f64> = b.iter().zip(&slopes).map(|(b, slope)| b * slope).collect();
+            solver.solve(&mut lambda).unwrap();
+            solver.share(&mut lambda).unwrap();
+            let off = (0..a.nrows())
+                .map(|i| (lambda[i] * slopes[i] - exact[i]).abs())
+                .fold(0.0, f64::max);
+            assert!(off <= 1e-8 * exact.amax(), "case {case}: {off:e} of {:e}", exact.amax());
+        }
+        assert!(judged > 150 && redundant > 50, "{judged} {redundant}");
+    }
+
+    #[test]
+    fn light_bodies_between_heavy_ones_are_not_taken_for_dependent() {
+        // Rods in a line, whose joints weigh a part in 1e12.
+        let links = 9;
+        let a = DMatrix::from_fn(links, links + 1, |i, f| match f as isize - i as isize {
+            0 => -1.0,
+            1 => 1.0,
+            _ => 0.0,
+        });
+        let mass: Vec<f64> = (0..=links).map(|f| if f % 2 == 0 { 1.0 } else { 1e-12 }).collect();
+        let mut solver = prepared(&a, &mass, Redundancy::Refuse).unwrap();
+        assert_eq!(solver.dependent(), 0);
+        // Momenta that rods have given: lambda is found again by the force that it makes.
+        let force = |lambda: &[f64]| -> Vec<f64> {
+            (0..=links).map(|f| (0..links).map(|i| a[(i, f)] * lambda[i]).sum()).collect()
+        };
+        let given: Vec<f64> = (0..links).map(|i| (1.0 + i as f64).sin()).collect();
+        let v: Vec<f64> = force(&given).iter().zip(&mass).map(|(p, m)| p / m).collect();
+        let mut lambda: Vec<f64> =
+            (0..links).map(|i| (0..=links).map(|f| a[(i, f)] * v[f]).sum()).collect();
+        solver.solve(&mut lambda).unwrap();
+        for (found, given) in lambda.iter().zip(&given) {
+            assert!((found - given).abs() < 1e-3, "{lambda:?}");
+        }
+    }
+}
