@@ -88,8 +88,8 @@ mod flat {
 pub(crate) mod joint_steps {
     use stationary_integrators::State;
 
-    use crate::AssemblyError;
-    use crate::steps::Steps;
+    use crate::run::error::AssemblyError;
+    use crate::run::steps::Steps;
 
     type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
 
@@ -109,10 +109,10 @@ pub(crate) mod joint_steps {
 
 #[cfg(not(feature = "rigid"))]
 pub(crate) mod bodies {
-    use crate::assembly::Moved;
-    use crate::declaration::Declaration;
-    use crate::diagnostic::Checked;
-    use crate::particles::Roster;
+    use crate::assemble::scene::Moved;
+    use crate::text::diagnostic::Checked;
+    use crate::words::declaration::Declaration;
+    use crate::words::particles::Roster;
 
     pub(crate) fn declare(_: &mut Roster, _: usize, _: &Declaration) -> Checked<Moved> {
         Ok(Moved::default())
@@ -122,10 +122,13 @@ pub(crate) mod bodies {
 #[cfg(not(feature = "contact"))]
 pub(crate) mod contacts {
     use super::Flat;
-    use crate::declaration::Declaration;
-    use crate::diagnostic::Checked;
-    use crate::upper::ContactError;
-    use crate::{Built, Fault, Scene, SceneContact};
+    use crate::model::built::Built;
+    use crate::model::scene::Scene;
+    use crate::model::things::SceneContact;
+    use crate::model::upper::ContactError;
+    use crate::text::diagnostic::Checked;
+    use crate::text::fault::Fault;
+    use crate::words::declaration::Declaration;
 
     pub(crate) type Penalty<const D: usize> = Flat;
 
@@ -148,8 +151,10 @@ pub(crate) mod contacts {
 pub(crate) mod touching {
     use stationary_integrators::State;
 
-    use crate::steps::Steps;
-    use crate::{AssemblyError, Scene, SceneContact};
+    use crate::model::scene::Scene;
+    use crate::model::things::SceneContact;
+    use crate::run::error::AssemblyError;
+    use crate::run::steps::Steps;
 
     type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
 
@@ -175,11 +180,15 @@ pub(crate) mod touching {
 #[cfg(not(feature = "elasticity"))]
 pub(crate) mod springs {
     use super::Flat;
-    use crate::declaration::SpringDeclaration;
-    use crate::diagnostic::{Checked, at};
-    use crate::particles::Roster;
-    use crate::system::Vertices;
-    use crate::{AssemblyError, Built, Fault, Link, Scene};
+    use crate::assemble::system::Vertices;
+    use crate::model::built::Built;
+    use crate::model::scene::Scene;
+    use crate::model::things::Link;
+    use crate::run::error::AssemblyError;
+    use crate::text::diagnostic::{Checked, at};
+    use crate::text::fault::Fault;
+    use crate::words::declaration::SpringDeclaration;
+    use crate::words::particles::Roster;
 
     pub(crate) type Springs<const D: usize> = Flat;
 
@@ -201,10 +210,11 @@ pub(crate) mod springs {
 
 #[cfg(not(feature = "elasticity"))]
 pub(crate) mod nets {
-    use crate::declaration::NetDeclaration;
-    use crate::diagnostic::{Checked, at};
-    use crate::particles::Roster;
-    use crate::{Fault, Link};
+    use crate::model::things::Link;
+    use crate::text::diagnostic::{Checked, at};
+    use crate::text::fault::Fault;
+    use crate::words::declaration::NetDeclaration;
+    use crate::words::particles::Roster;
 
     pub(crate) fn declare(
         _: &mut Roster,
@@ -220,10 +230,13 @@ pub(crate) mod nets {
 #[cfg(not(feature = "elasticity"))]
 pub(crate) mod elastic {
     use super::Flat;
-    use crate::fields::Stress;
-    use crate::system::Vertices;
-    use crate::upper::Lame;
-    use crate::{AssemblyError, Built, Fault, Scene};
+    use crate::assemble::system::Vertices;
+    use crate::model::built::Built;
+    use crate::model::scene::Scene;
+    use crate::model::upper::Lame;
+    use crate::run::error::AssemblyError;
+    use crate::run::fields::Stress;
+    use crate::text::fault::Fault;
 
     pub(crate) type ElasticBodies = Flat;
 
@@ -251,8 +264,8 @@ pub(crate) mod elastic {
 
 #[cfg(not(feature = "elasticity"))]
 pub(crate) mod node_shares {
-    use crate::Fault;
-    use crate::shape::Shape;
+    use crate::text::fault::Fault;
+    use crate::words::shape::Shape;
 
     pub(crate) fn node_shares(_: &Shape) -> Result<Vec<f64>, Fault> {
         Err(Fault::NotCompiled { word: "solids", feature: "elasticity" })
@@ -261,8 +274,9 @@ pub(crate) mod node_shares {
 
 #[cfg(not(feature = "modal"))]
 pub(crate) mod rest {
-    use crate::system::SceneProblem;
-    use crate::{AssemblyError, Built};
+    use crate::assemble::system::SceneProblem;
+    use crate::model::built::Built;
+    use crate::run::error::AssemblyError;
 
     pub(crate) struct Rest {
         pub(crate) q: Vec<f64>,
@@ -278,9 +292,10 @@ pub(crate) mod rest {
 pub(crate) mod sparse_steps {
     use stationary_integrators::{Drag, Method, Newmark, NewmarkWeights};
 
-    use crate::equal_steps::Equal;
-    use crate::system::SceneProblem;
-    use crate::{AssemblyError, limits};
+    use crate::assemble::system::SceneProblem;
+    use crate::run::equal_steps::Equal;
+    use crate::run::error::AssemblyError;
+    use crate::text::limits;
 
     pub(crate) fn can_factor(freedoms: usize) -> bool {
         freedoms <= limits::FULL_MATRIX_FREEDOMS

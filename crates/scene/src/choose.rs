@@ -45,7 +45,7 @@ pub use ladder::{SceneLadder, Setting};
 pub use model::{Model, Sight};
 use stationary_choose::{MOMENTS, QuestionError};
 
-use crate::Scene;
+use crate::model::scene::Scene;
 
 /// What is asked of a scene.
 #[derive(Clone, Debug, PartialEq)]

@@ -138,137 +138,169 @@
 // Without one of the features, what is there for its scenes alone is not used.
 #![cfg_attr(not(feature = "default"), allow(dead_code))]
 
-mod diagnostic;
-mod fault;
-mod error;
-mod number;
-mod parser_words;
-mod source;
-mod suggestion;
+mod text {
+    pub(crate) mod check;
+    pub(crate) mod diagnostic;
+    pub(crate) mod fault;
+    pub mod limits;
+    pub(crate) mod number;
+    pub(crate) mod parser_words;
+    pub(crate) mod source;
+    pub(crate) mod suggestion;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
 
-mod upper;
-mod things;
-mod acceleration;
-mod assembly;
-mod body_shape;
-mod check;
-mod declaration;
-mod features;
-mod heat;
-mod mesh_file;
-mod observable;
-mod particles;
-mod scene;
-mod rods;
-mod quadratic_shape;
-mod shape;
-mod shape_kinds;
-mod solids;
-mod stepping;
-mod units;
+mod model {
+    pub(crate) mod built;
+    pub(crate) mod observable;
+    pub(crate) mod scene;
+    pub(crate) mod things;
+    pub(crate) mod units;
+    pub(crate) mod upper;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
 
-mod adaptive_steps;
-mod built;
-mod contact_impulses;
-mod equal_steps;
-mod kinds;
-mod march;
-mod particle_run;
-mod run;
-mod in_words;
-mod checkpoint;
-mod stable_step;
-mod steps;
-mod summary;
-mod system;
+mod words {
+    #[cfg(feature = "rigid")]
+    pub(crate) mod bodies;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod body_methods;
+    pub(crate) mod body_shape;
+    pub(crate) mod declaration;
+    pub(crate) mod features;
+    pub(crate) mod heat;
+    pub(crate) mod integrator;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod joints;
+    pub(crate) mod mesh_file;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod nets;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod node_shares;
+    pub(crate) mod particles;
+    pub(crate) mod quadratic_shape;
+    pub(crate) mod rods;
+    pub(crate) mod shape;
+    pub(crate) mod shape_kinds;
+    pub(crate) mod solids;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
 
-// What a crate above the integrators is needed for, and what stands for it without.
-#[cfg(feature = "constraints")]
-mod lasting_steps;
-#[cfg(feature = "constraints")]
-mod rod_steps;
-#[cfg(feature = "rigid")]
-mod bodies;
-#[cfg(feature = "rigid")]
-mod body_run;
-#[cfg(feature = "rigid")]
-mod body_stepping;
-#[cfg(feature = "rigid")]
-mod body_system;
-#[cfg(feature = "rigid")]
-mod joints;
-#[cfg(all(feature = "rigid", feature = "constraints"))]
-mod joint_steps;
-#[cfg(feature = "contact")]
-mod contacts;
-#[cfg(feature = "contact")]
-mod impact_steps;
-#[cfg(feature = "contact")]
-mod touching;
-#[cfg(feature = "elasticity")]
-mod elastic;
-#[cfg(feature = "elasticity")]
-mod nets;
-#[cfg(feature = "elasticity")]
-mod node_shares;
-#[cfg(feature = "elasticity")]
-mod springs;
-#[cfg(feature = "modal")]
-mod linear_modes;
-#[cfg(feature = "modal")]
-mod rest;
-#[cfg(feature = "laplacian")]
-mod heat_run;
-#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-mod sparse_steps;
+mod assemble {
+    pub(crate) mod acceleration;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod body_system;
+    #[cfg(feature = "contact")]
+    pub(crate) mod contacts;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod elastic;
+    pub(crate) mod kinds;
+    #[cfg(feature = "modal")]
+    pub(crate) mod rest;
+    pub(crate) mod scene;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod springs;
+    pub(crate) mod stable_step;
+    pub(crate) mod system;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
+
+mod run {
+    pub(crate) mod adaptive_steps;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod body_run;
+    pub(crate) mod checkpoint;
+    pub(crate) mod contact_impulses;
+    pub(crate) mod equal_steps;
+    pub(crate) mod error;
+    pub(crate) mod fields;
+    #[cfg(feature = "laplacian")]
+    pub(crate) mod heat_run;
+    #[cfg(feature = "contact")]
+    pub(crate) mod impact_steps;
+    pub(crate) mod in_words;
+    #[cfg(all(feature = "rigid", feature = "constraints"))]
+    pub(crate) mod joint_steps;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod lasting_steps;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    pub(crate) mod march;
+    pub(crate) mod particle_run;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod rod_steps;
+    pub(crate) mod samples;
+    #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+    pub(crate) mod sparse_steps;
+    pub(crate) mod steps;
+    #[cfg(feature = "contact")]
+    pub(crate) mod touching;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
+
+mod show {
+    pub(crate) mod csv;
+    pub(crate) mod drawing;
+    pub(crate) mod field_tables;
+    pub(crate) mod film;
+    pub(crate) mod folder;
+    pub(crate) mod picture;
+    pub(crate) mod player;
+    pub(crate) mod projection;
+    pub(crate) mod sheet;
+    pub(crate) mod summary;
+    pub(crate) mod vtk;
+    pub(crate) mod walls;
+    #[cfg(not(feature = "default"))]
+    #[allow(unused_imports)]
+    pub(crate) use crate::absent::*;
+}
+
 #[cfg(not(feature = "default"))]
 mod absent;
-// Of nothing, where all are there by their own names.
-#[cfg(not(feature = "default"))]
-#[allow(unused_imports)]
-use absent::*;
-
-mod fields;
-mod folder;
-mod csv;
-mod drawing;
-mod field_tables;
-mod film;
-mod picture;
-mod player;
-mod projection;
-mod sheet;
-mod vtk;
-mod walls;
 
 #[cfg(feature = "choose")]
 pub mod choose;
-pub mod limits;
 pub mod problems;
 pub mod shipped;
 
-pub use body_shape::BodyShape;
-pub use built::Built;
-pub use checkpoint::{Checkpoint, CheckpointError};
-pub use contact_impulses::{ContactImpulse, ContactSide};
-pub use diagnostic::{Diagnostic, Place};
-pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
-pub use fault::Fault;
-pub use fields::BodyField;
-pub use folder::make_folder;
-pub use heat::HeatedBody;
-pub use march::{Watcher, Wish};
-pub use observable::Observable;
-pub use particles::{Motion, Particle};
-pub use quadratic_shape::Middles;
-pub use rods::Rod;
-pub use run::{BrokenRod, Impacts, Progress, Run};
-pub use scene::{Gravity, Scene, Timing};
-pub use shape::Simplices;
-pub use solids::{ElasticBody, ElasticMaterial};
-pub use stable_step::UnstableStep;
-pub use stepping::{Adaptive, Constrained, Stepping};
-pub use summary::Summary;
-pub use system::{ScenePotential, SceneProblem};
-pub use things::{JointKind, Link, RigidBody, SceneBall, SceneContact, SceneJoint, SceneWall};
-pub use units::Units;
+pub use assemble::stable_step::UnstableStep;
+pub use assemble::system::{ScenePotential, SceneProblem};
+pub use model::built::Built;
+pub use model::observable::Observable;
+pub use model::scene::{Gravity, Scene, Timing};
+pub use model::things::{
+    JointKind, Link, RigidBody, SceneBall, SceneContact, SceneJoint, SceneWall,
+};
+pub use model::units::Units;
+pub use run::checkpoint::{Checkpoint, CheckpointError};
+pub use run::contact_impulses::{ContactImpulse, ContactSide};
+pub use run::error::{
+    AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError,
+};
+pub use run::fields::BodyField;
+pub use run::march::{Watcher, Wish};
+pub use run::samples::{BrokenRod, Impacts, Progress, Run};
+pub use show::folder::make_folder;
+pub use show::summary::Summary;
+pub use text::diagnostic::{Diagnostic, Place};
+pub use text::fault::Fault;
+pub use text::limits;
+pub use words::body_shape::BodyShape;
+pub use words::heat::HeatedBody;
+pub use words::integrator::{Adaptive, Constrained, Stepping};
+pub use words::particles::{Motion, Particle};
+pub use words::quadratic_shape::Middles;
+pub use words::rods::Rod;
+pub use words::shape::Simplices;
+pub use words::solids::{ElasticBody, ElasticMaterial};

@@ -5,7 +5,8 @@ use stationary_integrators::{Evaluation, FirstOrderFacts, Method};
 use stationary_laplacian::HeatMethod;
 use stationary_rigid::BodyMethod;
 
-use crate::{Adaptive, Constrained, Scene, Stepping};
+use crate::model::scene::Scene;
+use crate::words::integrator::{Adaptive, Constrained, Stepping};
 
 /// A method as a scene names it.
 pub struct Candidate {

@@ -17,7 +17,8 @@ use super::declaration::{Change, changed, number};
 use super::model::{Model, Sight};
 use super::observable::{in_words, scale};
 use super::{look, run};
-use crate::{Scene, Stepping};
+use crate::model::scene::Scene;
+use crate::words::integrator::Stepping;
 
 /// Doublings of the number of modes.
 const DOUBLINGS: u32 = 8;

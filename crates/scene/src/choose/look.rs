@@ -10,7 +10,10 @@ use super::declaration::changed;
 use super::ladder::Setting;
 use super::model::{Model, moved};
 use super::run::told;
-use crate::{Checkpoint, Progress, Scene, Watcher, Wish};
+use crate::model::scene::Scene;
+use crate::run::checkpoint::Checkpoint;
+use crate::run::march::{Watcher, Wish};
+use crate::run::samples::Progress;
 
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;

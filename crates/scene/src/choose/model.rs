@@ -15,7 +15,11 @@
 
 use std::f64::consts::PI;
 
-use crate::{ElasticBody, Motion, Observable, Scene, Simplices};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
+use crate::words::particles::Motion;
+use crate::words::shape::Simplices;
+use crate::words::solids::ElasticBody;
 use toml::{Table, Value};
 
 use super::surrogate;

@@ -11,7 +11,8 @@ use toml::Value;
 
 use super::ChooseError;
 use super::declaration::{Change, changed};
-use crate::{Observable, Scene};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
 
 /// The scene's text, asked for this observable only.
 ///

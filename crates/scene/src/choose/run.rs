@@ -8,7 +8,12 @@ use stationary_integrators::{Cost, StepError};
 use super::declaration::changed;
 use super::ladder::Setting;
 use super::model::{Model, moved};
-use crate::{Checkpoint, Observable, Progress, Run, RunError, Scene, StepFailure, Watcher, Wish};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
+use crate::run::checkpoint::Checkpoint;
+use crate::run::error::{RunError, StepFailure};
+use crate::run::march::{Watcher, Wish};
+use crate::run::samples::{Progress, Run};
 
 /// Runs a model as a setting says, until the watch breaks off.
 pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watch<'_>) -> Record {

@@ -13,7 +13,9 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use toml::{Table, Value};
 
 use super::model::observed;
-use crate::{Motion, Observable, Scene};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
+use crate::words::particles::Motion;
 
 /// What a body comes to.
 struct Lump {

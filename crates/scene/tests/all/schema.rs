@@ -1,6 +1,6 @@
 //! The published schema says what the reader says: the same tables, the same keys, the same words.
 //!
-//! A table of the vocabulary is a struct in `src/declaration.rs`, and a definition of that name in
+//! A table of the vocabulary is a struct in `src/words/declaration.rs`, and a definition of that name in
 //! `scene.schema.json`; to add a word is to add it in both.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +12,7 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 use stationary_scene::{Fault, Scene, SceneError};
 
-const DECLARATIONS: &str = include_str!("../../src/declaration.rs");
+const DECLARATIONS: &str = include_str!("../../src/words/declaration.rs");
 
 fn schema() -> Value {
     serde_json::from_str(include_str!("../../scene.schema.json")).unwrap()

@@ -1,0 +1,75 @@
+//! The text of a scene: read from a file without trust, and parsed into declarations.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use crate::run::error::SceneError;
+use crate::text::diagnostic::{Checked, Located};
+use crate::text::diagnostic::{Diagnostic, Place};
+use crate::text::fault::Fault;
+use crate::text::limits;
+use crate::text::parser_words::in_words;
+use crate::text::suggestion::nearest;
+use crate::words::declaration::Declaration;
+
+/// The text of the file: at most [`limits::FILE_BYTES`] of UTF-8.
+pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
+    let failed = |source: io::Error| SceneError::Read { path: path.to_owned(), source };
+    let too_large = |bytes| SceneError::TooLarge { name: path.display().to_string(), bytes };
+    // Asked before opening: to open a pipe would wait for whoever writes into it.
+    let metadata = fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(SceneError::NotAFile { path: path.to_owned() });
+    }
+    if metadata.len() > limits::FILE_BYTES {
+        return Err(too_large(metadata.len()));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(failed)?;
+    file.take(limits::FILE_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > limits::FILE_BYTES {
+        return Err(too_large(bytes.len() as u64));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let text = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
+        let place = Place::of(&text, text.len()..text.len());
+        SceneError::NotUtf8 { path: path.to_owned(), line: place.line, column: place.column }
+    })
+}
+
+/// The text's declarations, or where it is not a scene.
+pub(crate) fn parse(text: &str) -> Checked<Declaration> {
+    toml::from_str(text)
+        .map_err(|error| Box::new(Located { span: error.span(), fault: fault_of(error.message()) }))
+}
+
+/// A fault, with the text to which it belongs.
+pub(crate) fn diagnose(name: &str, text: &str, located: Located) -> SceneError {
+    let place = located.span.map(|span| Place::of(text, span));
+    SceneError::Invalid(Box::new(Diagnostic { file: name.to_owned(), fault: located.fault, place }))
+}
+
+/// Characters of the parser's message that are shown: it may quote the whole file.
+const MESSAGE: usize = 300;
+
+/// The fault in the parser's words. Those on a field that does not exist are
+/// "unknown field `a`, expected `b`" or "... expected one of `b`, `c`".
+fn fault_of(message: &str) -> Fault {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    if let (true, Some(word)) = (message.starts_with("unknown field `"), quoted.next()) {
+        let allowed: Vec<String> = quoted.map(str::to_owned).collect();
+        let nearest = nearest(word, allowed.iter().map(String::as_str)).map(str::to_owned);
+        return Fault::UnknownWord { kind: "field", word: shortened(word), nearest, allowed };
+    }
+    let one_line = in_words(&message.lines().collect::<Vec<_>>().join(", "));
+    Fault::Syntax { message: one_line.chars().take(MESSAGE).collect() }
+}
+
+/// The word, or its beginning where it is long.
+pub(crate) fn shortened(word: &str) -> String {
+    if word.chars().count() <= limits::NAME {
+        return word.to_owned();
+    }
+    word.chars().take(limits::NAME).chain("...".chars()).collect()
+}
