@@ -38,11 +38,12 @@ mod observable;
 mod run;
 mod surrogate;
 
+pub use candidate::Setting;
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
-pub use ladder::{SceneLadder, Setting};
-pub use model::{Model, Sight};
+pub use ladder::SceneLadder;
+pub use model::{Model, Simplification};
 use stationary_choose::{MOMENTS, QuestionError};
 
 use crate::model::scene::Scene;

@@ -139,6 +139,7 @@
 #![cfg_attr(not(feature = "default"), allow(dead_code))]
 
 mod text {
+    pub(crate) mod file_error;
     pub(crate) mod check;
     pub(crate) mod diagnostic;
     pub(crate) mod fault;
@@ -147,31 +148,41 @@ mod text {
     pub(crate) mod parser_words;
     pub(crate) mod source;
     pub(crate) mod suggestion;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
 
 mod model {
+    pub(crate) mod columns;
+    pub(crate) mod timing;
+    pub(crate) mod changed;
+    pub(crate) mod particle;
+    pub(crate) mod simplices;
+    pub(crate) mod body_shape;
+    pub(crate) mod elastic_body;
+    pub(crate) mod stepping;
     pub(crate) mod built;
     pub(crate) mod observable;
     pub(crate) mod scene;
-    pub(crate) mod things;
+    pub(crate) mod items;
     pub(crate) mod units;
-    pub(crate) mod upper;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
 
 mod words {
+    pub(crate) mod laid_shape;
+    pub(crate) mod observables;
+    pub(crate) mod units;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod springs;
+    #[cfg(feature = "contact")]
+    pub(crate) mod contact;
     #[cfg(feature = "rigid")]
     pub(crate) mod bodies;
     #[cfg(feature = "rigid")]
     pub(crate) mod body_methods;
+    #[cfg(feature = "rigid")]
     pub(crate) mod body_shape;
     pub(crate) mod declaration;
     pub(crate) mod features;
+    #[cfg(feature = "laplacian")]
     pub(crate) mod heat;
     pub(crate) mod integrator;
     #[cfg(feature = "rigid")]
@@ -186,13 +197,18 @@ mod words {
     pub(crate) mod rods;
     pub(crate) mod shape;
     pub(crate) mod shape_kinds;
+    #[cfg(feature = "elasticity")]
     pub(crate) mod solids;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
 
 mod assemble {
+    pub(crate) mod vertices;
+    pub(crate) mod particle_system;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod rods;
+    pub(crate) mod error;
     pub(crate) mod acceleration;
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
@@ -200,7 +216,6 @@ mod assemble {
     pub(crate) mod contacts;
     #[cfg(feature = "elasticity")]
     pub(crate) mod elastic;
-    pub(crate) mod kinds;
     #[cfg(feature = "modal")]
     pub(crate) mod rest;
     pub(crate) mod scene;
@@ -208,47 +223,43 @@ mod assemble {
     pub(crate) mod springs;
     pub(crate) mod stable_step;
     pub(crate) mod system;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
 
 mod run {
-    pub(crate) mod adaptive_steps;
+    pub(crate) mod observer;
+    pub(crate) mod recorder;
+    pub(crate) mod scene_run;
+    pub(crate) mod adaptive;
     #[cfg(feature = "rigid")]
-    pub(crate) mod body_run;
+    pub(crate) mod bodies;
     pub(crate) mod checkpoint;
     pub(crate) mod contact_impulses;
-    pub(crate) mod equal_steps;
+    pub(crate) mod equal;
     pub(crate) mod error;
     pub(crate) mod fields;
     #[cfg(feature = "laplacian")]
-    pub(crate) mod heat_run;
+    pub(crate) mod heat;
     #[cfg(feature = "contact")]
-    pub(crate) mod impact_steps;
+    pub(crate) mod impacts;
     pub(crate) mod in_words;
     #[cfg(all(feature = "rigid", feature = "constraints"))]
-    pub(crate) mod joint_steps;
+    pub(crate) mod joints;
     #[cfg(feature = "constraints")]
-    pub(crate) mod lasting_steps;
+    pub(crate) mod lasting;
     #[cfg(feature = "modal")]
     pub(crate) mod linear_modes;
-    pub(crate) mod march;
-    pub(crate) mod particle_run;
+    pub(crate) mod engine;
+    pub(crate) mod particles;
     #[cfg(feature = "constraints")]
-    pub(crate) mod rod_steps;
+    pub(crate) mod rods;
     pub(crate) mod samples;
-    #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-    pub(crate) mod sparse_steps;
-    pub(crate) mod steps;
+    pub(crate) mod stepper;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
 
 mod show {
+    pub(crate) mod write;
     pub(crate) mod csv;
     pub(crate) mod drawing;
     pub(crate) mod field_tables;
@@ -261,46 +272,38 @@ mod show {
     pub(crate) mod summary;
     pub(crate) mod vtk;
     pub(crate) mod walls;
-    #[cfg(not(feature = "default"))]
-    #[allow(unused_imports)]
-    pub(crate) use crate::absent::*;
 }
-
-#[cfg(not(feature = "default"))]
-mod absent;
 
 #[cfg(feature = "choose")]
 pub mod choose;
 pub mod problems;
 pub mod shipped;
 
+pub use assemble::error::AssemblyError;
 pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
+pub use model::body_shape::BodyShape;
 pub use model::built::Built;
-pub use model::observable::Observable;
-pub use model::scene::{Gravity, Scene, Timing};
-pub use model::things::{
-    JointKind, Link, RigidBody, SceneBall, SceneContact, SceneJoint, SceneWall,
+pub use model::elastic_body::{ElasticBody, ElasticMaterial, HeatedBody};
+pub use model::items::{
+    JointKind, Link, RigidBody, Rod, SceneBall, SceneContact, SceneJoint, SceneWall,
 };
+pub use model::observable::Observable;
+pub use model::particle::{Motion, Particle};
+pub use model::scene::{Gravity, Scene};
+pub use model::simplices::{Middles, Simplices};
+pub use model::stepping::{Adaptive, Constrained, Stepping};
+pub use model::timing::Timing;
 pub use model::units::Units;
 pub use run::checkpoint::{Checkpoint, CheckpointError};
 pub use run::contact_impulses::{ContactImpulse, ContactSide};
-pub use run::error::{
-    AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError,
-};
+pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
-pub use run::march::{Watcher, Wish};
-pub use run::samples::{BrokenRod, Impacts, Progress, Run};
+pub use run::observer::{Control, Observer, Progress};
+pub use run::samples::{BrokenRod, Impacts, Run};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};
 pub use text::fault::Fault;
+pub use text::file_error::{SceneError, WriteError};
 pub use text::limits;
-pub use words::body_shape::BodyShape;
-pub use words::heat::HeatedBody;
-pub use words::integrator::{Adaptive, Constrained, Stepping};
-pub use words::particles::{Motion, Particle};
-pub use words::quadratic_shape::Middles;
-pub use words::rods::Rod;
-pub use words::shape::Simplices;
-pub use words::solids::{ElasticBody, ElasticMaterial};

@@ -7,9 +7,10 @@
 //!
 //! Both are read from the scenes that ship with the crate, [`OUTER_SOLAR_SYSTEM`] and [`SPRING_NET`].
 
+use crate::assemble::error::AssemblyError;
 use crate::assemble::system::SceneProblem;
 use crate::model::scene::Scene;
-use crate::run::error::{AssemblyError, SceneError};
+use crate::text::file_error::SceneError;
 use crate::text::number::Count;
 
 /// The text of the scene `outer-solar-system.toml`.

@@ -15,21 +15,14 @@ use stationary_rigid::{
 };
 
 use crate::JointKind as SceneJointKind;
+use crate::assemble::error::AssemblyError;
+use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::scene::Scene;
-use crate::model::things::{RigidBody, SceneJoint};
-use crate::run::equal_steps::Equal;
-use crate::run::error::AssemblyError;
-use crate::run::steps::Steps;
-use crate::run::{joint_steps, touching};
-use crate::words::integrator::Stepping;
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
     /// Where they start.
     fn initial(&self) -> &State<Vec<f64>>;
-
-    /// What steps them in their scene.
-    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError>;
 
     /// Their kinetic and their potential energy.
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
@@ -43,9 +36,9 @@ pub(crate) trait BodySystem {
 
 /// Bodies in space.
 pub(crate) struct InSpace {
-    system: SpatialSystem,
-    joints: Vec<Joint<Poses>>,
-    initial: State<Vec<f64>>,
+    pub(crate) system: SpatialSystem,
+    pub(crate) joints: Vec<Joint<Poses>>,
+    pub(crate) initial: State<Vec<f64>>,
 }
 
 type Load = (Option<Weight<Poses>>, Free);
@@ -55,28 +48,14 @@ pub(crate) type PlanarSystem = System<DiagonalMetric<Vec<f64>>, PlanarLoad>;
 
 /// Bodies in the plane.
 pub(crate) struct InThePlane {
-    system: PlanarSystem,
-    joints: Vec<PlanarJoint>,
-    initial: State<Vec<f64>>,
+    pub(crate) system: PlanarSystem,
+    pub(crate) joints: Vec<PlanarJoint>,
+    pub(crate) initial: State<Vec<f64>>,
 }
 
 impl BodySystem for InSpace {
     fn initial(&self) -> &State<Vec<f64>> {
         &self.initial
-    }
-
-    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError> {
-        let Stepping::Bodies(method) = scene.stepping else {
-            return Err(AssemblyError::Bodies);
-        };
-        let InSpace { system, joints, initial } = self;
-        if let Some(contact) = &scene.contact {
-            return touching::in_space(scene, contact, system, initial);
-        }
-        if !joints.is_empty() {
-            return joint_steps::in_space(method, system, joints, initial);
-        }
-        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
@@ -103,20 +82,6 @@ impl BodySystem for InSpace {
 impl BodySystem for InThePlane {
     fn initial(&self) -> &State<Vec<f64>> {
         &self.initial
-    }
-
-    fn steps(&self, scene: &Scene) -> Result<Box<dyn Steps + '_>, AssemblyError> {
-        let Stepping::Equal(method) = scene.stepping else {
-            return Err(AssemblyError::Bodies);
-        };
-        let InThePlane { system, joints, initial } = self;
-        if let Some(contact) = &scene.contact {
-            return touching::in_the_plane(scene, contact, system, initial);
-        }
-        if !joints.is_empty() {
-            return joint_steps::in_the_plane(system, joints, initial);
-        }
-        Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
     }
 
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {

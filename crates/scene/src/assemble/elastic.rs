@@ -16,14 +16,13 @@ use stationary_elasticity::{
 };
 use stationary_mesh::{Mesh, Quadratic, Simplex};
 
-use crate::assemble::system::{Vertices, leading};
+use crate::assemble::error::AssemblyError;
+use crate::assemble::vertices::{Vertices, leading};
 use crate::model::built::Built;
+use crate::model::elastic_body::{ElasticBody, ElasticMaterial};
+use crate::model::items::Stress;
 use crate::model::scene::Scene;
-use crate::run::error::AssemblyError;
-use crate::run::fields::Stress;
-use crate::words::quadratic_shape::with_middles;
-use crate::words::shape::Simplices;
-use crate::words::solids::{ElasticBody, ElasticMaterial};
+use crate::model::simplices::{Simplices, with_middles};
 
 type Bar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 2, D, 1, 1>;
 type QuadraticBar<const D: usize> = Solid<SaintVenantKirchhoff<1>, 3, D, 1, 2>;
@@ -104,11 +103,6 @@ macro_rules! each {
             Part::QuadraticBlock($elements) => $same,
         }
     };
-}
-
-/// The parameters of a material with this Young's modulus and this Poisson's ratio.
-pub(crate) fn lame(young: f64, poisson: f64) -> Result<Lame<3>, ElasticityError> {
-    Lame::from_young_poisson(young, poisson)
 }
 
 /// All elastic bodies of a scene; there may be none.

@@ -6,13 +6,14 @@
 //! `lambda` the largest eigenvalue of `M^-1 H`, |q| the scene's size, m its mass: below that the
 //! differential is rounding. Source: notes 4.4.
 
-use stationary_calculus::{Equilibrium, Newton, NewtonReport, SparseSolver};
+use stationary_calculus::{
+    DiagonalMetric, Equilibrium, Newton, NewtonReport, Potential, SparseSolver,
+};
 use stationary_modal::Linearized;
 
 use crate::assemble::acceleration::most_accelerated;
-use crate::assemble::system::SceneProblem;
+use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
-use crate::run::error::AssemblyError;
 
 /// Where a scene comes to rest.
 pub(crate) struct Rest {
@@ -23,13 +24,17 @@ pub(crate) struct Rest {
     pub(crate) built: Built,
 }
 
-/// Where a problem comes to rest from its start.
-pub(crate) fn rest<const D: usize>(problem: &SceneProblem<D>) -> Result<Rest, AssemblyError> {
-    let (metric, potential) = (problem.system.metric(), problem.system.potential());
-    let mut q = problem.initial.q.clone();
+/// Where particles of D freedoms each come to rest from their start, in a scene of this size.
+pub(crate) fn rest<const D: usize>(
+    metric: &DiagonalMetric<Vec<f64>>,
+    potential: &impl Potential,
+    start: &[f64],
+    size: f64,
+) -> Result<Rest, AssemblyError> {
+    let mut q = start.to_vec();
     let mass: f64 = metric.masses().iter().sum::<f64>() / D as f64;
     let scale = Linearized::at(metric, potential, &q, f64::MAX)?.scale();
-    let tolerance = f64::EPSILON * scale * problem.scale * mass.sqrt();
+    let tolerance = f64::EPSILON * scale * size * mass.sqrt();
     let newton = Newton { tolerance, ..Newton::default() };
     let solver = SparseSolver::new(metric, potential, &q)?;
     let found = Equilibrium::new(metric, potential, solver, newton)?.find(&mut q);

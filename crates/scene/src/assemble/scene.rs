@@ -3,28 +3,75 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::assemble::{contacts, springs};
-use crate::model::observable;
-use crate::model::scene::{Gravity, Scene, Timing};
-use crate::model::things::{RigidBody, SceneJoint};
-use crate::model::units::Units;
-use crate::text::check;
+#[cfg(not(feature = "laplacian"))]
+use crate::model::elastic_body::Heated;
+use crate::model::items::RigidBody;
+use crate::model::particle::Motion;
+use crate::model::scene::{Gravity, Scene};
+use crate::model::timing::Timing;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
+use crate::text::file_error::SceneError;
 use crate::text::number::Count;
+use crate::text::source::diagnose;
+use crate::text::{check, limits, source};
 use crate::words::declaration::Declaration;
-use crate::words::particles;
-use crate::words::particles::{Motion, Roster};
-use crate::words::solids::Solids;
-use crate::words::{bodies, features, heat, integrator, nets, rods, solids};
+use crate::words::laid_shape::Solids;
+use crate::words::particles::Roster;
+use crate::words::{features, integrator, observables, particles, rods, units};
 
-/// What rigid bodies bring into a scene.
-#[derive(Default)]
-pub(crate) struct Moved {
-    pub(crate) bodies: Vec<RigidBody>,
-    pub(crate) joints: Vec<SceneJoint>,
-    /// Which of their points are joined in the picture.
-    pub(crate) edges: Vec<[usize; 2]>,
+impl Scene {
+    /// The scene that a text describes. `name` stands in errors where a file's name would, and for
+    /// a title where the text gives none. Such a scene has no folder to find meshes in.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the [`Fault`] and its place; [`SceneError::TooLarge`] beyond
+    /// [`limits::FILE_BYTES`].
+    pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
+        Scene::parse_in(None, name, text)
+    }
+
+    /// The scene that a text describes, as if it stood in the file of this path: meshes are those
+    /// beside it.
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`].
+    pub fn parse_at(path: impl AsRef<Path>, text: &str) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse_in(path.parent(), &path.display().to_string(), text)
+    }
+
+    fn parse_in(folder: Option<&Path>, name: &str, text: &str) -> Result<Scene, SceneError> {
+        let bytes = text.len() as u64;
+        if bytes > limits::FILE_BYTES {
+            return Err(SceneError::TooLarge { name: name.to_owned(), bytes });
+        }
+        let scene = source::parse(text).and_then(|declared| assemble(name, folder, &declared));
+        scene.map_err(|located| diagnose(name, text, *located))
+    }
+
+    /// The scene that a file describes.
+    ///
+    /// # Errors
+    /// [`SceneError::Read`], [`SceneError::NotAFile`] and [`SceneError::NotUtf8`] for the file;
+    /// those of [`Scene::parse`] for its text.
+    pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse_at(path, &source::read(path)?)
+    }
+
+    /// The scene that a text describes, once `change` has been made to its declarations.
+    pub(crate) fn parse_changed(
+        name: &str,
+        text: &str,
+        change: impl FnOnce(&mut Declaration),
+    ) -> Result<Scene, SceneError> {
+        let changed = |mut declared: Declaration| -> Checked<Scene> {
+            change(&mut declared);
+            assemble(name, None, &declared)
+        };
+        source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
+    }
 }
 
 /// The scene that is declared. `name` stands for a title where there is none, `folder` is that of the
@@ -38,17 +85,32 @@ pub(crate) fn assemble(
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
+    #[cfg(not(any(feature = "elasticity", feature = "laplacian")))]
+    let _ = folder;
     check_what_is_there(declared)?;
     features::check(declared)?;
     let stepping = integrator::declare(declared, dimension)?;
     let mut roster = Roster::default();
-    let Moved { bodies, joints, edges } = bodies::declare(&mut roster, dimension, declared)?;
+    #[cfg(feature = "rigid")]
+    let (bodies, joints, edges) = {
+        let (mut bodies, edges) =
+            crate::words::bodies::declare(&mut roster, dimension, &declared.bodies)?;
+        let joints = crate::words::joints::declare(dimension, &mut bodies, &declared.joints)?;
+        let bodies: Vec<RigidBody> = bodies.into_iter().map(|declared| declared.body).collect();
+        (bodies, joints, edges)
+    };
+    #[cfg(not(feature = "rigid"))]
+    let (bodies, joints, edges) = (Vec::<RigidBody>::new(), Vec::new(), Vec::new());
     for particle in &declared.particles {
         particles::declare(&mut roster, dimension, particle)?;
     }
-    let heated = declared.heat.as_ref();
-    let heated =
-        heated.map(|heat| heat::declare(&mut roster, dimension, folder, heat)).transpose()?;
+    #[cfg(feature = "laplacian")]
+    let heated = match &declared.heat {
+        Some(heat) => Some(crate::words::heat::declare(&mut roster, dimension, folder, heat)?),
+        None => None,
+    };
+    #[cfg(not(feature = "laplacian"))]
+    let heated: Option<Heated> = None;
     let written_out = if heated.is_some() {
         0
     } else if bodies.is_empty() {
@@ -56,16 +118,20 @@ pub(crate) fn assemble(
     } else {
         bodies.len()
     };
+    #[cfg_attr(not(feature = "elasticity"), expect(unused_mut))]
     let mut links = Vec::new();
+    #[cfg(feature = "elasticity")]
     for net in &declared.nets {
-        nets::declare(&mut roster, &mut links, dimension, net)?;
+        crate::words::nets::declare(&mut roster, &mut links, dimension, net)?;
     }
     let mut elastic = Solids { edges, ..Solids::default() };
+    #[cfg(feature = "elasticity")]
     for solid in &declared.solids {
-        solids::declare(&mut roster, &mut elastic, dimension, folder, solid)?;
+        crate::words::solids::declare(&mut roster, &mut elastic, dimension, folder, solid)?;
     }
+    #[cfg(feature = "elasticity")]
     for spring in &declared.springs {
-        links.push(springs::declare(&roster, spring)?);
+        links.push(crate::words::springs::declare(&roster, spring)?);
     }
     let mut rods = Vec::new();
     for rod in &declared.rods {
@@ -75,18 +141,21 @@ pub(crate) fn assemble(
         (elastic.edges, elastic.faces) = (edges, faces);
         body
     });
-    let contact = contacts::declare(declared, dimension)?;
+    #[cfg(feature = "contact")]
+    let contact = crate::words::contact::declare(declared, dimension)?;
+    #[cfg(not(feature = "contact"))]
+    let contact = None;
     let gravity = gravity(declared, dimension, &roster)?;
     let drag = declared.drag.as_ref();
     let drag =
         drag.map(|drag| check::positive("the coefficient", &drag.coefficient)).transpose()?;
     check_that_something_moves(declared, &roster)?;
 
-    let observables = observable::declare_all(declared, &roster, &rods)?;
+    let observables = observables::declare_all(declared, &roster, &rods)?;
     let scene = Scene {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
-        units: Units::declare(&declared.units)?,
+        units: units::declare(&declared.units)?,
         stepping,
         timing: timing(declared)?,
         gravity,
@@ -107,6 +176,7 @@ pub(crate) fn assemble(
         view: view(declared, dimension)?,
     };
     scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
+    #[cfg(feature = "contact")]
     if scene.bodies.is_empty() {
         let place = declared.contact.as_ref().and_then(|contact| contact.place());
         let place = place.unwrap_or(declared.step.span());

@@ -10,8 +10,8 @@
 
 use std::fmt;
 
+use crate::assemble::error::AssemblyError;
 use crate::model::scene::Scene;
-use crate::run::error::AssemblyError;
 #[cfg(feature = "laplacian")]
 use {
     crate::assemble::system::SceneProblem,

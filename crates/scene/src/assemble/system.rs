@@ -11,23 +11,34 @@ use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{NewtonianGravity, State, UniformGravity};
 
+#[cfg(feature = "contact")]
 use crate::assemble::contacts::Penalty;
+#[cfg(feature = "elasticity")]
 use crate::assemble::elastic::ElasticBodies;
+use crate::assemble::error::AssemblyError;
+#[cfg(feature = "modal")]
 use crate::assemble::rest;
+#[cfg(feature = "elasticity")]
 use crate::assemble::springs::Springs;
+use crate::assemble::vertices::{Vertices, leading};
 use crate::model::built::Built;
+use crate::model::particle::Motion;
 use crate::model::scene::Scene;
-use crate::run::error::AssemblyError;
-use crate::words::particles::Motion;
 
 /// The potential of a scene. Its springs, elastic bodies and springs of touch may be none.
 #[derive(Clone, Debug)]
 pub struct ScenePotential<const D: usize> {
-    parts: Parts<D>,
+    freedoms: usize,
+    weight: Weight<D>,
+    #[cfg(feature = "elasticity")]
+    springs: Springs<D>,
+    #[cfg(feature = "contact")]
+    penalty: Option<Penalty<D>>,
+    #[cfg(feature = "elasticity")]
+    elastic: ElasticBodies,
     pub(crate) built: Built,
 }
 
-type Parts<const D: usize> = (Weight<D>, (Springs<D>, Option<Penalty<D>>), ElasticBodies);
 type Weight<const D: usize> = (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>);
 
 /// A scene as a problem: a system, where it starts, and for how long.
@@ -36,59 +47,45 @@ pub type SceneProblem<const D: usize> =
 
 impl<const D: usize> Potential for ScenePotential<D> {
     fn dim(&self) -> usize {
-        self.parts.dim()
+        self.freedoms
     }
 
     #[inline]
     fn energy(&self, q: &[f64]) -> f64 {
-        self.parts.energy(q)
+        #[cfg(not(feature = "elasticity"))]
+        let bonds = 0.0;
+        #[cfg(feature = "elasticity")]
+        let bonds = self.springs.energy(q);
+        #[cfg(feature = "contact")]
+        let bonds = bonds + self.penalty.energy(q);
+        let energy = self.weight.energy(q) + bonds;
+        #[cfg(feature = "elasticity")]
+        let energy = energy + self.elastic.energy(q);
+        energy
     }
 
     #[inline]
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
-        self.parts.add_differential(q, dv);
+        let mut dv = dv;
+        self.weight.add_differential(q, dv.view_mut());
+        #[cfg(feature = "elasticity")]
+        self.springs.add_differential(q, dv.view_mut());
+        #[cfg(feature = "contact")]
+        self.penalty.add_differential(q, dv.view_mut());
+        #[cfg(feature = "elasticity")]
+        self.elastic.add_differential(q, dv.view_mut());
     }
 
     #[inline]
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        self.parts.add_hessian(q, hessian);
+        self.weight.add_hessian(q, hessian);
+        #[cfg(feature = "elasticity")]
+        self.springs.add_hessian(q, hessian);
+        #[cfg(feature = "contact")]
+        self.penalty.add_hessian(q, hessian);
+        #[cfg(feature = "elasticity")]
+        self.elastic.add_hessian(q, hessian);
     }
-}
-
-/// The order of the particles as vertices: the free ones first, each part in the scene's order.
-#[derive(Clone, Debug)]
-pub(crate) struct Vertices {
-    /// The vertex of each particle.
-    pub(crate) of_particle: Vec<usize>,
-    /// The particle of each vertex.
-    pub(crate) particles: Vec<usize>,
-    /// The number of free ones.
-    pub(crate) free: usize,
-}
-
-impl Vertices {
-    pub(crate) fn new(scene: &Scene) -> Self {
-        let all = || 0..scene.particles.len();
-        let pinned = |&particle: &usize| scene.particles[particle].motion == Motion::Pinned;
-        let mut particles: Vec<usize> = all().filter(|particle| !pinned(particle)).collect();
-        let free = particles.len();
-        particles.extend(all().filter(pinned));
-        let mut of_particle = vec![0; particles.len()];
-        for (vertex, &particle) in particles.iter().enumerate() {
-            of_particle[particle] = vertex;
-        }
-        Vertices { of_particle, particles, free }
-    }
-}
-
-/// Whether full matrices are factored, not sparse ones.
-pub(crate) fn few(freedoms: usize) -> bool {
-    freedoms <= 32
-}
-
-/// The first D components, D <= 3.
-pub(crate) fn leading<const D: usize>(x: [f64; 3]) -> [f64; D] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
 }
 
 impl Scene {
@@ -131,17 +128,37 @@ impl Scene {
             .gravity
             .constant
             .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
+        #[cfg_attr(
+            not(any(feature = "contact", feature = "elasticity", feature = "modal")),
+            expect(unused_mut)
+        )]
         let mut built = Built::default();
+        #[cfg(feature = "elasticity")]
         let springs = self.springs::<D>(&vertices, &mut built)?;
+        #[cfg(feature = "contact")]
         let penalty = self.penalty(&mut built)?;
+        #[cfg(feature = "elasticity")]
         let elastic = self.elastic_bodies::<D>(&vertices)?;
+        #[cfg(feature = "elasticity")]
         elastic.count(&mut built);
         let q = match self.hung.as_slice() {
             [] => free.iter().flat_map(position).collect(),
+            #[cfg(feature = "modal")]
             _ => self.hanging::<D>(&vertices, &mut built)?,
+            #[cfg(not(feature = "modal"))]
+            _ => return Err(AssemblyError::NotCompiled("hung")),
         };
-        let parts = ((uniform, newtonian), (springs, penalty), elastic);
-        let potential = ScenePotential { parts, built };
+        let potential = ScenePotential {
+            freedoms: D * free.len(),
+            weight: (uniform, newtonian),
+            #[cfg(feature = "elasticity")]
+            springs,
+            #[cfg(feature = "contact")]
+            penalty,
+            #[cfg(feature = "elasticity")]
+            elastic,
+            built,
+        };
         Ok(Problem {
             name: "scene",
             system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
@@ -154,6 +171,7 @@ impl Scene {
         })
     }
 
+    #[cfg(feature = "modal")]
     /// The configuration in which all is at rest while what is hung is held.
     fn hanging<const D: usize>(
         &self,
@@ -164,7 +182,10 @@ impl Scene {
         for &particle in &self.hung {
             held.particles[particle].motion = Motion::Pinned;
         }
-        let rest = rest::rest(&held.problem::<D>()?)?;
+        let held_problem = held.problem::<D>()?;
+        let system = &held_problem.system;
+        let start = &held_problem.initial.q;
+        let rest = rest::rest::<D>(system.metric(), system.potential(), start, held_problem.scale)?;
         *built = *built + rest.built;
         let x = rest.q;
         let of_held = Vertices::new(&held);

@@ -9,7 +9,7 @@ use super::ChooseError;
 use super::declaration::{Change, changed, commented};
 use super::ladder::SceneLadder;
 use crate::model::scene::Scene;
-use crate::run::error::WriteError;
+use crate::text::file_error::WriteError;
 
 /// The scene's own text with the choice filled in; nothing where nothing is recommended.
 ///

@@ -66,6 +66,19 @@ fn declared(observable: &str) -> String {
     }
 }
 
+/// The particles that the first observable is about.
+pub(super) fn observed(scene: &Scene) -> Vec<usize> {
+    match scene.observables().first() {
+        Some(
+            Observable::Position(particle)
+            | Observable::Velocity(particle)
+            | Observable::Temperature(particle),
+        ) => vec![*particle],
+        Some(Observable::Distance(pair)) => pair.to_vec(),
+        _ => Vec::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,26 +1,12 @@
 //! A scene: what a file has said, checked. It can be run, and run otherwise.
 
-use std::path::Path;
-
-use stationary_integrators::Horizon;
-
-use crate::assemble::scene::assemble;
+use crate::model::elastic_body::{ElasticBody, HeatedBody};
+use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::observable::Observable;
-use crate::model::things::{Link, RigidBody, SceneContact, SceneJoint};
+use crate::model::particle::{Motion, Particle};
+use crate::model::stepping::Stepping;
+use crate::model::timing::Timing;
 use crate::model::units::Units;
-use crate::run::error::SceneError;
-use crate::run::fields::numbers_of_a_body;
-use crate::text::diagnostic::Checked;
-use crate::text::fault::Fault;
-use crate::text::limits;
-use crate::text::source;
-use crate::text::source::diagnose;
-use crate::words::declaration::Declaration;
-use crate::words::heat::HeatedBody;
-use crate::words::integrator::Stepping;
-use crate::words::particles::{Motion, Particle};
-use crate::words::rods::Rod;
-use crate::words::solids::ElasticBody;
 
 /// Particles or bodies and what acts on them, a method, and what is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,144 +46,7 @@ pub struct Gravity {
     pub constant: Option<f64>,
 }
 
-/// Equal steps to a horizon, and how many of them from one sample to the next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Timing {
-    step: f64,
-    horizon: f64,
-    steps: Horizon,
-    sample_every: u64,
-}
-
-impl Timing {
-    pub(crate) fn new(step: f64, horizon: f64, sample_every: u64) -> Result<Self, Fault> {
-        let steps = Horizon::new(horizon, step)?;
-        if steps.steps() > limits::STEPS {
-            return Err(Fault::too_many_steps(steps.steps()));
-        }
-        Ok(Timing { step, horizon, steps, sample_every })
-    }
-
-    /// The step.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// The time to which the scene runs.
-    pub fn horizon(&self) -> f64 {
-        self.horizon
-    }
-
-    /// The number of steps.
-    pub fn steps(&self) -> u64 {
-        self.steps.steps()
-    }
-
-    /// The same steps, for an integrator.
-    pub(crate) fn stepping(&self) -> Horizon {
-        self.steps
-    }
-
-    /// The number of steps from one sample to the next.
-    pub fn sample_every(&self) -> u64 {
-        self.sample_every
-    }
-
-    /// The number of samples: the start, every so many steps, and the end.
-    pub fn samples(&self) -> u64 {
-        1 + self.steps().div_ceil(self.sample_every)
-    }
-}
-
 impl Scene {
-    /// The scene that a text describes. `name` stands in errors where a file's name would, and for
-    /// a title where the text gives none. Such a scene has no folder to find meshes in.
-    ///
-    /// # Errors
-    /// [`SceneError::Invalid`] with the [`Fault`] and its place; [`SceneError::TooLarge`] beyond
-    /// [`limits::FILE_BYTES`].
-    pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
-        Scene::parse_in(None, name, text)
-    }
-
-    /// The scene that a text describes, as if it stood in the file of this path: meshes are those
-    /// beside it.
-    ///
-    /// # Errors
-    /// Those of [`Scene::parse`].
-    pub fn parse_at(path: impl AsRef<Path>, text: &str) -> Result<Scene, SceneError> {
-        let path = path.as_ref();
-        Scene::parse_in(path.parent(), &path.display().to_string(), text)
-    }
-
-    fn parse_in(folder: Option<&Path>, name: &str, text: &str) -> Result<Scene, SceneError> {
-        let bytes = text.len() as u64;
-        if bytes > limits::FILE_BYTES {
-            return Err(SceneError::TooLarge { name: name.to_owned(), bytes });
-        }
-        let scene = source::parse(text).and_then(|declared| assemble(name, folder, &declared));
-        scene.map_err(|located| diagnose(name, text, *located))
-    }
-
-    /// The scene that a file describes.
-    ///
-    /// # Errors
-    /// [`SceneError::Read`], [`SceneError::NotAFile`] and [`SceneError::NotUtf8`] for the file;
-    /// those of [`Scene::parse`] for its text.
-    pub fn read(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-        let path = path.as_ref();
-        Scene::parse_at(path, &source::read(path)?)
-    }
-
-    /// The scene that a text describes, once `change` has been made to its declarations.
-    pub(crate) fn parse_changed(
-        name: &str,
-        text: &str,
-        change: impl FnOnce(&mut Declaration),
-    ) -> Result<Scene, SceneError> {
-        let changed = |mut declared: Declaration| -> Checked<Scene> {
-            change(&mut declared);
-            assemble(name, None, &declared)
-        };
-        source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
-    }
-
-    /// The same scene with another method, which must be one that moves such a scene.
-    ///
-    /// # Errors
-    /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
-    /// does not; [`Fault::Tolerance`] and [`Fault::NumberOfModes`] where its number is out of range;
-    /// [`Fault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
-    pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
-        let scene = Scene { stepping: method.into(), ..self };
-        scene.check_stepping()?;
-        Ok(scene)
-    }
-
-    /// The same scene with another step, sampled at about the same times.
-    ///
-    /// # Errors
-    /// [`Fault::NotPositive`] also where it is not finite; [`Fault::NotWhole`] where the horizon is
-    /// not a whole number of steps; [`Fault::TooMany`] steps; [`Fault::TooManySamples`].
-    pub fn with_step(self, step: f64) -> Result<Scene, Fault> {
-        let old = self.timing;
-        let every = (old.sample_every as f64 * (old.step / step)).round().max(1.0) as u64;
-        let scene = Scene { timing: Timing::new(step, old.horizon, every)?, ..self };
-        scene.check_samples()?;
-        Ok(scene)
-    }
-
-    /// The same scene to another horizon, a whole number of its steps.
-    ///
-    /// # Errors
-    /// Those of [`Scene::with_step`].
-    pub fn with_horizon(self, horizon: f64) -> Result<Scene, Fault> {
-        let timing = Timing::new(self.timing.step, horizon, self.timing.sample_every)?;
-        let scene = Scene { timing, ..self };
-        scene.check_samples()?;
-        Ok(scene)
-    }
-
     /// Its title.
     pub fn title(&self) -> &str {
         &self.title
@@ -317,20 +166,22 @@ impl Scene {
         followed
     }
 
-    /// An error where the samples would be more numbers than are kept.
-    pub(crate) fn check_samples(&self) -> Result<(), Fault> {
-        let columns: usize = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        // Positions, velocities and temperatures, observables, and the time, heat, energies and
-        // momenta that every sample has.
-        let velocities = if self.keeps_velocities() { self.dimension } else { 0 };
-        let per_particle = self.dimension + velocities + usize::from(self.heat.is_some());
-        let of_bodies = numbers_of_a_body(self.dimension) * self.bodies.len();
-        let per_sample = (per_particle * self.particles.len() + of_bodies + columns + 10) as u64;
-        let numbers = self.timing.samples().saturating_mul(per_sample);
-        if numbers <= limits::SAMPLED_NUMBERS {
-            return Ok(());
-        }
-        let rows = (limits::SAMPLED_NUMBERS / per_sample).saturating_sub(1).max(1);
-        Err(Fault::TooManySamples { numbers, enough: self.timing.steps().div_ceil(rows) })
+    /// Whether its things touch by impulses, and not by springs.
+    pub(crate) fn has_impulses(&self) -> bool {
+        self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
+    }
+
+    /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.
+    pub(crate) fn keeps_velocities(&self) -> bool {
+        self.heat.is_none() && self.bodies.is_empty()
     }
 }
+
+/// Numbers that a sample keeps of each body.
+pub(crate) fn numbers_of_a_body(dimension: usize) -> usize {
+    // A quaternion, or an angle, and the two velocities.
+    if dimension == 3 { 4 + 3 + 3 } else { 1 + 2 + 1 }
+}
+
+/// The names of the coordinates.
+pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];

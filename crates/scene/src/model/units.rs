@@ -1,10 +1,6 @@
 //! The words for units in headings. They change no number: a scene may state its data in any
 //! units that fit together.
 
-use crate::text::check;
-use crate::text::diagnostic::Checked;
-use crate::words::declaration::UnitsDeclaration;
-
 /// What lengths, times and masses are called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Units {
@@ -17,15 +13,6 @@ pub struct Units {
 }
 
 impl Units {
-    /// The words that are declared, those of the SI where none are.
-    pub(crate) fn declare(declared: &UnitsDeclaration) -> Checked<Self> {
-        Ok(Units {
-            length: check::title("a unit", declared.length.as_ref(), "m")?,
-            time: check::title("a unit", declared.time.as_ref(), "s")?,
-            mass: check::title("a unit", declared.mass.as_ref(), "kg")?,
-        })
-    }
-
     /// Length over time.
     pub fn velocity(&self) -> String {
         format!("{}/{}", self.length, self.time)

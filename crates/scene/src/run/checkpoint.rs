@@ -12,22 +12,23 @@
 
 mod bytes;
 
+#[cfg(feature = "constraints")]
+use stationary_constraints::ConstraintError;
 use std::ffi::OsStr;
-use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::{fmt, fs, io};
 
+use bytes::{Fnv, Reader, Writer};
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 
-use crate::model::scene::Scene;
-use crate::model::upper::ConstraintError;
-use crate::run::contact_impulses::{ContactImpulse, ContactSide};
-use crate::run::error::{AssemblyError, WriteError};
-use crate::run::fields::numbers_of_a_body;
+use crate::assemble::error::AssemblyError;
+use crate::model::scene::{Scene, numbers_of_a_body};
+use crate::run::contact_impulses::{ContactImpulse, ContactRows, ContactSide};
 use crate::run::samples::{BrokenRod, Impacts, Samples};
+use crate::text::file_error::WriteError;
 use crate::text::limits;
-use bytes::{Fnv, Reader, Writer};
 
 /// A moment of a run from which it can go on.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +90,7 @@ pub enum CheckpointError {
     #[error("the checkpoint does not fit the method: {0}")]
     Adaptive(#[from] AdaptiveError),
     /// Rods that do not take what was saved.
+    #[cfg(feature = "constraints")]
     #[error("the checkpoint does not fit the rods: {0}")]
     Rods(#[from] ConstraintError),
     /// A scene whose rods cannot be had.
@@ -283,7 +285,7 @@ impl Samples {
     fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
         let Samples { times, positions, velocities, bodies, .. } = self;
         let Samples { kinetic, potential, linear, angular, .. } = self;
-        let Samples { temperatures, heat, impacts, contacts, contacts_end, .. } = self;
+        let Samples { temperatures, heat, impacts, contacts, .. } = self;
         let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
         for numbers in [times, positions, velocities, bodies] {
             out.numbers(numbers)?;
@@ -296,9 +298,9 @@ impl Samples {
             out.number(time)?;
             out.count(count as u64)?;
         }
-        out.count(contacts.len() as u64)?;
-        contacts.iter().try_for_each(|row| row.put(out))?;
-        out.count(contacts_end.map_or(u64::MAX, |end| end as u64))?;
+        out.count(contacts.rows.len() as u64)?;
+        contacts.rows.iter().try_for_each(|row| row.put(out))?;
+        out.count(contacts.end.map_or(u64::MAX, |end| end as u64))?;
         for vectors in [linear, angular] {
             out.numbers(vectors.as_flattened())?;
         }
@@ -318,8 +320,8 @@ impl Samples {
         });
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
         let contacts = (0..from.length(ContactImpulse::BYTES)?).map(|_| ContactImpulse::take(from));
-        let contacts = contacts.collect::<Option<Vec<_>>>()?;
-        let contacts_end = match from.count()? {
+        let rows = contacts.collect::<Option<Vec<_>>>()?;
+        let end = match from.count()? {
             u64::MAX => None,
             end => Some(usize::try_from(end).ok()?),
         };
@@ -337,8 +339,7 @@ impl Samples {
             temperatures,
             heat,
             impacts,
-            contacts,
-            contacts_end,
+            contacts: ContactRows { rows, end },
             observed,
             columns: usize::try_from(from.count()?).ok()?,
             linear_scale: from.number()?,
@@ -356,8 +357,8 @@ impl Samples {
         let velocities = if scene.keeps_velocities() { coordinates } else { 0 };
         let bodies = numbers_of_a_body(scene.dimension) * scene.bodies.len();
         // The rows since the last sample are those of the next.
-        let contacts = self.contacts.iter().all(|row| row.sample <= n && row.fits(scene))
-            && self.contacts.is_sorted_by_key(|row| (row.sample, row.between));
+        let contacts = self.contacts.rows.iter().all(|row| row.sample <= n && row.fits(scene))
+            && self.contacts.rows.is_sorted_by_key(|row| (row.sample, row.between));
         (1..=scene.timing.samples()).contains(&(n as u64))
             && each == [n; 3]
             && vectors == [n; 2]

@@ -8,9 +8,8 @@
 //! velocity, world axes), friction included; what does not move stands first. The sum of all `J` on a
 //! body is what contact changed its momentum by.
 
+use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
-use crate::model::things::SceneContact;
-use crate::run::samples::Samples;
 use crate::text::limits;
 
 /// What takes part in a contact. What does not move comes first in the order.
@@ -165,23 +164,30 @@ fn norm(x: [f64; 3]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-impl Samples {
-    /// Adds an impulse to those since the last sample. Those that are kept end before an interval of
-    /// which there would be too many.
-    pub(crate) fn push_impulse(&mut self, push: Push) {
+/// Rows of contact impulses, in the order of the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ContactRows {
+    pub(crate) rows: Vec<ContactImpulse>,
+    /// The first sample of which there are no rows any more, where there would be too many.
+    pub(crate) end: Option<usize>,
+}
+
+impl ContactRows {
+    /// Adds an impulse to those of the interval that ends with a sample. Those that are kept end
+    /// before an interval of which there would be too many.
+    pub(crate) fn push(&mut self, sample: usize, push: Push) {
         let (push, size) = (push.in_order(), norm(push.impulse));
-        if self.contacts_end.is_some() || size == 0.0 {
+        if self.end.is_some() || size == 0.0 {
             return;
         }
-        let sample = self.times.len();
         // The rows of this interval are the last ones.
-        let first = self.contacts.partition_point(|row| row.sample < sample);
-        let open = &self.contacts[first..];
+        let first = self.rows.partition_point(|row| row.sample < sample);
+        let open = &self.rows[first..];
         match open.binary_search_by_key(&push.between, |row| row.between) {
-            Ok(place) => self.contacts[first + place].add(&push, size),
-            Err(_) if self.contacts.len() >= limits::CONTACT_ROWS => {
-                self.contacts.truncate(first);
-                self.contacts_end = Some(sample);
+            Ok(place) => self.rows[first + place].add(&push, size),
+            Err(_) if self.rows.len() >= limits::CONTACT_ROWS => {
+                self.rows.truncate(first);
+                self.end = Some(sample);
             }
             Err(place) => {
                 let Push { between, time: last, point, normal, impulse } = push;
@@ -194,16 +200,9 @@ impl Samples {
                     impulse,
                     magnitude: size,
                 };
-                self.contacts.insert(first + place, row);
+                self.rows.insert(first + place, row);
             }
         }
-    }
-}
-
-impl Scene {
-    /// Whether its things touch by impulses, and not by springs.
-    pub(crate) fn has_impulses(&self) -> bool {
-        self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
     }
 }
 
@@ -218,10 +217,10 @@ mod tests {
     #[test]
     fn what_does_not_move_stands_first_and_impulses_turn_with_it() {
         let (body, wall) = (ContactSide::Body(3), ContactSide::Wall(1));
-        let mut samples = Samples::default();
-        samples.push_impulse(push([body, wall], [0.0, -1.0, 0.0]));
-        samples.push_impulse(push([wall, body], [0.0, 3.0, 0.5]));
-        let [row] = samples.contacts[..] else { panic!("{:?}", samples.contacts) };
+        let mut rows = ContactRows::default();
+        rows.push(0, push([body, wall], [0.0, -1.0, 0.0]));
+        rows.push(0, push([wall, body], [0.0, 3.0, 0.5]));
+        let [row] = rows.rows[..] else { panic!("{:?}", rows.rows) };
         assert_eq!((row.between, row.impulse), ([wall, body], [0.0, 4.0, 0.5]));
         assert_eq!(row.magnitude, 1.0 + 9.25_f64.sqrt());
     }
@@ -229,29 +228,27 @@ mod tests {
     #[test]
     fn the_rows_of_an_interval_are_in_the_order_of_the_two_and_begin_anew_with_the_next() {
         let [a, b, c] = [0, 1, 2].map(ContactSide::Particle);
-        let mut samples = Samples::default();
+        let mut rows = ContactRows::default();
         for between in [[b, c], [a, b], [b, c]] {
-            samples.push_impulse(push(between, [1.0, 0.0, 0.0]));
+            rows.push(0, push(between, [1.0, 0.0, 0.0]));
         }
-        samples.times.push(1.0);
-        samples.push_impulse(push([a, c], [1.0, 0.0, 0.0]));
-        let rows: Vec<_> = samples.contacts.iter().map(|r| (r.sample, r.between)).collect();
-        assert_eq!(rows, [(0, [a, b]), (0, [b, c]), (1, [a, c])]);
-        assert_eq!(samples.contacts[1].impulse, [2.0, 0.0, 0.0]);
+        rows.push(1, push([a, c], [1.0, 0.0, 0.0]));
+        let told: Vec<_> = rows.rows.iter().map(|r| (r.sample, r.between)).collect();
+        assert_eq!(told, [(0, [a, b]), (0, [b, c]), (1, [a, c])]);
+        assert_eq!(rows.rows[1].impulse, [2.0, 0.0, 0.0]);
     }
 
     #[test]
     fn rows_end_with_a_whole_interval_where_there_would_be_too_many() {
         let [a, b, c] = [0, 1, 2].map(ContactSide::Particle);
-        let mut samples = Samples::default();
-        samples.push_impulse(push([a, b], [1.0, 0.0, 0.0]));
-        samples.contacts = vec![samples.contacts[0]; limits::CONTACT_ROWS - 1];
-        samples.times.push(0.0);
-        samples.push_impulse(push([a, b], [1.0, 0.0, 0.0]));
-        assert_eq!(samples.contacts_end, None);
-        samples.push_impulse(push([a, c], [1.0, 0.0, 0.0]));
-        samples.push_impulse(push([b, c], [1.0, 0.0, 0.0]));
-        assert_eq!(samples.contacts_end, Some(1));
-        assert_eq!(samples.contacts.len(), limits::CONTACT_ROWS - 1);
+        let mut rows = ContactRows::default();
+        rows.push(0, push([a, b], [1.0, 0.0, 0.0]));
+        rows.rows = vec![rows.rows[0]; limits::CONTACT_ROWS - 1];
+        rows.push(1, push([a, b], [1.0, 0.0, 0.0]));
+        assert_eq!(rows.end, None);
+        rows.push(1, push([a, c], [1.0, 0.0, 0.0]));
+        rows.push(1, push([b, c], [1.0, 0.0, 0.0]));
+        assert_eq!(rows.end, Some(1));
+        assert_eq!(rows.rows.len(), limits::CONTACT_ROWS - 1);
     }
 }

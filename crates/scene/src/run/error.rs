@@ -7,145 +7,22 @@
 //! WriteError    the folder or a file in it cannot be written
 //! ```
 
-use std::io;
-use std::path::PathBuf;
+use stationary_calculus::{NewtonError, NewtonFailure};
+#[cfg(feature = "constraints")]
+use stationary_constraints::ConstraintError;
+#[cfg(feature = "contact")]
+use stationary_contact::ContactError;
+use stationary_integrators::{AdaptiveError, StepError};
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::LaplacianError;
+#[cfg(feature = "modal")]
+use stationary_modal::ModalError;
 
-use stationary_calculus::{MetricError, NewtonError, NewtonFailure, SizeError, UnknownVertex};
-use stationary_integrators::{AdaptiveError, ControlError, ForceError, StepError};
-
+use crate::assemble::error::AssemblyError;
 use crate::assemble::stable_step::UnstableStep;
-use crate::model::upper::{
-    ConstraintError, ContactError, ElasticityError, LaplacianError, ModalError, RigidError,
-    SparseError, SpringError,
-};
+use crate::model::scene::COORDINATES;
 use crate::run::checkpoint::CheckpointError;
 use crate::run::samples::Run;
-use crate::text::diagnostic::Diagnostic;
-use crate::text::limits;
-
-/// A scene that cannot be had from a file or a text.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// The file is missing, or may not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A folder, a pipe or a device.
-    #[error("{}: is not a file", path.display())]
-    NotAFile {
-        /// What was named.
-        path: PathBuf,
-    },
-    /// More bytes than a scene may have.
-    #[error("{name}: has {bytes} bytes; a scene has at most {}", limits::FILE_BYTES)]
-    TooLarge {
-        /// The file or the text.
-        name: String,
-        /// Its size, or what was seen of it before giving up.
-        bytes: u64,
-    },
-    /// Bytes that are no text.
-    #[error("{}:{line}:{column}: the bytes here are not UTF-8 text", path.display())]
-    NotUtf8 {
-        /// The file.
-        path: PathBuf,
-        /// The line of the first such byte, counted from 1.
-        line: usize,
-        /// The column of the first such byte, in characters from 1.
-        column: usize,
-    },
-    /// A text that says something which cannot be.
-    #[error("{0}")]
-    Invalid(Box<Diagnostic>),
-}
-
-/// A scene that cannot be made into a system: its own checks leave little of this.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AssemblyError {
-    /// The caller asked for another dimension.
-    #[error("the scene has dimension {scene}, not {asked}")]
-    Dimension {
-        /// The scene's.
-        scene: usize,
-        /// The caller's.
-        asked: usize,
-    },
-    /// A mass that is none.
-    #[error(transparent)]
-    Metric(#[from] MetricError),
-    /// Parts of different size.
-    #[error(transparent)]
-    Size(#[from] SizeError),
-    /// A spring that cannot be.
-    #[error(transparent)]
-    Spring(#[from] SpringError),
-    /// An elastic body that cannot be.
-    #[error(transparent)]
-    Elasticity(#[from] ElasticityError),
-    /// Nothing at rest was found from which what is hung could be let go.
-    #[error("static equilibrium did not converge: {source}")]
-    Equilibrium {
-        /// The freedom of the largest acceleration where the search ended.
-        freedom: usize,
-        /// Of so many that were free in the search: what is hung is not.
-        freedoms: usize,
-        /// Why not.
-        source: NewtonError,
-    },
-    /// Modes that cannot be had.
-    #[error(transparent)]
-    Modal(#[from] ModalError),
-    /// A spring to a vertex that is not there.
-    #[error(transparent)]
-    Vertex(#[from] UnknownVertex),
-    /// Rods or joints that cannot be, or a start that moves against them.
-    #[error(transparent)]
-    Constraint(#[from] ConstraintError),
-    /// A start that no method can leave.
-    #[error(transparent)]
-    Adaptive(#[from] AdaptiveError),
-    /// A tolerance or a force that is none.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    /// A drag that is none.
-    #[error(transparent)]
-    Force(#[from] ForceError),
-    /// The sparse matrix of an implicit step.
-    #[error(transparent)]
-    Sparse(#[from] SparseError),
-    /// A scene of bodies makes no problem of particles.
-    #[error("Scene::problem supports particle scenes only; this scene has rigid bodies")]
-    Bodies,
-    /// Contact that cannot be.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
-    /// A scene of heat makes no problem of particles.
-    #[error("Scene::problem supports particle scenes only; this is a heat scene")]
-    Heat,
-    /// Heat that cannot flow.
-    #[error(transparent)]
-    Laplacian(#[from] LaplacianError),
-    /// A body or a joint that cannot be.
-    #[error(transparent)]
-    Rigid(#[from] RigidError),
-    /// A method or a word whose cargo feature is not on.
-    #[error("built without support for `{0}`")]
-    NotCompiled(&'static str),
-    /// One of the others, in the names of the scene.
-    #[error("{words}")]
-    Named {
-        /// What is wrong.
-        words: String,
-        /// The error of the crate below, which counts rows and freedoms.
-        source: Box<AssemblyError>,
-    },
-}
 
 /// A run that did not begin, or did not reach the horizon.
 #[derive(Debug, thiserror::Error)]
@@ -204,6 +81,7 @@ fn advice(unstable: Option<&UnstableStep>) -> String {
 
 /// Why a step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StepFailure {
     /// A method of equal steps.
     #[error(transparent)]
@@ -212,15 +90,19 @@ pub enum StepFailure {
     #[error(transparent)]
     Adaptive(#[from] AdaptiveError),
     /// Rods that cannot be held.
+    #[cfg(feature = "constraints")]
     #[error(transparent)]
     Constraint(ConstraintError),
     /// Modes of another system.
+    #[cfg(feature = "modal")]
     #[error(transparent)]
     Modal(#[from] ModalError),
     /// Impacts that have no end, or no solution.
+    #[cfg(feature = "contact")]
     #[error(transparent)]
     Contact(#[from] ContactError),
     /// Temperatures that grow without bound.
+    #[cfg(feature = "laplacian")]
     #[error(transparent)]
     Laplacian(#[from] LaplacianError),
     /// What is sampled exceeds the range of a double, though the state does not.
@@ -266,9 +148,6 @@ pub struct Interruption {
     pub run: Box<Run>,
 }
 
-/// The names of the coordinates.
-pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];
-
 /// The unknown at which Newton's method met a number that is not finite.
 pub(crate) fn unknown(error: &StepFailure) -> Option<usize> {
     let StepFailure::Step(StepError::Newton(NewtonError { failure, .. })) = error else {
@@ -302,14 +181,4 @@ impl Interruption {
             },
         }
     }
-}
-
-/// A folder or a file that cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be written: {source}", path.display())]
-pub struct WriteError {
-    /// The folder or the file.
-    pub path: PathBuf,
-    /// What the system says.
-    pub source: io::Error,
 }

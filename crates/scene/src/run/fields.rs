@@ -11,14 +11,14 @@
 //! section at rest, and that of a sheet in space leaves out its bending. Displacement and stress are
 //! made from the places when they are asked for, so that a run does not keep them.
 
-use crate::assemble::system::Vertices;
-use crate::model::scene::Scene;
-use crate::run::error::{AssemblyError, WriteError};
+use crate::assemble::error::AssemblyError;
+#[cfg(feature = "elasticity")]
+use crate::assemble::vertices::Vertices;
+use crate::model::items::Stress;
+use crate::model::particle::Motion;
+use crate::model::scene::{Scene, numbers_of_a_body};
 use crate::run::samples::Run;
-use crate::words::particles::Motion;
-
-/// The components of a stress: xx, yy, zz, xy, yz, xz; those beyond the dimension are zero.
-pub(crate) type Stress = [f64; 6];
+use crate::text::file_error::WriteError;
 
 /// The stress of every element at the places of all particles, D numbers each.
 pub(crate) type StressField = Box<dyn Fn(&[f64]) -> Vec<Stress>>;
@@ -36,19 +36,9 @@ pub struct BodyField {
     pub angular_velocity: [f64; 3],
 }
 
-/// Numbers that a sample keeps of each body.
-pub(crate) fn numbers_of_a_body(dimension: usize) -> usize {
-    // A quaternion, or an angle, and the two velocities.
-    if dimension == 3 { 4 + 3 + 3 } else { 1 + 2 + 1 }
-}
-
 impl Scene {
-    /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.
-    pub(crate) fn keeps_velocities(&self) -> bool {
-        self.heat.is_none() && self.bodies.is_empty()
-    }
-
     /// The stress of the elements of all solids, in their order.
+    #[cfg(feature = "elasticity")]
     pub(crate) fn stress_field(&self) -> Result<StressField, AssemblyError> {
         match self.dimension {
             1 => self.stress_field_in::<1>(),
@@ -57,6 +47,12 @@ impl Scene {
         }
     }
 
+    #[cfg(not(feature = "elasticity"))]
+    pub(crate) fn stress_field(&self) -> Result<StressField, AssemblyError> {
+        Err(AssemblyError::NotCompiled("solids"))
+    }
+
+    #[cfg(feature = "elasticity")]
     fn stress_field_in<const D: usize>(&self) -> Result<StressField, AssemblyError> {
         let vertices = Vertices::new(self);
         let elastic = self.elastic_bodies::<D>(&vertices)?;
@@ -136,7 +132,7 @@ impl Run {
     /// of a body at its centre.
     pub(crate) fn impulses_on(&self, sample: usize) -> Vec<[f64; 3]> {
         let mut given = vec![[0.0; 3]; self.scene.particles.len()];
-        let rows = &self.samples.contacts;
+        let rows = &self.samples.contacts.rows;
         let first = rows.partition_point(|row| row.sample < sample);
         for row in rows[first..].iter().take_while(|row| row.sample == sample) {
             for (side, sign) in row.between.into_iter().zip([-1.0, 1.0]) {

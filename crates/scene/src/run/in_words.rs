@@ -3,20 +3,20 @@
 
 use stationary_integrators::{AdaptiveError, StepError};
 
-use crate::assemble::system::Vertices;
-use crate::model::scene::Scene;
-use crate::model::things::{JointKind, SceneJoint};
+use crate::assemble::error::AssemblyError;
+use crate::assemble::vertices::Vertices;
+use crate::model::items::{JointKind, SceneJoint};
+use crate::model::particle::Motion;
+use crate::model::scene::{COORDINATES, Scene};
+use crate::run::error::{RunError, StepFailure};
 #[cfg(feature = "constraints")]
-use crate::model::upper::ConstraintError;
+use stationary_constraints::ConstraintError;
 #[cfg(feature = "contact")]
-use crate::model::upper::ContactError;
+use stationary_contact::ContactError;
 #[cfg(feature = "laplacian")]
-use crate::model::upper::LaplacianError;
+use stationary_laplacian::LaplacianError;
 #[cfg(feature = "modal")]
-use crate::model::upper::ModalError;
-use crate::run::error::{AssemblyError, RunError};
-use crate::run::error::{COORDINATES, StepFailure};
-use crate::words::particles::Motion;
+use stationary_modal::ModalError;
 
 impl Scene {
     /// The same error in the scene's names.
@@ -177,7 +177,7 @@ impl Scene {
     /// Rods or joints that cannot be held.
     #[cfg(feature = "constraints")]
     fn constraint_in_words(&self, error: &ConstraintError, left: &[usize]) -> Option<String> {
-        let what = crate::run::rod_steps::equation(error).and_then(|row| self.holder(row, left));
+        let what = crate::run::rods::equation(error).and_then(|row| self.holder(row, left));
         let what = what.as_deref();
         let velocity = self.units.velocity();
         Some(match error {

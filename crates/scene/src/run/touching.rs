@@ -15,17 +15,17 @@ use stationary_integrators::{Saved, State};
 use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
 
 use crate::assemble::body_system::{PlanarSystem, SpatialSystem};
+use crate::assemble::error::AssemblyError;
+use crate::model::body_shape::BodyShape;
 use crate::model::built::Built;
+use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
-use crate::model::things::SceneContact;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::{ContactSide, Push};
-use crate::run::error::AssemblyError;
 use crate::run::error::StepFailure;
-use crate::run::steps::{Stepped, Steps};
-use crate::words::body_shape::BodyShape;
+use crate::run::stepper::{Stepped, Stepper};
 
-type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
+type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
 pub(crate) fn in_space<'a>(
@@ -106,7 +106,7 @@ impl Colliders {
 /// The same of both dimensions.
 macro_rules! steps_of {
     ($touching:ty) => {
-        impl<P: Potential> Steps for Touching<$touching> {
+        impl<P: Potential> Stepper for Touching<$touching> {
             fn step(
                 &mut self,
                 state: &mut State<Vec<f64>>,

@@ -8,12 +8,13 @@
 //! ```
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::run::error::COORDINATES;
-use crate::run::error::WriteError;
+use crate::model::scene::COORDINATES;
 use crate::run::samples::{Impacts, Run};
+use crate::text::file_error::WriteError;
 
 /// Writes a file, all of it or an error.
 pub(crate) fn write_file(

@@ -9,10 +9,10 @@
 
 use nalgebra::Vector3;
 
+use crate::model::items::RigidBody;
+use crate::model::particle::Motion;
 use crate::model::scene::Scene;
-use crate::model::things::RigidBody;
 use crate::run::samples::Run;
-use crate::words::particles::Motion;
 
 /// A triangle between particles, and the body to which it belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

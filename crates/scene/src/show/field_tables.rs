@@ -11,13 +11,14 @@
 //! A row for each sample and thing. `contacts.csv` has a row for each two things that gave each other
 //! an impulse since the sample before, whose sum it is.
 
-use std::io::{self, Write};
+use std::io;
+use std::io::Write;
 use std::path::Path;
 
-use crate::run::error::COORDINATES;
-use crate::run::error::WriteError;
+use crate::model::scene::COORDINATES;
 use crate::run::samples::Run;
 use crate::show::csv::{quoted, write_file};
+use crate::text::file_error::WriteError;
 
 /// Writes the tables into a folder.
 pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {

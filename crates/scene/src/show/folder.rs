@@ -1,12 +1,12 @@
 //! The folder of a run's files, made and tried before the run: an answer that took hours must not find
 //! that it has nowhere to go.
 
-use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::fs::{File, OpenOptions};
 use std::path::Path;
+use std::{fs, io};
 
-use crate::run::error::WriteError;
 use crate::run::samples::Run;
+use crate::text::file_error::WriteError;
 
 /// A file that is made to see whether files can be, and removed.
 const TRIED: &str = ".writable";

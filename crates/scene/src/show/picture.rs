@@ -7,11 +7,11 @@
 
 use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone};
 
-use crate::run::error::COORDINATES;
+use crate::model::particle::Motion;
+use crate::model::scene::COORDINATES;
 use crate::run::samples::Run;
 use crate::show::projection::{Extent, round_length};
 use crate::show::sheet::{Axes, Sheet, THICK, THIN, square};
-use crate::words::particles::Motion;
 
 /// The paper, and the part of it that the scene may use.
 const WIDTH: f64 = 900.0;

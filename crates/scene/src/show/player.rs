@@ -17,17 +17,18 @@
 
 mod charts;
 
-use std::io::{self, Write};
+use std::io;
+use std::io::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use charts::{Chart, charts};
 use serde::Serialize;
 use stationary_chart::{escaped, variables};
 
+use crate::model::particle::Motion;
 use crate::run::samples::Run;
 use crate::show::drawing::thinned;
-use crate::words::particles::Motion;
-use charts::{Chart, charts};
 
 /// Particles, lines and faces of a scene that is played.
 const PARTICLES: usize = 30_000;

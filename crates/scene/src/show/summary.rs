@@ -7,9 +7,9 @@ use stationary_integrators::Evaluation;
 use stationary_measure::{Cell, Column, Table};
 
 use crate::model::observable::Observable;
+use crate::model::particle::Motion;
 use crate::run::samples::Run;
 use crate::text::limits;
-use crate::words::particles::Motion;
 
 /// The tables of a run.
 #[derive(Clone, Debug, PartialEq)]

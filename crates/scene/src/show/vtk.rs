@@ -14,22 +14,20 @@
 //! [`FILES`] so many are written, evenly chosen; an impulse is still that since the sample before.
 //! Format: VTK file formats, XML, unstructured grids, version 0.1.
 
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
+use std::{fs, io};
 
 use stationary_mesh::Simplex;
 
+use crate::model::particle::Motion;
 use crate::model::scene::Scene;
-use crate::run::error::WriteError;
+use crate::model::simplices::{Middles, Simplices, with_middles};
 use crate::run::fields::StressField;
 use crate::run::samples::Run;
 use crate::show::csv::write_file;
 use crate::show::drawing::thinned;
-use crate::words::particles::Motion;
-use crate::words::quadratic_shape::Middles;
-use crate::words::quadratic_shape::with_middles;
-use crate::words::shape::Simplices;
+use crate::text::file_error::WriteError;
 
 /// Samples that are written: so many files a folder still bears.
 const FILES: usize = 2_000;

@@ -7,10 +7,9 @@ use toml::Spanned;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::limits;
-use crate::text::number::Number;
+use crate::text::number::{Components, Number};
 use crate::text::source::shortened;
 use crate::text::suggestion::nearest;
-use crate::words::declaration::Components;
 
 /// A finite number.
 pub(crate) fn finite(what: &'static str, number: &Spanned<Number>) -> Checked<f64> {

@@ -1,8 +1,10 @@
 //! Numbers as a scene's file writes them, with errors that speak of numbers and not of types.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, Unexpected, Visitor};
+use toml::Spanned;
 
 /// A real number: `2`, `2.0` and `2e0` are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +13,12 @@ pub(crate) struct Number(pub(crate) f64);
 /// A whole number, zero or more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Count(pub(crate) u64);
+
+/// A vector, component by component.
+pub(crate) type Components = Spanned<Vec<Spanned<Number>>>;
+
+/// Names for places on a shape.
+pub(crate) type Marks = BTreeMap<Spanned<String>, Components>;
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

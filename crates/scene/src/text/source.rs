@@ -1,17 +1,18 @@
 //! The text of a scene: read from a file without trust, and parsed into declarations.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
+use std::{fs, io};
 
-use crate::run::error::SceneError;
-use crate::text::diagnostic::{Checked, Located};
-use crate::text::diagnostic::{Diagnostic, Place};
+use serde::de::DeserializeOwned;
+
+use crate::text::diagnostic::{Checked, Diagnostic, Located, Place};
 use crate::text::fault::Fault;
+use crate::text::file_error::SceneError;
 use crate::text::limits;
 use crate::text::parser_words::in_words;
 use crate::text::suggestion::nearest;
-use crate::words::declaration::Declaration;
 
 /// The text of the file: at most [`limits::FILE_BYTES`] of UTF-8.
 pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
@@ -38,8 +39,8 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// The text's declarations, or where it is not a scene.
-pub(crate) fn parse(text: &str) -> Checked<Declaration> {
+/// What the text declares, or where it does not.
+pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Checked<T> {
     toml::from_str(text)
         .map_err(|error| Box::new(Located { span: error.span(), fault: fault_of(error.message()) }))
 }

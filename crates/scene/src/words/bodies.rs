@@ -9,17 +9,16 @@
 
 use stationary_rigid::{Body, LieGroup, Rotation};
 
-use crate::assemble::scene::Moved;
-use crate::model::things::RigidBody;
+use crate::model::body_shape::BodyShape;
+use crate::model::items::RigidBody;
+use crate::model::particle::{Motion, Particle};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
 use crate::words::body_shape;
-use crate::words::body_shape::BodyShape;
 use crate::words::body_shape::Shaped;
-use crate::words::declaration::{BodyDeclaration, Declaration, Turn};
-use crate::words::joints;
-use crate::words::particles::{Motion, Particle, Roster};
+use crate::words::declaration::{BodyDeclaration, Turn};
+use crate::words::particles::Roster;
 
 /// A body with what only its declaration knows.
 #[derive(Clone, Debug)]
@@ -32,19 +31,8 @@ pub(crate) struct Declared {
 /// Which of a body's points are joined in the picture.
 type Edges = Vec<[usize; 2]>;
 
-/// The bodies and joints that are declared, the points of bodies added to the roster.
-pub(crate) fn declare(
-    roster: &mut Roster,
-    dimension: usize,
-    declared: &Declaration,
-) -> Checked<Moved> {
-    let (mut bodies, edges) = add_bodies(roster, dimension, &declared.bodies)?;
-    let joints = joints::declare(dimension, &mut bodies, &declared.joints)?;
-    Ok(Moved { bodies: bodies.into_iter().map(|declared| declared.body).collect(), joints, edges })
-}
-
 /// Adds bodies to the roster, centres first; and the edges between their points.
-fn add_bodies(
+pub(crate) fn declare(
     roster: &mut Roster,
     dimension: usize,
     all: &[BodyDeclaration],

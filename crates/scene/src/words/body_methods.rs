@@ -3,10 +3,10 @@
 use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 
+use crate::model::body_shape::BodyShape;
 use crate::model::scene::Scene;
+use crate::model::stepping::Stepping;
 use crate::text::fault::Fault;
-use crate::words::body_shape::BodyShape;
-use crate::words::integrator::Stepping;
 
 impl Scene {
     /// An error where the scene's method cannot step its bodies.
@@ -17,10 +17,7 @@ impl Scene {
         let (moves, holds) = match self.stepping {
             Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
             Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
-            Stepping::Adaptive { .. }
-            | Stepping::Constrained(_)
-            | Stepping::LinearModes { .. }
-            | Stepping::Heat(_) => (false, false),
+            _ => (false, false),
         };
         let name = || self.stepping.name().to_owned();
         match (moves, holds || self.joints.is_empty()) {

@@ -2,7 +2,6 @@
 //!
 //! Every value keeps its place in the text, so that whoever finds it impossible can point at it.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
@@ -13,13 +12,7 @@ use toml::Spanned;
 
 use crate::text::diagnostic::{Located, at};
 use crate::text::fault::Fault;
-use crate::text::number::{Count, Number};
-
-/// A vector, component by component.
-pub(crate) type Components = Spanned<Vec<Spanned<Number>>>;
-
-/// Names for places on a shape.
-pub(crate) type Marks = BTreeMap<Spanned<String>, Components>;
+use crate::text::number::{Components, Count, Marks, Number};
 
 /// A scene's file.
 #[derive(Clone, Debug, Deserialize)]

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use crate::model::stepping::Stepping;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::words::declaration::Declaration;
-use crate::words::integrator::Stepping;
 
 /// A cargo feature, and whether it is on.
 #[derive(Clone, Copy)]

@@ -7,34 +7,19 @@
 //! Parts that are `held` keep theirs; through what is left of a boundary no heat flows. Vertices are
 //! particles of the scene that stay where they are.
 
+use crate::model::elastic_body::Heated;
 use std::path::Path;
 
+use crate::model::elastic_body::HeatedBody;
+use crate::model::particle::{Motion, Particle};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::words::declaration::HeatDeclaration;
-use crate::words::particles::{Motion, Particle, Roster};
+use crate::words::laid_shape::{Element, Shape};
+use crate::words::laid_shape::{mark, within};
+use crate::words::particles::Roster;
 use crate::words::shape;
-use crate::words::shape::{Element, Shape, Simplices};
-use crate::words::solids::{mark, within};
-
-/// A body through which heat flows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeatedBody {
-    /// Its name; its vertices are called `name.0`, `name.1` and so on.
-    pub name: String,
-    /// alpha, length squared over time.
-    pub diffusivity: f64,
-    /// Its simplices.
-    pub simplices: Simplices,
-    /// The temperature of each vertex at the start.
-    pub start: Vec<f64>,
-    /// Which vertices keep theirs.
-    pub held: Vec<bool>,
-}
-
-/// What a declaration comes to: the body, its edges and its faces.
-pub(crate) type Heated = (HeatedBody, Vec<[usize; 2]>, Vec<[usize; 3]>);
 
 /// The body that is declared, its vertices added to the roster.
 pub(crate) fn declare(

@@ -8,67 +8,21 @@
 //! ```
 //! `h` the scene's step.
 
-use std::fmt;
-
 use stationary_integrators::{Evaluation, Method};
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::HeatMethod;
+#[cfg(feature = "rigid")]
+use stationary_rigid::BodyMethod;
 
 use crate::model::scene::Scene;
-use crate::model::upper::{BodyMethod, HeatMethod};
-use crate::run::sparse_steps;
+use crate::model::stepping::{
+    ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
+};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
 use crate::words::declaration::Declaration;
 use crate::words::features;
-
-/// How a scene is stepped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stepping {
-    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in
-    /// the plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
-    Equal(Method),
-    /// Steps that the method chooses, for an error of at most `tolerance` a step, relative to the
-    /// scene's size and speed.
-    Adaptive {
-        /// The method.
-        method: Adaptive,
-        /// The tolerance.
-        tolerance: f64,
-    },
-    /// Rods held by their forces.
-    Constrained(Constrained),
-    /// The lowest modes about the place where the scene comes to rest, in closed form; of heat
-    /// about what it comes to in the end.
-    LinearModes {
-        /// How many, besides rigid motions and the constant.
-        count: usize,
-    },
-    /// Heat, in equal steps.
-    Heat(HeatMethod),
-    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method
-    /// is named after.
-    Bodies(BodyMethod),
-}
-
-/// A method that chooses its own steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Adaptive {
-    /// [`DormandPrince853`](stationary_integrators::DormandPrince853).
-    DormandPrince853,
-    /// [`RadauIia5`](stationary_integrators::RadauIia5).
-    RadauIia5,
-    /// [`BackwardDifferences`](stationary_integrators::BackwardDifferences) up to order 5.
-    BackwardDifferences,
-}
-
-/// A method that holds rods by their forces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Constrained {
-    /// [`Rattle`](stationary_constraints::Rattle).
-    Rattle,
-    /// [`ConstrainedHamilton`](stationary_constraints::ConstrainedHamilton).
-    Hamilton,
-}
 
 /// What the word `integrator` may say.
 #[derive(Clone, Copy)]
@@ -77,87 +31,37 @@ enum Word {
     Adaptive(Adaptive),
     Constrained(Constrained),
     LinearModes,
+    #[cfg(feature = "laplacian")]
     Heat(HeatMethod),
+    #[cfg(feature = "rigid")]
     Bodies(BodyMethod),
 }
 
-/// The word for motion in closed form.
-const LINEAR_MODES: &str = "linear-modes";
-
-const ADAPTIVE: [(&str, Adaptive); 3] = [
-    ("dormand-prince-853", Adaptive::DormandPrince853),
-    ("radau-iia-5", Adaptive::RadauIia5),
-    ("bdf-5", Adaptive::BackwardDifferences),
-];
-
-const CONSTRAINED: [(&str, Constrained); 2] =
-    [("rattle", Constrained::Rattle), ("constrained-hamilton", Constrained::Hamilton)];
-
-impl Stepping {
-    /// Its name in a scene's file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stepping::Equal(method) => method.facts().name,
-            Stepping::Adaptive { method, .. } => named(&ADAPTIVE, method),
-            Stepping::Constrained(method) => named(&CONSTRAINED, method),
-            Stepping::LinearModes { .. } => LINEAR_MODES,
-            Stepping::Heat(method) => method.name(),
-            Stepping::Bodies(method) => method.facts().name,
-        }
+/// The words that a scene of this kind may say.
+fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> {
+    #[cfg(feature = "laplacian")]
+    if declared.heat.is_some() {
+        let steps = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
+        return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
     }
-
-    /// Whether its steps solve equations, and so count iterations that depend on rounding.
-    pub fn evaluation(self) -> Evaluation {
-        match self {
-            Stepping::Equal(method) => method.facts().evaluation,
-            Stepping::Bodies(method) => method.facts().evaluation,
-            // Heat solves its one matrix, without iterations.
-            Stepping::Heat(_) => Evaluation::Explicit,
-            Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
-                Evaluation::Implicit
-            }
-        }
+    #[cfg(feature = "rigid")]
+    if !declared.bodies.is_empty() && dimension == 3 {
+        let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
+        return BodyMethod::ALL.iter().map(word).collect();
     }
-}
-
-impl From<Method> for Stepping {
-    fn from(method: Method) -> Self {
-        Stepping::Equal(method)
-    }
-}
-
-impl From<BodyMethod> for Stepping {
-    fn from(method: BodyMethod) -> Self {
-        Stepping::Bodies(method)
-    }
-}
-
-fn named<T: PartialEq>(words: &[(&'static str, T)], meant: T) -> &'static str {
-    words.iter().find(|(_, meaning)| *meaning == meant).map_or("", |(name, _)| name)
-}
-
-impl fmt::Display for Stepping {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// The stepping that is declared; whether it can step the scene is asked later.
-pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepping> {
-    let bodies = BodyMethod::ALL.iter().map(|&method| (method.facts().name, Word::Bodies(method)));
-    let particles = Method::ALL
+    let _ = (declared, dimension);
+    Method::ALL
         .iter()
         .map(|&method| (method.facts().name, Word::Equal(method)))
         .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
         .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))))
-        .chain([(LINEAR_MODES, Word::LinearModes)]);
-    let heat = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
-    let in_space = !declared.bodies.is_empty() && dimension == 3;
-    let all: Vec<_> = match &declared.heat {
-        Some(_) => heat.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect(),
-        None if in_space => bodies.collect(),
-        None => particles.collect(),
-    };
+        .chain([(LINEAR_MODES, Word::LinearModes)])
+        .collect()
+}
+
+/// The stepping that is declared; whether it can step the scene is asked later.
+pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepping> {
+    let all = words(declared, dimension);
     let integrator = &declared.integrator;
     let word = check::word("integrator", integrator.get_ref(), integrator.span(), &all)?;
     if let (Some(modes), false) = (&declared.modes, matches!(word, Word::LinearModes)) {
@@ -172,6 +76,7 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
         (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
         (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
         (Word::Equal(method), None) => Stepping::Equal(method),
+        #[cfg(feature = "laplacian")]
         (Word::Heat(method), None) => Stepping::Heat(method),
         (Word::LinearModes, None) => match &declared.modes {
             Some(modes) => {
@@ -182,6 +87,7 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
             None => return Err(at(integrator.span(), Fault::NoModes)),
         },
         (Word::Constrained(method), None) => Stepping::Constrained(method),
+        #[cfg(feature = "rigid")]
         (Word::Bodies(method), None) => Stepping::Bodies(method),
     })
 }
@@ -202,6 +108,27 @@ fn modes_in_range(modes: u64) -> Result<u64, Fault> {
 }
 
 impl Scene {
+    /// An error where the scene's method cannot step what the scene has.
+    pub(crate) fn check_kind(&self) -> Result<(), Fault> {
+        #[cfg(feature = "rigid")]
+        if !self.bodies.is_empty() {
+            return self.check_bodies();
+        }
+        self.check_particles()
+    }
+
+    /// The same scene with another method, which must be one that moves such a scene.
+    ///
+    /// # Errors
+    /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
+    /// does not; [`Fault::Tolerance`] and [`Fault::NumberOfModes`] where its number is out of range;
+    /// [`Fault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
+    pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
+        let scene = Scene { stepping: method.into(), ..self };
+        scene.check_stepping()?;
+        Ok(scene)
+    }
+
     fn mode_numbers(&self, modes: usize) -> u64 {
         (self.freedoms() as u64).saturating_mul(modes as u64)
     }
@@ -222,6 +149,7 @@ impl Scene {
         let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
         let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
         let of_heat = match self.stepping {
+            #[cfg(feature = "laplacian")]
             Stepping::Heat(_) => true,
             Stepping::LinearModes { .. } => self.heat.is_some(),
             _ => false,
@@ -271,14 +199,21 @@ impl Scene {
             }
             Stepping::Equal(equal)
                 if equal.facts().evaluation == Evaluation::Implicit
-                    && !sparse_steps::can_factor(self.freedoms()) =>
+                    && !can_factor(self.freedoms()) =>
             {
                 refused("so many freedoms with full matrices", "name an explicit method")
             }
+            #[cfg(feature = "rigid")]
             Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
             Stepping::Constrained(Constrained::Rattle) => Ok(()),
             _ if breaking => refused("rods that break", "name `rattle`"),
             _ => Ok(()),
         }
     }
+}
+
+/// Whether a matrix of so many freedoms can be factored: a sparse one, where it is compiled.
+fn can_factor(freedoms: usize) -> bool {
+    cfg!(any(feature = "constraints", feature = "elasticity", feature = "modal"))
+        || freedoms <= limits::FULL_MATRIX_FREEDOMS
 }

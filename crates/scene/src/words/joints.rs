@@ -14,7 +14,7 @@ use std::collections::{HashMap, VecDeque};
 use nalgebra::Vector3;
 use toml::Spanned;
 
-use crate::model::things::{JointKind, RigidBody, SceneJoint};
+use crate::model::items::{JointKind, RigidBody, SceneJoint};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;

@@ -18,8 +18,8 @@ use crate::text::diagnostic::{Checked, Located, at};
 use crate::text::fault::Fault;
 use crate::text::limits;
 use crate::text::source::shortened;
+use crate::words::laid_shape::{Element, Shape, block, sheet};
 use crate::words::quadratic_shape::{curved_block, curved_sheet};
-use crate::words::shape::{Element, Shape, block, sheet};
 
 /// The mesh in a file beside the scene's.
 pub(crate) fn loaded(

@@ -11,14 +11,15 @@ use std::ops::Range;
 use stationary_calculus::Stencil;
 use stationary_elasticity::{Net, net};
 
-use crate::assemble::springs::strain;
-use crate::model::things::Link;
+use crate::model::items::Link;
+use crate::model::particle::{Motion, Particle};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::number::Count;
 use crate::text::{check, limits};
 use crate::words::declaration::NetDeclaration;
-use crate::words::particles::{Motion, Particle, Roster};
+use crate::words::particles::Roster;
+use crate::words::springs::strain;
 
 /// Which vertices of a net are pinned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,9 +11,9 @@ use stationary_elasticity::{
 };
 use stationary_mesh::{Quadratic, Simplex};
 
+use crate::model::simplices::{Simplices, with_middles};
 use crate::text::fault::Fault;
-use crate::words::quadratic_shape::with_middles;
-use crate::words::shape::{Shape, Simplices};
+use crate::words::laid_shape::Shape;
 
 /// The length, area or volume that belongs to each vertex of a shape of quadratic elements.
 pub(crate) fn node_shares(shape: &Shape) -> Result<Vec<f64>, Fault> {

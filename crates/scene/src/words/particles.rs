@@ -5,47 +5,13 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use crate::model::particle::{Motion, Particle};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::source::shortened;
 use crate::text::suggestion::nearest;
 use crate::words::declaration::ParticleDeclaration;
-
-/// A point mass. Vectors have three components; those beyond the scene's dimension are zero.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Particle {
-    /// Its name; the vertices of a net are called `net.row.column`, the points of a body
-    /// `body.number`, counted from 0.
-    pub name: String,
-    /// Where it starts.
-    pub position: [f64; 3],
-    /// How it starts to move, or that it does not.
-    pub motion: Motion,
-    /// Its radius where things touch; zero of a point.
-    pub radius: f64,
-}
-
-/// Whether a particle has freedoms of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Motion {
-    /// It moves.
-    Free {
-        /// Its mass.
-        mass: f64,
-        /// Its momentum at the start.
-        momentum: [f64; 3],
-    },
-    /// It stays where it is, whatever pulls.
-    Pinned,
-    /// It is a point of a rigid body.
-    Carried {
-        /// The body, by its place in [`Scene::bodies`](crate::Scene::bodies).
-        body: usize,
-        /// The point, in body axes.
-        point: [f64; 3],
-    },
-}
 
 /// The particles of a scene in order, found by name, and the place of each in the text.
 #[derive(Debug, Default)]

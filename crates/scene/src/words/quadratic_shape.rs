@@ -2,41 +2,12 @@
 //!
 //! A picture draws an edge as two lines and a triangle as four, between nodes.
 
-use std::collections::BTreeMap;
-
 use stationary_mesh::{
     Mesh, MeshError, Quadratic, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, Simplex,
 };
 
-use crate::words::shape::{Shape, block, outlined, sheet};
-
-/// The node in the middle of each edge, by the edge's ends, the smaller number first; none where
-/// elements are linear.
-pub type Middles = BTreeMap<[usize; 2], usize>;
-
-/// The node in the middle of the edge between two corners.
-fn middle(middles: &Middles, [a, b]: [usize; 2]) -> Option<usize> {
-    middles.get(&[a.min(b), a.max(b)]).copied()
-}
-
-/// The corners of simplices and the nodes in the middle of their edges; a node that is not there has
-/// the largest number there is.
-pub(crate) fn with_middles<const K: usize, const N: usize>(
-    simplices: &[[usize; K]],
-    middles: &Middles,
-) -> Vec<[usize; N]>
-where
-    [usize; K]: Simplex,
-{
-    let node = |corners: &[usize; K], number: usize| match number.checked_sub(K) {
-        None => corners[number],
-        Some(edge) => {
-            let ends = <[usize; K]>::EDGES[edge].map(|end| corners[end]);
-            middle(middles, ends).unwrap_or(usize::MAX)
-        }
-    };
-    simplices.iter().map(|corners| std::array::from_fn(|k| node(corners, k))).collect()
-}
+use crate::model::simplices::{Middles, middle};
+use crate::words::laid_shape::{Shape, block, outlined, sheet};
 
 /// A bar of quadratic segments.
 pub(crate) fn curve(elements: &QuadraticSegments<1>) -> Result<Shape, MeshError> {

@@ -1,21 +1,12 @@
 //! Rods between particles.
 
+use crate::model::items::Rod;
+use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::words::declaration::RodDeclaration;
-use crate::words::particles::{Motion, Roster};
-
-/// A rod between two of the scene's particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rod {
-    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
-    pub ends: [usize; 2],
-    /// Its length, the distance of its ends at the start.
-    pub length: f64,
-    /// The tension or thrust beyond which it breaks; infinite where it does not.
-    pub strength: f64,
-}
+use crate::words::particles::Roster;
 
 /// The rod that is declared.
 pub(crate) fn declare(roster: &Roster, earlier: &[Rod], declared: &RodDeclaration) -> Checked<Rod> {

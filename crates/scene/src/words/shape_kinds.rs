@@ -10,11 +10,10 @@ use toml::Spanned;
 
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::text::number::Count;
+use crate::text::number::{Components, Count};
 use crate::text::{check, limits};
-use crate::words::declaration::Components;
+use crate::words::laid_shape::{Element, Shape, block, outlined, sheet};
 use crate::words::quadratic_shape::{curve, curved_block, curved_sheet};
-use crate::words::shape::{Element, Shape, block, outlined, sheet};
 
 type Make = fn(&[f64], &[usize]) -> Result<Shape, MeshError>;
 

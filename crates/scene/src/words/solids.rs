@@ -12,58 +12,23 @@
 //! while everything comes to rest, and is let go at the start; where it is `struck` it starts with
 //! another velocity.
 
+use crate::words::laid_shape::Solids;
+use crate::words::laid_shape::mark;
+use crate::words::laid_shape::within;
+use stationary_elasticity::{ElasticityError, Lame};
 use std::path::Path;
 
-use toml::Spanned;
-
-use crate::assemble::elastic::lame;
-use crate::model::upper::Lame;
+use crate::model::elastic_body::{ElasticBody, ElasticMaterial};
+use crate::model::particle::{Motion, Particle};
+use crate::model::simplices::Simplices;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
-use crate::words::declaration::{Marks, SolidDeclaration};
+use crate::words::declaration::SolidDeclaration;
+use crate::words::laid_shape::{Element, Shape};
 use crate::words::node_shares::node_shares;
-use crate::words::particles::{Motion, Particle, Roster};
-use crate::words::quadratic_shape::Middles;
+use crate::words::particles::Roster;
 use crate::words::shape;
-use crate::words::shape::{Element, Shape, Simplices};
-
-/// An elastic body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ElasticBody {
-    /// Its name; its vertices are called `name.0`, `name.1` and so on.
-    pub name: String,
-    /// Its energy density.
-    pub material: ElasticMaterial,
-    /// Its parameters as a body in space, force per area.
-    pub lame: Lame<3>,
-    /// The cross-section of a bar, the thickness of a sheet, 1 of a block.
-    pub section: f64,
-    /// The bending stiffness of a sheet in space, an energy.
-    pub bending: Option<f64>,
-    /// Its first vertex, by its place in [`Scene::particles`](crate::Scene::particles).
-    pub first: usize,
-    /// Its vertices at rest.
-    pub rest: Vec<[f64; 3]>,
-    /// Its simplices, by the places of their vertices in [`Scene::particles`](crate::Scene::particles).
-    pub simplices: Simplices,
-    /// The nodes of quadratic elements in the middle of edges, by the places of all three in
-    /// [`Scene::particles`](crate::Scene::particles), the smaller end first; none of linear ones.
-    pub middles: Middles,
-}
-
-/// The energy density of an elastic body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ElasticMaterial {
-    /// [`SaintVenantKirchhoff`](stationary_elasticity::SaintVenantKirchhoff).
-    SaintVenantKirchhoff,
-    /// [`NeoHookean`](stationary_elasticity::NeoHookean).
-    NeoHookean,
-    /// [`FixedCorotated`](stationary_elasticity::FixedCorotated).
-    FixedCorotated,
-    /// [`Linear`](stationary_elasticity::Linear): for small displacements alone.
-    Linear,
-}
 
 const MATERIALS: [(&str, ElasticMaterial); 4] = [
     ("saint-venant-kirchhoff", ElasticMaterial::SaintVenantKirchhoff),
@@ -74,18 +39,6 @@ const MATERIALS: [(&str, ElasticMaterial); 4] = [
 
 const ELEMENTS: [(&str, Element); 2] =
     [("linear", Element::Linear), ("quadratic", Element::Quadratic)];
-
-/// What all elastic bodies of a scene come to.
-#[derive(Debug, Default)]
-pub(crate) struct Solids {
-    pub(crate) bodies: Vec<ElasticBody>,
-    /// The edges that a picture draws.
-    pub(crate) edges: Vec<[usize; 2]>,
-    /// The triangles on the outside.
-    pub(crate) faces: Vec<[usize; 3]>,
-    /// The particles that are held until the start.
-    pub(crate) hung: Vec<usize>,
-}
 
 /// Adds the particles of a solid to the roster, and the solid to the others.
 pub(crate) fn declare(
@@ -205,12 +158,6 @@ fn bending(
     }
 }
 
-/// Which vertices belong to one of the parts that the words name.
-pub(crate) fn within(shape: &Shape, words: &[Spanned<String>]) -> Checked<Vec<bool>> {
-    let parts = words.iter().map(|word| shape.part(word)).collect::<Checked<Vec<_>>>()?;
-    Ok(shape.within(&parts))
-}
-
 fn add_vertices(
     roster: &mut Roster,
     dimension: usize,
@@ -268,22 +215,7 @@ fn struck(
     Ok(struck)
 }
 
-/// Gives the vertices nearest to the marks the names of these.
-pub(crate) fn mark(
-    roster: &mut Roster,
-    dimension: usize,
-    first: usize,
-    solid: &str,
-    shape: &Shape,
-    marks: Option<&Marks>,
-) -> Checked<()> {
-    for (mark, place) in marks.into_iter().flatten() {
-        let name = check::name(mark)?;
-        let vertex = first + shape.nearest(check::vector("the mark", dimension, place)?);
-        let name = format!("{solid}.{name}");
-        if roster.rename(vertex, name.clone()).is_none() {
-            return Err(at(mark.span(), Fault::DuplicateName(name)));
-        }
-    }
-    Ok(())
+/// The parameters of a material with this Young's modulus and this Poisson's ratio.
+pub(crate) fn lame(young: f64, poisson: f64) -> Result<Lame<3>, ElasticityError> {
+    Lame::from_young_poisson(young, poisson)
 }

@@ -17,8 +17,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use stationary_scene::{
-    Checkpoint, CheckpointError, Progress as Step, Run as SceneRun, RunError, Scene, SceneError,
-    Summary, Watcher, Wish, WriteError, make_folder,
+    Checkpoint, CheckpointError, Control, Observer, Progress as Step, Run as SceneRun, RunError,
+    Scene, SceneError, Summary, WriteError, make_folder,
 };
 
 /// Runs a scene file and writes its trajectory, observables and picture.
@@ -276,18 +276,18 @@ impl<'a> Keeper<'a> {
 /// Steps between two looks at the clock.
 const LOOK: u64 = 64;
 
-impl Watcher for Keeper<'_> {
-    fn stepped(&mut self, now: Step<'_>) -> Wish {
+impl Observer for Keeper<'_> {
+    fn stepped(&mut self, now: Step<'_>) -> Control {
         self.done = now.step;
         if now.step.is_multiple_of(self.move_every) {
             self.bar.set_position(now.step);
         }
         if self.stop.load(Ordering::Relaxed) {
-            return if self.kept { Wish::Stop } else { Wish::Checkpoint };
+            return if self.kept { Control::Stop } else { Control::Checkpoint };
         }
         match now.step.is_multiple_of(LOOK) && self.last.elapsed() > self.wait {
-            true => Wish::Checkpoint,
-            false => Wish::GoOn,
+            true => Control::Checkpoint,
+            false => Control::Continue,
         }
     }
 

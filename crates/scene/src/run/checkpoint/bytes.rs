@@ -1,7 +1,7 @@
 //! Numbers to bytes and back, and the hash of bytes.
 
-use std::fmt;
-use std::io::{self, Write};
+use std::io::Write;
+use std::{fmt, io};
 
 use stationary_calculus::Covector;
 use stationary_integrators::State;

@@ -9,7 +9,7 @@
 
 use nalgebra::SVector;
 use stationary_calculus::{Covector, DiagonalMetric, Potential};
-use stationary_integrators::{Saved, State, StepReport};
+use stationary_integrators::{State, StepReport};
 use stationary_laplacian::{
     Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, largest_eigenvalue,
     lowest_modes,
@@ -17,20 +17,21 @@ use stationary_laplacian::{
 use stationary_mesh::Mesh;
 use stationary_modal::Modes;
 
-use crate::assemble::system::leading;
+use crate::assemble::error::AssemblyError;
+use crate::assemble::vertices::leading;
 use crate::model::built::Built;
-use crate::model::observable::Moment;
+use crate::model::columns::Moment;
+use crate::model::elastic_body::HeatedBody;
 use crate::model::scene::Scene;
+use crate::model::simplices::Simplices;
+use crate::model::stepping::Stepping;
 use crate::run::checkpoint::Checkpoint;
-use crate::run::checkpoint::{Before, CheckpointError};
-use crate::run::error::StepFailure;
-use crate::run::error::{AssemblyError, RunError};
-use crate::run::march::{Moving, Watcher, march};
-use crate::run::samples::{BrokenRod, Run, Samples};
-use crate::run::steps::Stepped;
-use crate::words::heat::HeatedBody;
-use crate::words::integrator::Stepping;
-use crate::words::shape::Simplices;
+use crate::run::engine::{Clock, Engine};
+use crate::run::error::{RunError, StepFailure};
+use crate::run::observer::Observer;
+use crate::run::recorder::{Failed, Recorder};
+use crate::run::samples::{Run, Samples};
+use crate::run::stepper::{Stepped, Stepper};
 
 /// The same with the elements of a body of every shape.
 macro_rules! of_each_shape {
@@ -65,14 +66,14 @@ macro_rules! of_each_shape {
 }
 
 impl Scene {
-    /// Runs a scene of heat to its horizon, or until the watcher breaks off.
+    /// Runs a scene of heat to its horizon, or until the observer breaks off.
     pub(crate) fn run_heat(
         &self,
         checkpoint: Option<Checkpoint>,
-        watcher: &mut dyn Watcher,
+        observer: &mut dyn Observer,
     ) -> Result<Run, RunError> {
         let Some(body) = &self.heat else { return Err(AssemblyError::Heat.into()) };
-        of_each_shape!(self, body, elements => self.flow(body, elements?, checkpoint, watcher))
+        of_each_shape!(self, body, elements => self.flow(body, elements?, checkpoint, observer))
     }
 
     /// The longest step at which a method is stable.
@@ -112,7 +113,7 @@ impl Scene {
         body: &HeatedBody,
         elements: Elements<K>,
         checkpoint: Option<Checkpoint>,
-        watcher: &mut dyn Watcher,
+        observer: &mut dyn Observer,
     ) -> Result<Run, RunError> {
         let held = body.held_values();
         let made = || -> Result<_, LaplacianError> {
@@ -126,7 +127,8 @@ impl Scene {
         let (shares, alpha) = (shares.masses(), body.diffusivity);
         let built = Built { heated: body.simplices.len() as u64, ..Built::default() };
         let (domain, mass) = (&domain, &mass);
-        match self.stepping {
+        let known;
+        let (flow, built) = match self.stepping {
             Stepping::Heat(method) => {
                 let h = self.timing.stepping().step();
                 let heat = Heat::new(mass, domain.dirichlet(), method, alpha, h);
@@ -136,21 +138,24 @@ impl Scene {
                 // A solve with the factor counts as a differential.
                 let step =
                     StepReport { differentials: 1 + u32::from(implicit), ..StepReport::default() };
-                let way = Way::Steps(Box::new(heat), step);
+                let flow = Flow { way: Way::Steps(Box::new(heat), step), prepared };
                 let built = Built { sparse_solvers: implicit.into(), ..built };
-                let flow = Flow { scene: self, shares, domain, way, prepared, built, state };
-                march(self, flow, checkpoint, watcher)
+                (flow, built)
             }
             Stepping::LinearModes { count } => {
-                let known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
+                known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
                 let exact = known.flow(mass, alpha, &state.q).map_err(AssemblyError::from)?;
-                let (way, prepared) = (Way::Modes(exact, &known.steady), known.prepared());
-                let built = built + known.built;
-                let flow = Flow { scene: self, shares, domain, way, prepared, built, state };
-                march(self, flow, checkpoint, watcher)
+                let way = Way::Modes(exact, &known.steady);
+                let flow = Flow { way, prepared: known.prepared() };
+                (flow, built + known.built)
             }
-            _ => Err(AssemblyError::Heat.into()),
-        }
+            _ => return Err(AssemblyError::Heat.into()),
+        };
+        let stepper = Box::new(flow);
+        let recorder = Box::new(HeatRecorder { scene: self, shares, domain });
+        let clock = Clock::OfTheScene;
+        Engine { scene: self, state, stepper, recorder, clock, built }
+            .integrate(checkpoint, observer)
     }
 }
 
@@ -162,16 +167,10 @@ impl HeatedBody {
     }
 }
 
-/// Heat on its way: temperatures for a configuration, and no momenta.
-struct Flow<'a, const K: usize> {
-    scene: &'a Scene,
-    /// The length, area or volume that belongs to each vertex.
-    shares: &'a [f64],
-    domain: &'a Domain<K>,
+/// What moves heat: temperatures for a configuration, and no momenta.
+struct Flow<'a> {
     way: Way<'a>,
     prepared: StepReport,
-    built: Built,
-    state: State<Vec<f64>>,
 }
 
 /// How heat is moved.
@@ -223,24 +222,24 @@ impl Spectrum {
     }
 }
 
-impl<const K: usize> Moving for Flow<'_, K> {
-    fn state(&self) -> &State<Vec<f64>> {
-        &self.state
-    }
-
-    fn step(&mut self, _: f64, to: f64) -> Result<Stepped, StepFailure> {
+impl Stepper for Flow<'_> {
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        _: f64,
+        to: f64,
+    ) -> Result<Stepped, StepFailure> {
         let report = match &mut self.way {
             Way::Steps(heat, report) => {
-                heat.step(&mut self.state.q)?;
+                heat.step(&mut state.q)?;
                 *report
             }
             Way::Modes(exact, steady) => {
-                self.state.q = exact.at(to)?;
-                self.state.q.iter_mut().zip(*steady).for_each(|(f, end)| *f += end);
+                state.q = exact.at(to)?;
+                state.q.iter_mut().zip(*steady).for_each(|(f, end)| *f += end);
                 StepReport::default()
             }
         };
-        self.state.t = to;
         Ok(Stepped::done(report))
     }
 
@@ -256,17 +255,23 @@ impl<const K: usize> Moving for Flow<'_, K> {
     fn reads_off(&self) -> bool {
         matches!(self.way, Way::Modes(..))
     }
+}
 
-    fn built(&self) -> Built {
-        self.built
-    }
+/// Takes samples of temperatures.
+struct HeatRecorder<'a, const K: usize> {
+    scene: &'a Scene,
+    /// The length, area or volume that belongs to each vertex.
+    shares: &'a [f64],
+    domain: &'a Domain<K>,
+}
 
-    fn sample(&mut self, time: f64, samples: &mut Samples) {
+impl<const K: usize> Recorder for HeatRecorder<'_, K> {
+    fn sample(&mut self, state: &State<Vec<f64>>, time: f64, samples: &mut Samples) {
         // As many freedoms as the domain has.
-        let Ok(temperatures) = self.domain.on_vertices(&self.state.q) else { return };
+        let Ok(temperatures) = self.domain.on_vertices(&state.q) else { return };
         let positions: Vec<[f64; 3]> = self.scene.particles.iter().map(|p| p.position).collect();
         let moment = Moment {
-            potential: self.domain.dirichlet().energy(&self.state.q),
+            potential: self.domain.dirichlet().energy(&state.q),
             positions: &positions,
             temperatures: &temperatures,
             heat: self.shares.iter().zip(&temperatures).map(|(m, f)| m * f).sum(),
@@ -275,20 +280,7 @@ impl<const K: usize> Moving for Flow<'_, K> {
         samples.push(self.scene, time, &moment, [0.0; 2]);
     }
 
-    fn broken(&self) -> &[BrokenRod] {
-        &[]
-    }
-
-    fn failed(&self, step: u64, time: f64, source: StepFailure, run: Run) -> RunError {
-        run.stopped(step, time, source)
-    }
-
-    fn save(&mut self) -> Saved {
-        Saved::default()
-    }
-
-    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        self.state.clone_from(&before.state);
-        Ok(())
+    fn failed(&self, failed: Failed, _: &State<Vec<f64>>, run: Run) -> RunError {
+        failed.stops(run, None)
     }
 }

@@ -6,40 +6,25 @@ use stationary_integrators::{
     RadauIia5, Saved, State, StepControl, StepReport, Tolerance, Work,
 };
 
+use crate::assemble::error::AssemblyError;
 use crate::assemble::system::SceneProblem;
 use crate::model::scene::Scene;
+use crate::model::stepping::Adaptive;
 use crate::run::checkpoint::{Before, CheckpointError};
-use crate::run::error::AssemblyError;
 use crate::run::error::StepFailure;
-use crate::run::steps::{Chosen, Stepped, Steps, Way};
-use crate::words::integrator::{Adaptive, Stepping};
+use crate::run::stepper::{Stepped, Stepper};
 
-struct Adaptively {
+/// What steps as a method chooses.
+pub(crate) fn stepper<'s, const D: usize>(
+    scene: &Scene,
+    problem: &'s SceneProblem<D>,
     method: Adaptive,
     tolerance: f64,
-}
-
-/// This way, of a method that chooses its own steps.
-pub(crate) fn way<const D: usize>(scene: &Scene, _: &SceneProblem<D>) -> Chosen<D> {
-    Ok(match scene.stepping() {
-        Stepping::Adaptive { method, tolerance } => {
-            Some(Box::new(Adaptively { method, tolerance }))
-        }
-        _ => None,
-    })
-}
-
-impl<const D: usize> Way<D> for Adaptively {
-    fn steps<'s>(
-        &'s self,
-        scene: &'s Scene,
-        problem: &'s SceneProblem<D>,
-    ) -> Result<Box<dyn Steps + 's>, AssemblyError> {
-        let end = scene.timing().horizon();
-        let method = adaptive(self.method, problem, scene.drag(), self.tolerance)?;
-        let y = vec![0.0; 2 * problem.system.dim()];
-        Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new() }))
-    }
+) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+    let end = scene.timing.horizon();
+    let method = adaptive(method, problem, scene.drag, tolerance)?;
+    let y = vec![0.0; 2 * problem.system.dim()];
+    Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new() }))
 }
 
 /// A method that chooses its own steps, read off.
@@ -53,7 +38,7 @@ struct Reading<'s> {
     ends: Vec<f64>,
 }
 
-impl Steps for Reading<'_> {
+impl Stepper for Reading<'_> {
     /// Steps past the time `to` where that is needed, and reads the state there.
     fn step(
         &mut self,

@@ -3,8 +3,11 @@
 //! Vectors have three components; those beyond the scene's dimension are zero. Particles, rods,
 //! elastic bodies and heat stand beside what reads them, which needs no other crate.
 
-use crate::model::upper::{ImpactLaw, Strain, When};
-use crate::words::body_shape::BodyShape;
+use crate::model::body_shape::BodyShape;
+#[cfg(feature = "contact")]
+use stationary_contact::{ImpactLaw, When};
+#[cfg(feature = "elasticity")]
+use stationary_elasticity::Strain;
 
 /// A spring between two of the scene's particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +19,7 @@ pub struct Link {
     /// Its stiffness, force per length.
     pub stiffness: f64,
     /// Its measure of stretch.
+    #[cfg(feature = "elasticity")]
     pub strain: Strain,
 }
 
@@ -75,8 +79,10 @@ pub struct SceneContact {
     /// Coulomb's coefficient, between bodies.
     pub friction: f64,
     /// What happens where several contacts meet.
+    #[cfg(feature = "contact")]
     pub law: ImpactLaw,
     /// At which moment particles are given impulses.
+    #[cfg(feature = "contact")]
     pub when: When,
     /// The stiffness of springs that push particles apart, instead of impulses.
     pub stiffness: Option<f64>,
@@ -103,3 +109,17 @@ pub struct SceneBall {
     /// Its radius.
     pub radius: f64,
 }
+
+/// A rod between two of the scene's particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
+    pub ends: [usize; 2],
+    /// Its length, the distance of its ends at the start.
+    pub length: f64,
+    /// The tension or thrust beyond which it breaks; infinite where it does not.
+    pub strength: f64,
+}
+
+/// The components of a stress: xx, yy, zz, xy, yz, xz; those beyond the dimension are zero.
+pub(crate) type Stress = [f64; 6];

@@ -6,7 +6,7 @@ use stationary_integrators::{Saved, State, StepReport};
 use crate::model::built::Built;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::error::StepFailure;
-use crate::run::steps::{Stepped, Steps};
+use crate::run::stepper::{Stepped, Stepper};
 
 /// Steps of an integrator that holds constraints.
 pub(crate) struct Lasting<'s> {
@@ -14,7 +14,7 @@ pub(crate) struct Lasting<'s> {
     pub(crate) built: Built,
 }
 
-impl Steps for Lasting<'_> {
+impl Stepper for Lasting<'_> {
     fn step(
         &mut self,
         state: &mut State<Vec<f64>>,

@@ -9,12 +9,12 @@ use stationary_rigid::{
 };
 
 use crate::assemble::body_system::{PlanarSystem, SpatialSystem};
+use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
-use crate::run::error::AssemblyError;
-use crate::run::lasting_steps::Lasting;
-use crate::run::steps::Steps;
+use crate::run::lasting::Lasting;
+use crate::run::stepper::Stepper;
 
-type Made<'a> = Result<Box<dyn Steps + 'a>, AssemblyError>;
+type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Of bodies in space, along the free motion that the method is named after.
 pub(crate) fn in_space<'a>(

@@ -1,18 +1,16 @@
-//! What steps a scene, whatever makes the steps; and the ways in which particles are stepped.
+//! A scene's method, bound to what it moves.
 
 use stationary_integrators::{Saved, State, StepReport};
 
-use crate::assemble::system::SceneProblem;
+use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
-use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
-use crate::run::error::AssemblyError;
 use crate::run::error::StepFailure;
 use crate::run::samples::{BrokenRod, Impacts};
 
 /// A scene's method, bound to its system.
-pub(crate) trait Steps {
+pub(crate) trait Stepper {
     /// Makes the state one that the method can be in.
     fn start(&mut self, _: &mut State<Vec<f64>>) -> Result<(), AssemblyError> {
         Ok(())
@@ -26,9 +24,14 @@ pub(crate) trait Steps {
         to: f64,
     ) -> Result<Stepped, StepFailure>;
 
-    /// Whether it goes to a time whatever the step.
+    /// Whether it goes to a time whatever the step, so that it need not go back.
     fn reads_off(&self) -> bool {
         false
+    }
+
+    /// Whether it can take a part of a step and go back.
+    fn takes_parts(&self) -> bool {
+        true
     }
 
     /// The ends of the steps that the method itself chose within the last one.
@@ -52,6 +55,11 @@ pub(crate) trait Steps {
     /// Goes on from another state with what was saved there.
     fn load(&mut self, _: &Before) -> Result<(), CheckpointError> {
         Ok(())
+    }
+
+    /// What making it took.
+    fn prepared(&self) -> StepReport {
+        StepReport::default()
     }
 
     /// What was built for it.
@@ -80,45 +88,4 @@ impl Stepped {
         let impacts = (count > 0).then_some(Impacts { time, count });
         Stepped { impacts, ..Stepped::done(report) }
     }
-}
-
-/// A way of stepping particles, which keeps what its steps borrow besides the system.
-pub(crate) trait Way<const D: usize> {
-    /// What making it took.
-    fn prepared(&self) -> StepReport {
-        StepReport::default()
-    }
-
-    /// The steps of the scene from its start.
-    fn steps<'s>(
-        &'s self,
-        scene: &'s Scene,
-        problem: &'s SceneProblem<D>,
-    ) -> Result<Box<dyn Steps + 's>, AssemblyError>;
-}
-
-/// A way, where it is the scene's.
-pub(crate) type Chosen<const D: usize> = Result<Option<Box<dyn Way<D>>>, AssemblyError>;
-
-/// The way in which the scene's particles are stepped: the first that is the scene's.
-pub(crate) fn way<const D: usize>(
-    scene: &Scene,
-    problem: &SceneProblem<D>,
-) -> Result<Box<dyn Way<D>>, AssemblyError> {
-    let all: &[fn(&Scene, &SceneProblem<D>) -> Chosen<D>] = &[
-        #[cfg(feature = "modal")]
-        crate::run::linear_modes::way,
-        #[cfg(feature = "contact")]
-        crate::run::impact_steps::way,
-        #[cfg(feature = "constraints")]
-        crate::run::rod_steps::way,
-        crate::run::adaptive_steps::way,
-        crate::run::equal_steps::way,
-    ];
-    for way in all {
-        if let Some(way) = way(scene, problem)? {
-            return Ok(way);
-        }
-    }
-    Err(AssemblyError::NotCompiled(scene.stepping().name()))
 }

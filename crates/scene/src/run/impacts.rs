@@ -4,43 +4,28 @@ use stationary_calculus::DiagonalMetric;
 use stationary_contact::{Balls, GapImpulses, Impacting, Inequality};
 use stationary_integrators::State;
 
-use crate::assemble::system::{ScenePotential, SceneProblem, Vertices};
+use crate::assemble::error::AssemblyError;
+use crate::assemble::system::{ScenePotential, SceneProblem};
+use crate::assemble::vertices::Vertices;
 use crate::model::built::Built;
+use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
-use crate::model::things::SceneContact;
 use crate::run::contact_impulses::{ContactSide, Push};
-use crate::run::error::AssemblyError;
 use crate::run::error::StepFailure;
-use crate::run::steps::{Chosen, Stepped, Steps, Way};
+use crate::run::stepper::{Stepped, Stepper};
 
-/// The gaps that impulses keep open.
-struct Gaps<const D: usize> {
-    gaps: Inequality<Balls<D>>,
-    contact: SceneContact,
-}
-
-/// This way, where things touch and no springs push them apart.
-pub(crate) fn way<const D: usize>(scene: &Scene, _: &SceneProblem<D>) -> Chosen<D> {
-    let Some(contact) = scene.contact().filter(|contact| contact.stiffness.is_none()) else {
-        return Ok(None);
-    };
-    let way = |gaps| -> Box<dyn Way<D>> { Box::new(Gaps { gaps, contact: contact.clone() }) };
-    Ok(scene.gaps()?.map(way))
-}
-
-impl<const D: usize> Way<D> for Gaps<D> {
-    fn steps<'s>(
-        &'s self,
-        scene: &'s Scene,
-        problem: &'s SceneProblem<D>,
-    ) -> Result<Box<dyn Steps + 's>, AssemblyError> {
-        let SceneContact { restitution, law, when, .. } = self.contact;
-        let gaps = self.gaps.gaps(0.0, &problem.initial.q).len();
-        let impacting = Impacting::new(&problem.system, &self.gaps, restitution, law, when)?;
-        let between = Sides::new(scene, &self.contact);
-        let all = &self.gaps;
-        Ok(Box::new(Impulses { impacting, gaps, all, between, pushes: Vec::new() }))
-    }
+/// What steps particles whose gaps impulses keep open.
+pub(crate) fn stepper<'s, const D: usize>(
+    scene: &'s Scene,
+    contact: &SceneContact,
+    all: &'s Inequality<Balls<D>>,
+    problem: &'s SceneProblem<D>,
+) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+    let SceneContact { restitution, law, when, .. } = *contact;
+    let gaps = all.gaps(0.0, &problem.initial.q).len();
+    let impacting = Impacting::new(&problem.system, all, restitution, law, when)?;
+    let between = Sides::new(scene, contact);
+    Ok(Box::new(Impulses { impacting, gaps, all, between, pushes: Vec::new() }))
 }
 
 type Masses = DiagonalMetric<Vec<f64>>;
@@ -110,7 +95,7 @@ impl<'s> Sides<'s> {
     }
 }
 
-impl<const D: usize> Steps for Impulses<'_, D> {
+impl<const D: usize> Stepper for Impulses<'_, D> {
     fn step(
         &mut self,
         state: &mut State<Vec<f64>>,
