@@ -139,6 +139,9 @@
 #![cfg_attr(not(feature = "default"), allow(dead_code))]
 
 mod text {
+    pub(crate) mod expression;
+    pub(crate) mod parameters;
+    pub(crate) mod turn;
     pub(crate) mod file_error;
     pub(crate) mod check;
     pub(crate) mod diagnostic;
@@ -166,40 +169,7 @@ mod model {
     pub(crate) mod units;
 }
 
-mod words {
-    pub(crate) mod laid_shape;
-    pub(crate) mod observables;
-    pub(crate) mod units;
-    #[cfg(feature = "elasticity")]
-    pub(crate) mod springs;
-    #[cfg(feature = "contact")]
-    pub(crate) mod contact;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod bodies;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod body_methods;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod body_shape;
-    pub(crate) mod declaration;
-    pub(crate) mod features;
-    #[cfg(feature = "laplacian")]
-    pub(crate) mod heat;
-    pub(crate) mod integrator;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod joints;
-    pub(crate) mod mesh_file;
-    #[cfg(feature = "elasticity")]
-    pub(crate) mod nets;
-    #[cfg(feature = "elasticity")]
-    pub(crate) mod node_shares;
-    pub(crate) mod particles;
-    pub(crate) mod quadratic_shape;
-    pub(crate) mod rods;
-    pub(crate) mod shape;
-    pub(crate) mod shape_kinds;
-    #[cfg(feature = "elasticity")]
-    pub(crate) mod solids;
-}
+mod words;
 
 mod assemble {
     pub(crate) mod vertices;
@@ -307,3 +277,5 @@ pub use text::diagnostic::{Diagnostic, Place};
 pub use text::fault::Fault;
 pub use text::file_error::{SceneError, WriteError};
 pub use text::limits;
+pub use text::parameters::Parameters;
+pub use words::vocabulary;

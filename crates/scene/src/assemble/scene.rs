@@ -1,13 +1,11 @@
 //! From declarations to a scene: every value checked, every name resolved, nothing left to doubt.
 
-use std::collections::HashMap;
+use crate::text::parameters::Parameters;
+use std::collections::BTreeMap;
 use std::path::Path;
 
-#[cfg(not(feature = "laplacian"))]
-use crate::model::elastic_body::Heated;
-use crate::model::items::RigidBody;
 use crate::model::particle::Motion;
-use crate::model::scene::{Gravity, Scene};
+use crate::model::scene::Scene;
 use crate::model::timing::Timing;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
@@ -15,10 +13,10 @@ use crate::text::file_error::SceneError;
 use crate::text::number::Count;
 use crate::text::source::diagnose;
 use crate::text::{check, limits, source};
-use crate::words::declaration::Declaration;
-use crate::words::laid_shape::Solids;
-use crate::words::particles::Roster;
-use crate::words::{features, integrator, observables, particles, rods, units};
+use crate::words::draft::Draft;
+use crate::words::particle_table::ParticleTable;
+use crate::words::word::Of;
+use crate::words::{Declaration, integrator, observables, units};
 
 impl Scene {
     /// The scene that a text describes. `name` stands in errors where a file's name would, and for
@@ -28,7 +26,7 @@ impl Scene {
     /// [`SceneError::Invalid`] with the [`Fault`] and its place; [`SceneError::TooLarge`] beyond
     /// [`limits::FILE_BYTES`].
     pub fn parse(name: &str, text: &str) -> Result<Scene, SceneError> {
-        Scene::parse_in(None, name, text)
+        Scene::parse_in(None, name, text, &Parameters::new())
     }
 
     /// The scene that a text describes, as if it stood in the file of this path: meshes are those
@@ -38,15 +36,44 @@ impl Scene {
     /// Those of [`Scene::parse`].
     pub fn parse_at(path: impl AsRef<Path>, text: &str) -> Result<Scene, SceneError> {
         let path = path.as_ref();
-        Scene::parse_in(path.parent(), &path.display().to_string(), text)
+        Scene::parse_in(path.parent(), &path.display().to_string(), text, &Parameters::new())
     }
 
-    fn parse_in(folder: Option<&Path>, name: &str, text: &str) -> Result<Scene, SceneError> {
+    /// The scene that a text describes, as if it stood in the file of this path, with other values
+    /// for its parameters.
+    ///
+    /// # Errors
+    /// Those of [`Scene::parse`]; [`Fault::UnknownWord`] for a parameter that the text does not have.
+    pub fn parse_with(
+        path: impl AsRef<Path>,
+        text: &str,
+        parameters: &Parameters,
+    ) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse_in(path.parent(), &path.display().to_string(), text, parameters)
+    }
+
+    /// The scene that a file describes, with other values for its parameters.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`] and of [`Scene::parse_with`].
+    pub fn read_with(path: impl AsRef<Path>, parameters: &Parameters) -> Result<Scene, SceneError> {
+        let path = path.as_ref();
+        Scene::parse_with(path, &source::read(path)?, parameters)
+    }
+
+    fn parse_in(
+        folder: Option<&Path>,
+        name: &str,
+        text: &str,
+        parameters: &Parameters,
+    ) -> Result<Scene, SceneError> {
         let bytes = text.len() as u64;
         if bytes > limits::FILE_BYTES {
             return Err(SceneError::TooLarge { name: name.to_owned(), bytes });
         }
-        let scene = source::parse(text).and_then(|declared| assemble(name, folder, &declared));
+        let scene =
+            source::parse(text, parameters).and_then(|declared| assemble(name, folder, &declared));
         scene.map_err(|located| diagnose(name, text, *located))
     }
 
@@ -70,7 +97,9 @@ impl Scene {
             change(&mut declared);
             assemble(name, None, &declared)
         };
-        source::parse(text).and_then(changed).map_err(|located| diagnose(name, text, *located))
+        source::parse(text, &Parameters::new())
+            .and_then(changed)
+            .map_err(|located| diagnose(name, text, *located))
     }
 }
 
@@ -85,93 +114,36 @@ pub(crate) fn assemble(
         Count(dimension @ 1..=3) => dimension as usize,
         Count(other) => return Err(at(declared.dimension.span(), Fault::Dimension(other))),
     };
-    #[cfg(not(any(feature = "elasticity", feature = "laplacian")))]
-    let _ = folder;
+    for value in declared.parameters.iter().flat_map(BTreeMap::values) {
+        check::finite("the parameter", value)?;
+    }
     check_what_is_there(declared)?;
-    features::check(declared)?;
+    declared.check_features()?;
     let stepping = integrator::declare(declared, dimension)?;
-    let mut roster = Roster::default();
-    #[cfg(feature = "rigid")]
-    let (bodies, joints, edges) = {
-        let (mut bodies, edges) =
-            crate::words::bodies::declare(&mut roster, dimension, &declared.bodies)?;
-        let joints = crate::words::joints::declare(dimension, &mut bodies, &declared.joints)?;
-        let bodies: Vec<RigidBody> = bodies.into_iter().map(|declared| declared.body).collect();
-        (bodies, joints, edges)
-    };
-    #[cfg(not(feature = "rigid"))]
-    let (bodies, joints, edges) = (Vec::<RigidBody>::new(), Vec::new(), Vec::new());
-    for particle in &declared.particles {
-        particles::declare(&mut roster, dimension, particle)?;
-    }
-    #[cfg(feature = "laplacian")]
-    let heated = match &declared.heat {
-        Some(heat) => Some(crate::words::heat::declare(&mut roster, dimension, folder, heat)?),
-        None => None,
-    };
-    #[cfg(not(feature = "laplacian"))]
-    let heated: Option<Heated> = None;
-    let written_out = if heated.is_some() {
-        0
-    } else if bodies.is_empty() {
-        roster.particles.len()
-    } else {
-        bodies.len()
-    };
-    #[cfg_attr(not(feature = "elasticity"), expect(unused_mut))]
-    let mut links = Vec::new();
-    #[cfg(feature = "elasticity")]
-    for net in &declared.nets {
-        crate::words::nets::declare(&mut roster, &mut links, dimension, net)?;
-    }
-    let mut elastic = Solids { edges, ..Solids::default() };
-    #[cfg(feature = "elasticity")]
-    for solid in &declared.solids {
-        crate::words::solids::declare(&mut roster, &mut elastic, dimension, folder, solid)?;
-    }
-    #[cfg(feature = "elasticity")]
-    for spring in &declared.springs {
-        links.push(crate::words::springs::declare(&roster, spring)?);
-    }
-    let mut rods = Vec::new();
-    for rod in &declared.rods {
-        rods.push(rods::declare(&roster, &rods, rod)?);
-    }
-    let heat = heated.map(|(body, edges, faces)| {
-        (elastic.edges, elastic.faces) = (edges, faces);
-        body
-    });
-    #[cfg(feature = "contact")]
-    let contact = crate::words::contact::declare(declared, dimension)?;
-    #[cfg(not(feature = "contact"))]
-    let contact = None;
-    let gravity = gravity(declared, dimension, &roster)?;
-    let drag = declared.drag.as_ref();
-    let drag =
-        drag.map(|drag| check::positive("the coefficient", &drag.coefficient)).transpose()?;
-    check_that_something_moves(declared, &roster)?;
-
-    let observables = observables::declare_all(declared, &roster, &rods)?;
+    let mut draft = Draft::new(dimension, folder);
+    declared.declare(&mut draft)?;
+    check_that_something_moves(declared, &draft.particles)?;
+    let observables = observables::declare_all(declared.observables.as_deref(), &draft)?;
     let scene = Scene {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
         units: units::declare(&declared.units)?,
         stepping,
         timing: timing(declared)?,
-        gravity,
-        drag,
-        contact,
-        particles: roster.particles,
-        written_out,
-        links,
-        rods,
-        bodies,
-        joints,
-        solids: elastic.bodies,
-        heat,
-        hung: elastic.hung,
-        edges: elastic.edges,
-        faces: elastic.faces,
+        gravity: draft.gravity,
+        drag: draft.drag,
+        contact: draft.contact,
+        particles: draft.particles.particles,
+        written_out: draft.written_out,
+        links: draft.links,
+        rods: draft.rods,
+        bodies: draft.bodies.into_iter().map(|declared| declared.body).collect(),
+        joints: draft.joints,
+        solids: draft.solids.bodies,
+        heat: draft.heat,
+        hung: draft.solids.hung,
+        edges: draft.solids.edges,
+        faces: draft.solids.faces,
         observables,
         view: view(declared, dimension)?,
     };
@@ -189,19 +161,10 @@ pub(crate) fn assemble(
 
 /// An error where what does not go together is there.
 fn check_what_is_there(declared: &Declaration) -> Checked<()> {
-    let particles = [
-        declared.particles.first().map(|particle| particle.name.span()),
-        declared.nets.first().map(|net| net.name.span()),
-        declared.solids.first().map(|solid| solid.name.span()),
-        declared.springs.first().map(|spring| spring.between.span()),
-        declared.rods.first().map(|rod| rod.between.span()),
-        declared.drag.as_ref().map(|drag| drag.coefficient.span()),
-    ];
-    let particles = particles.into_iter().flatten().next();
-    let attraction = declared.newtonian_gravity.as_ref().map(|gravity| gravity.constant.span());
-    let bodies = declared.bodies.first().map(|body| body.name.span());
-    let joints = declared.joints.first().map(|joint| joint.kind.span());
-    let weight = declared.uniform_gravity.as_ref().map(|gravity| gravity.acceleration.span());
+    let particles = declared.first(Of::Particles);
+    let attraction = declared.first(Of::Attraction);
+    let (bodies, joints) = (declared.first(Of::Bodies), declared.first(Of::Joints));
+    let weight = declared.first(Of::Weight);
     if declared.heat.is_some() {
         let others = [particles, attraction, bodies, joints, weight].into_iter().flatten().next();
         return others.map_or(Ok(()), |place| Err(at(place, Fault::MixedWithHeat)));
@@ -228,38 +191,7 @@ fn timing(declared: &Declaration) -> Checked<Timing> {
     Timing::new(step, horizon, sample_every).map_err(|fault| at(declared.horizon.span(), fault))
 }
 
-fn gravity(declared: &Declaration, dimension: usize, roster: &Roster) -> Checked<Gravity> {
-    let mut gravity = Gravity { acceleration: None, constant: None };
-    if let Some(uniform) = &declared.uniform_gravity {
-        let g = check::vector("the acceleration", dimension, &uniform.acceleration)?;
-        gravity.acceleration = Some(g);
-    }
-    if let Some(newtonian) = &declared.newtonian_gravity {
-        gravity.constant = Some(check::positive("the constant", &newtonian.constant)?);
-        if let Some((pinned, place)) = &roster.first_pin {
-            let name = roster.particles[*pinned].name.clone();
-            return Err(at(place.clone(), Fault::PinnedAttraction(name)));
-        }
-        check_that_no_two_meet(roster)?;
-    }
-    Ok(gravity)
-}
-
-fn check_that_no_two_meet(roster: &Roster) -> Checked<()> {
-    let mut by_position = HashMap::new();
-    for (index, particle) in roster.particles.iter().enumerate() {
-        // Adding zero turns the negative zero into the positive one.
-        let bits = particle.position.map(|x| (x + 0.0).to_bits());
-        if let Some(first) = by_position.insert(bits, index) {
-            let first = roster.particles[first].name.clone();
-            let fault = Fault::SamePlace { first, second: particle.name.clone() };
-            return Err(at(roster.places[index].clone(), fault));
-        }
-    }
-    Ok(())
-}
-
-fn check_that_something_moves(declared: &Declaration, roster: &Roster) -> Checked<()> {
+fn check_that_something_moves(declared: &Declaration, roster: &ParticleTable) -> Checked<()> {
     let free = |motion: &Motion| *motion != Motion::Pinned;
     if declared.heat.is_some() || roster.particles.iter().any(|particle| free(&particle.motion)) {
         return Ok(());

@@ -11,19 +11,20 @@ use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{NewtonianGravity, State, UniformGravity};
 
-#[cfg(feature = "contact")]
-use crate::assemble::contacts::Penalty;
-#[cfg(feature = "elasticity")]
-use crate::assemble::elastic::ElasticBodies;
 use crate::assemble::error::AssemblyError;
-#[cfg(feature = "modal")]
-use crate::assemble::rest;
-#[cfg(feature = "elasticity")]
-use crate::assemble::springs::Springs;
 use crate::assemble::vertices::{Vertices, leading};
 use crate::model::built::Built;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
+
+#[cfg(feature = "contact")]
+use crate::assemble::contacts::Penalty;
+#[cfg(feature = "elasticity")]
+use crate::assemble::elastic::ElasticBodies;
+#[cfg(feature = "modal")]
+use crate::assemble::rest;
+#[cfg(feature = "elasticity")]
+use crate::assemble::springs::Springs;
 
 /// The potential of a scene. Its springs, elastic bodies and springs of touch may be none.
 #[derive(Clone, Debug)]

@@ -8,21 +8,21 @@
 //! ```
 
 use stationary_calculus::{NewtonError, NewtonFailure};
-#[cfg(feature = "constraints")]
-use stationary_constraints::ConstraintError;
-#[cfg(feature = "contact")]
-use stationary_contact::ContactError;
 use stationary_integrators::{AdaptiveError, StepError};
-#[cfg(feature = "laplacian")]
-use stationary_laplacian::LaplacianError;
-#[cfg(feature = "modal")]
-use stationary_modal::ModalError;
 
 use crate::assemble::error::AssemblyError;
 use crate::assemble::stable_step::UnstableStep;
 use crate::model::scene::COORDINATES;
 use crate::run::checkpoint::CheckpointError;
 use crate::run::samples::Run;
+#[cfg(feature = "constraints")]
+use stationary_constraints::ConstraintError;
+#[cfg(feature = "contact")]
+use stationary_contact::ContactError;
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::LaplacianError;
+#[cfg(feature = "modal")]
+use stationary_modal::ModalError;
 
 /// A run that did not begin, or did not reach the horizon.
 #[derive(Debug, thiserror::Error)]

@@ -14,6 +14,9 @@ pub enum Fault {
         /// What was found and what was expected.
         message: String,
     },
+    /// Arithmetic that comes to no number.
+    #[error("{0}")]
+    Expression(String),
     /// A word outside the vocabulary, or a particle that is not there.
     #[error("unknown {kind} `{word}`")]
     UnknownWord {

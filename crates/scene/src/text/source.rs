@@ -1,9 +1,12 @@
 //! The text of a scene: read from a file without trust, and parsed into declarations.
 
+use crate::text::parameters::{self, Parameters, has_expressions};
+use crate::text::suggestion::shortened;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::{fs, io};
+use toml::de::{DeTable, DeValue, Deserializer};
 
 use serde::de::DeserializeOwned;
 
@@ -39,10 +42,25 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// What the text declares, or where it does not.
-pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Checked<T> {
-    toml::from_str(text)
-        .map_err(|error| Box::new(Located { span: error.span(), fault: fault_of(error.message()) }))
+/// What the text declares, with these values for its parameters, or where it does not.
+pub(crate) fn parse<T: DeserializeOwned>(text: &str, given: &Parameters) -> Checked<T> {
+    let failed = |error: toml::de::Error| {
+        Box::new(Located { span: error.span(), fault: fault_of(error.message()) })
+    };
+    if given.is_empty() && !has_expressions(text) {
+        return toml::from_str(text).map_err(failed);
+    }
+    let values = parameters::values(DeTable::parse(text).map_err(failed)?.get_mut(), given)?;
+    let mut table = DeTable::parse(text).map_err(failed)?;
+    let mut left = values.iter();
+    parameters::for_each(table.get_mut(), &mut |said| {
+        // As many as there are expressions, and each is a number.
+        let number = left.next().and_then(|number| DeValue::parse(number).ok());
+        if let Some(number) = number {
+            *said.get_mut() = number.into_inner();
+        }
+    });
+    T::deserialize(Deserializer::from(table)).map_err(failed)
 }
 
 /// A fault, with the text to which it belongs.
@@ -65,12 +83,4 @@ fn fault_of(message: &str) -> Fault {
     }
     let one_line = in_words(&message.lines().collect::<Vec<_>>().join(", "));
     Fault::Syntax { message: one_line.chars().take(MESSAGE).collect() }
-}
-
-/// The word, or its beginning where it is long.
-pub(crate) fn shortened(word: &str) -> String {
-    if word.chars().count() <= limits::NAME {
-        return word.to_owned();
-    }
-    word.chars().take(limits::NAME).chain("...".chars()).collect()
 }

@@ -27,6 +27,14 @@ pub(crate) fn nearest<'a>(
     close.map(|(_, candidate)| candidate).or_else(|| allowed.clone().find(part))
 }
 
+/// The word, or its beginning where it is long.
+pub(crate) fn shortened(word: &str) -> String {
+    if word.chars().count() <= limits::NAME {
+        return word.to_owned();
+    }
+    word.chars().take(limits::NAME).chain("...".chars()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

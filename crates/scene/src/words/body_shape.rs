@@ -19,8 +19,8 @@ use crate::model::body_shape::BodyShape;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::text::number::Components;
-use crate::words::declaration::{BodyDeclaration, Turn};
+use crate::text::number::{Components, Number};
+use crate::text::turn::Turn;
 
 /// A shape and what follows from it.
 #[derive(Debug)]
@@ -33,9 +33,18 @@ pub(crate) struct Shaped {
     pub(crate) place: Range<usize>,
 }
 
+/// What a body says of its shape.
+pub(crate) struct ShapeWords<'a> {
+    pub(crate) name: &'a Spanned<String>,
+    pub(crate) sides: Option<&'a Components>,
+    pub(crate) ball: Option<&'a Spanned<Number>>,
+    pub(crate) polygon: Option<&'a Spanned<Vec<Components>>>,
+    pub(crate) moments: Option<&'a Turn>,
+}
+
 /// The shape that is declared, of a body of this mass.
-pub(crate) fn declare(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<Shaped> {
-    let BodyDeclaration { sides, ball, polygon, moments, .. } = declared;
+pub(crate) fn declare(dimension: usize, mass: f64, declared: &ShapeWords<'_>) -> Checked<Shaped> {
+    let &ShapeWords { sides, ball, polygon, moments, .. } = declared;
     match (sides, ball, polygon, moments) {
         (Some(sides), None, None, None) => {
             let x = check::vector("the box", dimension, sides)?;

@@ -9,10 +9,6 @@
 //! `h` the scene's step.
 
 use stationary_integrators::{Evaluation, Method};
-#[cfg(feature = "laplacian")]
-use stationary_laplacian::HeatMethod;
-#[cfg(feature = "rigid")]
-use stationary_rigid::BodyMethod;
 
 use crate::model::scene::Scene;
 use crate::model::stepping::{
@@ -21,8 +17,12 @@ use crate::model::stepping::{
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
-use crate::words::declaration::Declaration;
-use crate::words::features;
+use crate::words::Declaration;
+use crate::words::word::{CONSTRAINTS, MODAL};
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::HeatMethod;
+#[cfg(feature = "rigid")]
+use stationary_rigid::BodyMethod;
 
 /// What the word `integrator` may say.
 #[derive(Clone, Copy)]
@@ -135,7 +135,12 @@ impl Scene {
 
     /// An error where the scene's method cannot step what the scene has.
     pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
-        features::check_stepping(self.stepping)?;
+        match self.stepping {
+            Stepping::Constrained(_) => CONSTRAINTS.check(self.stepping.name())?,
+            Stepping::LinearModes { .. } => MODAL.check(self.stepping.name())?,
+            // Whoever has one of the others has its crate.
+            _ => {}
+        }
         match self.stepping {
             Stepping::Adaptive { tolerance, .. } => tolerance_in_range(tolerance).map(drop)?,
             Stepping::LinearModes { count } => modes_in_range(count as u64).map(drop)?,

@@ -1,16 +1,16 @@
 //! A mesh in a scene: its vertices, simplices, outside and parts.
 
-use crate::model::elastic_body::ElasticBody;
-use crate::text::number::Marks;
-use crate::words::particles::Roster;
 use nalgebra::{SVector, Vector3};
 use stationary_mesh::{Mesh, MeshError, Simplex};
 use toml::Spanned;
 
+use crate::model::elastic_body::ElasticBody;
 use crate::model::simplices::{Middles, Simplices};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
+use crate::text::number::Marks;
+use crate::words::particle_table::ParticleTable;
 
 /// Where elements have nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -201,7 +201,7 @@ pub(crate) fn within(shape: &Shape, words: &[Spanned<String>]) -> Checked<Vec<bo
 
 /// Gives the vertices nearest to the marks the names of these.
 pub(crate) fn mark(
-    roster: &mut Roster,
+    roster: &mut ParticleTable,
     dimension: usize,
     first: usize,
     solid: &str,

@@ -17,7 +17,7 @@ use toml::Spanned;
 use crate::text::diagnostic::{Checked, Located, at};
 use crate::text::fault::Fault;
 use crate::text::limits;
-use crate::text::source::shortened;
+use crate::text::suggestion::shortened;
 use crate::words::laid_shape::{Element, Shape, block, sheet};
 use crate::words::quadratic_shape::{curved_block, curved_sheet};
 

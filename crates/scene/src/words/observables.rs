@@ -1,5 +1,10 @@
 //! The word `observables`: what a run writes down of a state.
 
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use crate::model::items::Rod;
@@ -8,8 +13,60 @@ use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::words::declaration::{Declaration, ObservableDeclaration, ObservableTable};
-use crate::words::particles::Roster;
+use crate::words::draft::Draft;
+use crate::words::particle_table::ParticleTable;
+use crate::words::table::{Kind, table};
+
+table! {
+    /// An observable of particles or bodies.
+    pub(crate) struct ObservableTable = "an observable" {
+        /// A name.
+        position: Option<Spanned<String>> = Kind::Name,
+        /// A name.
+        velocity: Option<Spanned<String>> = Kind::Name,
+        /// Two names.
+        distance: Option<Spanned<Vec<Spanned<String>>>> = Kind::Pair,
+        /// Two names.
+        tension: Option<Spanned<Vec<Spanned<String>>>> = Kind::Pair,
+        /// A name.
+        angular_velocity: Option<Spanned<String>> = Kind::Name,
+        /// A name.
+        temperature: Option<Spanned<String>> = Kind::Name,
+    }
+}
+
+/// One of `observables`: a word alone, or a word with the particles that it is about.
+#[derive(Clone, Debug)]
+pub(crate) enum ObservableDeclaration {
+    Word(String),
+    About(Box<ObservableTable>),
+}
+
+impl<'de> Deserialize<'de> for ObservableDeclaration {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WordOrTable;
+        impl<'de> Visitor<'de> for WordOrTable {
+            type Value = ObservableDeclaration;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an observable such as \"energy\" or { position = \"a name\" }")
+            }
+
+            fn visit_str<E: Error>(self, word: &str) -> Result<ObservableDeclaration, E> {
+                Ok(ObservableDeclaration::Word(word.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(
+                self,
+                map: A,
+            ) -> Result<ObservableDeclaration, A::Error> {
+                let table = ObservableTable::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(ObservableDeclaration::About(Box::new(table)))
+            }
+        }
+        deserializer.deserialize_any(WordOrTable)
+    }
+}
 
 /// The observables of a scene that names none.
 const USUAL: [Observable; 3] =
@@ -38,12 +95,11 @@ const WORDS: [(&str, Observable); 13] = [
 
 /// The observables that are declared, or the usual ones.
 pub(crate) fn declare_all(
-    declared: &Declaration,
-    roster: &Roster,
-    rods: &[Rod],
+    declared: Option<&[Spanned<ObservableDeclaration>]>,
+    draft: &Draft<'_>,
 ) -> Checked<Vec<Observable>> {
-    let of_heat = declared.heat.is_some();
-    let Some(all) = &declared.observables else {
+    let (of_heat, roster, rods) = (draft.heat.is_some(), &draft.particles, &draft.rods);
+    let Some(all) = declared else {
         return Ok(if of_heat { USUAL_OF_HEAT.to_vec() } else { USUAL.to_vec() });
     };
     let one = |declared: &Spanned<ObservableDeclaration>| {
@@ -59,7 +115,7 @@ pub(crate) fn declare_all(
 
 /// The observable that is declared.
 fn declare(
-    roster: &Roster,
+    roster: &ParticleTable,
     rods: &[Rod],
     declared: &Spanned<ObservableDeclaration>,
 ) -> Checked<Observable> {

@@ -1,6 +1,5 @@
 //! Particles: the ones that are written out, and their names.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -9,79 +8,54 @@ use crate::model::particle::{Motion, Particle};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::text::source::shortened;
-use crate::text::suggestion::nearest;
-use crate::words::declaration::ParticleDeclaration;
+use crate::text::number::{Components, Number};
+use crate::words::draft::Draft;
+use crate::words::particle_table::ParticleTable;
+use crate::words::table::{Kind, table};
+use crate::words::word::{Of, Word};
 
-/// The particles of a scene in order, found by name, and the place of each in the text.
-#[derive(Debug, Default)]
-pub(crate) struct Roster {
-    pub(crate) particles: Vec<Particle>,
-    /// Where the text places each particle: its position, or the net's origin.
-    pub(crate) places: Vec<Range<usize>>,
-    /// The first pinned particle and where the text pins it.
-    pub(crate) first_pin: Option<(usize, Range<usize>)>,
-    by_name: HashMap<String, usize>,
+table! {
+    /// A point mass.
+    pub(crate) struct ParticleDeclaration = "a particle" {
+        /// A name.
+        name: Spanned<String> = Kind::Name,
+        /// Its mass; a pinned particle needs none.
+        mass: Option<Spanned<Number>> = Kind::Positive,
+        /// Where it starts.
+        position: Components = Kind::Vector,
+        /// How fast it starts; at rest where neither velocity nor momentum is given.
+        velocity: Option<Components> = Kind::Vector,
+        /// Its momentum at the start, instead of a velocity.
+        momentum: Option<Components> = Kind::Vector,
+        /// Whether it stays where it is.
+        pinned: Option<Spanned<bool>> = Kind::Flag,
+        /// Its radius, where it touches others.
+        radius: Option<Spanned<Number>> = Kind::NotNegative,
+    }
 }
 
-impl Roster {
-    /// Adds a particle unless one of its name is there.
-    pub(crate) fn add(&mut self, particle: Particle, place: Range<usize>) -> Option<usize> {
-        let index = self.particles.len();
-        if self.by_name.contains_key(&particle.name) {
-            return None;
-        }
-        self.by_name.insert(particle.name.clone(), index);
-        self.particles.push(particle);
-        self.places.push(place);
-        Some(index)
+impl Word for Vec<ParticleDeclaration> {
+    const OF: Of = Of::Particles;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.first().map(|first| first.name.span())
     }
 
-    /// Gives a particle another name unless one of that name is there; its old name still finds it.
-    pub(crate) fn rename(&mut self, index: usize, name: String) -> Option<()> {
-        if self.by_name.contains_key(&name) {
-            return None;
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        for particle in self {
+            declare(&mut draft.particles, draft.dimension, particle)?;
         }
-        self.particles[index].name.clone_from(&name);
-        self.by_name.insert(name, index);
-        Some(())
-    }
-
-    /// The particle of this name.
-    pub(crate) fn find(&self, name: &Spanned<String>) -> Checked<usize> {
-        /// Names listed in an error; more would not help.
-        const LISTED: usize = 12;
-        if let Some(&index) = self.by_name.get(name.get_ref()) {
-            return Ok(index);
-        }
-        let names = self.particles.iter().map(|particle| particle.name.as_str());
-        let nearest = nearest(name.get_ref(), names.clone()).map(str::to_owned);
-        let few = if names.len() <= LISTED { names.len() } else { 0 };
-        let fault = Fault::UnknownWord {
-            kind: "particle",
-            word: shortened(name.get_ref()),
-            nearest,
-            allowed: names.take(few).map(str::to_owned).collect(),
+        draft.written_out = match draft.bodies.len() {
+            0 => draft.particles.particles.len(),
+            bodies => bodies,
         };
-        Err(at(name.span(), fault))
-    }
-
-    /// The two particles of a pair.
-    pub(crate) fn pair(
-        &self,
-        what: &'static str,
-        names: &Spanned<Vec<Spanned<String>>>,
-    ) -> Checked<[usize; 2]> {
-        match names.get_ref().as_slice() {
-            [first, second] => Ok([self.find(first)?, self.find(second)?]),
-            others => Err(at(names.span(), Fault::NotAPair { what, got: others.len() })),
-        }
+        Ok(())
     }
 }
 
 /// Adds a particle that is written out.
 pub(crate) fn declare(
-    roster: &mut Roster,
+    roster: &mut ParticleTable,
     dimension: usize,
     declared: &ParticleDeclaration,
 ) -> Checked<()> {

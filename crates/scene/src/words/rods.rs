@@ -1,15 +1,53 @@
 //! Rods between particles.
 
+use std::ops::Range;
+
+use toml::Spanned;
+
 use crate::model::items::Rod;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::words::declaration::RodDeclaration;
-use crate::words::particles::Roster;
+use crate::text::number::Number;
+use crate::words::draft::Draft;
+use crate::words::particle_table::ParticleTable;
+use crate::words::table::{Kind, table};
+use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
+
+table! {
+    /// A rod.
+    pub(crate) struct RodDeclaration = "a rod" {
+        /// Two names.
+        between: Spanned<Vec<Spanned<String>>> = Kind::Pair,
+        /// The tension or thrust beyond which it breaks, with rattle.
+        strength: Option<Spanned<Number>> = Kind::Positive,
+    }
+}
+
+impl Word for Vec<RodDeclaration> {
+    const FEATURE: Option<Feature> = Some(CONSTRAINTS);
+    const OF: Of = Of::Particles;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.first().map(|first| first.between.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        for rod in self {
+            let rod = declare(&draft.particles, &draft.rods, rod)?;
+            draft.rods.push(rod);
+        }
+        Ok(())
+    }
+}
 
 /// The rod that is declared.
-pub(crate) fn declare(roster: &Roster, earlier: &[Rod], declared: &RodDeclaration) -> Checked<Rod> {
+pub(crate) fn declare(
+    roster: &ParticleTable,
+    earlier: &[Rod],
+    declared: &RodDeclaration,
+) -> Checked<Rod> {
     let between = &declared.between;
     let ends = roster.pair("a rod", between)?;
     let fault = |fault| Err(at(between.span(), fault));

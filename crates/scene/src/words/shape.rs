@@ -18,10 +18,31 @@ use toml::Spanned;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::words::declaration::ShapeDeclaration;
+use crate::text::number::{Components, Count};
 use crate::words::laid_shape::{Element, Shape};
 use crate::words::mesh_file::loaded;
 use crate::words::shape_kinds::generated;
+use crate::words::table::{Kind, table};
+
+table! {
+    /// A mesh: a kind with its size and cells, or a file.
+    pub(crate) struct ShapeDeclaration = "a shape" {
+        /// What is made.
+        kind: Option<Spanned<String>> = Kind::OneOf(&["bar", "rectangle", "disc", "box", "ball", "sphere", "torus"]),
+        /// Its length, sides or radii.
+        size: Option<Components> = Kind::Vector,
+        /// Cells along each side, rings, or refinements.
+        cells: Option<Spanned<Vec<Spanned<Count>>>> = Kind::List(&Kind::Count(0)),
+        /// An OBJ or MSH file beside the scene's.
+        file: Option<Spanned<String>> = Kind::Text,
+        /// Where its own origin is.
+        origin: Option<Components> = Kind::Vector,
+        /// The direction of its first axis.
+        across: Option<Components> = Kind::Vector,
+        /// The direction of its second axis.
+        up: Option<Components> = Kind::Vector,
+    }
+}
 
 /// The shape that is declared, in elements of this sort. `folder` is that of the scene's file.
 pub(crate) fn declare(
