@@ -27,6 +27,8 @@
 //! Keys join words by underscores, names join them by hyphens. Vectors have as many components as the
 //! scene has dimensions. Any units will do that fit together; without `[units]` they are called m, s, kg.
 //!
+//! [`vocabulary`] makes the schema and a page of every table and key from what the reader reads.
+//!
 //! | key | value | |
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
@@ -51,6 +53,9 @@
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
 //! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//!
+//! A text that begins with `=` is arithmetic wherever a number may stand, with the numbers of
+//! `[parameters]`: `position = ["= 2*L", 0]`. [`Scene::read_with`] gives parameters other values.
 //!
 //! A `shape` has a `kind` with its `size` and its `cells`, or is what a `file` beside the scene's holds:
 //! the surface of an OBJ file, or the tetrahedra of Gmsh's MSH file, or its triangles where it has no
@@ -111,8 +116,8 @@
 //! | `choose` | [`choose`], the cheapest way to run a scene for a question | all of them |
 //!
 //! A file is read alike under any of them: a word whose feature is not on is answered by
-//! [`Fault::NotCompiled`] at its place. The crate's public types are the same as well; of a method or
-//! an error whose crate is not compiled there is no value. [`Run::built`] says what a scene had built
+//! [`Fault::NotCompiled`] at its place. Without a crate its methods are no variants of [`Stepping`],
+//! and its errors none of the errors'. [`Run::built`] says what a scene had built
 //! of what is compiled: what it does not name is zero.
 //!
 //! # A test of a scene is one line
@@ -154,6 +159,7 @@ mod text {
 }
 
 mod model {
+    pub(crate) mod serialized;
     pub(crate) mod columns;
     pub(crate) mod timing;
     pub(crate) mod changed;

@@ -1,6 +1,5 @@
 //! From declarations to a scene: every value checked, every name resolved, nothing left to doubt.
 
-use crate::text::parameters::Parameters;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::file_error::SceneError;
 use crate::text::number::Count;
+use crate::text::parameters::Parameters;
 use crate::text::source::diagnose;
 use crate::text::{check, limits, source};
 use crate::words::draft::Draft;

@@ -1,7 +1,9 @@
 //! The shapes of rigid bodies.
 
+use serde::Serialize;
+
 /// The shape of a rigid body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum BodyShape {
     /// Moments alone: nothing that could touch.
     Moments,

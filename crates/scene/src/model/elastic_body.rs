@@ -1,11 +1,14 @@
 //! Elastic bodies, and the body through which heat flows.
 
+use serde::Serialize;
+
+use crate::model::serialized;
 use crate::model::simplices::{Middles, Simplices};
 #[cfg(feature = "elasticity")]
 use stationary_elasticity::Lame;
 
 /// An elastic body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ElasticBody {
     /// Its name; its vertices are called `name.0`, `name.1` and so on.
     pub name: String,
@@ -13,6 +16,7 @@ pub struct ElasticBody {
     pub material: ElasticMaterial,
     /// Its parameters as a body in space, force per area.
     #[cfg(feature = "elasticity")]
+    #[serde(serialize_with = "serialized::lame")]
     pub lame: Lame<3>,
     /// The cross-section of a bar, the thickness of a sheet, 1 of a block.
     pub section: f64,
@@ -26,11 +30,12 @@ pub struct ElasticBody {
     pub simplices: Simplices,
     /// The nodes of quadratic elements in the middle of edges, by the places of all three in
     /// [`Scene::particles`](crate::Scene::particles), the smaller end first; none of linear ones.
+    #[serde(serialize_with = "serialized::middles")]
     pub middles: Middles,
 }
 
 /// The energy density of an elastic body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum ElasticMaterial {
     /// [`SaintVenantKirchhoff`](stationary_elasticity::SaintVenantKirchhoff).
     SaintVenantKirchhoff,
@@ -43,7 +48,7 @@ pub enum ElasticMaterial {
 }
 
 /// A body through which heat flows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeatedBody {
     /// Its name; its vertices are called `name.0`, `name.1` and so on.
     pub name: String,

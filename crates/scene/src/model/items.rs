@@ -3,14 +3,17 @@
 //! Vectors have three components; those beyond the scene's dimension are zero. Particles, rods,
 //! elastic bodies and heat stand beside what reads them, which needs no other crate.
 
+use serde::Serialize;
+
 use crate::model::body_shape::BodyShape;
+use crate::model::serialized;
 #[cfg(feature = "contact")]
 use stationary_contact::{ImpactLaw, When};
 #[cfg(feature = "elasticity")]
 use stationary_elasticity::Strain;
 
 /// A spring between two of the scene's particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Link {
     /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
     pub ends: [usize; 2],
@@ -20,11 +23,12 @@ pub struct Link {
     pub stiffness: f64,
     /// Its measure of stretch.
     #[cfg(feature = "elasticity")]
+    #[serde(serialize_with = "serialized::strain")]
     pub strain: Strain,
 }
 
 /// A rigid body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RigidBody {
     /// Its name; its points are called `name.0`, `name.1` and so on.
     pub name: String,
@@ -47,7 +51,7 @@ pub struct RigidBody {
 }
 
 /// What a joint leaves free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum JointKind {
     /// Every turn; in the plane the only one there is. Called `ball` in space, `pin` in the plane.
     Ball,
@@ -58,7 +62,7 @@ pub enum JointKind {
 }
 
 /// A joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SceneJoint {
     /// What it leaves free.
     pub kind: JointKind,
@@ -72,7 +76,7 @@ pub struct SceneJoint {
 }
 
 /// How the things of a scene touch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneContact {
     /// Separating over approaching speed, 0 to 1.
     pub restitution: f64,
@@ -80,9 +84,11 @@ pub struct SceneContact {
     pub friction: f64,
     /// What happens where several contacts meet.
     #[cfg(feature = "contact")]
+    #[serde(serialize_with = "serialized::law")]
     pub law: ImpactLaw,
     /// At which moment particles are given impulses.
     #[cfg(feature = "contact")]
+    #[serde(serialize_with = "serialized::when")]
     pub when: When,
     /// The stiffness of springs that push particles apart, instead of impulses.
     pub stiffness: Option<f64>,
@@ -93,7 +99,7 @@ pub struct SceneContact {
 }
 
 /// A half-space that nothing enters.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SceneWall {
     /// Points to the side that is free, of length one.
     pub normal: [f64; 3],
@@ -102,7 +108,7 @@ pub struct SceneWall {
 }
 
 /// A ball that nothing enters and nothing moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SceneBall {
     /// Where it is.
     pub centre: [f64; 3],
@@ -111,7 +117,7 @@ pub struct SceneBall {
 }
 
 /// A rod between two of the scene's particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rod {
     /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
     pub ends: [usize; 2],

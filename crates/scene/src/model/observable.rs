@@ -9,8 +9,10 @@
 //! H = int f      heat            V = 1/2 int |grad f|^2      Dirichlet energy
 //! ```
 
+use serde::Serialize;
+
 /// A number, or a vector, of a state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Observable {
     /// E, the sum of the two below.
     Energy,

@@ -1,7 +1,9 @@
 //! Particles: point masses, vertices, and points of bodies.
 
+use serde::Serialize;
+
 /// A point mass. Vectors have three components; those beyond the scene's dimension are zero.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Particle {
     /// Its name; the vertices of a net are called `net.row.column`, the points of a body
     /// `body.number`, counted from 0.
@@ -15,7 +17,7 @@ pub struct Particle {
 }
 
 /// Whether a particle has freedoms of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Motion {
     /// It moves.
     Free {

@@ -1,5 +1,7 @@
 //! A scene: what a file has said, checked. It can be run, and run otherwise.
 
+use serde::Serialize;
+
 use crate::model::elastic_body::{ElasticBody, HeatedBody};
 use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::observable::Observable;
@@ -9,7 +11,7 @@ use crate::model::timing::Timing;
 use crate::model::units::Units;
 
 /// Particles or bodies and what acts on them, a method, and what is asked for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
     pub(crate) title: String,
     pub(crate) dimension: usize,
@@ -38,7 +40,7 @@ pub struct Scene {
 }
 
 /// The gravity of a scene, where it has one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gravity {
     /// The acceleration of a uniform field. Components beyond the scene's dimension are zero.
     pub acceleration: Option<[f64; 3]>,

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use stationary_mesh::Simplex;
 
 /// The simplices of a shape, by the numbers of their vertices.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Simplices {
     /// Of a bar.
     Segments(Vec<[usize; 2]>),

@@ -1,15 +1,18 @@
 //! Steps, horizon and samples.
 
+use serde::Serialize;
 use stationary_integrators::Horizon;
 
 use crate::text::fault::Fault;
 use crate::text::limits;
 
 /// Equal steps to a horizon, and how many of them from one sample to the next.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
     pub(crate) step: f64,
     pub(crate) horizon: f64,
+    /// Follows from the two before.
+    #[serde(skip)]
     pub(crate) steps: Horizon,
     pub(crate) sample_every: u64,
 }

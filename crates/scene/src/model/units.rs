@@ -1,8 +1,10 @@
 //! The words for units in headings. They change no number: a scene may state its data in any
 //! units that fit together.
 
+use serde::Serialize;
+
 /// What lengths, times and masses are called.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Units {
     /// The unit of length, such as `m`.
     pub length: String,

@@ -18,7 +18,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::{fmt, fs, io};
+use std::{fs, io};
 
 use bytes::{Fnv, Reader, Writer};
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
@@ -112,11 +112,12 @@ impl Checkpoint {
         self.step
     }
 
-    /// A number that tells scenes apart.
+    /// A number that tells scenes apart: the hash of the scene as JSON, whatever the order and the
+    /// comments of its file.
     pub(crate) fn fingerprint(scene: &Scene) -> u64 {
         let mut hash = Fnv::default();
         // Everything that was checked is in there, every number with all its digits.
-        let written = fmt::write(&mut hash, format_args!("{scene:?}"));
+        let written = serde_json::to_writer(&mut hash, scene);
         debug_assert!(written.is_ok(), "hashing does not fail");
         hash.value()
     }

@@ -8,8 +8,7 @@ use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::limits;
 use crate::text::number::{Components, Number};
-use crate::text::suggestion::nearest;
-use crate::text::suggestion::shortened;
+use crate::text::suggestion::{nearest, shortened};
 
 /// A finite number.
 pub(crate) fn finite(what: &'static str, number: &Spanned<Number>) -> Checked<f64> {

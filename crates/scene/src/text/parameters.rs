@@ -17,8 +17,7 @@ use toml::de::{DeTable, DeValue};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::expression;
 use crate::text::fault::Fault;
-use crate::text::suggestion::nearest;
-use crate::text::suggestion::shortened;
+use crate::text::suggestion::{nearest, shortened};
 
 /// Values for the parameters of a scene, by name.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,21 +1,20 @@
 //! The text of a scene: read from a file without trust, and parsed into declarations.
 
-use crate::text::parameters::{self, Parameters, has_expressions};
-use crate::text::suggestion::shortened;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::{fs, io};
-use toml::de::{DeTable, DeValue, Deserializer};
 
 use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue, Deserializer};
 
 use crate::text::diagnostic::{Checked, Diagnostic, Located, Place};
 use crate::text::fault::Fault;
 use crate::text::file_error::SceneError;
-use crate::text::limits;
+use crate::text::parameters::{Parameters, has_expressions};
 use crate::text::parser_words::in_words;
-use crate::text::suggestion::nearest;
+use crate::text::suggestion::{nearest, shortened};
+use crate::text::{limits, parameters};
 
 /// The text of the file: at most [`limits::FILE_BYTES`] of UTF-8.
 pub(crate) fn read(path: &Path) -> Result<String, SceneError> {

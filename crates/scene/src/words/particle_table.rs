@@ -8,8 +8,7 @@ use toml::Spanned;
 use crate::model::particle::Particle;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::text::suggestion::nearest;
-use crate::text::suggestion::shortened;
+use crate::text::suggestion::{nearest, shortened};
 
 /// The particles of a scene in order, found by name, and the place of each in the text.
 #[derive(Debug, Default)]

@@ -1,7 +1,7 @@
 //! Numbers to bytes and back, and the hash of bytes.
 
+use std::io;
 use std::io::Write;
-use std::{fmt, io};
 
 use stationary_calculus::Covector;
 use stationary_integrators::State;
@@ -28,9 +28,13 @@ impl Fnv {
     }
 }
 
-impl fmt::Write for Fnv {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.add(text.as_bytes());
+impl Write for Fnv {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.add(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
