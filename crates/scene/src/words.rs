@@ -7,6 +7,7 @@ pub(crate) mod bodies;
 pub(crate) mod body_methods;
 #[cfg(feature = "rigid")]
 pub(crate) mod body_shape;
+pub(crate) mod chains;
 pub(crate) mod contact;
 pub(crate) mod draft;
 pub(crate) mod drag;
@@ -41,6 +42,7 @@ use toml::Spanned;
 use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Count, Number};
 use crate::words::bodies::BodyDeclaration;
+use crate::words::chains::ChainDeclaration;
 use crate::words::contact::ContactDeclaration;
 use crate::words::draft::Draft;
 use crate::words::drag::DragDeclaration;
@@ -97,6 +99,9 @@ table! {
         /// Point masses, and points that stay.
         #[serde(default)]
         particles: Vec<ParticleDeclaration> = Kind::List(&Kind::Table(&ParticleDeclaration::TABLE)),
+        /// Particles joined by rods, on the line between two others.
+        #[serde(default)]
+        chains: Vec<ChainDeclaration> = Kind::List(&Kind::Table(&ChainDeclaration::TABLE)),
         /// Springs between particles.
         #[serde(default)]
         springs: Vec<SpringDeclaration> = Kind::List(&Kind::Table(&SpringDeclaration::TABLE)),
@@ -156,6 +161,6 @@ macro_rules! words {
 }
 
 words! {
-    bodies joints particles heat nets solids springs rods contact
+    bodies joints particles chains heat nets solids springs rods contact
     uniform_gravity newtonian_gravity drag
 }
