@@ -20,7 +20,6 @@ use toml::{Table, Value};
 use super::observable::observed;
 use super::surrogate;
 use crate::model::elastic_body::ElasticBody;
-use crate::model::observable::Observable;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::simplices::Simplices;

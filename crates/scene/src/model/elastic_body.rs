@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::model::serialized;
 use crate::model::simplices::{Middles, Simplices};
 #[cfg(feature = "elasticity")]
 use stationary_elasticity::Lame;
@@ -16,7 +15,7 @@ pub struct ElasticBody {
     pub material: ElasticMaterial,
     /// Its parameters as a body in space, force per area.
     #[cfg(feature = "elasticity")]
-    #[serde(serialize_with = "serialized::lame")]
+    #[serde(serialize_with = "crate::model::serialized::lame")]
     pub lame: Lame<3>,
     /// The cross-section of a bar, the thickness of a sheet, 1 of a block.
     pub section: f64,
@@ -30,7 +29,7 @@ pub struct ElasticBody {
     pub simplices: Simplices,
     /// The nodes of quadratic elements in the middle of edges, by the places of all three in
     /// [`Scene::particles`](crate::Scene::particles), the smaller end first; none of linear ones.
-    #[serde(serialize_with = "serialized::middles")]
+    #[serde(serialize_with = "crate::model::serialized::middles")]
     pub middles: Middles,
 }
 

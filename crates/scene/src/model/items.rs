@@ -6,7 +6,6 @@
 use serde::Serialize;
 
 use crate::model::body_shape::BodyShape;
-use crate::model::serialized;
 #[cfg(feature = "contact")]
 use stationary_contact::{ImpactLaw, When};
 #[cfg(feature = "elasticity")]
@@ -23,7 +22,7 @@ pub struct Link {
     pub stiffness: f64,
     /// Its measure of stretch.
     #[cfg(feature = "elasticity")]
-    #[serde(serialize_with = "serialized::strain")]
+    #[serde(serialize_with = "crate::model::serialized::strain")]
     pub strain: Strain,
 }
 
@@ -84,11 +83,11 @@ pub struct SceneContact {
     pub friction: f64,
     /// What happens where several contacts meet.
     #[cfg(feature = "contact")]
-    #[serde(serialize_with = "serialized::law")]
+    #[serde(serialize_with = "crate::model::serialized::law")]
     pub law: ImpactLaw,
     /// At which moment particles are given impulses.
     #[cfg(feature = "contact")]
-    #[serde(serialize_with = "serialized::when")]
+    #[serde(serialize_with = "crate::model::serialized::when")]
     pub when: When,
     /// The stiffness of springs that push particles apart, instead of impulses.
     pub stiffness: Option<f64>,
