@@ -40,6 +40,7 @@
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
 //! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }`; of heat `"heat"`, `"dirichlet-energy"`, `{ temperature = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
+//! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration` | a vector |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
@@ -48,6 +49,7 @@
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
 //! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
+//! | `[[chains]]` | `name`, `between`, `links`, `particle_mass` | particles called `name.1`, `name.2`, ..., joined by rods, on the line between two others |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
 //! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
@@ -107,7 +109,7 @@
 //!
 //! | feature | is needed for | turns on |
 //! | --- | --- | --- |
-//! | `constraints` | rods; with `rigid`, joints | |
+//! | `constraints` | rods, chains; with `rigid`, joints | |
 //! | `rigid` | bodies | |
 //! | `contact` | contact | `rigid` |
 //! | `elasticity` | springs, nets, solids | |
@@ -144,110 +146,110 @@
 #![cfg_attr(not(feature = "default"), allow(dead_code))]
 
 mod text {
-    pub(crate) mod expression;
-    pub(crate) mod parameters;
-    pub(crate) mod turn;
-    pub(crate) mod file_error;
-    pub(crate) mod check;
-    pub(crate) mod diagnostic;
-    pub(crate) mod fault;
     pub mod limits;
     pub(crate) mod number;
+    pub(crate) mod turn;
+    pub(crate) mod expression;
+    pub(crate) mod parameters;
+    pub(crate) mod suggestion;
+    pub(crate) mod fault;
+    pub(crate) mod diagnostic;
+    pub(crate) mod file_error;
+    pub(crate) mod check;
     pub(crate) mod parser_words;
     pub(crate) mod source;
-    pub(crate) mod suggestion;
 }
 
 mod model {
-    pub(crate) mod serialized;
-    pub(crate) mod columns;
-    pub(crate) mod timing;
-    pub(crate) mod changed;
     pub(crate) mod particle;
-    pub(crate) mod simplices;
-    pub(crate) mod body_shape;
-    pub(crate) mod elastic_body;
-    pub(crate) mod stepping;
-    pub(crate) mod built;
-    pub(crate) mod observable;
-    pub(crate) mod scene;
     pub(crate) mod items;
+    pub(crate) mod body_shape;
+    pub(crate) mod simplices;
+    pub(crate) mod elastic_body;
     pub(crate) mod units;
+    pub(crate) mod observable;
+    pub(crate) mod timing;
+    pub(crate) mod stepping;
+    pub(crate) mod scene;
+    pub(crate) mod columns;
+    pub(crate) mod changed;
+    pub(crate) mod built;
+    pub(crate) mod serialized;
 }
 
 mod words;
 
 mod assemble {
-    pub(crate) mod vertices;
-    pub(crate) mod particle_system;
-    #[cfg(feature = "modal")]
-    pub(crate) mod linear_modes;
-    #[cfg(feature = "constraints")]
-    pub(crate) mod rods;
     pub(crate) mod error;
-    pub(crate) mod acceleration;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod body_system;
+    pub(crate) mod scene;
+    pub(crate) mod vertices;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod springs;
     #[cfg(feature = "contact")]
     pub(crate) mod contacts;
     #[cfg(feature = "elasticity")]
     pub(crate) mod elastic;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod rods;
+    pub(crate) mod acceleration;
     #[cfg(feature = "modal")]
     pub(crate) mod rest;
-    pub(crate) mod scene;
-    #[cfg(feature = "elasticity")]
-    pub(crate) mod springs;
-    pub(crate) mod stable_step;
     pub(crate) mod system;
+    pub(crate) mod stable_step;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    pub(crate) mod particle_system;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod body_system;
 }
 
 mod run {
-    pub(crate) mod observer;
-    pub(crate) mod recorder;
     pub(crate) mod scene_run;
-    pub(crate) mod adaptive;
-    #[cfg(feature = "rigid")]
-    pub(crate) mod bodies;
-    pub(crate) mod checkpoint;
+    pub(crate) mod samples;
     pub(crate) mod contact_impulses;
-    pub(crate) mod equal;
+    pub(crate) mod checkpoint;
     pub(crate) mod error;
-    pub(crate) mod fields;
-    #[cfg(feature = "laplacian")]
-    pub(crate) mod heat;
-    #[cfg(feature = "contact")]
-    pub(crate) mod impacts;
     pub(crate) mod in_words;
-    #[cfg(all(feature = "rigid", feature = "constraints"))]
-    pub(crate) mod joints;
+    pub(crate) mod observer;
+    pub(crate) mod stepper;
+    pub(crate) mod recorder;
+    pub(crate) mod engine;
+    pub(crate) mod equal;
+    pub(crate) mod adaptive;
     #[cfg(feature = "constraints")]
     pub(crate) mod lasting;
-    #[cfg(feature = "modal")]
-    pub(crate) mod linear_modes;
-    pub(crate) mod engine;
-    pub(crate) mod particles;
     #[cfg(feature = "constraints")]
     pub(crate) mod rods;
-    pub(crate) mod samples;
-    pub(crate) mod stepper;
+    #[cfg(feature = "contact")]
+    pub(crate) mod impacts;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    pub(crate) mod particles;
+    #[cfg(all(feature = "rigid", feature = "constraints"))]
+    pub(crate) mod joints;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod bodies;
+    #[cfg(feature = "laplacian")]
+    pub(crate) mod heat;
+    pub(crate) mod fields;
 }
 
 mod show {
+    pub(crate) mod summary;
+    pub(crate) mod folder;
     pub(crate) mod write;
     pub(crate) mod csv;
-    pub(crate) mod drawing;
     pub(crate) mod field_tables;
-    pub(crate) mod film;
-    pub(crate) mod folder;
-    pub(crate) mod picture;
-    pub(crate) mod player;
+    pub(crate) mod drawing;
     pub(crate) mod projection;
     pub(crate) mod sheet;
-    pub(crate) mod summary;
-    pub(crate) mod vtk;
     pub(crate) mod walls;
+    pub(crate) mod picture;
+    pub(crate) mod film;
+    pub(crate) mod vtk;
+    pub(crate) mod player;
 }
 
 #[cfg(feature = "choose")]
