@@ -17,7 +17,7 @@ use stationary_choose::{
     Verdict as Said, answer,
 };
 use stationary_scene::choose::{Change, ChooseError, Question, SceneLadder, changed, scene_ladder};
-use stationary_scene::{Checkpoint, Progress, Scene, Watcher, Wish};
+use stationary_scene::{Checkpoint, Control, Observer, Progress, Scene};
 use stationary_trials::{Draw, Kind, Verdict};
 
 pub use scenes::Asked;
@@ -375,10 +375,10 @@ struct Looking {
     found: Vec<(f64, Vec<f64>)>,
 }
 
-impl Watcher for Looking {
-    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+impl Observer for Looking {
+    fn stepped(&mut self, now: Progress<'_>) -> Control {
         self.found.push((now.time, now.observed.to_vec()));
-        Wish::GoOn
+        Control::Continue
     }
 
     fn keep(&mut self, _: &Checkpoint) {}

@@ -38,14 +38,15 @@ mod observable;
 mod run;
 mod surrogate;
 
+pub use candidate::Setting;
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
-pub use ladder::{SceneLadder, Setting};
-pub use model::{Model, Sight};
+pub use ladder::SceneLadder;
+pub use model::{Model, Simplification};
 use stationary_choose::{MOMENTS, QuestionError};
 
-use crate::Scene;
+use crate::model::scene::Scene;
 
 /// What is asked of a scene.
 #[derive(Clone, Debug, PartialEq)]

@@ -27,6 +27,8 @@
 //! Keys join words by underscores, names join them by hyphens. Vectors have as many components as the
 //! scene has dimensions. Any units will do that fit together; without `[units]` they are called m, s, kg.
 //!
+//! [`vocabulary`] makes the schema and a page of every table and key from what the reader reads.
+//!
 //! | key | value | |
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
@@ -38,6 +40,7 @@
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
 //! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }`; of heat `"heat"`, `"dirichlet-energy"`, `{ temperature = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
+//! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration` | a vector |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
@@ -46,11 +49,15 @@
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
 //! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
+//! | `[[chains]]` | `name`, `between`, `links`, `particle_mass` | particles called `name.1`, `name.2`, ..., joined by rods, on the line between two others |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
 //! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
 //! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//!
+//! A text that begins with `=` is arithmetic wherever a number may stand, with the numbers of
+//! `[parameters]`: `position = ["= 2*L", 0]`. [`Scene::read_with`] gives parameters other values.
 //!
 //! A `shape` has a `kind` with its `size` and its `cells`, or is what a `file` beside the scene's holds:
 //! the surface of an OBJ file, or the tetrahedra of Gmsh's MSH file, or its triangles where it has no
@@ -102,7 +109,7 @@
 //!
 //! | feature | is needed for | turns on |
 //! | --- | --- | --- |
-//! | `constraints` | rods; with `rigid`, joints | |
+//! | `constraints` | rods, chains; with `rigid`, joints | |
 //! | `rigid` | bodies | |
 //! | `contact` | contact | `rigid` |
 //! | `elasticity` | springs, nets, solids | |
@@ -111,8 +118,8 @@
 //! | `choose` | [`choose`], the cheapest way to run a scene for a question | all of them |
 //!
 //! A file is read alike under any of them: a word whose feature is not on is answered by
-//! [`Fault::NotCompiled`] at its place. The crate's public types are the same as well; of a method or
-//! an error whose crate is not compiled there is no value. [`Run::built`] says what a scene had built
+//! [`Fault::NotCompiled`] at its place. Without a crate its methods are no variants of [`Stepping`],
+//! and its errors none of the errors'. [`Run::built`] says what a scene had built
 //! of what is compiled: what it does not name is zero.
 //!
 //! # A test of a scene is one line
@@ -138,137 +145,145 @@
 // Without one of the features, what is there for its scenes alone is not used.
 #![cfg_attr(not(feature = "default"), allow(dead_code))]
 
-mod diagnostic;
-mod fault;
-mod error;
-mod number;
-mod parser_words;
-mod source;
-mod suggestion;
+mod text {
+    pub mod limits;
+    pub(crate) mod number;
+    pub(crate) mod turn;
+    pub(crate) mod expression;
+    pub(crate) mod parameters;
+    pub(crate) mod suggestion;
+    pub(crate) mod fault;
+    pub(crate) mod diagnostic;
+    pub(crate) mod file_error;
+    pub(crate) mod check;
+    pub(crate) mod parser_words;
+    pub(crate) mod source;
+}
 
-mod upper;
-mod things;
-mod acceleration;
-mod assembly;
-mod body_shape;
-mod check;
-mod declaration;
-mod features;
-mod heat;
-mod mesh_file;
-mod observable;
-mod particles;
-mod scene;
-mod rods;
-mod quadratic_shape;
-mod shape;
-mod shape_kinds;
-mod solids;
-mod stepping;
-mod units;
+mod model {
+    pub(crate) mod particle;
+    pub(crate) mod items;
+    pub(crate) mod body_shape;
+    pub(crate) mod simplices;
+    pub(crate) mod elastic_body;
+    pub(crate) mod units;
+    pub(crate) mod observable;
+    pub(crate) mod timing;
+    pub(crate) mod stepping;
+    pub(crate) mod scene;
+    pub(crate) mod columns;
+    pub(crate) mod changed;
+    pub(crate) mod built;
+    pub(crate) mod serialized;
+}
 
-mod adaptive_steps;
-mod built;
-mod contact_impulses;
-mod equal_steps;
-mod kinds;
-mod march;
-mod particle_run;
-mod run;
-mod in_words;
-mod checkpoint;
-mod stable_step;
-mod steps;
-mod summary;
-mod system;
+mod words;
 
-// What a crate above the integrators is needed for, and what stands for it without.
-#[cfg(feature = "constraints")]
-mod lasting_steps;
-#[cfg(feature = "constraints")]
-mod rod_steps;
-#[cfg(feature = "rigid")]
-mod bodies;
-#[cfg(feature = "rigid")]
-mod body_run;
-#[cfg(feature = "rigid")]
-mod body_stepping;
-#[cfg(feature = "rigid")]
-mod body_system;
-#[cfg(feature = "rigid")]
-mod joints;
-#[cfg(all(feature = "rigid", feature = "constraints"))]
-mod joint_steps;
-#[cfg(feature = "contact")]
-mod contacts;
-#[cfg(feature = "contact")]
-mod impact_steps;
-#[cfg(feature = "contact")]
-mod touching;
-#[cfg(feature = "elasticity")]
-mod elastic;
-#[cfg(feature = "elasticity")]
-mod nets;
-#[cfg(feature = "elasticity")]
-mod node_shares;
-#[cfg(feature = "elasticity")]
-mod springs;
-#[cfg(feature = "modal")]
-mod linear_modes;
-#[cfg(feature = "modal")]
-mod rest;
-#[cfg(feature = "laplacian")]
-mod heat_run;
-#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-mod sparse_steps;
-#[cfg(not(feature = "default"))]
-mod absent;
-// Of nothing, where all are there by their own names.
-#[cfg(not(feature = "default"))]
-#[allow(unused_imports)]
-use absent::*;
+mod assemble {
+    pub(crate) mod error;
+    pub(crate) mod scene;
+    pub(crate) mod vertices;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod springs;
+    #[cfg(feature = "contact")]
+    pub(crate) mod contacts;
+    #[cfg(feature = "elasticity")]
+    pub(crate) mod elastic;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod rods;
+    pub(crate) mod acceleration;
+    #[cfg(feature = "modal")]
+    pub(crate) mod rest;
+    pub(crate) mod system;
+    pub(crate) mod stable_step;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    pub(crate) mod particle_system;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod body_system;
+}
 
-mod fields;
-mod folder;
-mod csv;
-mod drawing;
-mod field_tables;
-mod film;
-mod picture;
-mod player;
-mod projection;
-mod sheet;
-mod vtk;
-mod walls;
+mod run {
+    pub(crate) mod scene_run;
+    pub(crate) mod samples;
+    pub(crate) mod contact_impulses;
+    pub(crate) mod checkpoint;
+    pub(crate) mod error;
+    pub(crate) mod in_words;
+    pub(crate) mod observer;
+    pub(crate) mod stepper;
+    pub(crate) mod recorder;
+    pub(crate) mod engine;
+    pub(crate) mod equal;
+    pub(crate) mod adaptive;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod lasting;
+    #[cfg(feature = "constraints")]
+    pub(crate) mod rods;
+    #[cfg(feature = "contact")]
+    pub(crate) mod impacts;
+    #[cfg(feature = "modal")]
+    pub(crate) mod linear_modes;
+    pub(crate) mod particles;
+    #[cfg(all(feature = "rigid", feature = "constraints"))]
+    pub(crate) mod joints;
+    #[cfg(feature = "contact")]
+    pub(crate) mod touching;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod bodies;
+    #[cfg(feature = "laplacian")]
+    pub(crate) mod heat;
+    pub(crate) mod fields;
+}
+
+mod show {
+    pub(crate) mod summary;
+    pub(crate) mod folder;
+    pub(crate) mod write;
+    pub(crate) mod csv;
+    pub(crate) mod field_tables;
+    pub(crate) mod drawing;
+    pub(crate) mod projection;
+    pub(crate) mod sheet;
+    pub(crate) mod walls;
+    pub(crate) mod picture;
+    pub(crate) mod film;
+    pub(crate) mod vtk;
+    pub(crate) mod player;
+}
 
 #[cfg(feature = "choose")]
 pub mod choose;
-pub mod limits;
 pub mod problems;
 pub mod shipped;
 
-pub use body_shape::BodyShape;
-pub use built::Built;
-pub use checkpoint::{Checkpoint, CheckpointError};
-pub use contact_impulses::{ContactImpulse, ContactSide};
-pub use diagnostic::{Diagnostic, Place};
-pub use error::{AssemblyError, Interruption, RunError, SceneError, StepFailure, Stop, WriteError};
-pub use fault::Fault;
-pub use fields::BodyField;
-pub use folder::make_folder;
-pub use heat::HeatedBody;
-pub use march::{Watcher, Wish};
-pub use observable::Observable;
-pub use particles::{Motion, Particle};
-pub use quadratic_shape::Middles;
-pub use rods::Rod;
-pub use run::{BrokenRod, Impacts, Progress, Run};
-pub use scene::{Gravity, Scene, Timing};
-pub use shape::Simplices;
-pub use solids::{ElasticBody, ElasticMaterial};
-pub use stable_step::UnstableStep;
-pub use stepping::{Adaptive, Constrained, Stepping};
-pub use summary::Summary;
-pub use system::{ScenePotential, SceneProblem};
-pub use things::{JointKind, Link, RigidBody, SceneBall, SceneContact, SceneJoint, SceneWall};
-pub use units::Units;
+pub use assemble::error::AssemblyError;
+pub use assemble::stable_step::UnstableStep;
+pub use assemble::system::{ScenePotential, SceneProblem};
+pub use model::body_shape::BodyShape;
+pub use model::built::Built;
+pub use model::elastic_body::{ElasticBody, ElasticMaterial, HeatedBody};
+pub use model::items::{
+    JointKind, Link, RigidBody, Rod, SceneBall, SceneContact, SceneJoint, SceneWall,
+};
+pub use model::observable::Observable;
+pub use model::particle::{Motion, Particle};
+pub use model::scene::{Gravity, Scene};
+pub use model::simplices::{Middles, Simplices};
+pub use model::stepping::{Adaptive, Constrained, Stepping};
+pub use model::timing::Timing;
+pub use model::units::Units;
+pub use run::checkpoint::{Checkpoint, CheckpointError};
+pub use run::contact_impulses::{ContactImpulse, ContactSide};
+pub use run::error::{Interruption, RunError, StepFailure, Stop};
+pub use run::fields::BodyField;
+pub use run::observer::{Control, Observer, Progress};
+pub use run::samples::{BrokenRod, Impacts, Run};
+pub use show::folder::make_folder;
+pub use show::summary::Summary;
+pub use text::diagnostic::{Diagnostic, Place};
+pub use text::fault::Fault;
+pub use text::file_error::{SceneError, WriteError};
+pub use text::limits;
+pub use text::parameters::Parameters;
+pub use words::vocabulary;

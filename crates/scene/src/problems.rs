@@ -7,8 +7,11 @@
 //!
 //! Both are read from the scenes that ship with the crate, [`OUTER_SOLAR_SYSTEM`] and [`SPRING_NET`].
 
-use crate::number::Count;
-use crate::{AssemblyError, Scene, SceneError, SceneProblem};
+use crate::assemble::error::AssemblyError;
+use crate::assemble::system::SceneProblem;
+use crate::model::scene::Scene;
+use crate::text::file_error::SceneError;
+use crate::text::number::Count;
 
 /// The text of the scene `outer-solar-system.toml`.
 pub const OUTER_SOLAR_SYSTEM: &str = include_str!("../scenes/outer-solar-system.toml");

@@ -3,9 +3,11 @@
 //! Each crate states its rank in its manifest, `[package.metadata.layer] rank = 2`. A normal or a build
 //! dependency points strictly downward. A dev-dependency may also point sideways, to a tool of the same
 //! floor, but never upward: a crate tested with what is built on it cannot be read from below.
+//! Inside, a crate may name its rooms, folders of which none imports from a later one (`rooms.rs`).
 //! What may come from outside is one table here, so that a new package is a decision and not an
 //! accident.
 
+mod rooms;
 mod tree;
 
 use std::collections::BTreeMap;
@@ -147,6 +149,9 @@ pub struct Notes {
 #[derive(Clone, Debug, Deserialize)]
 struct Layer {
     rank: Option<u32>,
+    /// The folders of `src`, and the files beside them, in the order in which they may import.
+    #[serde(default)]
+    rooms: Vec<String>,
 }
 
 impl Metadata {
@@ -184,6 +189,12 @@ impl Package {
 
     fn rank(&self) -> Option<u32> {
         self.metadata.as_ref()?.layer.as_ref()?.rank
+    }
+
+    /// Its rooms, none where the manifest names none.
+    fn rooms(&self) -> &[String] {
+        let layer = self.metadata.as_ref().and_then(|notes| notes.layer.as_ref());
+        layer.map_or(&[], |layer| &layer.rooms)
     }
 }
 
@@ -239,6 +250,32 @@ pub enum Violation {
         krate: String,
         /// Which package.
         package: String,
+    },
+    /// A file imports from a room after its own.
+    #[error("{krate}: src/{file} imports {import}, which is in a later room")]
+    UpperRoom {
+        /// Which crate.
+        krate: String,
+        /// Which file.
+        file: String,
+        /// What it imports.
+        import: String,
+    },
+    /// Files that cannot be read one after the other.
+    #[error("{krate}: {} import each other in a circle", files.join(", "))]
+    Circle {
+        /// Which crate.
+        krate: String,
+        /// Which files.
+        files: Vec<String>,
+    },
+    /// A file of a crate with rooms that is in none of them.
+    #[error("{krate}: src/{file} is in none of the rooms of the manifest")]
+    NoRoom {
+        /// Which crate.
+        krate: String,
+        /// Which file.
+        file: String,
     },
     /// The docs name a file or folder that is gone.
     #[error("{file}:{line}: `{path}` does not exist")]

@@ -5,7 +5,9 @@ use stationary_integrators::{Evaluation, FirstOrderFacts, Method};
 use stationary_laplacian::HeatMethod;
 use stationary_rigid::BodyMethod;
 
-use crate::{Adaptive, Constrained, Scene, Stepping};
+use super::declaration::Change;
+use crate::model::scene::Scene;
+use crate::model::stepping::{Adaptive, Constrained, Stepping};
 
 /// A method as a scene names it.
 pub struct Candidate {
@@ -84,4 +86,13 @@ fn heat() -> impl Iterator<Item = Candidate> {
         let stepping = Stepping::Heat(method);
         Candidate::of(stepping, Kind::EqualSteps, order, stages, Evaluation::Explicit)
     })
+}
+
+/// What a rung says otherwise than its model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What the model's text says otherwise.
+    pub changes: Vec<Change>,
+    /// What a Hessian with its factorization and its solves counts, in differentials.
+    pub hessian_work: u64,
 }

@@ -8,7 +8,8 @@ use stationary_choose::{Answer, Experiment, Kind, Row};
 use super::ChooseError;
 use super::declaration::{Change, changed, commented};
 use super::ladder::SceneLadder;
-use crate::{Scene, WriteError};
+use crate::model::scene::Scene;
+use crate::text::file_error::WriteError;
 
 /// The scene's own text with the choice filled in; nothing where nothing is recommended.
 ///

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use stationary_choose::QuestionError;
 
-use crate::{SceneError, WriteError};
+use crate::text::file_error::{SceneError, WriteError};
 
 /// A question that has no answer.
 #[derive(Debug, thiserror::Error)]

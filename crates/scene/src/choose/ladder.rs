@@ -11,28 +11,19 @@ use stationary_choose::{
 };
 use stationary_integrators::Evaluation;
 
-use super::ChooseError;
-use super::candidate::{Candidate, candidates};
+use super::candidate::{Candidate, Setting, candidates};
 use super::declaration::{Change, changed, number};
-use super::model::{Model, Sight};
+use super::model::{Model, Simplification};
 use super::observable::{in_words, scale};
-use super::{look, run};
-use crate::{Scene, Stepping};
+use super::{ChooseError, look, run};
+use crate::model::scene::Scene;
+use crate::model::stepping::Stepping;
 
 /// Doublings of the number of modes.
 const DOUBLINGS: u32 = 8;
 /// Factorizations that the search for modes takes at least, with that for rest, and its solves.
 const FACTORIZATIONS: u64 = 5;
 const SOLVES: u64 = 48;
-
-/// What a rung says otherwise than its model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// What the model's text says otherwise.
-    pub changes: Vec<Change>,
-    /// What a Hessian with its factorization and its solves counts, in differentials.
-    pub hessian_work: u64,
-}
 
 /// Every way to run a scene.
 #[derive(Clone, Debug)]
@@ -163,8 +154,8 @@ fn keeps_energy(scene: &Scene) -> bool {
 }
 
 fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) -> Family {
-    let name = match &model.sight {
-        Sight::AsWritten => candidate.name.to_owned(),
+    let name = match &model.simplification {
+        Simplification::AsWritten => candidate.name.to_owned(),
         _ => format!("{} {}", candidate.name, model.words),
     };
     let Candidate { kind, order, evaluation, holds_rods, .. } = *candidate;

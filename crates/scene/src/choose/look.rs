@@ -6,11 +6,13 @@ use stationary_choose::{Energies, Kind, Look, Moments, Samples, counted, inside,
 use stationary_integrators::Cost;
 use toml::{Table, Value};
 
+use super::candidate::Setting;
 use super::declaration::changed;
-use super::ladder::Setting;
 use super::model::{Model, moved};
 use super::run::told;
-use crate::{Checkpoint, Progress, Scene, Watcher, Wish};
+use crate::model::scene::Scene;
+use crate::run::checkpoint::Checkpoint;
+use crate::run::observer::{Control, Observer, Progress};
 
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;
@@ -162,8 +164,8 @@ struct Looking<'t> {
     deadline: Instant,
 }
 
-impl Watcher for Looking<'_> {
-    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+impl Observer for Looking<'_> {
+    fn stepped(&mut self, now: Progress<'_>) -> Control {
         match self.reads {
             Reads::Lines => self.ends.push((now.time, now.observed.to_vec())),
             Reads::Ends => {
@@ -174,7 +176,7 @@ impl Watcher for Looking<'_> {
             Reads::Parts => {}
         }
         let late = now.step.is_multiple_of(CLOCK) && Instant::now() >= self.deadline;
-        if late { Wish::Stop } else { Wish::GoOn }
+        if late { Control::Stop } else { Control::Continue }
     }
 
     fn keep(&mut self, _: &Checkpoint) {}

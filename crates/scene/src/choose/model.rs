@@ -15,14 +15,18 @@
 
 use std::f64::consts::PI;
 
-use crate::{ElasticBody, Motion, Observable, Scene, Simplices};
 use toml::{Table, Value};
 
+use super::observable::observed;
 use super::surrogate;
+use crate::model::elastic_body::ElasticBody;
+use crate::model::particle::Motion;
+use crate::model::scene::Scene;
+use crate::model::simplices::Simplices;
 
 /// What a model makes of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Sight {
+pub enum Simplification {
     /// Itself.
     AsWritten,
     /// Shapes of fewer cells: so many halvings.
@@ -58,7 +62,7 @@ pub enum Sight {
 #[derive(Clone, Debug)]
 pub struct Model {
     /// What it makes of the scene.
-    pub sight: Sight,
+    pub simplification: Simplification,
     /// In words, such as `with 10 x 1 cells`; none of the scene itself.
     pub words: String,
     /// The scene's text, seen so.
@@ -81,7 +85,8 @@ const SAME: f64 = 1e-9;
 impl Model {
     /// The scene itself, and then its models from the finest to the simplest.
     pub fn all(name: &str, text: &str, scene: &Scene) -> Vec<Model> {
-        let written = Model::new(Sight::AsWritten, String::new(), text.to_owned(), scene.clone());
+        let written =
+            Model::new(Simplification::AsWritten, String::new(), text.to_owned(), scene.clone());
         let mut models = vec![written];
         let Ok(table) = toml::from_str::<Table>(text) else { return models };
         for halvings in 1..=HALVINGS {
@@ -95,8 +100,8 @@ impl Model {
         }
         models.extend(other_contacts(name, &table, scene));
         models.extend(springs(name, &table, scene));
-        for sight in [Sight::Rigid, Sight::Points] {
-            models.extend(simplified(name, &table, scene, sight));
+        for simplification in [Simplification::Rigid, Simplification::Points] {
+            models.extend(simplified(name, &table, scene, simplification));
         }
         let written = models[0].pieces;
         if models.iter().all(|model| model.pieces == written) {
@@ -110,52 +115,59 @@ impl Model {
         let Ok(table) = toml::from_str::<Table>(&written.text) else { return Vec::new() };
         let refined = |halvings| refined(name, &table, &written.scene, halvings);
         let mut models: Vec<Model> = (1..=REFINEMENTS).filter_map(refined).collect();
-        let own = Model::new(Sight::AsWritten, String::new(), String::new(), written.scene.clone());
+        let own = Model::new(
+            Simplification::AsWritten,
+            String::new(),
+            String::new(),
+            written.scene.clone(),
+        );
         for model in &mut models {
             model.pieces = (model.pieces * written.pieces).div_ceil(own.pieces);
         }
         models
     }
 
-    fn new(sight: Sight, words: String, text: String, scene: Scene) -> Self {
+    fn new(simplification: Simplification, words: String, text: String, scene: Scene) -> Self {
         let elements = scene.solids().iter().map(in_linear_elements);
         let heated = scene.heat().map(|body| body.simplices.len() as f64);
         let elements = elements.chain(heated).sum::<f64>().round() as u64;
         let pieces = elements.max(scene.bodies().len() as u64).max(1);
-        Model { sight, words, text, scene, pieces }
+        Model { simplification, words, text, scene, pieces }
     }
 
     /// How much simpler than the scene itself: of runs that cost the same, the simplest is chosen.
     pub fn simplicity(&self) -> u32 {
-        match self.sight {
-            Sight::AsWritten
-            | Sight::Refined(_)
-            | Sight::Contact { .. }
-            | Sight::Springs { .. } => 0,
-            Sight::Halved(halvings) | Sight::Elements { halvings, .. } => halvings,
-            Sight::Rigid => HALVINGS + 1,
-            Sight::Points => HALVINGS + 2,
+        match self.simplification {
+            Simplification::AsWritten
+            | Simplification::Refined(_)
+            | Simplification::Contact { .. }
+            | Simplification::Springs { .. } => 0,
+            Simplification::Halved(halvings) | Simplification::Elements { halvings, .. } => {
+                halvings
+            }
+            Simplification::Rigid => HALVINGS + 1,
+            Simplification::Points => HALVINGS + 2,
         }
     }
 
     /// Another text of the scene seen so, where it can be: with more observables, or comments.
     pub fn seen(&self, text: &str) -> Option<String> {
-        match self.sight {
-            Sight::AsWritten => Some(text.to_owned()),
-            Sight::Halved(halvings) => {
+        match self.simplification {
+            Simplification::AsWritten => Some(text.to_owned()),
+            Simplification::Halved(halvings) => {
                 written(&with_fewer_cells(&toml::from_str(text).ok()?, halvings)?)
             }
-            Sight::Elements { word, halvings } => {
+            Simplification::Elements { word, halvings } => {
                 written(&with_elements(&toml::from_str(text).ok()?, word, halvings)?)
             }
-            Sight::Contact { key, word } => {
+            Simplification::Contact { key, word } => {
                 written(&with_contact(&toml::from_str(text).ok()?, key, word)?)
             }
-            Sight::Springs { stiffness } => {
+            Simplification::Springs { stiffness } => {
                 written(&with_springs(&toml::from_str(text).ok()?, stiffness)?)
             }
             // Nobody asks for more than is written, and bodies have no other places than the observed.
-            Sight::Refined(_) | Sight::Rigid | Sight::Points => None,
+            Simplification::Refined(_) | Simplification::Rigid | Simplification::Points => None,
         }
     }
 }
@@ -167,8 +179,10 @@ const PLACES: usize = 6;
 pub(super) fn moved(model: &Model) -> Vec<usize> {
     let moves = |(_, particle): &(usize, &crate::Particle)| particle.motion != Motion::Pinned;
     let particles = model.scene.particles().iter().enumerate().filter(moves);
-    match model.sight {
-        Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. } => {
+    match model.simplification {
+        Simplification::AsWritten
+        | Simplification::Contact { .. }
+        | Simplification::Springs { .. } => {
             particles.map(|(number, _)| number).take(PLACES).collect()
         }
         _ => Vec::new(),
@@ -183,19 +197,6 @@ fn parsed(name: &str, table: &Table) -> Option<(String, Scene)> {
     let text = written(table)?;
     let scene = Scene::parse_at(name, &text).ok()?;
     Some((text, scene))
-}
-
-/// The particles that the first observable is about.
-pub(super) fn observed(scene: &Scene) -> Vec<usize> {
-    match scene.observables().first() {
-        Some(
-            Observable::Position(particle)
-            | Observable::Velocity(particle)
-            | Observable::Temperature(particle),
-        ) => vec![*particle],
-        Some(Observable::Distance(pair)) => pair.to_vec(),
-        _ => Vec::new(),
-    }
 }
 
 /// What an element of a body counts, in linear ones of its dimension: as many times the instructions
@@ -216,7 +217,7 @@ fn in_linear_elements(body: &ElasticBody) -> f64 {
 fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Model> {
     let fewer = with_fewer_cells(table, halvings)?;
     let words = format!("with {} cells", cells_of(&fewer));
-    otherwise(name, &fewer, scene, Sight::Halved(halvings), words)
+    otherwise(name, &fewer, scene, Simplification::Halved(halvings), words)
 }
 
 /// The scene with shapes of more cells, where these have the observed places too.
@@ -232,7 +233,7 @@ fn refined(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Mo
         false => count.checked_mul(1 << halvings),
     })?;
     let words = format!("with {} cells", cells_of(&more));
-    otherwise(name, &more, scene, Sight::Refined(halvings), words)
+    otherwise(name, &more, scene, Simplification::Refined(halvings), words)
 }
 
 /// The scene with elastic bodies of other elements, where these have the observed places too.
@@ -245,7 +246,7 @@ fn of_elements(
 ) -> Option<Model> {
     let other = with_elements(table, word, halvings)?;
     let words = format!("with {} {word} cells", cells_of(&other));
-    otherwise(name, &other, scene, Sight::Elements { word, halvings }, words)
+    otherwise(name, &other, scene, Simplification::Elements { word, halvings }, words)
 }
 
 /// A scene of other shapes, where these have the observed places too.
@@ -253,7 +254,7 @@ fn otherwise(
     name: &str,
     table: &Table,
     scene: &Scene,
-    sight: Sight,
+    simplification: Simplification,
     words: String,
 ) -> Option<Model> {
     let (text, coarse) = parsed(name, table)?;
@@ -266,7 +267,7 @@ fn otherwise(
         let (Some(a), Some(b)) = (place(scene, a), place(&coarse, b)) else { return false };
         a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size)
     });
-    same.then(|| Model::new(sight, words, text, coarse))
+    same.then(|| Model::new(simplification, words, text, coarse))
 }
 
 /// Elements of bodies that are not all of this kind already, in cells halved so often.
@@ -342,7 +343,7 @@ fn other_contacts(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
     let seen = |(key, word): (&'static str, &'static str)| {
         let (text, scene) = parsed(name, &with_contact(table, key, word)?)?;
         let words = format!("by `{word}`");
-        Some(Model::new(Sight::Contact { key, word }, words, text, scene))
+        Some(Model::new(Simplification::Contact { key, word }, words, text, scene))
     };
     moments.chain(laws).filter_map(seen).collect()
 }
@@ -362,7 +363,7 @@ fn springs(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
         let stiffness = mass * (PI * touches / scene.timing().horizon()).powi(2);
         let (text, scene) = parsed(name, &with_springs(table, stiffness)?)?;
         let words = format!("by springs of {stiffness:.1e}");
-        Some(Model::new(Sight::Springs { stiffness }, words, text, scene))
+        Some(Model::new(Simplification::Springs { stiffness }, words, text, scene))
     };
     TOUCHES.into_iter().filter_map(seen).collect()
 }
@@ -384,21 +385,26 @@ fn with_contact(table: &Table, key: &str, word: &str) -> Option<Table> {
 }
 
 /// Rigid bodies or point masses, where nothing but weight acts on what they stand for.
-fn simplified(name: &str, table: &Table, scene: &Scene, sight: Sight) -> Option<Model> {
+fn simplified(
+    name: &str,
+    table: &Table,
+    scene: &Scene,
+    simplification: Simplification,
+) -> Option<Model> {
     let alone =
         ["particles", "springs", "rods", "nets", "newtonian_gravity", "drag", "contact", "heat"];
     if alone.iter().any(|key| table.contains_key(*key)) {
         return None;
     }
-    let (simple, words) = match sight {
-        Sight::Rigid if !scene.solids().is_empty() => {
+    let (simple, words) = match simplification {
+        Simplification::Rigid if !scene.solids().is_empty() => {
             (surrogate::rigid(table, scene)?, "as a rigid body")
         }
-        Sight::Points if scene.joints().is_empty() => {
+        Simplification::Points if scene.joints().is_empty() => {
             (surrogate::points(table, scene)?, "as a point mass")
         }
         _ => return None,
     };
     let (text, scene) = parsed(name, &simple)?;
-    Some(Model::new(sight, words.to_owned(), text, scene))
+    Some(Model::new(simplification, words.to_owned(), text, scene))
 }

@@ -11,7 +11,8 @@ use toml::Value;
 
 use super::ChooseError;
 use super::declaration::{Change, changed};
-use crate::{Observable, Scene};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
 
 /// The scene's text, asked for this observable only.
 ///
@@ -62,6 +63,19 @@ fn declared(observable: &str) -> String {
             let names: Vec<String> = more.iter().map(|name| quoted(name)).collect();
             format!("{{ {word} = [{}] }}", names.join(", "))
         }
+    }
+}
+
+/// The particles that the first observable is about.
+pub(super) fn observed(scene: &Scene) -> Vec<usize> {
+    match scene.observables().first() {
+        Some(
+            Observable::Position(particle)
+            | Observable::Velocity(particle)
+            | Observable::Temperature(particle),
+        ) => vec![*particle],
+        Some(Observable::Distance(pair)) => pair.to_vec(),
+        _ => Vec::new(),
     }
 }
 

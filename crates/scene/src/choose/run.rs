@@ -5,10 +5,15 @@ use std::ops::ControlFlow;
 use stationary_choose::{Energies, Failure, MOMENTS, Record, Samples, Watch, counted};
 use stationary_integrators::{Cost, StepError};
 
+use super::candidate::Setting;
 use super::declaration::changed;
-use super::ladder::Setting;
 use super::model::{Model, moved};
-use crate::{Checkpoint, Observable, Progress, Run, RunError, Scene, StepFailure, Watcher, Wish};
+use crate::model::observable::Observable;
+use crate::model::scene::Scene;
+use crate::run::checkpoint::Checkpoint;
+use crate::run::error::{RunError, StepFailure};
+use crate::run::observer::{Control, Observer, Progress};
+use crate::run::samples::Run;
 
 /// Runs a model as a setting says, until the watch breaks off.
 pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watch<'_>) -> Record {
@@ -84,8 +89,8 @@ struct Judging<'t, 'w> {
     accepted: Vec<f64>,
 }
 
-impl Watcher for Judging<'_, '_> {
-    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+impl Observer for Judging<'_, '_> {
+    fn stepped(&mut self, now: Progress<'_>) -> Control {
         let on = self.watch.stepped();
         let at_moment = on.is_continue() && now.step.is_multiple_of(self.every);
         let on = match at_moment {
@@ -93,8 +98,8 @@ impl Watcher for Judging<'_, '_> {
             false => on,
         };
         match on {
-            ControlFlow::Continue(()) => Wish::GoOn,
-            ControlFlow::Break(()) => Wish::Stop,
+            ControlFlow::Continue(()) => Control::Continue,
+            ControlFlow::Break(()) => Control::Stop,
         }
     }
 

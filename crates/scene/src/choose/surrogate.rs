@@ -12,8 +12,10 @@
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use toml::{Table, Value};
 
-use super::model::observed;
-use crate::{Motion, Observable, Scene};
+use super::observable::observed;
+use crate::model::observable::Observable;
+use crate::model::particle::Motion;
+use crate::model::scene::Scene;
 
 /// What a body comes to.
 struct Lump {

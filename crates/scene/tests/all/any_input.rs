@@ -5,7 +5,9 @@
 //! somebody wishes.
 
 use proptest::prelude::*;
-use stationary_scene::{Scene, limits};
+use serde_json::Value;
+use stationary_measure::SplitMix64;
+use stationary_scene::{Scene, limits, vocabulary};
 
 /// All shipped scenes.
 fn scenes() -> Vec<String> {
@@ -62,7 +64,100 @@ fn value() -> impl Strategy<Value = String> {
     prop_oneof![4 => number, 4 => vector, 3 => word, 2 => pair, 1 => Just("true".to_owned()), 1 => Just("{}".to_owned())]
 }
 
+/// A text that keeps to a schema in most places: each table of the vocabulary with some of its keys.
+struct Maker {
+    random: SplitMix64,
+    schema: Value,
+}
+
+impl Maker {
+    fn new(seed: u64) -> Self {
+        let schema = serde_json::from_str(&vocabulary::schema()).expect("the schema is JSON");
+        Maker { random: SplitMix64::new(seed), schema }
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.random.bits() % count as u64) as usize
+    }
+
+    /// The keys of a table, those that must be there nearly always.
+    fn keys(&mut self, table: &Value, depth: usize) -> Vec<(String, String)> {
+        let required: Vec<&str> =
+            table["required"].as_array().into_iter().flatten().flat_map(Value::as_str).collect();
+        let mut keys = Vec::new();
+        for (key, schema) in table["properties"].as_object().into_iter().flatten() {
+            let odds = if required.contains(&key.as_str()) { 40 } else { 3 + depth };
+            let drawn = self.below(odds) == 0;
+            if drawn != required.contains(&key.as_str()) {
+                keys.push((key.clone(), self.value(schema, depth + 1)));
+            }
+        }
+        keys
+    }
+
+    fn value(&mut self, schema: &Value, depth: usize) -> String {
+        if let Some(name) = schema["$ref"].as_str().and_then(|path| path.rsplit('/').next()) {
+            let definition = self.schema["$defs"][name].clone();
+            return self.value(&definition, depth);
+        }
+        if let Some(any) = schema["anyOf"].as_array() {
+            // The first mostly: the others are expressions.
+            let one = if self.below(4) == 0 { self.below(any.len()) } else { 0 };
+            return self.value(&any[one].clone(), depth);
+        }
+        if let Some(words) = schema["enum"].as_array() {
+            return words[self.below(words.len())].to_string();
+        }
+        match schema["type"].as_str() {
+            Some("number") => ["1", "0.5", "2.0", "-1", "0", "1e9"][self.below(6)].to_owned(),
+            Some("integer") => ["1", "2", "3", "5", "0", "64"][self.below(6)].to_owned(),
+            Some("boolean") => ["true", "false"][self.below(2)].to_owned(),
+            Some("string") if schema["pattern"].is_string() => {
+                ["\"= 1 + 1\"", "\"= L/2\"", "\"= (\"", "\"= 1/0\""][self.below(4)].to_owned()
+            }
+            Some("string") => {
+                ["\"a\"", "\"b\"", "\"c\"", "\"world\"", "\"left\""][self.below(5)].to_owned()
+            }
+            Some("array") => {
+                let least = schema["minItems"].as_u64().unwrap_or(0) as usize;
+                let count = if least == 0 { self.below(4) } else { least + self.below(2) };
+                let items = schema["items"].clone();
+                let all: Vec<String> = (0..count).map(|_| self.value(&items, depth + 1)).collect();
+                format!("[{}]", all.join(", "))
+            }
+            Some("object") if schema["properties"].is_object() => {
+                let keys = self.keys(schema, depth);
+                let keys: Vec<String> = keys.iter().map(|(k, v)| format!("{k} = {v}")).collect();
+                format!("{{ {} }}", keys.join(", "))
+            }
+            _ => "{ L = [1, 2] }".to_owned(),
+        }
+    }
+
+    fn scene(&mut self) -> String {
+        let root = self.schema.clone();
+        let keys = self.keys(&root, 0);
+        keys.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
+    }
+}
+
+#[test]
+fn the_maker_of_scenes_says_every_word_of_the_registry() {
+    let texts: String = (0..300).map(|seed| Maker::new(seed).scene()).collect();
+    let schema: Value = serde_json::from_str(&vocabulary::schema()).unwrap();
+    let tables = schema["$defs"].as_object().unwrap().values().chain([&schema]);
+    let keys = tables.filter_map(|table| table["properties"].as_object()).flatten();
+    for (key, _) in keys {
+        assert!(texts.contains(&format!("{key} = ")), "{key}");
+    }
+}
+
 proptest! {
+    #[test]
+    fn a_scene_made_of_the_registry_is_answered(seed in any::<u64>()) {
+        answers(&Maker::new(seed).scene())?;
+    }
+
     #[test]
     fn a_text_without_sense_is_answered(text in "\\PC{0,300}") {
         answers(&text)?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 use stationary_scene::{
-    Checkpoint, CheckpointError, Progress, Run, RunError, Scene, Stepping, Watcher, Wish,
+    Checkpoint, CheckpointError, Control, Observer, Progress, Run, RunError, Scene, Stepping,
 };
 
 /// Asks for a checkpoint of a step, and ends the run there.
@@ -16,12 +16,12 @@ struct StopsAfter {
     kept: Option<Checkpoint>,
 }
 
-impl Watcher for StopsAfter {
-    fn stepped(&mut self, now: Progress<'_>) -> Wish {
+impl Observer for StopsAfter {
+    fn stepped(&mut self, now: Progress<'_>) -> Control {
         match (now.step + 1 >= self.step, &self.kept) {
-            (true, Some(_)) => Wish::Stop,
-            (true, None) => Wish::Checkpoint,
-            (false, _) => Wish::GoOn,
+            (true, Some(_)) => Control::Stop,
+            (true, None) => Control::Checkpoint,
+            (false, _) => Control::Continue,
         }
     }
 
@@ -51,9 +51,9 @@ fn interrupted(scene: &Scene, step: u64, name: &str) -> Checkpoint {
 /// Goes on to the horizon.
 struct Patient;
 
-impl Watcher for Patient {
-    fn stepped(&mut self, _: Progress<'_>) -> Wish {
-        Wish::GoOn
+impl Observer for Patient {
+    fn stepped(&mut self, _: Progress<'_>) -> Control {
+        Control::Continue
     }
 
     fn keep(&mut self, _: &Checkpoint) {}

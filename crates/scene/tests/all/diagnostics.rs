@@ -59,7 +59,7 @@ fn an_unknown_field_is_shown_with_the_nearest_one() {
         &format!("{HEAD}<<sample-every>> = 2\n{BALL}"),
         &message("sample-every"),
         "sample_every",
-        "`title`, `dimension`, `integrator`",
+        "`title`, `parameters`, `dimension`, `integrator`",
     );
     suggested(
         &format!("{HEAD}{BALL}<<velosity>> = [0, 0]\n"),

@@ -12,6 +12,7 @@ mod fields;
 mod files;
 mod heat;
 mod output;
+mod parameters;
 mod quadratic;
 mod runs;
 mod schema;

@@ -17,8 +17,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use stationary_scene::{
-    Checkpoint, CheckpointError, Progress as Step, Run as SceneRun, RunError, Scene, SceneError,
-    Summary, Watcher, Wish, WriteError, make_folder,
+    Checkpoint, CheckpointError, Control, Observer, Parameters, Progress as Step, Run as SceneRun,
+    RunError, Scene, SceneError, Summary, WriteError, make_folder,
 };
 
 /// Runs a scene file and writes its trajectory, observables and picture.
@@ -32,6 +32,9 @@ pub struct Run {
     /// Writes a file a sample for ParaView as well.
     #[arg(long)]
     vtk: bool,
+    /// Another value for a parameter of the scene; may be given for several.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parameter)]
+    set: Vec<(String, f64)>,
     /// Goes on from the checkpoint that an interrupted run has left in DIR; starts anew where there is
     /// none.
     #[arg(long)]
@@ -41,10 +44,24 @@ pub struct Run {
     quiet: bool,
 }
 
+/// What `--set` says.
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as L=0.4")?;
+    let number: f64 = value.trim().parse().map_err(|_| format!("`{value}` is not a number"))?;
+    match number.is_finite() {
+        true => Ok((name.trim().to_owned(), number)),
+        false => Err(format!("the value is {number}; it must be finite")),
+    }
+}
+
 /// What a shell says of a program that control-C has ended.
 const INTERRUPTED: u8 = 130;
 
 impl Run {
+    fn parameters(&self) -> Parameters {
+        self.set.iter().fold(Parameters::new(), |all, (name, value)| all.with(name, *value))
+    }
+
     /// Runs the scene until its horizon, or until the program is asked to end.
     pub(super) fn run(&self) -> Result<ExitCode, Box<dyn std::error::Error>> {
         let stop = Arc::new(AtomicBool::new(false));
@@ -55,6 +72,7 @@ impl Run {
         }
         let ending = run_job(&Job {
             file: &self.file,
+            parameters: &self.parameters(),
             out: &self.out,
             start: if self.resume { Start::Resumed } else { Start::Fresh },
             series: if self.vtk { Series::Vtk } else { Series::None },
@@ -124,6 +142,8 @@ pub enum Series {
 pub struct Job<'a> {
     /// The scene's file.
     pub file: &'a Path,
+    /// Other values for its parameters.
+    pub parameters: &'a Parameters,
     /// Where to write.
     pub out: &'a Path,
     /// Where to begin.
@@ -161,7 +181,16 @@ const CHECKPOINT: &str = "checkpoint";
 /// [`RunSceneError`]. Of a run that stopped early, what was computed is written all the same.
 pub fn run_scene(file: &Path, out: &Path, progress: Progress) -> Result<Summary, RunSceneError> {
     let stop = AtomicBool::new(false);
-    let job = Job { file, out, start: Start::Fresh, series: Series::None, progress, stop: &stop };
+    let parameters = &Parameters::new();
+    let job = Job {
+        file,
+        parameters,
+        out,
+        start: Start::Fresh,
+        series: Series::None,
+        progress,
+        stop: &stop,
+    };
     run_job(&job).map(|ending| ending.summary)
 }
 
@@ -171,7 +200,7 @@ pub fn run_scene(file: &Path, out: &Path, progress: Progress) -> Result<Summary,
 /// [`RunSceneError`], before the run where the folder cannot be written. Of a run that stopped early,
 /// what was computed is written all the same.
 pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
-    let scene = Scene::read(job.file)?;
+    let scene = Scene::read_with(job.file, job.parameters)?;
     make_folder(job.out)?;
     if job.series == Series::Vtk {
         make_folder(job.out.join("trajectory"))?;
@@ -276,18 +305,18 @@ impl<'a> Keeper<'a> {
 /// Steps between two looks at the clock.
 const LOOK: u64 = 64;
 
-impl Watcher for Keeper<'_> {
-    fn stepped(&mut self, now: Step<'_>) -> Wish {
+impl Observer for Keeper<'_> {
+    fn stepped(&mut self, now: Step<'_>) -> Control {
         self.done = now.step;
         if now.step.is_multiple_of(self.move_every) {
             self.bar.set_position(now.step);
         }
         if self.stop.load(Ordering::Relaxed) {
-            return if self.kept { Wish::Stop } else { Wish::Checkpoint };
+            return if self.kept { Control::Stop } else { Control::Checkpoint };
         }
         match now.step.is_multiple_of(LOOK) && self.last.elapsed() > self.wait {
-            true => Wish::Checkpoint,
-            false => Wish::GoOn,
+            true => Control::Checkpoint,
+            false => Control::Continue,
         }
     }
 

@@ -23,7 +23,8 @@ fn folder(name: &str) -> PathBuf {
 fn run(file: &Path, out: &Path, start: Start, asked: bool) -> Result<Ending, RunSceneError> {
     let stop = AtomicBool::new(asked);
     let (series, progress) = (Series::None, Progress::Hidden);
-    run_job(&Job { file, out, start, series, progress, stop: &stop })
+    let parameters = &stationary_scene::Parameters::new();
+    run_job(&Job { file, parameters, out, start, series, progress, stop: &stop })
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{LayerError, Metadata, Violation};
+use super::{LayerError, Metadata, Violation, rooms};
 
 /// First folders of what looks like a path of this repository.
 const ROOTS: [&str; 5] = ["crates/", "xtask/", "docs/", "tests/", "benches/"];
@@ -32,6 +32,13 @@ pub fn check_tree(metadata: &Metadata) -> Result<Vec<Violation>, LayerError> {
         violations.extend(
             nameless.filter(|f| is_nameless(f)).map(|path| Violation::NamelessFile { path }),
         );
+        if !library.rooms().is_empty() {
+            let sources =
+                files(&folder)?.into_iter().filter(|f| f.extension() == Some("rs".as_ref()));
+            let sources = sources.map(|file| Ok((shown(&folder, &file), read(&file)?)));
+            let sources = sources.collect::<Result<Vec<_>, LayerError>>()?;
+            violations.extend(rooms::check(&library.name, library.rooms(), &sources));
+        }
     }
     violations.extend(unsafe_allowed(metadata)?);
     Ok(violations)

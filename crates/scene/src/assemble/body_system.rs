@@ -1,0 +1,193 @@
+//! The mechanical system of a scene of bodies, and what steps it.
+//!
+//! ```text
+//! in space       M = diag(m, m, m, I1, I2, I3) a body, in its axes     7 numbers store 6 freedoms
+//! in the plane   M = diag(m, m, I) a body, flat                        (x, y, theta)
+//! V = uniform gravity,     g = joints, held by RATTLE,  or gaps, closed by impacts and friction
+//! ```
+
+use nalgebra::{Vector2, Vector3};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
+use stationary_integrators::State;
+use stationary_rigid::{
+    Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, JointEnd, JointKind, LieGroup, PlanarEnd,
+    PlanarJoint, PlanarJointKind, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
+};
+
+use crate::JointKind as SceneJointKind;
+use crate::assemble::error::AssemblyError;
+use crate::model::items::{RigidBody, SceneJoint};
+use crate::model::scene::Scene;
+
+/// What a run asks of bodies in space and in the plane alike.
+pub(crate) trait BodySystem {
+    /// Where they start.
+    fn initial(&self) -> &State<Vec<f64>>;
+
+    /// Their kinetic and their potential energy.
+    fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
+
+    /// How a body moves, as a body in space.
+    fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion;
+
+    /// Appends its orientation, velocity and angular velocity, as a sample keeps them.
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>);
+}
+
+/// Bodies in space.
+pub(crate) struct InSpace {
+    pub(crate) system: SpatialSystem,
+    pub(crate) joints: Vec<Joint<Poses>>,
+    pub(crate) initial: State<Vec<f64>>,
+}
+
+type Load = (Option<Weight<Poses>>, Free);
+type PlanarLoad = (Option<PlanarWeight>, Free);
+pub(crate) type SpatialSystem = System<BodyMetric<Poses>, Load, Poses>;
+pub(crate) type PlanarSystem = System<DiagonalMetric<Vec<f64>>, PlanarLoad>;
+
+/// Bodies in the plane.
+pub(crate) struct InThePlane {
+    pub(crate) system: PlanarSystem,
+    pub(crate) joints: Vec<PlanarJoint>,
+    pub(crate) initial: State<Vec<f64>>,
+}
+
+impl BodySystem for InSpace {
+    fn initial(&self) -> &State<Vec<f64>> {
+        &self.initial
+    }
+
+    fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
+        let kinetic = self.system.metric().kinetic_energy(state.p.view());
+        [kinetic, self.system.potential().energy(&state.q)]
+    }
+
+    fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion {
+        let (of, p) = (self.system.metric().bodies()[body], &state.p.0[6 * body..][..6]);
+        BodyMotion {
+            pose: Poses::pose_at(&state.q, body),
+            velocity: Vector3::from_column_slice(&p[..3]) / of.mass(),
+            angular_velocity: of.angular_velocity(&Vector3::from_column_slice(&p[3..])),
+        }
+    }
+
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
+        let BodyMotion { pose, velocity, angular_velocity } = self.motion(state, body);
+        field.extend(pose.rotation.quaternion());
+        field.extend(velocity.iter().chain(&angular_velocity));
+    }
+}
+
+impl BodySystem for InThePlane {
+    fn initial(&self) -> &State<Vec<f64>> {
+        &self.initial
+    }
+
+    fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2] {
+        let kinetic = self.system.metric().kinetic_energy(state.p.view());
+        [kinetic, self.system.potential().energy(&state.q)]
+    }
+
+    fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion {
+        let masses = &self.system.metric().masses()[3 * body..][..3];
+        let (q, p) = (&state.q[3 * body..][..3], &state.p.0[3 * body..][..3]);
+        let rotation = Rotation::exp(Vector3::z() * q[2]);
+        BodyMotion {
+            pose: RigidMotion { translation: Vector3::new(q[0], q[1], 0.0), rotation },
+            velocity: Vector3::new(p[0] / masses[0], p[1] / masses[1], 0.0),
+            angular_velocity: Vector3::z() * (p[2] / masses[2]),
+        }
+    }
+
+    fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
+        let BodyMotion { velocity, angular_velocity, .. } = self.motion(state, body);
+        field.extend([state.q[3 * body + 2], velocity.x, velocity.y, angular_velocity.z]);
+    }
+}
+
+fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Poses>, AssemblyError> {
+    let frame = RigidMotion { translation: joint.place.into(), rotation: Rotation::identity() };
+    let ends = joint.between.map(|end| match end {
+        None => JointEnd { body: None, frame },
+        Some(index) => {
+            let body = &bodies[index];
+            let pose = RigidMotion { translation: body.position.into(), rotation: body.turned() };
+            JointEnd::where_it_stands(index, &pose, &frame)
+        }
+    });
+    let kind = match joint.kind {
+        SceneJointKind::Ball => JointKind::Ball,
+        SceneJointKind::Hinge => JointKind::Hinge { axis: joint.axis.into() },
+        SceneJointKind::Fixed => JointKind::Weld,
+    };
+    Ok(Joint::new(Poses, bodies.len(), kind, ends)?)
+}
+
+fn joint_in_the_plane(
+    bodies: &[RigidBody],
+    joint: &SceneJoint,
+) -> Result<PlanarJoint, AssemblyError> {
+    let place = Vector3::from(joint.place).xy();
+    let ends = joint.between.map(|end| match end {
+        None => PlanarEnd::world(place),
+        Some(index) => {
+            let RigidBody { position: [x, y, _], rotation: [.., angle], .. } = bodies[index];
+            PlanarEnd::where_it_stands(index, [x, y, angle], place)
+        }
+    });
+    let kind = match joint.kind {
+        SceneJointKind::Fixed => PlanarJointKind::Weld,
+        _ => PlanarJointKind::Pin,
+    };
+    Ok(PlanarJoint::new(bodies.len(), kind, ends)?)
+}
+
+impl Scene {
+    /// The scene's bodies in space.
+    pub(crate) fn in_space(&self) -> Result<InSpace, AssemblyError> {
+        let made = self.bodies.iter().map(|body| Body::new(body.mass, body.moments));
+        let metric = BodyMetric::<Poses>::new(made.collect::<Result<Vec<_>, _>>()?);
+        let motion = |body: &RigidBody| BodyMotion {
+            pose: RigidMotion { translation: body.position.into(), rotation: body.turned() },
+            velocity: body.velocity.into(),
+            angular_velocity: body.angular_velocity.into(),
+        };
+        let initial = metric.state(&self.bodies.iter().map(motion).collect::<Vec<_>>())?;
+        let load = |body: &RigidBody| PointMass { mass: body.mass, point: Vector3::zeros() };
+        let weight = self.gravity.acceleration.map(|gravity| Weight {
+            gravity: gravity.into(),
+            masses: self.bodies.iter().map(load).collect(),
+            space: Poses,
+        });
+        let free = Free { freedoms: 6 * self.bodies.len() };
+        let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        Ok(InSpace {
+            system: metric.under((weight, free))?,
+            joints: joints.collect::<Result<_, _>>()?,
+            initial,
+        })
+    }
+
+    /// The scene's bodies in the plane.
+    pub(crate) fn in_the_plane(&self) -> Result<InThePlane, AssemblyError> {
+        let inertia = |body: &RigidBody| [body.mass, body.mass, body.moments[2]];
+        let masses: Vec<f64> = self.bodies.iter().flat_map(inertia).collect();
+        let place = |body: &RigidBody| [body.position[0], body.position[1], body.rotation[2]];
+        let rates = |b: &RigidBody| [b.velocity[0], b.velocity[1], b.angular_velocity[2]];
+        let q = self.bodies.iter().flat_map(place).collect();
+        let v = self.bodies.iter().flat_map(rates);
+        let p = v.zip(&masses).map(|(v, mass)| v * mass).collect();
+        let weight = self.gravity.acceleration.map(|[x, y, _]| PlanarWeight {
+            gravity: Vector2::new(x, y),
+            masses: self.bodies.iter().map(|body| body.mass).collect(),
+        });
+        let free = Free { freedoms: masses.len() };
+        let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        Ok(InThePlane {
+            system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
+            joints: joints.collect::<Result<_, _>>()?,
+            initial: State::new(q, Covector(p)),
+        })
+    }
+}

@@ -1,0 +1,130 @@
+//! What a scene can have in it, as data: there whether or not the crate that moves it is compiled.
+//!
+//! Vectors have three components; those beyond the scene's dimension are zero. Particles, rods,
+//! elastic bodies and heat stand beside what reads them, which needs no other crate.
+
+use serde::Serialize;
+
+use crate::model::body_shape::BodyShape;
+#[cfg(feature = "contact")]
+use stationary_contact::{ImpactLaw, When};
+#[cfg(feature = "elasticity")]
+use stationary_elasticity::Strain;
+
+/// A spring between two of the scene's particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Link {
+    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
+    pub ends: [usize; 2],
+    /// Its length at rest.
+    pub rest_length: f64,
+    /// Its stiffness, force per length.
+    pub stiffness: f64,
+    /// Its measure of stretch.
+    #[cfg(feature = "elasticity")]
+    #[serde(serialize_with = "crate::model::serialized::strain")]
+    pub strain: Strain,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RigidBody {
+    /// Its name; its points are called `name.0`, `name.1` and so on.
+    pub name: String,
+    /// Its mass.
+    pub mass: f64,
+    /// Its shape.
+    pub shape: BodyShape,
+    /// Its principal moments; in the plane the third, and the others are zero.
+    pub moments: [f64; 3],
+    /// Where its centre starts.
+    pub position: [f64; 3],
+    /// How it is turned at the start: axis times angle.
+    pub rotation: [f64; 3],
+    /// The velocity of its centre at the start.
+    pub velocity: [f64; 3],
+    /// Its angular velocity at the start, in body axes.
+    pub angular_velocity: [f64; 3],
+    /// The points that are followed, in body axes.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// What a joint leaves free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum JointKind {
+    /// Every turn; in the plane the only one there is. Called `ball` in space, `pin` in the plane.
+    Ball,
+    /// Turns about an axis, in space.
+    Hinge,
+    /// Nothing. Called `fixed` in space, `weld` in the plane.
+    Fixed,
+}
+
+/// A joint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SceneJoint {
+    /// What it leaves free.
+    pub kind: JointKind,
+    /// The bodies that it joins, by their place in [`Scene::bodies`](crate::Scene::bodies); `None`
+    /// is the world.
+    pub between: [Option<usize>; 2],
+    /// Where it is at the start.
+    pub place: [f64; 3],
+    /// The axis of a hinge at the start, of length one; else the third axis.
+    pub axis: [f64; 3],
+}
+
+/// How the things of a scene touch.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneContact {
+    /// Separating over approaching speed, 0 to 1.
+    pub restitution: f64,
+    /// Coulomb's coefficient, between bodies.
+    pub friction: f64,
+    /// What happens where several contacts meet.
+    #[cfg(feature = "contact")]
+    #[serde(serialize_with = "crate::model::serialized::law")]
+    pub law: ImpactLaw,
+    /// At which moment particles are given impulses.
+    #[cfg(feature = "contact")]
+    #[serde(serialize_with = "crate::model::serialized::when")]
+    pub when: When,
+    /// The stiffness of springs that push particles apart, instead of impulses.
+    pub stiffness: Option<f64>,
+    /// Half-spaces that nothing enters: what is on the side of the normal is free.
+    pub walls: Vec<SceneWall>,
+    /// Balls that nothing enters and nothing moves.
+    pub balls: Vec<SceneBall>,
+}
+
+/// A half-space that nothing enters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SceneWall {
+    /// Points to the side that is free, of length one.
+    pub normal: [f64; 3],
+    /// How far the wall is from the origin along it.
+    pub offset: f64,
+}
+
+/// A ball that nothing enters and nothing moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SceneBall {
+    /// Where it is.
+    pub centre: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+}
+
+/// A rod between two of the scene's particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rod {
+    /// The particles at its ends, by their place in [`Scene::particles`](crate::Scene::particles).
+    pub ends: [usize; 2],
+    /// Its length, the distance of its ends at the start.
+    pub length: f64,
+    /// The tension or thrust beyond which it breaks; infinite where it does not.
+    pub strength: f64,
+}
+
+/// The components of a stress: xx, yy, zz, xy, yz, xz; those beyond the dimension are zero.
+pub(crate) type Stress = [f64; 6];

@@ -1,0 +1,189 @@
+//! A scene: what a file has said, checked. It can be run, and run otherwise.
+
+use serde::Serialize;
+
+use crate::model::elastic_body::{ElasticBody, HeatedBody};
+use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
+use crate::model::observable::Observable;
+use crate::model::particle::{Motion, Particle};
+use crate::model::stepping::Stepping;
+use crate::model::timing::Timing;
+use crate::model::units::Units;
+
+/// Particles or bodies and what acts on them, a method, and what is asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scene {
+    pub(crate) title: String,
+    pub(crate) dimension: usize,
+    pub(crate) units: Units,
+    pub(crate) stepping: Stepping,
+    pub(crate) timing: Timing,
+    pub(crate) gravity: Gravity,
+    pub(crate) drag: Option<f64>,
+    pub(crate) contact: Option<SceneContact>,
+    pub(crate) particles: Vec<Particle>,
+    pub(crate) written_out: usize,
+    pub(crate) links: Vec<Link>,
+    pub(crate) rods: Vec<Rod>,
+    pub(crate) bodies: Vec<RigidBody>,
+    pub(crate) joints: Vec<SceneJoint>,
+    pub(crate) solids: Vec<ElasticBody>,
+    pub(crate) heat: Option<HeatedBody>,
+    /// The particles that are held until the start.
+    pub(crate) hung: Vec<usize>,
+    /// Pairs of points of bodies and solids that a picture joins.
+    pub(crate) edges: Vec<[usize; 2]>,
+    /// Triangles on the outside of solids.
+    pub(crate) faces: Vec<[usize; 3]>,
+    pub(crate) observables: Vec<Observable>,
+    pub(crate) view: [f64; 3],
+}
+
+/// The gravity of a scene, where it has one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gravity {
+    /// The acceleration of a uniform field. Components beyond the scene's dimension are zero.
+    pub acceleration: Option<[f64; 3]>,
+    /// The constant G of the attraction of every two particles.
+    pub constant: Option<f64>,
+}
+
+impl Scene {
+    /// Its title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Its dimension: 1, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The words for its units.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// How it is stepped.
+    pub fn stepping(&self) -> Stepping {
+        self.stepping
+    }
+
+    /// Its step, horizon and samples.
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Its gravity.
+    pub fn gravity(&self) -> Gravity {
+        self.gravity
+    }
+
+    /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
+    pub fn drag(&self) -> Option<f64> {
+        self.drag
+    }
+
+    /// How its things touch, where they do.
+    pub fn contact(&self) -> Option<&SceneContact> {
+        self.contact.as_ref()
+    }
+
+    /// Its particles: those that are written out, in the file's order, then the vertices of nets
+    /// and of solids; or the centres of its bodies, then their points.
+    pub fn particles(&self) -> &[Particle] {
+        &self.particles
+    }
+
+    /// Its springs: those of nets, then those that are written out.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// Its rods.
+    pub fn rods(&self) -> &[Rod] {
+        &self.rods
+    }
+
+    /// Its rigid bodies, in the file's order.
+    pub fn bodies(&self) -> &[RigidBody] {
+        &self.bodies
+    }
+
+    /// Its joints, in the file's order.
+    pub fn joints(&self) -> &[SceneJoint] {
+        &self.joints
+    }
+
+    /// Its elastic bodies, in the file's order.
+    pub fn solids(&self) -> &[ElasticBody] {
+        &self.solids
+    }
+
+    /// The body through which heat flows, where there is one: then there is nothing else.
+    pub fn heat(&self) -> Option<&HeatedBody> {
+        self.heat.as_ref()
+    }
+
+    /// Triangles on the outside of its elastic bodies, counterclockwise from there, by their places
+    /// in [`Scene::particles`]; those of sheets are seen from one side.
+    pub fn faces(&self) -> &[[usize; 3]] {
+        &self.faces
+    }
+
+    /// What a run writes down besides the positions.
+    pub fn observables(&self) -> &[Observable] {
+        &self.observables
+    }
+
+    /// The number of its freedoms, of which joints take some.
+    pub fn freedoms(&self) -> usize {
+        if let Some(body) = &self.heat {
+            return body.held.iter().filter(|&&held| !held).count();
+        }
+        if !self.bodies.is_empty() {
+            return (if self.dimension == 3 { 6 } else { 3 }) * self.bodies.len();
+        }
+        let free = |particle: &&Particle| matches!(particle.motion, Motion::Free { .. });
+        self.dimension * self.particles.iter().filter(free).count()
+    }
+
+    /// The lines that a picture draws between particles: springs, or edges of bodies.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.links.iter().map(|link| link.ends).chain(self.edges.iter().copied())
+    }
+
+    /// The particles whose paths a picture shows: those written out and those observed.
+    pub(crate) fn followed(&self) -> Vec<usize> {
+        let observed = self.observables.iter().filter_map(|observable| match *observable {
+            Observable::Position(particle)
+            | Observable::Velocity(particle)
+            | Observable::Temperature(particle) => Some(particle),
+            _ => None,
+        });
+        let mut followed: Vec<usize> =
+            (0..self.written_out).chain(observed.filter(|&p| p >= self.written_out)).collect();
+        followed.sort_unstable();
+        followed.dedup();
+        followed
+    }
+
+    /// Whether its things touch by impulses, and not by springs.
+    pub(crate) fn has_impulses(&self) -> bool {
+        self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
+    }
+
+    /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.
+    pub(crate) fn keeps_velocities(&self) -> bool {
+        self.heat.is_none() && self.bodies.is_empty()
+    }
+}
+
+/// Numbers that a sample keeps of each body.
+pub(crate) fn numbers_of_a_body(dimension: usize) -> usize {
+    // A quaternion, or an angle, and the two velocities.
+    if dimension == 3 { 4 + 3 + 3 } else { 1 + 2 + 1 }
+}
+
+/// The names of the coordinates.
+pub(crate) const COORDINATES: [&str; 3] = ["x", "y", "z"];

@@ -1,0 +1,126 @@
+//! How a scene is stepped.
+
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::HeatMethod;
+#[cfg(feature = "rigid")]
+use stationary_rigid::BodyMethod;
+use std::fmt;
+
+use stationary_integrators::{Evaluation, Method};
+
+/// How a scene is stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// Equal steps of a method; in a scene with rods each is followed by a projection. Bodies in
+    /// the plane that have joints take Stormer-Verlet, which holding them turns into RATTLE.
+    Equal(Method),
+    /// Steps that the method chooses, for an error of at most `tolerance` a step, relative to the
+    /// scene's size and speed.
+    Adaptive {
+        /// The method.
+        method: Adaptive,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// Rods held by their forces.
+    Constrained(Constrained),
+    /// The lowest modes about the place where the scene comes to rest, in closed form; of heat
+    /// about what it comes to in the end.
+    LinearModes {
+        /// How many, besides rigid motions and the constant.
+        count: usize,
+    },
+    /// Heat, in equal steps.
+    #[cfg(feature = "laplacian")]
+    Heat(HeatMethod),
+    /// Bodies in space. Where they have joints it is RATTLE along the free motion that the method
+    /// is named after.
+    #[cfg(feature = "rigid")]
+    Bodies(BodyMethod),
+}
+
+/// A method that chooses its own steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adaptive {
+    /// [`DormandPrince853`](stationary_integrators::DormandPrince853).
+    DormandPrince853,
+    /// [`RadauIia5`](stationary_integrators::RadauIia5).
+    RadauIia5,
+    /// [`BackwardDifferences`](stationary_integrators::BackwardDifferences) up to order 5.
+    BackwardDifferences,
+}
+
+/// A method that holds rods by their forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constrained {
+    /// [`Rattle`](stationary_constraints::Rattle).
+    Rattle,
+    /// [`ConstrainedHamilton`](stationary_constraints::ConstrainedHamilton).
+    Hamilton,
+}
+
+/// The word for motion in closed form.
+pub(crate) const LINEAR_MODES: &str = "linear-modes";
+
+pub(crate) const ADAPTIVE: [(&str, Adaptive); 3] = [
+    ("dormand-prince-853", Adaptive::DormandPrince853),
+    ("radau-iia-5", Adaptive::RadauIia5),
+    ("bdf-5", Adaptive::BackwardDifferences),
+];
+
+pub(crate) const CONSTRAINED: [(&str, Constrained); 2] =
+    [("rattle", Constrained::Rattle), ("constrained-hamilton", Constrained::Hamilton)];
+
+impl Stepping {
+    /// Its name in a scene's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stepping::Equal(method) => method.facts().name,
+            Stepping::Adaptive { method, .. } => named(&ADAPTIVE, method),
+            Stepping::Constrained(method) => named(&CONSTRAINED, method),
+            Stepping::LinearModes { .. } => LINEAR_MODES,
+            #[cfg(feature = "laplacian")]
+            Stepping::Heat(method) => method.name(),
+            #[cfg(feature = "rigid")]
+            Stepping::Bodies(method) => method.facts().name,
+        }
+    }
+
+    /// Whether its steps solve equations, and so count iterations that depend on rounding.
+    pub fn evaluation(self) -> Evaluation {
+        match self {
+            Stepping::Equal(method) => method.facts().evaluation,
+            #[cfg(feature = "rigid")]
+            Stepping::Bodies(method) => method.facts().evaluation,
+            // Heat solves its one matrix, without iterations.
+            #[cfg(feature = "laplacian")]
+            Stepping::Heat(_) => Evaluation::Explicit,
+            Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
+                Evaluation::Implicit
+            }
+        }
+    }
+}
+
+impl From<Method> for Stepping {
+    fn from(method: Method) -> Self {
+        Stepping::Equal(method)
+    }
+}
+
+#[cfg(feature = "rigid")]
+impl From<BodyMethod> for Stepping {
+    fn from(method: BodyMethod) -> Self {
+        Stepping::Bodies(method)
+    }
+}
+
+fn named<T: PartialEq>(words: &[(&'static str, T)], meant: T) -> &'static str {
+    words.iter().find(|(_, meaning)| *meaning == meant).map_or("", |(name, _)| name)
+}
+
+impl fmt::Display for Stepping {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,127 @@
+//! Steps that the method chooses, read off at moments of the scene's choice.
+
+use stationary_calculus::{Covector, Metric, Vector};
+use stationary_integrators::{
+    AdaptiveMethod, BackwardDifferences, DormandPrince853, Drag, MechanicalField, Moment,
+    RadauIia5, Saved, State, StepControl, StepReport, Tolerance, Work,
+};
+
+use crate::assemble::error::AssemblyError;
+use crate::assemble::system::SceneProblem;
+use crate::model::scene::Scene;
+use crate::model::stepping::Adaptive;
+use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::error::StepFailure;
+use crate::run::stepper::{Stepped, Stepper};
+
+/// What steps as a method chooses.
+pub(crate) fn stepper<'s, const D: usize>(
+    scene: &Scene,
+    problem: &'s SceneProblem<D>,
+    method: Adaptive,
+    tolerance: f64,
+) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+    let end = scene.timing.horizon();
+    let method = adaptive(method, problem, scene.drag, tolerance)?;
+    let y = vec![0.0; 2 * problem.system.dim()];
+    Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new() }))
+}
+
+/// A method that chooses its own steps, read off.
+struct Reading<'s> {
+    method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
+    end: f64,
+    y: Vec<f64>,
+    /// The method's numbers before its last step, whose polynomial is read off.
+    before: Vec<f64>,
+    /// The ends of its steps since it was asked last.
+    ends: Vec<f64>,
+}
+
+impl Stepper for Reading<'_> {
+    /// Steps past the time `to` where that is needed, and reads the state there.
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        _: f64,
+        to: f64,
+    ) -> Result<Stepped, StepFailure> {
+        let before = *self.method.work();
+        self.ends.clear();
+        while self.method.moment().t < to {
+            self.before.clear();
+            self.method.visit(&mut |number| self.before.push(*number));
+            self.method.step(self.end)?;
+            self.ends.push(self.method.moment().t);
+        }
+        self.method.interpolate(to, &mut self.y)?;
+        let (q, p) = self.y.split_at(state.q.len());
+        state.q.copy_from_slice(q);
+        state.p.components_mut().copy_from_slice(p);
+        let after = self.method.work();
+        let since = |count: fn(&Work) -> u64| (count(after) - count(&before)) as u32;
+        Ok(Stepped::done(StepReport {
+            differentials: since(|work| work.evaluations),
+            hessians: since(|work| work.factorizations),
+            ..StepReport::default()
+        }))
+    }
+
+    fn reads_off(&self) -> bool {
+        true
+    }
+
+    fn own_ends(&self) -> &[f64] {
+        &self.ends
+    }
+
+    fn save(&mut self) -> Saved {
+        if self.before.is_empty() {
+            return self.method.save();
+        }
+        // Its last step is taken once more, for the polynomial within it.
+        Saved { method: self.method.facts().name.to_owned(), numbers: self.before.clone() }
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        Ok(self.method.load(&before.memory)?)
+    }
+}
+
+/// The method that chooses its own steps, at the scene's start.
+fn adaptive<'s, const D: usize>(
+    method: Adaptive,
+    problem: &'s SceneProblem<D>,
+    coefficient: Option<f64>,
+    tolerance: f64,
+) -> Result<Box<dyn AdaptiveMethod<Vec<f64>> + 's>, AssemblyError> {
+    let system = &problem.system;
+    let n = system.dim();
+    let drag = coefficient.map(|coefficient| Drag::new(vec![coefficient; n])).transpose()?;
+    let field = MechanicalField::forced(system, drag)?;
+    let initial = &problem.initial;
+    let y = initial.q.iter().chain(initial.p.components()).copied().collect();
+    let start = Moment::new(0.0, y);
+    let control =
+        StepControl::from(Tolerance::componentwise(tolerance, allowed(problem, tolerance))?);
+    Ok(match method {
+        Adaptive::DormandPrince853 => Box::new(DormandPrince853::new(field, control, start)?),
+        Adaptive::RadauIia5 => Box::new(RadauIia5::new(field, control, start)?),
+        Adaptive::BackwardDifferences => Box::new(BackwardDifferences::new(field, control, start)?),
+    })
+}
+
+/// The absolute tolerance of each position and momentum: that part of the scene's size, and of each
+/// particle's momentum at the scene's fastest speed, or where all is at rest at its size over its
+/// horizon.
+fn allowed<const D: usize>(problem: &SceneProblem<D>, tolerance: f64) -> Vec<f64> {
+    let system = &problem.system;
+    let n = system.dim();
+    let mut v = vec![0.0; n];
+    system.metric().sharp(problem.initial.p.view(), Vector(v.as_mut_slice()));
+    let speed = v.iter().fold(problem.scale / problem.horizon, |speed, v| speed.max(v.abs()));
+    let mut p = vec![0.0; n];
+    system.metric().flat(Vector(vec![speed; n].as_slice()), Covector(p.as_mut_slice()));
+    let q = std::iter::repeat_n(tolerance * problem.scale, n);
+    q.chain(p.into_iter().map(|p| tolerance * p)).collect()
+}

@@ -1,0 +1,148 @@
+//! A run of bodies: step after step to the horizon, and samples of their centres and points.
+
+use nalgebra::Vector3;
+use stationary_integrators::State;
+use stationary_rigid::BodyMotion;
+
+use crate::assemble::body_system::{BodySystem, InSpace, InThePlane};
+use crate::assemble::error::AssemblyError;
+use crate::model::built::Built;
+use crate::model::columns::Moment;
+use crate::model::particle::Motion;
+use crate::model::scene::Scene;
+use crate::model::stepping::Stepping;
+use crate::run::checkpoint::Checkpoint;
+use crate::run::engine::{Clock, Engine};
+use crate::run::equal::Equal;
+use crate::run::error::RunError;
+use crate::run::observer::Observer;
+use crate::run::recorder::{Failed, Recorder};
+use crate::run::samples::{Run, Samples};
+use crate::run::stepper::Stepper;
+
+impl Scene {
+    /// Runs a scene of bodies to its horizon, or until the observer breaks off.
+    pub(crate) fn run_bodies(
+        &self,
+        checkpoint: Option<Checkpoint>,
+        observer: &mut dyn Observer,
+    ) -> Result<Run, RunError> {
+        if self.dimension == 3 {
+            let system = self.in_space()?;
+            return self.run_system(&system, in_space(self, &system)?, checkpoint, observer);
+        }
+        let system = self.in_the_plane()?;
+        self.run_system(&system, in_the_plane(self, &system)?, checkpoint, observer)
+    }
+
+    fn run_system(
+        &self,
+        system: &dyn BodySystem,
+        stepper: Box<dyn Stepper + '_>,
+        checkpoint: Option<Checkpoint>,
+        observer: &mut dyn Observer,
+    ) -> Result<Run, RunError> {
+        let built = Built { bodies: self.bodies.len() as u64, ..stepper.built() };
+        let recorder = Box::new(BodyRecorder { scene: self, system });
+        let (state, clock) = (system.initial().clone(), Clock::OfTheSteps);
+        Engine { scene: self, state, stepper, recorder, clock, built }
+            .integrate(checkpoint, observer)
+    }
+}
+
+type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
+
+/// What steps bodies in space.
+fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+    let Stepping::Bodies(method) = scene.stepping else {
+        return Err(AssemblyError::Bodies);
+    };
+    let InSpace { system, joints, initial } = of;
+    #[cfg(feature = "contact")]
+    if let Some(contact) = &scene.contact {
+        return crate::run::touching::in_space(scene, contact, system, initial);
+    }
+    #[cfg(feature = "constraints")]
+    if !joints.is_empty() {
+        return crate::run::joints::in_space(method, system, joints, initial);
+    }
+    let _ = (joints, initial);
+    Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
+}
+
+/// What steps bodies in the plane.
+fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+    let Stepping::Equal(method) = scene.stepping else {
+        return Err(AssemblyError::Bodies);
+    };
+    let InThePlane { system, joints, initial } = of;
+    #[cfg(feature = "contact")]
+    if let Some(contact) = &scene.contact {
+        return crate::run::touching::in_the_plane(scene, contact, system, initial);
+    }
+    #[cfg(feature = "constraints")]
+    if !joints.is_empty() {
+        return crate::run::joints::in_the_plane(system, joints, initial);
+    }
+    let _ = (joints, initial);
+    Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
+}
+
+/// Takes samples of bodies, and of their points.
+struct BodyRecorder<'a> {
+    scene: &'a Scene,
+    system: &'a dyn BodySystem,
+}
+
+impl Recorder for BodyRecorder<'_> {
+    fn sample(&mut self, state: &State<Vec<f64>>, time: f64, samples: &mut Samples) {
+        let (scene, system) = (self.scene, self.system);
+        let motions: Vec<BodyMotion> =
+            (0..scene.bodies.len()).map(|body| system.motion(state, body)).collect();
+        let at = |particle: &Motion| match *particle {
+            Motion::Carried { body, point } => {
+                let BodyMotion { pose, velocity, angular_velocity } = &motions[body];
+                let point = Vector3::from(point);
+                let turning = pose.rotation.rotate(&angular_velocity.cross(&point));
+                (pose.apply(&point).into(), (velocity + turning).into())
+            }
+            _ => ([0.0; 3], [0.0; 3]),
+        };
+        let (positions, velocities): (Vec<[f64; 3]>, Vec<[f64; 3]>) =
+            scene.particles.iter().map(|particle| at(&particle.motion)).unzip();
+        let [kinetic, potential] = system.energies(state);
+        let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+        let mut scales = [0.0; 2];
+        for (body, motion) in scene.bodies.iter().zip(&motions) {
+            let (x, p) = (motion.pose.translation, motion.velocity * body.mass);
+            let m = Vector3::from(body.moments).component_mul(&motion.angular_velocity);
+            linear += p;
+            angular += x.cross(&p) + motion.pose.rotation.rotate(&m);
+            scales[0] += p.norm();
+            scales[1] += x.norm() * p.norm() + m.norm();
+        }
+        let mut bodies = Vec::new();
+        (0..scene.bodies.len()).for_each(|body| system.append_field(state, body, &mut bodies));
+        let turning: Vec<[f64; 3]> = motions.iter().map(|m| m.angular_velocity.into()).collect();
+        let moment = Moment {
+            kinetic,
+            potential,
+            linear: linear.into(),
+            angular: angular.into(),
+            positions: &positions,
+            velocities: &velocities,
+            angular_velocities: &turning,
+            bodies: &bodies,
+            ..Moment::default()
+        };
+        samples.push(scene, time, &moment, scales);
+    }
+
+    fn failed(&self, failed: Failed, state: &State<Vec<f64>>, run: Run) -> RunError {
+        let h = self.scene.timing.step();
+        let turn = |body| h * self.system.motion(state, body).angular_velocity.norm();
+        let turns: Vec<f64> = (0..self.scene.bodies.len()).map(turn).collect();
+        let words = self.scene.turn_named(&failed.source, &turns);
+        failed.stops(run, words)
+    }
+}

@@ -1,0 +1,141 @@
+//! Equal steps of a method, of particles that are held back by drag or by nothing.
+
+#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+use stationary_calculus::SparseSolver;
+#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+use stationary_integrators::{DampedPattern, Evaluation};
+use stationary_integrators::{Drag, Integrator, Method, Newmark, NewmarkWeights, Saved, State};
+
+use crate::assemble::error::AssemblyError;
+use crate::assemble::system::SceneProblem;
+#[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+use crate::assemble::vertices::few;
+use crate::model::built::Built;
+use crate::model::scene::Scene;
+use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::error::StepFailure;
+use crate::run::stepper::{Stepped, Stepper};
+
+impl Scene {
+    /// A method on the scene's problem, with a sparse solver where that pays.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Sparse`] where the matrix of an implicit method does not fit into memory.
+    pub fn integrator<'s, const D: usize>(
+        &self,
+        problem: &'s SceneProblem<D>,
+        method: Method,
+    ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
+        Ok(Equal::new(problem, method)?.integrator)
+    }
+}
+
+/// Steps of an integrator.
+pub(crate) struct Equal<'s> {
+    pub(crate) integrator: Box<dyn Integrator<Vec<f64>> + 's>,
+    pub(crate) built: Built,
+}
+
+impl<'s> Equal<'s> {
+    /// The integrator of a scene's method, with its drag.
+    pub(crate) fn of<const D: usize>(
+        scene: &Scene,
+        problem: &'s SceneProblem<D>,
+        method: Method,
+    ) -> Result<Self, AssemblyError> {
+        match scene.drag {
+            Some(coefficient) => Equal::held_back(problem, method, coefficient),
+            None => Equal::new(problem, method),
+        }
+    }
+
+    /// The integrator of a method.
+    pub(crate) fn new<const D: usize>(
+        problem: &'s SceneProblem<D>,
+        method: Method,
+    ) -> Result<Self, AssemblyError> {
+        #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+        let explicit = method.facts().evaluation == Evaluation::Explicit;
+        #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+        if !explicit && !few(problem.system.dim()) {
+            return Equal::sparse(problem, method);
+        }
+        Ok(Equal::without_solver(method.integrator(&problem.system)?))
+    }
+
+    /// The integrator of a method that takes the force of drag.
+    fn held_back<const D: usize>(
+        problem: &'s SceneProblem<D>,
+        method: Method,
+        coefficient: f64,
+    ) -> Result<Self, AssemblyError> {
+        let system = &problem.system;
+        // The scene has been asked whether its method takes forces.
+        let weights = method.newmark_weights().unwrap_or(NewmarkWeights::AVERAGE_ACCELERATION);
+        let drag = Drag::new(vec![coefficient; system.dim()])?;
+        #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+        if !few(system.dim()) {
+            return Equal::sparse_held_back(problem, weights, drag);
+        }
+        Ok(Equal::without_solver(Box::new(Newmark::with_force(system, weights, drag)?)))
+    }
+
+    /// The integrator of an implicit method of many particles, by a sparse matrix: what does not
+    /// touch has no entry in it.
+    #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+    fn sparse<const D: usize>(
+        problem: &'s SceneProblem<D>,
+        method: Method,
+    ) -> Result<Self, AssemblyError> {
+        let system = &problem.system;
+        let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
+        Ok(Equal::with_solver(method.integrator_with(system, solver)?))
+    }
+
+    /// The same with the force of drag.
+    #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+    fn sparse_held_back<const D: usize>(
+        problem: &'s SceneProblem<D>,
+        weights: NewmarkWeights,
+        drag: Drag<Vec<f64>>,
+    ) -> Result<Self, AssemblyError> {
+        let system = &problem.system;
+        let pattern = DampedPattern { potential: system.potential(), force: &drag };
+        let solver = SparseSolver::new(system.metric(), &pattern, &problem.initial.q)?;
+        let integrator = Newmark::with_force_and_solver(system, weights, drag, solver)?;
+        Ok(Equal::with_solver(Box::new(integrator)))
+    }
+
+    #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
+    fn with_solver(integrator: Box<dyn Integrator<Vec<f64>> + 's>) -> Self {
+        Equal { integrator, built: Built { sparse_solvers: 1, ..Built::default() } }
+    }
+
+    /// The steps of an integrator that has no sparse solver.
+    pub(crate) fn without_solver(integrator: Box<dyn Integrator<Vec<f64>> + 's>) -> Self {
+        Equal { integrator, built: Built::default() }
+    }
+}
+
+impl Stepper for Equal<'_> {
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        _: f64,
+    ) -> Result<Stepped, StepFailure> {
+        Ok(Stepped::done(self.integrator.step(state, h)?))
+    }
+
+    fn save(&mut self) -> Saved {
+        self.integrator.save()
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        Ok(self.integrator.load(&before.memory)?)
+    }
+
+    fn built(&self) -> Built {
+        self.built
+    }
+}

@@ -1,0 +1,365 @@
+//! What fails in a run, in the names of its scene: rods, joints, bodies and vertices instead of the rows
+//! of equations and the freedoms by which the crates below count.
+
+use stationary_integrators::{AdaptiveError, StepError};
+
+use crate::assemble::error::AssemblyError;
+use crate::assemble::vertices::Vertices;
+use crate::model::items::{JointKind, SceneJoint};
+use crate::model::particle::Motion;
+use crate::model::scene::{COORDINATES, Scene};
+use crate::run::error::{RunError, StepFailure};
+#[cfg(feature = "constraints")]
+use stationary_constraints::ConstraintError;
+#[cfg(feature = "contact")]
+use stationary_contact::ContactError;
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::LaplacianError;
+#[cfg(feature = "modal")]
+use stationary_modal::ModalError;
+
+impl Scene {
+    /// The same error in the scene's names.
+    pub(crate) fn named(&self, error: RunError) -> RunError {
+        let RunError::Assembly(source) = error else { return error };
+        let words = match &source {
+            #[cfg(feature = "constraints")]
+            AssemblyError::Constraint(error) => {
+                self.constraint_in_words(error, &(0..self.rods.len()).collect::<Vec<_>>())
+            }
+            #[cfg(feature = "contact")]
+            AssemblyError::Contact(error) => self.contact_in_words(error),
+            #[cfg(feature = "modal")]
+            AssemblyError::Modal(ModalError::NoEquilibrium { residual, freedom, tolerance }) => {
+                self.particle_of(*freedom).map(|(particle, axis)| {
+                    format!(
+                        "no equilibrium was found: the residual is {residual:e}, largest at \
+                         `{particle}` in {axis}; at most {tolerance:e} is allowed"
+                    )
+                })
+            }
+            AssemblyError::Adaptive(error) => self.adaptive_named(error),
+            AssemblyError::Equilibrium { freedom, freedoms, .. } => {
+                self.searched(*freedom, *freedoms).map(|(particle, axis)| {
+                    format!(
+                        "{source}; the largest acceleration left is that of `{particle}` in {axis}"
+                    )
+                })
+            }
+            _ => None,
+        };
+        RunError::Assembly(match words {
+            Some(words) => AssemblyError::Named { words, source: Box::new(source) },
+            None => source,
+        })
+    }
+
+    /// What a failed step says, where it counts equations or freedoms; `left` are the rods that have not
+    /// broken.
+    pub(crate) fn failure_named(&self, failure: &StepFailure, left: &[usize]) -> Option<String> {
+        // Without constraints there are no rods.
+        let _ = left;
+        match failure {
+            StepFailure::Step(StepError::NonFiniteConfiguration { freedom }) => {
+                self.body_of(*freedom, Numbers::Stored).map(|body| not_finite("position", body))
+            }
+            StepFailure::Step(StepError::NonFiniteMomentum { freedom }) => {
+                self.body_of(*freedom, Numbers::Freedoms).map(|body| not_finite("momentum", body))
+            }
+            #[cfg(feature = "constraints")]
+            StepFailure::Constraint(error) => self.constraint_in_words(error, left),
+            #[cfg(feature = "contact")]
+            StepFailure::Contact(error) => self.contact_in_words(error),
+            #[cfg(feature = "laplacian")]
+            StepFailure::Laplacian(LaplacianError::NonFinite { freedom, value }) => {
+                self.warmed(*freedom).map(|vertex| {
+                    format!("the temperature of `{vertex}` is {value}; it must be finite")
+                })
+            }
+            StepFailure::Adaptive(error) => self.adaptive_named(error),
+            _ => None,
+        }
+    }
+
+    /// A state of positions and momenta that is not finite.
+    fn adaptive_named(&self, error: &AdaptiveError) -> Option<String> {
+        let AdaptiveError::NonFinite { what, t, component } = error else { return None };
+        let (particle, axis) = self.particle_of(component % self.freedoms().max(1))?;
+        let time = &self.units.time;
+        Some(format!("{what} is not finite at t = {t} {time}, first of `{particle}` in {axis}"))
+    }
+
+    /// The particle and the axis of a freedom of a scene of particles.
+    fn particle_of(&self, freedom: usize) -> Option<(&str, &'static str)> {
+        if !self.bodies.is_empty() || self.heat.is_some() {
+            return None;
+        }
+        let vertices = Vertices::new(self);
+        let &particle = vertices.particles.get(freedom / self.dimension)?;
+        Some((&self.particles[particle].name, COORDINATES[freedom % self.dimension]))
+    }
+
+    /// The same of a search for rest with so many freedoms, in which what is hung may have been held.
+    fn searched(&self, freedom: usize, freedoms: usize) -> Option<(&str, &'static str)> {
+        if freedoms == self.freedoms() {
+            return self.particle_of(freedom);
+        }
+        let mut moved = self.particles.iter().enumerate().filter(|(number, particle)| {
+            matches!(particle.motion, Motion::Free { .. }) && !self.hung.contains(number)
+        });
+        let (_, particle) = moved.nth(freedom / self.dimension)?;
+        Some((&particle.name, COORDINATES[freedom % self.dimension]))
+    }
+
+    /// What a step of bodies says in which a rotation was not found: that of the body which turns the most
+    /// in it, by so many radians.
+    pub(crate) fn turn_named(&self, failure: &StepFailure, turns: &[f64]) -> Option<String> {
+        let StepFailure::Step(StepError::Newton(error)) = failure else { return None };
+        let largest = (0..turns.len()).max_by(|&a, &b| turns[a].total_cmp(&turns[b]))?;
+        let (body, turn) = (&self.bodies.get(largest)?.name, turns[largest]);
+        Some(format!(
+            "the implicit step was not solved: {error}; `{body}` turns the most in it, by {turn:.2} \
+             radians; take a smaller step"
+        ))
+    }
+
+    /// The body to which a number belongs.
+    fn body_of(&self, number: usize, of: Numbers) -> Option<&str> {
+        let each = match (self.dimension, of) {
+            (3, Numbers::Stored) => 7,
+            (3, Numbers::Freedoms) => 6,
+            _ => 3,
+        };
+        self.bodies.get(number / each).map(|body| body.name.as_str())
+    }
+
+    /// The vertex of a freedom of heat: held ones have none.
+    fn warmed(&self, freedom: usize) -> Option<&str> {
+        let held = &self.heat.as_ref()?.held;
+        let vertex = (0..held.len()).filter(|&vertex| !held[vertex]).nth(freedom)?;
+        Some(&self.particles[vertex].name)
+    }
+
+    /// A joint, by what it joins.
+    fn joint(&self, joint: &SceneJoint) -> String {
+        let kind = match (joint.kind, self.dimension) {
+            (JointKind::Hinge, _) => "hinge",
+            (JointKind::Ball, 3) => "ball joint",
+            (JointKind::Ball, _) => "pin",
+            (JointKind::Fixed, 3) => "fixed joint",
+            (JointKind::Fixed, _) => "weld",
+        };
+        let [a, b] = joint.between.map(|end| match end {
+            Some(body) => self.bodies[body].name.as_str(),
+            None => "world",
+        });
+        format!("the {kind} between `{a}` and `{b}`")
+    }
+
+    /// The rod or the joint of an equation.
+    fn holder(&self, row: usize, left: &[usize]) -> Option<String> {
+        if self.joints.is_empty() {
+            let [a, b] = self.rods[*left.get(row)?].ends.map(|end| &self.particles[end].name);
+            return Some(format!("the rod from `{a}` to `{b}`"));
+        }
+        let mut before = 0;
+        self.joints.iter().find_map(|joint| {
+            before += match (joint.kind, self.dimension) {
+                (JointKind::Ball, dimension) => dimension,
+                (JointKind::Hinge, _) => 5,
+                (JointKind::Fixed, 3) => 6,
+                (JointKind::Fixed, _) => 3,
+            };
+            (row < before).then(|| self.joint(joint))
+        })
+    }
+
+    /// Rods or joints that cannot be held.
+    #[cfg(feature = "constraints")]
+    fn constraint_in_words(&self, error: &ConstraintError, left: &[usize]) -> Option<String> {
+        let what = crate::run::rods::equation(error).and_then(|row| self.holder(row, left));
+        let what = what.as_deref();
+        let velocity = self.units.velocity();
+        Some(match error {
+            ConstraintError::Infeasible { violation, allowed, .. } => format!(
+                "{} is off by {violation:e} of its length at the start; at most {allowed:e} is rounding",
+                what?
+            ),
+            ConstraintError::InfeasibleVelocity { rate, allowed, .. } => format!(
+                "the velocities at the start are against {} by {rate:e} {velocity}; at most \
+                 {allowed:e} is rounding",
+                what?
+            ),
+            ConstraintError::Singular { ratio, .. } => format!(
+                "{} and others hold the same motion, so that their forces are not determined \
+                 (singular values down to {ratio:e} of the largest); leave one of them out",
+                what?
+            ),
+            ConstraintError::Dependent { row: Some(_) } => format!(
+                "{} holds what others hold already, to working precision; leave one of them out",
+                what?
+            ),
+            ConstraintError::Dependent { row: None } => format!(
+                "the {} hold the same motion more than once, to working precision; leave one of them \
+                 out",
+                if self.joints.is_empty() { "rods" } else { "joints" }
+            ),
+            ConstraintError::NotConverged { iterations, violation, .. } => format!(
+                "{} is still off by {violation:e} of its length after {iterations} iterations; take a \
+                 smaller step",
+                what?
+            ),
+            ConstraintError::Diverged { violation, .. } => format!(
+                "{} cannot be held: the iterations went away from it, which was off by \
+                 {violation:e} of its length before them; take a smaller step",
+                what?
+            ),
+            _ => return None,
+        })
+    }
+
+    /// Contact that cannot be.
+    #[cfg(feature = "contact")]
+    fn contact_in_words(&self, error: &ContactError) -> Option<String> {
+        match error {
+            &ContactError::Overlap { count, first, second, depth } => {
+                let [a, b] = [self.collider(first)?, self.collider(second)?];
+                let more = match count {
+                    0 | 1 => String::new(),
+                    _ => format!("; {count} pairs overlap"),
+                };
+                Some(format!(
+                    "{a} and {b} overlap by {depth:e} {} at the start{more}",
+                    self.units.length
+                ))
+            }
+            &ContactError::NonFinite { what, index, value } => {
+                let of = match what {
+                    "the configuration" => Numbers::Stored,
+                    _ => Numbers::Freedoms,
+                };
+                let body = self.body_of(index, of).or_else(|| Some(self.particle_of(index)?.0));
+                body.map(|name| format!("{what} of `{name}` is {value}; it must be finite"))
+            }
+            ContactError::Step(error) => self.failure_named(&StepFailure::Step(error.clone()), &[]),
+            _ => None,
+        }
+    }
+
+    /// The body, wall or ball of a shape: those of bodies come first.
+    #[cfg(feature = "contact")]
+    fn collider(&self, number: usize) -> Option<String> {
+        let contact = self.contact.as_ref()?;
+        let touching = self.bodies.iter().filter(|body| body.shape != crate::BodyShape::Moments);
+        let names = touching.map(|body| format!("`{}`", body.name));
+        let walls = (1..=contact.walls.len()).map(|wall| format!("wall {wall}"));
+        let balls = (1..=contact.balls.len()).map(|ball| format!("ball {ball}"));
+        names.chain(walls).chain(balls).nth(number)
+    }
+}
+
+/// How bodies are counted.
+#[derive(Clone, Copy)]
+enum Numbers {
+    /// By the numbers that store a configuration.
+    Stored,
+    /// By freedoms.
+    Freedoms,
+}
+
+fn not_finite(what: &str, body: &str) -> String {
+    format!("the {what} of `{body}` is not finite")
+}
+
+#[cfg(all(test, feature = "default"))]
+mod tests {
+    use stationary_calculus::{NewtonError, NewtonFailure};
+
+    use super::*;
+
+    fn joined(dimension: usize, joints: &str) -> Scene {
+        let (place, side) = match dimension {
+            3 => ("[1, 0, 0]", "[1, 1, 1]"),
+            _ => ("[1, 0]", "[1, 1]"),
+        };
+        let method = if dimension == 3 { "variational-rotation" } else { "stormer-verlet" };
+        let text = format!(
+            "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 1\nhorizon = 1\n\
+             bodies = [{{ name = \"a\", mass = 1, box = {side}, position = {place} }}, \
+             {{ name = \"b\", mass = 1, box = {side}, position = {place} }}]\njoints = [{joints}]"
+        );
+        Scene::parse("a.toml", &text).unwrap()
+    }
+
+    #[test]
+    fn an_equation_that_is_not_solved_is_told_as_its_joint() {
+        let in_space = "{ kind = \"ball\", between = [\"world\", \"a\"], at = [0, 0, 0] }, \
+            { kind = \"hinge\", between = [\"a\", \"b\"], at = [0, 0, 0], axis = [0, 0, 1] }, \
+            { kind = \"fixed\", between = [\"b\", \"world\"], at = [0, 0, 0] }";
+        let in_the_plane = "{ kind = \"weld\", between = [\"world\", \"a\"], at = [0, 0] }, \
+            { kind = \"pin\", between = [\"a\", \"b\"], at = [0, 0] }";
+        let ball = "the ball joint between `world` and `a`";
+        let hinge = "the hinge between `a` and `b`";
+        let fixed = "the fixed joint between `b` and `world`";
+        let (weld, pin) = ("the weld between `world` and `a`", "the pin between `a` and `b`");
+        for (dimension, joints, rows) in [
+            (
+                3,
+                in_space,
+                &[(0, ball), (2, ball), (3, hinge), (7, hinge), (8, fixed), (13, fixed)][..],
+            ),
+            (2, in_the_plane, &[(0, weld), (2, weld), (3, pin), (4, pin)]),
+        ] {
+            let scene = joined(dimension, joints);
+            for &(row, name) in rows {
+                let error = ConstraintError::NotConverged { iterations: 50, row, violation: 0.5 };
+                let words = scene.failure_named(&StepFailure::Constraint(error), &[]).unwrap();
+                let rest =
+                    "is still off by 5e-1 of its length after 50 iterations; take a smaller step";
+                assert_eq!(words, format!("{name} {rest}"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_rotation_that_is_not_found_is_told_as_that_of_the_body_that_turns_the_most() {
+        let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 1\nhorizon = 2\n\
+            bodies = [\n\
+            { name = \"slow\", mass = 1, box = [1, 2, 3], position = [9, 0, 0] },\n\
+            { name = \"fast\", mass = 1, box = [1, 2, 3], position = [0, 0, 0], \
+            angular_velocity = [1, 90, 1] }]";
+        let error = Scene::parse("a.toml", text).unwrap().run().unwrap_err();
+        let words = error.to_string();
+        assert!(words.contains("`fast` turns the most in it, by 90.01 radians"), "{words}");
+    }
+
+    #[test]
+    fn a_rest_that_is_not_found_is_told_with_the_particle_that_is_farthest_from_it() {
+        let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 1\n\
+            uniform_gravity = { acceleration = [0, -9.81] }\nparticles = [\n\
+            { name = \"a\", mass = 1, position = [0, 0] },\n\
+            { name = \"b\", mass = 1, position = [1, 0] },\n\
+            { name = \"c\", mass = 2, position = [2, 0] }]\n\
+            springs = [{ between = [\"a\", \"b\"], stiffness = 1 }]";
+        let scene = Scene { hung: vec![1], ..Scene::parse("a.toml", text).unwrap() };
+        let source = NewtonError { failure: NewtonFailure::Unbounded, history: Vec::new() };
+        let error = AssemblyError::Equilibrium { freedom: 3, freedoms: 4, source };
+        let words = scene.named(RunError::Assembly(error)).to_string();
+        let told = "the largest acceleration left is that of `c` in y";
+        assert!(words.ends_with(told), "{words}");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_told_with_their_body() {
+        let scene = joined(3, "");
+        let words = |failure| scene.failure_named(&failure, &[]).unwrap();
+        let moved = StepError::NonFiniteConfiguration { freedom: 7 };
+        assert_eq!(words(StepFailure::Step(moved)), "the position of `b` is not finite");
+        let momentum = StepError::NonFiniteMomentum { freedom: 5 };
+        assert_eq!(words(StepFailure::Step(momentum)), "the momentum of `a` is not finite");
+        let value = f64::INFINITY;
+        let contact = ContactError::NonFinite { what: "the momentum", index: 6, value };
+        let told = "the momentum of `b` is inf; it must be finite";
+        assert_eq!(words(StepFailure::Contact(contact)), told);
+    }
+}

@@ -1,0 +1,153 @@
+//! Rods, held by their forces or by a projection after each step.
+
+use stationary_calculus::{DiagonalMetric, Flat};
+use stationary_constraints::{
+    ConstrainedHamilton, ConstrainedIntegrator, ConstraintError, DiagonalMultipliers, Rattle, Rods,
+    SparseDiagonal, StepAndProject,
+};
+use stationary_integrators::{Facts, Integrator, Method, Saved, State, StepError, StepReport};
+
+use crate::assemble::error::AssemblyError;
+use crate::assemble::system::{ScenePotential, SceneProblem};
+use crate::model::built::Built;
+use crate::model::scene::Scene;
+use crate::model::stepping::Constrained;
+use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::equal::Equal;
+use crate::run::error::StepFailure;
+use crate::run::lasting::{Lasting, counted};
+use crate::run::samples::BrokenRod;
+use crate::run::stepper::{Stepped, Stepper};
+
+/// Rods held by their forces.
+pub(crate) fn held<'s, const D: usize>(
+    scene: &'s Scene,
+    problem: &'s SceneProblem<D>,
+    method: Constrained,
+) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+    let (rods, built) = (scene.constraint::<D>()?, built(scene));
+    let (system, initial, equations) =
+        (&problem.system, &problem.initial, SparseDiagonal::default());
+    Ok(match method {
+        Constrained::Rattle => {
+            let rattle = Rattle::new(system, rods, initial, equations)?;
+            Box::new(Breaking { scene, rattle, built })
+        }
+        Constrained::Hamilton => {
+            let integrator = Box::new(ConstrainedHamilton::new(system, rods, initial, equations)?);
+            Box::new(Lasting { integrator, built })
+        }
+    })
+}
+
+/// Rods held by a projection after each step of a method.
+pub(crate) fn projected<'s, const D: usize>(
+    scene: &'s Scene,
+    problem: &'s SceneProblem<D>,
+    method: Method,
+) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+    let (rods, equations) = (scene.constraint::<D>()?, SparseDiagonal::default());
+    let Equal { integrator, built: own } = Equal::new(problem, method)?;
+    let (system, initial) = (&problem.system, &problem.initial);
+    let integrator =
+        Box::new(StepAndProject::new(Owned(integrator), system, rods, initial, equations)?);
+    Ok(Box::new(Lasting { integrator, built: built(scene) + own }))
+}
+
+/// The equations are solved by a sparse matrix of their own.
+fn built(scene: &Scene) -> Built {
+    Built { equations: scene.rods.len() as u64, sparse_solvers: 1, ..Built::default() }
+}
+
+type Masses = DiagonalMetric<Vec<f64>>;
+
+/// Steps of rods that break where they have a strength.
+struct Breaking<'s, const D: usize> {
+    scene: &'s Scene,
+    rattle: Rattle<'s, Masses, ScenePotential<D>, Flat, Rods<D>, Vec<f64>, DiagonalMultipliers>,
+    built: Built,
+}
+
+impl<const D: usize> Stepper for Breaking<'_, D> {
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        to: f64,
+    ) -> Result<Stepped, StepFailure> {
+        let (report, broken) = self.rattle.step_and_break(state, h, SparseDiagonal::default())?;
+        let broken = broken.map(|rod| BrokenRod { rod: rod.index, time: to, tension: rod.tension });
+        Ok(Stepped { broken, ..Stepped::done(counted(&report)) })
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.rattle.multipliers()
+    }
+
+    fn save(&mut self) -> Saved {
+        self.rattle.save()
+    }
+
+    /// A rod that broke does not mend.
+    fn takes_parts(&self) -> bool {
+        self.scene.rods.iter().all(|rod| rod.strength.is_infinite())
+    }
+
+    /// Rods are in no list of numbers: those that broke say which are left.
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        self.rattle.load(&before.memory)?;
+        if !before.broken.is_empty() {
+            let mut rods = self.scene.constraint::<D>()?;
+            rods.retain(|rod| before.broken.iter().all(|broken| broken.rod != rod));
+            self.rattle.set_constraint(rods, &before.state, SparseDiagonal::default())?;
+        }
+        Ok(())
+    }
+
+    fn built(&self) -> Built {
+        self.built
+    }
+}
+
+/// An integrator behind a pointer is one.
+struct Owned<'s>(Box<dyn Integrator<Vec<f64>> + 's>);
+
+impl Integrator<Vec<f64>> for Owned<'_> {
+    fn facts(&self) -> Facts {
+        self.0.facts()
+    }
+
+    fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
+        self.0.step(state, h)
+    }
+
+    fn save(&self) -> Saved {
+        self.0.save()
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.0.load(saved)
+    }
+}
+
+impl From<ConstraintError> for StepFailure {
+    fn from(error: ConstraintError) -> Self {
+        match error {
+            ConstraintError::Step(error) => StepFailure::Step(error),
+            other => StepFailure::Constraint(other),
+        }
+    }
+}
+
+/// The equation of a constraint that cannot be held, which is the rod's place among those left.
+pub(crate) fn equation(error: &ConstraintError) -> Option<usize> {
+    match error {
+        ConstraintError::Infeasible { row, .. }
+        | ConstraintError::InfeasibleVelocity { row, .. }
+        | ConstraintError::Singular { row, .. }
+        | ConstraintError::NotConverged { row, .. }
+        | ConstraintError::Diverged { row, .. } => Some(*row),
+        ConstraintError::Dependent { row } => *row,
+        _ => None,
+    }
+}

@@ -1,0 +1,459 @@
+//! What a scene's text may say that cannot be, without the place where it says so.
+
+use stationary_integrators::HorizonError;
+
+use crate::text::limits;
+
+/// What is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Not TOML, or a value of the wrong kind.
+    #[error("{message}")]
+    Syntax {
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// Arithmetic that comes to no number.
+    #[error("{0}")]
+    Expression(String),
+    /// A word outside the vocabulary, or a particle that is not there.
+    #[error("unknown {kind} `{word}`")]
+    UnknownWord {
+        /// What the word should have been.
+        kind: &'static str,
+        /// The word.
+        word: String,
+        /// The word that may have been meant.
+        nearest: Option<String>,
+        /// Every word that could stand here, where there are few.
+        allowed: Vec<String>,
+    },
+    /// A word of the vocabulary whose cargo feature is not on.
+    #[error(
+        "`{word}` needs the cargo feature `{feature}` of stationary-scene, which is not compiled"
+    )]
+    NotCompiled {
+        /// The word.
+        word: &'static str,
+        /// The feature.
+        feature: &'static str,
+    },
+    /// A number that must be finite.
+    #[error("{what} is {value}; it must be finite")]
+    NotFinite {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A number that must be positive, finite, and so large that one over it is finite.
+    #[error("{what} is {value}; it must be positive and finite")]
+    NotPositive {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A tolerance outside its range.
+    #[error("the tolerance is {value}; it must be at least {} and below 1", limits::TOLERANCE)]
+    Tolerance {
+        /// The tolerance.
+        value: f64,
+    },
+    /// A method that chooses its steps needs to know how well.
+    #[error("this integrator chooses its own steps and needs a `tolerance`")]
+    NoTolerance,
+    /// A tolerance for a method that could not keep it.
+    #[error("only an integrator that chooses its own steps has a tolerance")]
+    EqualSteps,
+    /// A method that cannot step what the scene has.
+    #[error("`{method}` cannot step {what}: {instead}")]
+    MethodCannot {
+        /// The method.
+        method: &'static str,
+        /// What it cannot step.
+        what: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+    /// Motion by modes needs to know how many.
+    #[error("`linear-modes` needs the number of `modes`")]
+    NoModes,
+    /// No modes, or too many.
+    #[error("{modes} modes; there must be at least 1 and at most {}", limits::MODES)]
+    NumberOfModes {
+        /// How many were asked for.
+        modes: u64,
+    },
+    /// Modes for a method that has none.
+    #[error("only the integrator `linear-modes` has a number of modes")]
+    Modes,
+    /// The ends of a rod are one particle.
+    #[error("both ends of the rod are `{0}`")]
+    RodLoop(String),
+    /// A rod between two places that stay anyway.
+    #[error("both ends of the rod are pinned")]
+    RodBetweenPins,
+    /// Two rods between the same particles.
+    #[error("there is already a rod between `{first}` and `{second}`")]
+    RepeatedRod {
+        /// One end.
+        first: String,
+        /// The other end.
+        second: String,
+    },
+    /// A rod has a length at the start.
+    #[error("the rod starts with length {0}; it must be positive and finite")]
+    RodLength(f64),
+    /// A tension between particles that no rod joins.
+    #[error("no rod joins these particles")]
+    NoRod,
+    /// Space has one, two or three dimensions here.
+    #[error("the dimension is {0}; it must be 1, 2 or 3")]
+    Dimension(u64),
+    /// A vector of another length than the dimension.
+    #[error("{what} has {got} components in a scene of dimension {expected}")]
+    VectorLength {
+        /// What the vector is.
+        what: &'static str,
+        /// The dimension.
+        expected: usize,
+        /// Its length.
+        got: usize,
+    },
+    /// A name that could not stand in a table's heading.
+    #[error(
+        "a name is 1 to {} letters, digits, spaces, `-` and `_`, and starts with a letter or a digit",
+        limits::NAME
+    )]
+    Name,
+    /// A title or a unit that could not stand in a heading.
+    #[error("{what} is 1 to {} characters, none of them a control character", limits::TITLE)]
+    Title {
+        /// The title or the unit.
+        what: &'static str,
+    },
+    /// Two particles of one name.
+    #[error("there is already a particle called `{0}`")]
+    DuplicateName(String),
+    /// Two nets, or a net and a particle, of one name.
+    #[error("there is already a net called `{0}`")]
+    DuplicateNet(String),
+    /// A particle that can move has a mass.
+    #[error("`{0}` has no mass; only a pinned particle may go without")]
+    NoMass(String),
+    /// One of the two determines the other.
+    #[error("`{0}` has a velocity and a momentum; give one of them")]
+    VelocityAndMomentum(String),
+    /// A pinned particle stays where it is.
+    #[error("`{0}` is pinned and cannot move")]
+    PinnedMoves(String),
+    /// The attraction of a particle that is held in place would not keep momentum.
+    #[error("`{0}` is pinned; where particles attract each other, all of them must be free")]
+    PinnedAttraction(String),
+    /// Newtonian attraction has no value where particles meet.
+    #[error("`{second}` is in the same place as `{first}`, where their attraction is infinite")]
+    SamePlace {
+        /// The particle that was named first.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// The ends of a spring are one particle.
+    #[error("both ends of the spring are `{0}`")]
+    Loop(String),
+    /// A spring whose energy has a spike where it starts.
+    #[error("the spring starts with length zero, where its force has no direction")]
+    Spike,
+    /// A rest length outside its range.
+    #[error("the rest length is {0}; it must be positive, or zero with Cauchy strain")]
+    RestLength(f64),
+    /// A rest length that is not given and not determined by the start either.
+    #[error("the ends start in the same place, so that the spring needs a rest length")]
+    NoRestLength,
+    /// A spring joins two particles, a distance is between two.
+    #[error("{what} is between two particles, not {got}")]
+    NotAPair {
+        /// What needs two particles.
+        what: &'static str,
+        /// How many there are.
+        got: usize,
+    },
+    /// An observable such as `{ position = "a", velocity = "a" }`.
+    #[error("an observable has one word, such as `{{ position = \"a name\" }}`, not {0}")]
+    NotOneObservable(usize),
+    /// A net is at least two by two.
+    #[error("{what} is {got}; a net has at least two rows and two columns")]
+    NetSize {
+        /// Rows or columns.
+        what: &'static str,
+        /// How many.
+        got: u64,
+    },
+    /// A net has two directions.
+    #[error("a net needs a scene of dimension 2 or 3")]
+    NetDimension,
+    /// The cells of a net are squares, and shapes are not sheared.
+    #[error("the two sides are not at a right angle")]
+    NotPerpendicular,
+    /// A shape is made or read.
+    #[error("a shape has a `kind` with `size` and `cells`, or a `file`")]
+    ShapeOrFile,
+    /// A shape that does not fit into the scene.
+    #[error("the shape `{kind}` does not fit into a scene of dimension {dimension}")]
+    ShapeDimension {
+        /// The shape.
+        kind: String,
+        /// The scene's dimension.
+        dimension: usize,
+    },
+    /// Sizes or cells of another number.
+    #[error("`{key}` has {got} numbers here; this shape needs {expected}, for {what}")]
+    ShapeNumbers {
+        /// The key.
+        key: &'static str,
+        /// How many numbers the shape needs.
+        expected: usize,
+        /// How many there are.
+        got: usize,
+        /// What the sizes are.
+        what: &'static str,
+    },
+    /// A shape that cannot be cut into cells.
+    #[error("{0}")]
+    Shape(String),
+    /// A file that is not in the scene's folder.
+    #[error("`{0}` is not in the folder of the scene's file, where meshes are looked for")]
+    OutsideFolder(String),
+    /// A file that is no mesh.
+    #[error("`{file}`: {why}")]
+    MeshFile {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A material that cannot be.
+    #[error("{0}")]
+    Solid(String),
+    /// Bars and sheets in space have one material.
+    #[error(
+        "material `{0}` is for volumes; bars, and sheets in space, support only `saint-venant-kirchhoff`"
+    )]
+    MaterialOfBlocks(String),
+    /// A block is as thick as it is.
+    #[error("a solid that fills space has neither a section nor a thickness")]
+    SectionOfBlock,
+    /// A bar has a cross-section, a sheet a thickness.
+    #[error("this solid needs a `{0}`: a bar has a section, a sheet a thickness")]
+    Section(&'static str),
+    /// Only a sheet in space is bent.
+    #[error("only a sheet in space has a bending stiffness")]
+    Bending,
+    /// Hinges are between the flat triangles of linear elements.
+    #[error(
+        "a sheet of quadratic elements has no bending stiffness: its folds are between the flat \
+         triangles of `linear` ones"
+    )]
+    BendingOfQuadratic,
+    /// A file of quadratic elements where linear ones are asked for.
+    #[error(
+        "its elements have nodes in the middle of their edges, which only a solid with \
+         `element = \"quadratic\"` has"
+    )]
+    QuadraticMesh,
+    /// A side of an axis that the shape does not have.
+    #[error("this shape has no side `{0}`")]
+    NoSuchSide(String),
+    /// Heat alone.
+    #[error("heat cannot be combined with anything else in a scene")]
+    MixedWithHeat,
+    /// A warm place beside the shape.
+    #[error("no vertex of the shape is within this radius")]
+    Nowhere,
+    /// Nothing through which heat could flow.
+    #[error("the temperature of every vertex is held, so that nothing can change")]
+    AllHeld,
+    /// An observable of another kind of scene.
+    #[error("this observable is not available in {0}")]
+    ObservableOfAnother(&'static str),
+    /// A coefficient of restitution out of its range.
+    #[error("the restitution is {0}; it must be between 0 and 1")]
+    Restitution(f64),
+    /// Particles do not turn, and have no friction here.
+    #[error("particles have no friction; only bodies do")]
+    FrictionOfParticles,
+    /// Bodies are given their impulses before a step.
+    #[error("`when` applies to particles only")]
+    WhenOfBodies,
+    /// Bodies touch by impulses.
+    #[error("`stiffness` applies to particles only")]
+    StiffnessOfBodies,
+    /// Springs know no impulses.
+    #[error("`{0}` cannot be combined with `stiffness`")]
+    ImpulseOfSprings(&'static str),
+    /// Things that overlap before anything has moved.
+    #[error("`{name}` overlaps an obstacle by {depth:e} at t = 0")]
+    Overlap {
+        /// The particle.
+        name: String,
+        /// How deep.
+        depth: f64,
+    },
+    /// A strike beside the solid.
+    #[error("no vertex within the strike radius")]
+    StruckNothing,
+    /// Two solids of one name.
+    #[error("there is already a solid called `{0}`")]
+    DuplicateSolid(String),
+    /// A direction has a length.
+    #[error("{what} is zero; a direction is not")]
+    NoDirection {
+        /// The direction.
+        what: &'static str,
+    },
+    /// Only a scene in space can be seen from several sides.
+    #[error("a view needs a scene of dimension 3")]
+    ViewDimension,
+    /// The horizon is a whole number of steps.
+    #[error("the horizon is {steps} steps of {step}; it must be a whole number of steps")]
+    NotWhole {
+        /// The step.
+        step: f64,
+        /// The horizon over the step.
+        steps: f64,
+    },
+    /// Too many of something.
+    #[error("{count} {what}; there may be at most {limit}")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// How many there may be.
+        limit: u64,
+    },
+    /// More samples than fit into memory.
+    #[error(
+        "the samples would be {numbers} numbers, of which at most {} are kept; sample every {enough} steps or more",
+        limits::SAMPLED_NUMBERS
+    )]
+    TooManySamples {
+        /// Numbers that would be kept.
+        numbers: u64,
+        /// A distance between samples that is large enough.
+        enough: u64,
+    },
+    /// A body turns, which takes two dimensions.
+    #[error("a body needs a scene of dimension 2 or 3")]
+    BodyDimension,
+    /// The name of the frame in which nothing moves.
+    #[error("`world` is what joints call the frame that does not move; no body has this name")]
+    WorldName,
+    /// Two bodies of one name.
+    #[error("there is already a body called `{0}`")]
+    DuplicateBody(String),
+    /// A body is a box, a ball, a polygon, or has moments of its own.
+    #[error("`{0}` needs one of `box`, `ball`, `polygon` and its `moments` of inertia")]
+    BodyShape(String),
+    /// A body is somewhere.
+    #[error("`{0}` needs a `position`; only a polygon may go without, and stays where it is drawn")]
+    NoPosition(String),
+    /// A polygon is flat.
+    #[error("a polygon needs a scene of dimension 2")]
+    PolygonDimension,
+    /// Corners that bound no area, or edges that cross.
+    #[error(
+        "not a simple polygon: it needs three corners that bound an area, and edges that do not cross"
+    )]
+    NoPolygon,
+    /// A body that cannot touch.
+    #[error("`{0}` has no shape that could touch: give it a `box`, a `ball` or a `polygon`")]
+    Untouchable(String),
+    /// Mass and moments that no body has.
+    #[error("{0}")]
+    Body(String),
+    /// A number where a vector belongs, or a vector where a number does.
+    #[error("{what} is {} in a scene of dimension {dimension}", turn(*dimension))]
+    Turn {
+        /// What belongs to turning.
+        what: &'static str,
+        /// The scene's dimension.
+        dimension: usize,
+    },
+    /// Bodies and particles do not act on each other here.
+    #[error("a scene has particles or bodies, not both; there are bodies already")]
+    Mixed,
+    /// The attraction of bodies is not built.
+    #[error("bodies do not attract each other here; only particles do")]
+    BodyAttraction,
+    /// Joints without bodies.
+    #[error("joints need [[bodies]] to join")]
+    NoBodies,
+    /// A joint has two sides.
+    #[error("a joint is between two bodies, or a body and `world`, not {0}")]
+    JointEnds(usize),
+    /// Both sides of a joint are one body.
+    #[error("both sides of the joint are `{0}`")]
+    JoinedToItself(String),
+    /// A hinge turns about something.
+    #[error("a hinge needs an `axis`")]
+    HingeAxis,
+    /// Only a hinge has an axis.
+    #[error("only a hinge has an axis")]
+    NoHinge,
+    /// Two bodies that move apart where they are joined.
+    #[error("the two sides of the joint move apart at {apart} a unit of time")]
+    JointTorn {
+        /// The size of the difference of their velocities there.
+        apart: f64,
+    },
+    /// Two bodies that turn against each other as their joint forbids.
+    #[error(
+        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids"
+    )]
+    JointTurns {
+        /// The size of what is forbidden of the difference of their angular velocities.
+        turn: f64,
+    },
+    /// A method that does not hold joints.
+    #[error("{0} does not hold joints")]
+    MethodOfJoints(String),
+    /// A method of another kind of scene.
+    #[error("{0} does not move what is in this scene")]
+    MethodOfAnother(String),
+    /// An angular velocity of something that does not turn.
+    #[error("`{0}` is no body, and has no angular velocity")]
+    NotABody(String),
+    /// Nothing there.
+    #[error(
+        "the scene has no particles: it needs [[particles]], [[nets]], [[solids]] or [[bodies]]"
+    )]
+    Empty,
+    /// Nothing that can move.
+    #[error("every particle is pinned, so that nothing can move")]
+    AllPinned,
+}
+
+/// What turning is told by.
+fn turn(dimension: usize) -> &'static str {
+    if dimension == 2 { "a number" } else { "a vector" }
+}
+
+impl Fault {
+    pub(crate) fn too_many_steps(count: u64) -> Self {
+        Fault::TooMany { what: "steps", count, limit: limits::STEPS }
+    }
+}
+
+impl From<HorizonError> for Fault {
+    fn from(error: HorizonError) -> Self {
+        match error {
+            HorizonError::Step(value) => Fault::NotPositive { what: "the step", value },
+            HorizonError::Duration(value) => Fault::NotPositive { what: "the horizon", value },
+            HorizonError::NotWhole { step, steps, .. } => Fault::NotWhole { step, steps },
+            HorizonError::TooMany { steps, .. } => Fault::too_many_steps(steps as u64),
+        }
+    }
+}

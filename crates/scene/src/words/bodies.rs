@@ -1,0 +1,264 @@
+//! Rigid bodies, with the points of them that are followed.
+//!
+//! ```text
+//! x = position + R c,    R = exp(rotation)          a point c of the body (body axes)
+//! ```
+//! Body axes are principal axes. In the plane a body turns about the third axis: its rotation and
+//! angular velocity are numbers there. Angular velocities are in body axes. A body's centre and its
+//! points are particles of the scene that follow it: `name`, `name.0`, `name.1`, ...
+
+#[cfg(feature = "rigid")]
+use crate::words::body_shape::ShapeWords;
+#[cfg(feature = "rigid")]
+use crate::words::draft::DeclaredBody;
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::text::diagnostic::Checked;
+use crate::text::number::{Components, Number};
+use crate::text::turn::Turn;
+use crate::words::draft::Draft;
+use crate::words::table::{Kind, table};
+use crate::words::word::{Feature, Of, RIGID, Word};
+
+table! {
+    /// A rigid body: a box, or one of given moments. Its points are called name.0, name.1 and so
+    /// on, after a box's corners.
+    pub(crate) struct BodyDeclaration = "a body" {
+        /// A name.
+        name: Spanned<String> = Kind::Name,
+        /// Its mass.
+        mass: Spanned<Number> = Kind::Positive,
+        /// The sides of a solid box.
+        sides as "box": Option<Components> = Kind::Vector,
+        /// The radius of a solid ball; in the plane a disc.
+        ball: Option<Spanned<Number>> = Kind::Positive,
+        /// The corners of a plate in the plane.
+        polygon: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
+        /// The principal moments of inertia; one in the plane.
+        moments: Option<Turn> = Kind::Turn,
+        /// Points that are followed and drawn, in body axes.
+        points: Option<Vec<Components>> = Kind::List(&Kind::Vector),
+        /// Where its centre starts.
+        position: Option<Components> = Kind::Vector,
+        /// How it is turned at the start: axis times angle; in the plane an angle.
+        rotation: Option<Turn> = Kind::Turn,
+        /// The velocity of its centre; where it is missing, what its joints determine, else
+        /// zero.
+        velocity: Option<Components> = Kind::Vector,
+        /// Its angular velocity, in space in body axes.
+        angular_velocity: Option<Turn> = Kind::Turn,
+    }
+}
+
+impl Word for Vec<BodyDeclaration> {
+    const FEATURE: Option<Feature> = Some(RIGID);
+    const OF: Of = Of::Bodies;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.first().map(|first| first.name.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        #[cfg(feature = "rigid")]
+        {
+            let (bodies, edges) = declare(&mut draft.particles, draft.dimension, self)?;
+            (draft.bodies, draft.solids.edges) = (bodies, edges);
+        }
+        #[cfg(not(feature = "rigid"))]
+        let _ = draft;
+        Ok(())
+    }
+}
+
+impl BodyDeclaration {
+    /// Where the text places the body.
+    pub(crate) fn place(&self) -> Range<usize> {
+        self.position.as_ref().map_or(self.name.span(), |position| position.span())
+    }
+}
+
+#[cfg(feature = "rigid")]
+pub(crate) use compiled::*;
+
+/// What is compiled with the crate that the word is about.
+#[cfg(feature = "rigid")]
+mod compiled {
+    use super::*;
+    use stationary_rigid::{Body, LieGroup, Rotation};
+
+    use crate::model::body_shape::BodyShape;
+    use crate::model::items::RigidBody;
+    use crate::model::particle::{Motion, Particle};
+    use crate::text::diagnostic::{Checked, at};
+    use crate::text::fault::Fault;
+    use crate::text::turn::Turn;
+    use crate::text::{check, limits};
+    use crate::words::body_shape;
+    use crate::words::body_shape::Shaped;
+    use crate::words::particle_table::ParticleTable;
+
+    /// Which of a body's points are joined in the picture.
+    type Edges = Vec<[usize; 2]>;
+
+    /// Adds bodies to the roster, centres first; and the edges between their points.
+    pub(crate) fn declare(
+        roster: &mut ParticleTable,
+        dimension: usize,
+        all: &[BodyDeclaration],
+    ) -> Checked<(Vec<DeclaredBody>, Edges)> {
+        let mut bodies = Vec::new();
+        for declared in all {
+            if dimension < 2 {
+                return Err(at(declared.name.span(), Fault::BodyDimension));
+            }
+            let body = body(dimension, declared)?;
+            let name = body.body.name.clone();
+            if name == WORLD {
+                return Err(at(declared.name.span(), Fault::WorldName));
+            }
+            let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
+            let (position, radius) = (body.body.position, body.body.shape.radius());
+            let particle = Particle { name: name.clone(), position, motion, radius };
+            if roster.add(particle, declared.place()).is_none() {
+                return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
+            }
+            bodies.push(body);
+        }
+        let mut edges = Vec::new();
+        for (index, (declared, body)) in all.iter().zip(&bodies).enumerate() {
+            let first = roster.particles.len();
+            let count = (first + body.body.points.len()) as u64;
+            if count > limits::PARTICLES {
+                let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
+                return Err(at(declared.name.span(), fault));
+            }
+            for (number, &point) in body.body.points.iter().enumerate() {
+                let name = format!("{}.{number}", body.body.name);
+                let motion = Motion::Carried { body: index, point };
+                let particle =
+                    Particle { name, position: body.body.place(point), motion, radius: 0.0 };
+                if let Some(&value) = particle.position.iter().find(|x| !x.is_finite()) {
+                    let fault = Fault::NotFinite { what: "a point of the body", value };
+                    return Err(at(declared.place(), fault));
+                }
+                // A name with a dot is given to points of bodies alone, and bodies differ.
+                roster.add(particle, declared.place());
+            }
+            let joined = edges_of(&body.body, dimension);
+            edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
+        }
+        Ok((bodies, edges))
+    }
+
+    /// What a joint calls the frame in which nothing moves.
+    pub(crate) const WORLD: &str = "world";
+
+    impl RigidBody {
+        /// The rotation at the start.
+        pub(crate) fn turned(&self) -> Rotation {
+            Rotation::exp(self.rotation.into())
+        }
+
+        /// Where a point of the body is at the start.
+        pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
+            let arm = self.turned().rotate(&point.into());
+            std::array::from_fn(|c| self.position[c] + arm[c])
+        }
+    }
+
+    fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<DeclaredBody> {
+        let name = check::name(&declared.name)?;
+        let mass = check::positive("the mass", &declared.mass)?;
+        let Shaped { shape, moments, centre, .. } = shaped(dimension, declared, mass)?;
+        let position = match (&declared.position, centre) {
+            (Some(position), _) => check::vector("the position", dimension, position)?,
+            (None, Some(centre)) => centre,
+            (None, None) => return Err(at(declared.name.span(), Fault::NoPosition(name))),
+        };
+        let turn = |what, given: &Option<_>| match given {
+            Some(given) => turning(what, dimension, given),
+            None => Ok([0.0; 3]),
+        };
+        let rotation = turn("the rotation", &declared.rotation)?;
+        let angular_velocity = turn("the angular velocity", &declared.angular_velocity)?;
+        let velocity = match &declared.velocity {
+            Some(velocity) => check::vector("the velocity", dimension, velocity)?,
+            None => [0.0; 3],
+        };
+        let points = points(dimension, &shape, declared)?;
+        let has_velocity = declared.velocity.is_some();
+        let body = RigidBody {
+            name,
+            mass,
+            shape,
+            moments,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+            points,
+        };
+        Ok(DeclaredBody { body, has_velocity })
+    }
+
+    /// The shape and the moments that a body can have.
+    fn shaped(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<Shaped> {
+        let shaped = body_shape::declare(
+            dimension,
+            mass,
+            &ShapeWords {
+                name: &declared.name,
+                sides: declared.sides.as_ref(),
+                ball: declared.ball.as_ref(),
+                polygon: declared.polygon.as_ref(),
+                moments: declared.moments.as_ref(),
+            },
+        )?;
+        if dimension == 2 {
+            let value = shaped.moments[2];
+            let fault = Fault::NotFinite { what: "the moment", value };
+            let sound = value > 0.0 && value.is_finite();
+            let moments = [0.0, 0.0, value];
+            return if sound {
+                Ok(Shaped { moments, ..shaped })
+            } else {
+                Err(at(shaped.place, fault))
+            };
+        }
+        match Body::new(mass, shaped.moments) {
+            Ok(_) => Ok(shaped),
+            Err(error) => Err(at(shaped.place, Fault::Body(error.to_string()))),
+        }
+    }
+
+    /// A rotation or a rate of turn: a number in the plane, a vector in space.
+    fn turning(what: &'static str, dimension: usize, given: &Turn) -> Checked<[f64; 3]> {
+        match (dimension, given) {
+            (2, Turn::Number(number)) => Ok([0.0, 0.0, check::finite(what, number)?]),
+            (3, Turn::Vector(components)) => check::vector(what, 3, components),
+            _ => Err(given.wrong_kind(what, dimension)),
+        }
+    }
+
+    /// The corners of the shape, and then the points that are given.
+    fn points(
+        dimension: usize,
+        shape: &BodyShape,
+        declared: &BodyDeclaration,
+    ) -> Checked<Vec<[f64; 3]>> {
+        let mut points = shape.corners(dimension);
+        for point in declared.points.iter().flatten() {
+            points.push(check::vector("a point", dimension, point)?);
+        }
+        Ok(points)
+    }
+
+    /// The edges of the shape; other points are joined in their order.
+    fn edges_of(body: &RigidBody, dimension: usize) -> Edges {
+        let corners = body.shape.corners(dimension).len();
+        let others = (corners..body.points.len()).skip(1).map(|point| [point - 1, point]);
+        body.shape.edges(dimension).into_iter().chain(others).collect()
+    }
+}

@@ -1,0 +1,54 @@
+//! Which methods step bodies, and which of them hold joints or let bodies touch.
+
+use stationary_integrators::Method;
+use stationary_rigid::BodyMethod;
+
+use crate::model::body_shape::BodyShape;
+use crate::model::scene::Scene;
+use crate::model::stepping::Stepping;
+use crate::text::fault::Fault;
+
+impl Scene {
+    /// An error where the scene's method cannot step its bodies.
+    pub(crate) fn check_bodies(&self) -> Result<(), Fault> {
+        if self.contact.is_some() {
+            return self.check_touching();
+        }
+        let (moves, holds) = match self.stepping {
+            Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
+            Stepping::Equal(method) => (self.dimension != 3, method == Method::StormerVerlet),
+            _ => (false, false),
+        };
+        let name = || self.stepping.name().to_owned();
+        match (moves, holds || self.joints.is_empty()) {
+            (false, _) => Err(Fault::MethodOfAnother(name())),
+            (true, false) => Err(Fault::MethodOfJoints(name())),
+            (true, true) => Ok(()),
+        }
+    }
+
+    /// An error where the scene's bodies cannot touch.
+    fn check_touching(&self) -> Result<(), Fault> {
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
+        match (self.stepping, self.dimension, untouchable) {
+            _ if !self.joints.is_empty() => {
+                refused("joints and contact at once", "leave one of them out")
+            }
+            (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
+            (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
+            | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),
+            (_, 3, _) => refused("what touches", "name `variational-rotation`"),
+            _ => refused("what touches", "name `stormer-verlet`"),
+        }
+    }
+}
+
+/// Whether RATTLE can run along the method's free motion.
+fn follows_free_motion(method: BodyMethod) -> bool {
+    matches!(
+        method,
+        BodyMethod::VariationalRotation | BodyMethod::AxisRotations | BodyMethod::ExactRotation
+    )
+}

@@ -1,0 +1,78 @@
+//! The word `gravity`.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::text::check;
+use crate::text::diagnostic::{Checked, at};
+use crate::text::fault::Fault;
+use crate::text::number::{Components, Number};
+use crate::words::draft::Draft;
+use crate::words::particle_table::ParticleTable;
+use crate::words::table::{Kind, table};
+use crate::words::word::{Of, Word};
+
+table! {
+    /// A uniform field of gravity.
+    pub(crate) struct UniformGravityDeclaration = "a table with an acceleration" {
+        /// The acceleration of what falls.
+        acceleration: Components = Kind::Vector,
+    }
+
+    /// Attraction between every two particles, all of which are free.
+    pub(crate) struct NewtonianGravityDeclaration = "a table with a constant" {
+        /// The constant G.
+        constant: Spanned<Number> = Kind::Positive,
+    }
+}
+
+impl Word for Option<UniformGravityDeclaration> {
+    const OF: Of = Of::Weight;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.as_ref().map(|gravity| gravity.acceleration.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        if let Some(uniform) = self {
+            let g = check::vector("the acceleration", draft.dimension, &uniform.acceleration)?;
+            draft.gravity.acceleration = Some(g);
+        }
+        Ok(())
+    }
+}
+
+impl Word for Option<NewtonianGravityDeclaration> {
+    const OF: Of = Of::Attraction;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.as_ref().map(|gravity| gravity.constant.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        let Some(newtonian) = self else { return Ok(()) };
+        draft.gravity.constant = Some(check::positive("the constant", &newtonian.constant)?);
+        let table = &draft.particles;
+        if let Some((pinned, place)) = &table.first_pin {
+            let name = table.particles[*pinned].name.clone();
+            return Err(at(place.clone(), Fault::PinnedAttraction(name)));
+        }
+        check_that_no_two_meet(table)
+    }
+}
+
+fn check_that_no_two_meet(roster: &ParticleTable) -> Checked<()> {
+    let mut by_position = HashMap::new();
+    for (index, particle) in roster.particles.iter().enumerate() {
+        // Adding zero turns the negative zero into the positive one.
+        let bits = particle.position.map(|x| (x + 0.0).to_bits());
+        if let Some(first) = by_position.insert(bits, index) {
+            let first = roster.particles[first].name.clone();
+            let fault = Fault::SamePlace { first, second: particle.name.clone() };
+            return Err(at(roster.places[index].clone(), fault));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Heat on a shape: what is warm where at the start, and what is held at its temperature.
+//!
+//! ```text
+//! df/dt = alpha Lap f          f temperatures of the vertices, alpha `diffusivity`             (15.3)
+//! ```
+//! Vertices within the `radius` of a warm place start with its `temperature`, the others with zero.
+//! Parts that are `held` keep theirs; through what is left of a boundary no heat flows. Vertices are
+//! particles of the scene that stay where they are.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::text::diagnostic::Checked;
+use crate::text::number::{Components, Marks, Number};
+use crate::words::draft::Draft;
+use crate::words::shape::ShapeDeclaration;
+use crate::words::table::{Kind, table};
+use crate::words::word::{Feature, LAPLACIAN, Of, Word};
+
+table! {
+    /// Heat that flows through a shape.
+    pub(crate) struct HeatDeclaration = "a table of heat on a shape" {
+        /// A name.
+        name: Spanned<String> = Kind::Name,
+        /// A mesh: a kind with its size and cells, or a file.
+        shape: Spanned<ShapeDeclaration> = Kind::Table(&ShapeDeclaration::TABLE),
+        /// Length squared over time.
+        diffusivity: Spanned<Number> = Kind::Positive,
+        /// What is warm at the start; the rest is at zero.
+        warm: Option<Vec<WarmDeclaration>> = Kind::List(&Kind::Table(&WarmDeclaration::TABLE)),
+        /// What is held at its temperature.
+        held: Option<Vec<HeldDeclaration>> = Kind::List(&Kind::Table(&HeldDeclaration::TABLE)),
+        /// Names for the vertices nearest to places.
+        marks: Option<Marks> = Kind::Marks,
+    }
+
+    /// A warm place.
+    pub(crate) struct WarmDeclaration = "a table with `at`, `radius` and `temperature`" {
+        /// Where.
+        at: Components = Kind::Vector,
+        /// How far around.
+        radius: Spanned<Number> = Kind::Positive,
+        /// How warm.
+        temperature: Spanned<Number> = Kind::Number,
+    }
+
+    /// A part that is held.
+    pub(crate) struct HeldDeclaration = "a table with `part` and `temperature`" {
+        /// The part, such as left, rim.
+        part: Spanned<String> = Kind::Text,
+        /// How warm.
+        temperature: Spanned<Number> = Kind::Number,
+    }
+}
+
+impl Word for Option<HeatDeclaration> {
+    const FEATURE: Option<Feature> = Some(LAPLACIAN);
+    const OF: Of = Of::Heat;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.as_ref().map(|heat| heat.name.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        #[cfg(feature = "laplacian")]
+        if let Some(heat) = self {
+            let (body, edges, faces) =
+                declare(&mut draft.particles, draft.dimension, draft.folder, heat)?;
+            (draft.solids.edges, draft.solids.faces) = (edges, faces);
+            draft.heat = Some(body);
+        }
+        #[cfg(not(feature = "laplacian"))]
+        let _ = draft;
+        Ok(())
+    }
+}
+
+#[cfg(feature = "laplacian")]
+pub(crate) use compiled::*;
+
+/// What is compiled with the crate that the word is about.
+#[cfg(feature = "laplacian")]
+mod compiled {
+    use super::*;
+    use crate::model::elastic_body::Heated;
+    use std::path::Path;
+
+    use crate::model::elastic_body::HeatedBody;
+    use crate::model::particle::{Motion, Particle};
+    use crate::text::check;
+    use crate::text::diagnostic::{Checked, at};
+    use crate::text::fault::Fault;
+    use crate::words::laid_shape::{Element, Shape};
+    use crate::words::laid_shape::{mark, within};
+    use crate::words::particle_table::ParticleTable;
+    use crate::words::shape;
+
+    /// The body that is declared, its vertices added to the roster.
+    pub(crate) fn declare(
+        roster: &mut ParticleTable,
+        dimension: usize,
+        folder: Option<&Path>,
+        declared: &HeatDeclaration,
+    ) -> Checked<Heated> {
+        let name = check::name(&declared.name)?;
+        let shape = shape::declare(dimension, Element::Linear, folder, &declared.shape)?;
+        let diffusivity = check::positive("the diffusivity", &declared.diffusivity)?;
+        for (vertex, &position) in shape.places.iter().enumerate() {
+            let particle = Particle {
+                name: format!("{name}.{vertex}"),
+                position,
+                motion: Motion::Pinned,
+                radius: 0.0,
+            };
+            // There is nothing else in the scene that could have this name.
+            roster.add(particle, declared.shape.span());
+        }
+        mark(roster, dimension, 0, &name, &shape, declared.marks.as_ref())?;
+        let (start, held) = temperatures(dimension, &shape, declared)?;
+        if held.iter().all(|&held| held) {
+            return Err(at(declared.name.span(), Fault::AllHeld));
+        }
+        let body = HeatedBody { name, diffusivity, simplices: shape.simplices, start, held };
+        Ok((body, shape.edges, shape.faces))
+    }
+
+    /// The temperature of each vertex at the start, and whether it keeps it.
+    fn temperatures(
+        dimension: usize,
+        shape: &Shape,
+        declared: &HeatDeclaration,
+    ) -> Checked<(Vec<f64>, Vec<bool>)> {
+        let mut start = vec![0.0; shape.places.len()];
+        let mut held = vec![false; start.len()];
+        for warm in declared.warm.iter().flatten() {
+            let place = check::vector("a warm place", dimension, &warm.at)?;
+            let radius = check::positive("the radius", &warm.radius)?;
+            let temperature = check::finite("the temperature", &warm.temperature)?;
+            let mut none = true;
+            for (start, far) in start.iter_mut().zip(shape.distances(place)) {
+                if far <= radius {
+                    (*start, none) = (temperature, false);
+                }
+            }
+            if none {
+                return Err(at(warm.radius.span(), Fault::Nowhere));
+            }
+        }
+        for hold in declared.held.iter().flatten() {
+            let temperature = check::finite("the temperature", &hold.temperature)?;
+            for (vertex, there) in
+                within(shape, std::slice::from_ref(&hold.part))?.into_iter().enumerate()
+            {
+                if there {
+                    (start[vertex], held[vertex]) = (temperature, true);
+                }
+            }
+        }
+        Ok((start, held))
+    }
+}

@@ -1,0 +1,224 @@
+//! How a scene is stepped: the word `integrator`, and what goes with it.
+//!
+//! ```text
+//! equal       (q, p) -> Phi_h(q, p); with rods, then back to the nearest feasible configuration
+//! adaptive    steps chosen to a tolerance, read off at every moment i h
+//! rattle, constrained-hamilton       equal steps that hold rods by their forces
+//! linear-modes    no steps: a sum of modes in closed form, read off at every moment i h
+//! ```
+//! `h` the scene's step.
+
+use stationary_integrators::{Evaluation, Method};
+
+use crate::model::scene::Scene;
+use crate::model::stepping::{
+    ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
+};
+use crate::text::diagnostic::{Checked, at};
+use crate::text::fault::Fault;
+use crate::text::{check, limits};
+use crate::words::Declaration;
+use crate::words::word::{CONSTRAINTS, MODAL};
+#[cfg(feature = "laplacian")]
+use stationary_laplacian::HeatMethod;
+#[cfg(feature = "rigid")]
+use stationary_rigid::BodyMethod;
+
+/// What the word `integrator` may say.
+#[derive(Clone, Copy)]
+enum Word {
+    Equal(Method),
+    Adaptive(Adaptive),
+    Constrained(Constrained),
+    LinearModes,
+    #[cfg(feature = "laplacian")]
+    Heat(HeatMethod),
+    #[cfg(feature = "rigid")]
+    Bodies(BodyMethod),
+}
+
+/// The words that a scene of this kind may say.
+fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> {
+    #[cfg(feature = "laplacian")]
+    if declared.heat.is_some() {
+        let steps = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
+        return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
+    }
+    #[cfg(feature = "rigid")]
+    if !declared.bodies.is_empty() && dimension == 3 {
+        let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
+        return BodyMethod::ALL.iter().map(word).collect();
+    }
+    let _ = (declared, dimension);
+    Method::ALL
+        .iter()
+        .map(|&method| (method.facts().name, Word::Equal(method)))
+        .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
+        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))))
+        .chain([(LINEAR_MODES, Word::LinearModes)])
+        .collect()
+}
+
+/// The stepping that is declared; whether it can step the scene is asked later.
+pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepping> {
+    let all = words(declared, dimension);
+    let integrator = &declared.integrator;
+    let word = check::word("integrator", integrator.get_ref(), integrator.span(), &all)?;
+    if let (Some(modes), false) = (&declared.modes, matches!(word, Word::LinearModes)) {
+        return Err(at(modes.span(), Fault::Modes));
+    }
+    Ok(match (word, &declared.tolerance) {
+        (Word::Adaptive(method), Some(tolerance)) => {
+            let value = tolerance_in_range(tolerance.get_ref().0);
+            let tolerance = value.map_err(|fault| at(tolerance.span(), fault))?;
+            Stepping::Adaptive { method, tolerance }
+        }
+        (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
+        (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
+        (Word::Equal(method), None) => Stepping::Equal(method),
+        #[cfg(feature = "laplacian")]
+        (Word::Heat(method), None) => Stepping::Heat(method),
+        (Word::LinearModes, None) => match &declared.modes {
+            Some(modes) => {
+                let count = modes_in_range(modes.get_ref().0);
+                let count = count.map_err(|fault| at(modes.span(), fault))?;
+                Stepping::LinearModes { count: count as usize }
+            }
+            None => return Err(at(integrator.span(), Fault::NoModes)),
+        },
+        (Word::Constrained(method), None) => Stepping::Constrained(method),
+        #[cfg(feature = "rigid")]
+        (Word::Bodies(method), None) => Stepping::Bodies(method),
+    })
+}
+
+/// A tolerance: below one, and above what rounding allows.
+fn tolerance_in_range(value: f64) -> Result<f64, Fault> {
+    match (limits::TOLERANCE..1.0).contains(&value) {
+        true => Ok(value),
+        false => Err(Fault::Tolerance { value }),
+    }
+}
+
+fn modes_in_range(modes: u64) -> Result<u64, Fault> {
+    match (1..=limits::MODES).contains(&modes) {
+        true => Ok(modes),
+        false => Err(Fault::NumberOfModes { modes }),
+    }
+}
+
+impl Scene {
+    /// An error where the scene's method cannot step what the scene has.
+    pub(crate) fn check_kind(&self) -> Result<(), Fault> {
+        #[cfg(feature = "rigid")]
+        if !self.bodies.is_empty() {
+            return self.check_bodies();
+        }
+        self.check_particles()
+    }
+
+    /// The same scene with another method, which must be one that moves such a scene.
+    ///
+    /// # Errors
+    /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
+    /// does not; [`Fault::Tolerance`] and [`Fault::NumberOfModes`] where its number is out of range;
+    /// [`Fault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
+    pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
+        let scene = Scene { stepping: method.into(), ..self };
+        scene.check_stepping()?;
+        Ok(scene)
+    }
+
+    fn mode_numbers(&self, modes: usize) -> u64 {
+        (self.freedoms() as u64).saturating_mul(modes as u64)
+    }
+
+    /// An error where the scene's method cannot step what the scene has.
+    pub(crate) fn check_stepping(&self) -> Result<(), Fault> {
+        match self.stepping {
+            Stepping::Constrained(_) => CONSTRAINTS.check(self.stepping.name())?,
+            Stepping::LinearModes { .. } => MODAL.check(self.stepping.name())?,
+            // Whoever has one of the others has its crate.
+            _ => {}
+        }
+        match self.stepping {
+            Stepping::Adaptive { tolerance, .. } => tolerance_in_range(tolerance).map(drop)?,
+            Stepping::LinearModes { count } => modes_in_range(count as u64).map(drop)?,
+            _ => {}
+        }
+        self.check_kind()
+    }
+
+    /// An error where the scene's method cannot step its particles, or let its heat flow.
+    pub(crate) fn check_particles(&self) -> Result<(), Fault> {
+        let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
+        let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
+        let of_heat = match self.stepping {
+            #[cfg(feature = "laplacian")]
+            Stepping::Heat(_) => true,
+            Stepping::LinearModes { .. } => self.heat.is_some(),
+            _ => false,
+        };
+        if self.heat.is_some() != of_heat {
+            return Err(Fault::MethodOfAnother(self.stepping.name().to_owned()));
+        }
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        if let Some(contact) = &self.contact {
+            return match self.stepping {
+                _ if drag || rods => refused("contact with rods or drag", "leave one of them out"),
+                _ if contact.stiffness.is_some() => match self.stepping {
+                    Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
+                        Ok(())
+                    }
+                    Stepping::Adaptive { method: Adaptive::DormandPrince853, .. } => Ok(()),
+                    _ => refused("what touches by springs", "name an explicit method"),
+                },
+                Stepping::Equal(Method::StormerVerlet) => Ok(()),
+                _ => refused("what touches", "name `stormer-verlet`"),
+            };
+        }
+        match self.stepping {
+            _ if drag && rods => refused("rods and drag at once", "leave one of them out"),
+            Stepping::Constrained(_) if !rods => {
+                refused("a scene without rods", "name any other method")
+            }
+            Stepping::Adaptive { .. } if rods => {
+                refused("rods", "name a method of equal steps, such as `rattle`")
+            }
+            Stepping::LinearModes { count } if self.mode_numbers(count) > limits::MODE_NUMBERS => {
+                let (what, count) = ("numbers of modes", self.mode_numbers(count));
+                Err(Fault::TooMany { what, count, limit: limits::MODE_NUMBERS })
+            }
+            Stepping::LinearModes { .. } if rods || drag => {
+                refused("rods or drag", "name a method of equal steps")
+            }
+            Stepping::Equal(equal) if drag && equal.newmark_weights().is_none() => {
+                refused("drag", "name `newmark`, `generalized-alpha` or an adaptive method")
+            }
+            Stepping::Adaptive { method: adaptive, .. }
+                if adaptive != Adaptive::DormandPrince853
+                    && self.freedoms() > limits::FULL_MATRIX_FREEDOMS =>
+            {
+                refused("so many freedoms with full matrices", "name a method of equal steps")
+            }
+            Stepping::Equal(equal)
+                if equal.facts().evaluation == Evaluation::Implicit
+                    && !can_factor(self.freedoms()) =>
+            {
+                refused("so many freedoms with full matrices", "name an explicit method")
+            }
+            #[cfg(feature = "rigid")]
+            Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
+            Stepping::Constrained(Constrained::Rattle) => Ok(()),
+            _ if breaking => refused("rods that break", "name `rattle`"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a matrix of so many freedoms can be factored: a sparse one, where it is compiled.
+fn can_factor(freedoms: usize) -> bool {
+    cfg!(any(feature = "constraints", feature = "elasticity", feature = "modal"))
+        || freedoms <= limits::FULL_MATRIX_FREEDOMS
+}

@@ -1,0 +1,213 @@
+//! Joints between the bodies of a scene, closed where they start.
+//!
+//! ```text
+//! x_a(p) = x_b(p),    v_a + w_a x (p - x_a) = v_b + w_b x (p - x_b)       at the start
+//! ```
+//! A joint is given by its place `p`, and a hinge by its axis too, as the world sees them at the
+//! start: so it is closed there, whatever the bodies' poses. Bodies whose velocity is not given
+//! move with the first joint that leads to a body, or the world, whose velocity is known; two of
+//! that which disagree are an error. `x` centres, `v` velocities, `w` angular velocities in world
+//! axes.
+
+#[cfg(feature = "rigid")]
+use crate::words::draft::DeclaredBody;
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::text::diagnostic::Checked;
+use crate::text::number::Components;
+use crate::words::draft::Draft;
+use crate::words::table::{Kind, table};
+use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
+
+table! {
+    /// A joint, given by its place at the start.
+    pub(crate) struct JointDeclaration = "a joint" {
+        /// In space ball, hinge or fixed; in the plane pin or weld.
+        kind: Spanned<String> = Kind::OneOf(&["ball", "hinge", "fixed", "pin", "weld"]),
+        /// Two names.
+        between: Spanned<Vec<Spanned<String>>> = Kind::Pair,
+        /// Where it is at the start, as the world sees it.
+        at: Components = Kind::Vector,
+        /// The axis of a hinge at the start, as the world sees it.
+        axis: Option<Components> = Kind::Vector,
+    }
+}
+
+impl Word for Vec<JointDeclaration> {
+    const FEATURE: Option<Feature> = Some(CONSTRAINTS);
+    const OF: Of = Of::Joints;
+
+    fn place(&self) -> Option<Range<usize>> {
+        self.first().map(|first| first.kind.span())
+    }
+
+    fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
+        #[cfg(feature = "rigid")]
+        draft.joints.extend(declare(draft.dimension, &mut draft.bodies, self)?);
+        #[cfg(not(feature = "rigid"))]
+        let _ = draft;
+        Ok(())
+    }
+}
+
+#[cfg(feature = "rigid")]
+pub(crate) use compiled::*;
+
+/// What is compiled with the crate that the word is about.
+#[cfg(feature = "rigid")]
+mod compiled {
+    use super::*;
+    use std::collections::{HashMap, VecDeque};
+
+    use nalgebra::Vector3;
+    use toml::Spanned;
+
+    use crate::model::items::{JointKind, RigidBody, SceneJoint};
+    use crate::text::check;
+    use crate::text::diagnostic::{Checked, at};
+    use crate::text::fault::Fault;
+    use crate::text::suggestion::nearest;
+    use crate::text::suggestion::shortened;
+    use crate::words::bodies::WORLD;
+
+    const IN_SPACE: [(&str, JointKind); 3] =
+        [("ball", JointKind::Ball), ("hinge", JointKind::Hinge), ("fixed", JointKind::Fixed)];
+    const IN_THE_PLANE: [(&str, JointKind); 2] =
+        [("pin", JointKind::Ball), ("weld", JointKind::Fixed)];
+
+    /// The joints that are declared; velocities that are not given are made to fit them.
+    pub(crate) fn declare(
+        dimension: usize,
+        bodies: &mut [DeclaredBody],
+        all: &[JointDeclaration],
+    ) -> Checked<Vec<SceneJoint>> {
+        let by_name: HashMap<&str, usize> =
+            bodies.iter().enumerate().map(|(k, d)| (d.body.name.as_str(), k)).collect();
+        let joints = all
+            .iter()
+            .map(|declared| joint(dimension, &by_name, declared))
+            .collect::<Checked<Vec<_>>>()?;
+        carry_velocities(bodies, &joints);
+        for (joint, declared) in joints.iter().zip(all) {
+            let [a, b] = joint.between.map(|end| velocity_at(bodies, end, joint.place));
+            let speed = a.norm().max(b.norm());
+            if (a - b).norm() > VELOCITY * speed {
+                let apart = (a - b).norm();
+                return Err(at(declared.at.span(), Fault::JointTorn { apart }));
+            }
+            if let Some(turn) = forbidden_turn(bodies, joint) {
+                return Err(at(declared.between.span(), Fault::JointTurns { turn }));
+            }
+        }
+        Ok(joints)
+    }
+
+    /// What ends may move against each other, relative to their speed: rounding of what a file says.
+    const VELOCITY: f64 = 1e-9;
+
+    fn joint(
+        dimension: usize,
+        bodies: &HashMap<&str, usize>,
+        declared: &JointDeclaration,
+    ) -> Checked<SceneJoint> {
+        let words: &[_] = if dimension == 3 { &IN_SPACE } else { &IN_THE_PLANE };
+        let kind = check::word("joint", declared.kind.get_ref(), declared.kind.span(), words)?;
+        let names = declared.between.get_ref();
+        let [first, second] = names.as_slice() else {
+            let fault = Fault::JointEnds(names.len());
+            return Err(at(declared.between.span(), fault));
+        };
+        let between = [find(bodies, first)?, find(bodies, second)?];
+        if between[0] == between[1] {
+            return Err(at(
+                declared.between.span(),
+                Fault::JoinedToItself(first.get_ref().clone()),
+            ));
+        }
+        let place = check::vector("the place of the joint", dimension, &declared.at)?;
+        let axis = match (&declared.axis, kind) {
+            (Some(axis), JointKind::Hinge) => check::direction("the axis", dimension, axis)?,
+            (None, JointKind::Hinge) => return Err(at(declared.kind.span(), Fault::HingeAxis)),
+            (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
+            (None, _) => [0.0, 0.0, 1.0],
+        };
+        Ok(SceneJoint { kind, between, place, axis })
+    }
+
+    /// The body of this name, or the world.
+    fn find(bodies: &HashMap<&str, usize>, name: &Spanned<String>) -> Checked<Option<usize>> {
+        /// Names listed in an error; more would not help.
+        const LISTED: usize = 12;
+        if name.get_ref() == WORLD {
+            return Ok(None);
+        }
+        if let Some(&index) = bodies.get(name.get_ref().as_str()) {
+            return Ok(Some(index));
+        }
+        let mut names: Vec<(&str, usize)> =
+            bodies.iter().map(|(&name, &index)| (name, index)).collect();
+        names.sort_by_key(|&(_, index)| index);
+        let names = || names.iter().map(|&(name, _)| name).chain([WORLD]);
+        let few = if bodies.len() < LISTED { bodies.len() + 1 } else { 0 };
+        let fault = Fault::UnknownWord {
+            kind: "body",
+            word: shortened(name.get_ref()),
+            nearest: nearest(name.get_ref(), names()).map(str::to_owned),
+            allowed: names().take(few).map(str::to_owned).collect(),
+        };
+        Err(at(name.span(), fault))
+    }
+
+    fn spin(body: &RigidBody) -> Vector3<f64> {
+        body.turned().rotate(&body.angular_velocity.into())
+    }
+
+    fn velocity_at(bodies: &[DeclaredBody], end: Option<usize>, place: [f64; 3]) -> Vector3<f64> {
+        let Some(index) = end else { return Vector3::zeros() };
+        let body = &bodies[index].body;
+        let arm = Vector3::from(place) - Vector3::from(body.position);
+        Vector3::from(body.velocity) + spin(body).cross(&arm)
+    }
+
+    /// Gives a velocity to bodies that have none, from joint to joint, the world's joints first.
+    fn carry_velocities(bodies: &mut [DeclaredBody], joints: &[SceneJoint]) {
+        let mut touching: Vec<Vec<usize>> = vec![Vec::new(); bodies.len()];
+        for (index, joint) in joints.iter().enumerate() {
+            joint.between.into_iter().flatten().for_each(|body| touching[body].push(index));
+        }
+        let mut known: Vec<bool> = bodies.iter().map(|declared| declared.has_velocity).collect();
+        let fixed = joints.iter().enumerate().filter(|(_, joint)| joint.between.contains(&None));
+        let mut next: VecDeque<usize> = fixed.map(|(index, _)| index).collect();
+        next.extend(
+            (0..bodies.len()).filter(|&body| known[body]).flat_map(|b| touching[b].clone()),
+        );
+        while let Some(index) = next.pop_front() {
+            let [a, b] = joints[index].between;
+            for (from, to) in [(a, b), (b, a)] {
+                let Some(body) = to.filter(|&body| !known[body]) else { continue };
+                if from.is_none_or(|from| known[from]) {
+                    let place = joints[index].place;
+                    let gap = velocity_at(bodies, from, place) - velocity_at(bodies, to, place);
+                    bodies[body].body.velocity = gap.into();
+                    known[body] = true;
+                    next.extend(&touching[body]);
+                }
+            }
+        }
+    }
+
+    /// The rate of a turn that the joint does not allow, where there is one.
+    fn forbidden_turn(bodies: &[DeclaredBody], joint: &SceneJoint) -> Option<f64> {
+        let [a, b] =
+            joint.between.map(|end| end.map_or(Vector3::zeros(), |i| spin(&bodies[i].body)));
+        let (turn, axis) = (a - b, Vector3::from(joint.axis));
+        let forbidden = match joint.kind {
+            JointKind::Ball => 0.0,
+            JointKind::Hinge => (turn - axis * turn.dot(&axis)).norm(),
+            JointKind::Fixed => turn.norm(),
+        };
+        (forbidden > VELOCITY * a.norm().max(b.norm())).then_some(forbidden)
+    }
+}
