@@ -3,13 +3,11 @@
 //! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
 //! friction.
 
-use std::borrow::Borrow;
-
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Potential;
 use stationary_contact::{
-    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape,
-    PlanarWorld, Shape, Touch, TouchingBodies,
+    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape, Shape,
+    Touch, World,
 };
 use stationary_integrators::{Saved, State};
 use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
@@ -32,7 +30,7 @@ pub(crate) fn in_space<'a>(
 ) -> Made<'a> {
     let colliders = scene.colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
-    let touching = TouchingBodies::new(system, detector)?.with_law(contact.law);
+    let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
@@ -45,13 +43,13 @@ pub(crate) fn in_the_plane<'a>(
 ) -> Made<'a> {
     let colliders = scene.planar_colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
-    let touching = PlanarWorld::new(system.clone(), detector)?.with_law(contact.law);
+    let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
 /// What steps bodies that touch.
-struct Touching<T> {
-    touching: T,
+struct Touching<G: Dimension, P> {
+    touching: World<G, P>,
     colliders: Colliders,
 }
 
@@ -99,43 +97,33 @@ impl Colliders {
     }
 }
 
-/// The same of both dimensions.
-macro_rules! steps_of {
-    ($touching:ty) => {
-        impl<P: Potential> Steps for Touching<$touching> {
-            fn step(
-                &mut self,
-                state: &mut State<Vec<f64>>,
-                h: f64,
-                _: f64,
-            ) -> Result<Stepped, StepFailure> {
-                let met = self.touching.step(state, h)?;
-                Ok(Stepped::met(met.impacts, state.t))
-            }
+impl<G: Dimension, P: Potential> Steps for Touching<G, P> {
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        _: f64,
+    ) -> Result<Stepped, StepFailure> {
+        let met = self.touching.step(state, h)?;
+        Ok(Stepped::met(met.impacts, state.t))
+    }
 
-            fn save(&mut self) -> Saved {
-                self.touching.save()
-            }
+    fn save(&mut self) -> Saved {
+        self.touching.save()
+    }
 
-            fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-                Ok(self.touching.load(&before.memory)?)
-            }
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        Ok(self.touching.load(&before.memory)?)
+    }
 
-            fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
-                for touch in self.touching.touches() {
-                    see(self.colliders.push(touch.borrow(), time));
-                }
-            }
+    fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
+        self.touching.touches().for_each(|touch| see(self.colliders.push(&touch, time)));
+    }
 
-            fn built(&self) -> Built {
-                Built { colliders: self.colliders.all as u64, ..Built::default() }
-            }
-        }
-    };
+    fn built(&self) -> Built {
+        Built { colliders: self.colliders.all as u64, ..Built::default() }
+    }
 }
-
-steps_of!(TouchingBodies<'_, P>);
-steps_of!(PlanarWorld<P>);
 
 /// Overlap at the start that is rounding, relative to the size of the bodies.
 const ROUNDING: f64 = 1e-9;
