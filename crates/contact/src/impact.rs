@@ -19,6 +19,8 @@ pub(crate) mod jacobi;
 pub(crate) mod reflection;
 pub(crate) mod law;
 #[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) mod rough;
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rounds;
 
 use stationary_calculus::Vector;

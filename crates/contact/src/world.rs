@@ -32,6 +32,7 @@
 
 pub(crate) mod report;
 pub(crate) mod warm_start;
+pub(crate) mod clearance;
 pub(crate) mod contact_cache;
 pub(crate) mod resting;
 pub(crate) mod push_apart;
@@ -40,6 +41,7 @@ pub(crate) mod masonry;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
+use stationary_rigid::LieGroup;
 
 use crate::error::{check_finite, check_time};
 use crate::impact::rounds::ImpactRounds;
@@ -48,11 +50,13 @@ use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
 use crate::solve::islands::Islands;
 use crate::solve::sweeps::AMPLIFICATION;
+use crate::world::clearance::{Mover, closing_speed, may_meet};
 use crate::world::contact_cache::ContactCache;
 use crate::world::resting::{Guessed, Resting};
 use crate::world::warm_start::WarmStart;
 use crate::{
-    ContactError, ContactIn, DetectorIn, Dimension, ImpactLaw, InverseMass, WorldReport, gap_rows,
+    ColliderIn, ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw,
+    InverseMass, WorldReport, gap_rows,
 };
 
 /// Bodies under a potential, in the plane or in space.
@@ -67,7 +71,8 @@ pub struct Touch<G: Dimension> {
     pub impact: f64,
     /// The impulse of resting contact along the normal, N s.
     pub normal: f64,
-    /// The impulse of friction on the second body, N s, world axes.
+    /// The impulse of friction on the second body, in impacts and in resting contact, N s, world
+    /// axes.
     pub friction: G::Vector,
 }
 
@@ -93,6 +98,9 @@ const LARGE: usize = 100;
 /// A body that an impulse takes this part of its radius farther than was looked at may have missed
 /// a contact: the step is solved again.
 const MISSED: f64 = 0.05;
+/// Pairs that move less than this part of the smaller radius against each other have gaps that are
+/// nearly linear over the step.
+const FAR: f64 = 0.1;
 /// How often a step is solved at most.
 const ROUNDS: usize = 6;
 /// The name under which impulses and contacts are saved.
@@ -132,6 +140,9 @@ struct Memory<G: Dimension> {
     dv: Covector<Vec<f64>>,
     /// How far each body moves in the step, m.
     reach: Vec<f64>,
+    /// Colliders that pass each other with clearance, and those that do not although they seemed to.
+    passing: Vec<[usize; 2]>,
+    meeting: Vec<[usize; 2]>,
     scales: Vec<G::Velocity>,
     states: Vec<BodyState<G>>,
     /// Velocities of bodies in world axes: after the step, and the mean with those before.
@@ -141,8 +152,8 @@ struct Memory<G: Dimension> {
     lift_bias: Vec<f64>,
     /// The impulse of each contact on its second body, world axes, N s.
     impulses: Vec<G::Vector>,
-    /// The impulse of impacts along the normal of each contact, N s.
-    hits: Vec<f64>,
+    /// The impulse of impacts on the second body of each contact, world axes, N s.
+    hits: Vec<G::Vector>,
     islands: Islands,
     resting: Resting<G>,
     solver: G::Solver,
@@ -168,6 +179,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             lift: zeros(),
             dv: Covector(vec![0.0; n]),
             reach: Vec::new(),
+            passing: Vec::new(),
+            meeting: Vec::new(),
             scales: G::scales(system.metric()),
             states: Vec::new(),
             after: Vec::new(),
@@ -251,9 +264,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
     pub fn touches(&self) -> impl Iterator<Item = Touch<G>> {
         let Memory { impulses, hits, .. } = &self.memory;
         let impulses = impulses.iter().zip(hits);
-        self.kept.found().iter().zip(impulses).map(|(&contact, (impulse, &impact))| {
-            let normal = G::dot(impulse, &contact.normal);
-            Touch { contact, impact, normal, friction: *impulse - contact.normal * normal }
+        self.kept.found().iter().zip(impulses).map(|(&contact, (impulse, hit))| {
+            let along = |impulse| G::dot(impulse, &contact.normal);
+            let (normal, impact) = (along(impulse), along(hit));
+            let friction = *impulse + *hit - contact.normal * (normal + impact);
+            Touch { contact, impact, normal, friction }
         })
     }
 
@@ -307,10 +322,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
         self.find_increment(state, h);
         self.find_reach(h);
+        self.memory.meeting.clear();
         let mut round = 1;
         let mut report = loop {
             let report = self.solve_round(state, h)?;
-            if round == ROUNDS || !self.widen_reach(h) {
+            let missed = self.widen_reach(h) | self.find_meeting(&state.q, h);
+            if round == ROUNDS || !missed {
                 break report;
             }
             round += 1;
@@ -343,10 +360,63 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let scales = scales.iter().enumerate();
         states.extend(scales.map(|(i, &scale)| BodyState::new(i, scale, &state.q, &v.0)));
         self.kept.detect(&mut self.detector, states, &state.q, reach)?;
-        let contacts = self.kept.take_found();
+        let mut contacts = self.kept.take_found();
+        self.drop_passing(&mut contacts, &state.q, h);
         let solved = self.solve(&contacts, &state.q, h);
         self.kept.put_back(contacts);
         solved
+    }
+
+    /// Drops the contacts of pairs that move far in the step and pass each other with clearance.
+    fn drop_passing(&mut self, contacts: &mut Vec<ContactIn<G>>, q: &[f64], h: f64) {
+        let Memory { start, increment, passing, meeting, reach, .. } = &mut self.memory;
+        passing.clear();
+        let colliders = self.detector.colliders();
+        let mut last = None;
+        for contact in contacts.iter() {
+            let pair = contact.id.colliders.map(|collider| collider as usize);
+            if last == Some(pair) {
+                continue;
+            }
+            last = Some(pair);
+            let bodies = || contact.bodies.into_iter().flatten();
+            let far = bodies().map(|body| FAR * self.detector.radius(body));
+            let far = far.fold(f64::INFINITY, f64::min);
+            if bodies().map(|body| reach[body]).sum::<f64>() <= far {
+                continue;
+            }
+            let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
+            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
+            let pairs = contacts.iter().filter(|other| other.id.colliders == contact.id.colliders);
+            let clear = h * closing_speed(&movers) > far
+                && !meeting.contains(&pair)
+                && pairs.fold(f64::INFINITY, |least, contact| least.min(contact.gap)) > 0.0
+                && !may_meet(&movers, h);
+            if clear {
+                passing.push(pair);
+            }
+        }
+        if !passing.is_empty() {
+            contacts.retain(|contact| {
+                let pair = contact.id.colliders.map(|collider| collider as usize);
+                passing.binary_search(&pair).is_err()
+            });
+        }
+    }
+
+    /// Finds pairs that seemed to pass each other and meet with the velocities of now; says whether
+    /// there are any.
+    fn find_meeting(&mut self, q: &[f64], h: f64) -> bool {
+        let Memory { v, passing, meeting, .. } = &mut self.memory;
+        let (colliders, before) = (self.detector.colliders(), meeting.len());
+        for &pair in passing.iter() {
+            let velocity = |freedom: usize| v.0[freedom];
+            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
+            if may_meet(&movers, h) {
+                meeting.push(pair);
+            }
+        }
+        meeting.len() > before
     }
 
     /// Turns the velocity before a step into that over it.
@@ -360,7 +430,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             WorldReport { contacts: contacts.len(), settled: true, ..WorldReport::default() };
         report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
         self.memory.hits.clear();
-        self.memory.hits.resize(contacts.len(), 0.0);
+        self.memory.hits.resize(contacts.len(), G::Vector::default());
         let kinetic = self.kinetic_energy();
         if contacts.iter().any(|contact| contact.restitution > 0.0) {
             self.impacts(contacts, q, h, &mut report)?;
@@ -389,22 +459,34 @@ impl<G: Dimension, P: Potential> World<G, P> {
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
         let Memory { v, increment, hits, .. } = &mut self.memory;
-        let rows = gap_rows(contacts, q);
-        let rounds =
-            ImpactRounds { rows: &rows, mass: &self.mass, law: self.law, kick: increment, h };
-        let (gap, restitution) = (|i: usize| contacts[i].gap, |i: usize| contacts[i].restitution);
-        let done = rounds.apply(gap, restitution, v, |_, closing, done, _| {
-            report.impacts += done.passes;
-            closing.iter().zip(&done.impulses).for_each(|(&i, impulse)| hits[i] += impulse);
-        });
-        match done {
-            Err(ContactError::NotConverged { residual, .. }) => {
-                report.settled = false;
-                report.residual = residual;
-                Ok(())
-            }
-            done => done,
+        let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
+        let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
+        let friction = of(|contact| contact.friction);
+        if friction.iter().any(|&friction| friction > 0.0) {
+            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut across));
         }
+        let rounds = ImpactRounds {
+            rows: &rows,
+            across: &across,
+            gap: &of(|contact| contact.gap),
+            restitution: &of(|contact| contact.restitution),
+            friction: &friction,
+            mass: &self.mass,
+            law: self.law,
+            kick: increment,
+            h,
+        };
+        let given = rounds.apply(v)?;
+        report.impacts = given.passes;
+        report.settled &= given.converged;
+        let mut across = given.friction.iter();
+        for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
+            *hit = contact.normal * normal;
+            for (tangent, &impulse) in contact.tangents().zip(&mut across) {
+                *hit = *hit + tangent * impulse;
+            }
+        }
+        Ok(())
     }
 
     /// Resting contact and friction; says what counts as settled, m/s.
@@ -522,7 +604,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let rate = at(after, contact, 1) - at(after, contact, 0);
             let part = if contact.gap < 0.0 { PENETRATION_CORRECTION } else { 1.0 };
             lift_bias.push(G::dot(&rate, &contact.normal) + part * contact.gap / h);
-            let whole = *impulse + contact.normal * *hit;
+            let whole = *impulse + *hit;
             if whole == G::Vector::default() {
                 continue;
             }
@@ -534,7 +616,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 if contact.bodies[side].is_some_and(|body| !states[body].moves()) {
                     let velocity = at(after, contact, side) * sign;
                     report.work += G::dot(&whole, &velocity);
-                    report.impact_energy += *hit * G::dot(&contact.normal, &velocity);
+                    report.impact_energy += G::dot(hit, &velocity);
                 }
             }
         }
@@ -632,6 +714,24 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
 /// The part of the worst approach to which lifting is settled.
 const LIFT_TOLERANCE: f64 = 1e-2;
+
+/// A collider, and how its body moves with these velocities.
+fn mover<'a, G: Dimension>(
+    collider: &'a ColliderIn<G>,
+    q: &[f64],
+    of: impl Fn(usize) -> f64,
+    detector: &DetectorIn<G>,
+) -> Mover<'a, G> {
+    let mut velocity = G::Velocity::default();
+    let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
+    if let Some(body) = collider.body() {
+        (pose, radius) = (G::pose(q, body), detector.radius(body));
+        for (k, v) in velocity.as_mut().iter_mut().enumerate() {
+            *v = of(G::FREEDOMS * body + k);
+        }
+    }
+    Mover { collider, pose, velocity, radius }
+}
 
 /// The islands of bodies that impulses move; an error where a contact is between none.
 fn find_islands<G: Dimension>(

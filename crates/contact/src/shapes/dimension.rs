@@ -183,6 +183,15 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     #[doc(hidden)]
     fn reach(shape: &Self::Shape, place: &Self::Motion) -> f64;
 
+    /// A motion that goes on with a velocity, as it is stored, for a time.
+    #[doc(hidden)]
+    fn walked(motion: &Self::Motion, velocity: &Self::Velocity, time: f64) -> Self::Motion;
+
+    /// From a point of the first shape to the closest of the second, zero where they overlap, and
+    /// whether both are convex; none where there is no query.
+    #[doc(hidden)]
+    fn closest(shapes: [&Self::Shape; 2], poses: [&Self::Pose; 2]) -> Option<(Self::Vector, bool)>;
+
     /// Appends where two shapes face each other across at most `margin`.
     #[doc(hidden)]
     fn face(

@@ -180,6 +180,30 @@ impl Dimension for Planar {
         place.apply(&planar_convert::from_vector(ball.center)).norm() + ball.radius
     }
 
+    fn walked(motion: &PlanarMotion, velocity: &[f64; 3], time: f64) -> PlanarMotion {
+        let [x, y, angle] = velocity.map(|v| v * time);
+        PlanarMotion {
+            translation: motion.translation + Vector2::new(x, y),
+            rotation: motion.rotation.compose(&PlanarRotation::exp(angle)),
+        }
+    }
+
+    fn closest(shapes: [&PlanarShape; 2], poses: [&Pose; 2]) -> Option<(Vector2<f64>, bool)> {
+        use parry2d_f64::query::{ClosestPoints, closest_points};
+        let both = shapes.map(|shape| &**shape.geometry());
+        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
+        let apart = match found {
+            ClosestPoints::WithinMargin(first, second) => {
+                planar_convert::from_vector(second - first)
+            }
+            _ => Vector2::zeros(),
+        };
+        let convex = |shape: &&dyn parry2d_f64::shape::Shape| {
+            shape.is_convex() || shape.as_halfspace().is_some()
+        };
+        Some((apart, both.iter().all(convex)))
+    }
+
     fn face(
         shapes: [&PlanarShape; 2],
         poses: [&Pose; 2],

@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::Pose;
 use stationary_rigid::{
     Body, BodyMetric, BodySpace, ConstantVelocity, FreeRotation, LieGroup, Poses, RigidMotion,
+    Rotation,
 };
 
 use crate::detect::narrow_phase::{Manifolds, facing};
@@ -194,6 +195,28 @@ impl Dimension for Spatial {
     fn reach(shape: &Shape, place: &RigidMotion) -> f64 {
         let ball = shape.geometry().compute_local_bounding_sphere();
         place.apply(&convert::from_vector(ball.center)).norm() + ball.radius
+    }
+
+    fn walked(motion: &RigidMotion, velocity: &[f64; 6], time: f64) -> RigidMotion {
+        let [x, y, z, a, b, c] = velocity.map(|v| v * time);
+        RigidMotion {
+            translation: motion.translation + Vector3::new(x, y, z),
+            rotation: motion.rotation.compose(&Rotation::exp(Vector3::new(a, b, c))),
+        }
+    }
+
+    fn closest(shapes: [&Shape; 2], poses: [&Pose; 2]) -> Option<(Vector3<f64>, bool)> {
+        use parry3d_f64::query::{ClosestPoints, closest_points};
+        let both = shapes.map(|shape| &**shape.geometry());
+        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
+        let apart = match found {
+            ClosestPoints::WithinMargin(first, second) => convert::from_vector(second - first),
+            _ => Vector3::zeros(),
+        };
+        let convex = |shape: &&dyn parry3d_f64::shape::Shape| {
+            shape.is_convex() || shape.as_halfspace().is_some()
+        };
+        Some((apart, both.iter().all(convex)))
     }
 
     fn face(
