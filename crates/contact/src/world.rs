@@ -380,7 +380,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
             last = Some(pair);
             let bodies = || contact.bodies.into_iter().flatten();
-            let far = bodies().map(|body| FAR * self.detector.radius(body));
+            let far = bodies().map(|body| FAR * self.detector.radius_of(body));
             let far = far.fold(f64::INFINITY, f64::min);
             if bodies().map(|body| reach[body]).sum::<f64>() <= far {
                 continue;
@@ -505,7 +505,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             state.velocity.as_mut().copy_from_slice(v);
         }
         find_islands(islands, states, contacts)?;
-        let radius = |body: usize| self.detector.radius(body);
+        let radius = |body: usize| self.detector.radius_of(body);
         bias.clear();
         // What is not worth a change of velocity is closed; what overlaps is lifted afterwards.
         bias.extend(contacts.iter().map(|contact| {
@@ -566,7 +566,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let Memory { v, increment, .. } = &self.memory;
         let fastest = |v: &[f64]| {
             let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
-            bodies.map(|(i, v)| speed::<G>(v, self.detector.radius(i))).fold(0.0, f64::max)
+            bodies.map(|(i, v)| speed::<G>(v, self.detector.radius_of(i))).fold(0.0, f64::max)
         };
         let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h);
@@ -670,7 +670,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
         reach.clear();
         reach.extend(bodies.map(|(body, (v, increment))| {
-            let radius = self.detector.radius(body);
+            let radius = self.detector.radius_of(body);
             let speeds = speed::<G>(v, radius) + speed::<G>(increment, radius);
             h * speeds + SPECULATIVE_MARGIN * radius
         }));
@@ -681,7 +681,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let Memory { v, reach, .. } = &mut self.memory;
         let mut widened = false;
         for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
-            let radius = self.detector.radius(body);
+            let radius = self.detector.radius_of(body);
             let way = h * speed::<G>(v, radius);
             if way > *reach + MISSED * radius {
                 *reach = 1.5 * way;
@@ -725,7 +725,7 @@ fn mover<'a, G: Dimension>(
     let mut velocity = G::Velocity::default();
     let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
     if let Some(body) = collider.body() {
-        (pose, radius) = (G::pose(q, body), detector.radius(body));
+        (pose, radius) = (G::pose(q, body), detector.radius_of(body));
         for (k, v) in velocity.as_mut().iter_mut().enumerate() {
             *v = of(G::FREEDOMS * body + k);
         }

@@ -135,7 +135,10 @@ fn detector<G: Dimension>(
     q: &[f64],
 ) -> Result<DetectorIn<G>, ContactError> {
     let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
-    let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
+    let mut largest = 0.0_f64;
+    for body in 0..bodies {
+        largest = largest.max(detector.radius(body)?);
+    }
     detector.check_free(q, ROUNDING * largest)?;
     Ok(detector)
 }

@@ -65,13 +65,24 @@ impl<G: Dimension> DetectorIn<G> {
     /// # Errors
     /// [`ContactError::NonFinite`] for a collider whose place is not finite;
     /// [`ContactError::Restitution`] and [`ContactError::Friction`] out of range, with the number of
-    /// the collider; [`ContactError::Size`] for a collider on a body that is not there.
+    /// the collider; [`ContactError::Size`] for a collider on a body that is not there;
+    /// [`ContactError::NoQuery`] for two half-spaces of which a body carries one.
     pub fn new(colliders: Vec<ColliderIn<G>>, bodies: usize) -> Result<Self, ContactError> {
         for (i, collider) in colliders.iter().enumerate() {
             collider.check(i)?;
             if let Some(body) = collider.body().filter(|&body| body >= bodies) {
                 let what = "the body of a collider";
                 return Err(SizeError { what, expected: bodies, got: body }.into());
+            }
+        }
+        let planes = colliders.iter().filter(|collider| G::plane(&collider.shape).is_some());
+        let (mut first, mut moving) = (None, false);
+        for plane in planes {
+            moving |= plane.body().is_some();
+            if let Some(name) = first.replace(G::name(&plane.shape))
+                && moving
+            {
+                return Err(ContactError::NoQuery { first: name, second: G::name(&plane.shape) });
             }
         }
         let identity = G::Motion::identity();
@@ -123,7 +134,19 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// The radius of a ball about a body's centre that holds all its shapes, m.
-    pub fn radius(&self, body: usize) -> f64 {
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a body that is not there.
+    pub fn radius(&self, body: usize) -> Result<f64, ContactError> {
+        let there = self.bodies;
+        self.radii.get(body).copied().ok_or_else(|| {
+            SizeError { what: "the body of a radius", expected: there, got: body }.into()
+        })
+    }
+
+    /// The same of a body that is there.
+    #[inline]
+    pub(crate) fn radius_of(&self, body: usize) -> f64 {
         self.radii[body]
     }
 

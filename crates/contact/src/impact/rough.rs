@@ -14,7 +14,8 @@
 //! friction this is the pass of generalized reflections. Newton's ratio of velocities in the place of
 //! Poisson's gains energy (Kane and Levinson 1985), as a test shows.
 //!
-//! Where the turns have not converged at their bound the pass is one without friction, and says so.
+//! Where the turns have not converged at their bound the pass says so; its impulses are in the cone
+//! all the same, and where they would give energy it is one without friction.
 //! Source: Glocker and Pfeiffer 1995 (Poisson's law with friction); Kaufman, Sueda, James and Pai
 //! 2008 (staggered projections); the bound and the last minimum are ours.
 
@@ -23,16 +24,19 @@ use stationary_calculus::Vector;
 use crate::impact::projection::{all, project_with};
 use crate::{ContactError, Impact};
 
-/// Turns of compression after which it has failed.
-const TURNS: usize = 2_000;
-/// Sweeps over the contacts in one friction projection.
+/// Turns of compression after which it is taken as it is.
+const TURNS: usize = 100;
+/// Sweeps over the contacts in one friction projection: of a turn, and the last.
+const TURN_SWEEPS: usize = 10;
 const SWEEPS: usize = 100;
-/// Changes of impulses, as velocities, relative to the fastest relative velocity, that end both.
-const CONVERGED: f64 = 1e-12;
+/// Changes of impulses, as velocities, relative to the fastest relative velocity, that end both, and
+/// with which compression counts as converged.
+const SETTLED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-6;
 /// Energy gained that is rounding, relative to the terms of its sum.
 const ENERGY_ROUNDING: f64 = 1e-11;
 /// How often restitution is halved before there is none.
-const HALVINGS: usize = 40;
+const HALVINGS: i32 = 40;
 
 /// Contacts that approach, and as many rows across each as there are directions.
 #[derive(Clone, Copy, Debug)]
@@ -42,16 +46,13 @@ pub(crate) struct RoughContacts<'a> {
     pub(crate) friction: &'a [f64],
 }
 
-/// Normal and friction impulses.
-type Impulses = (Vec<f64>, Vec<f64>);
-
 /// What a pass gave.
 #[derive(Debug)]
 pub(crate) struct RoughPass {
     /// Normal impulses, one a contact, and friction impulses, one a row across, N s.
     pub(crate) normal: Vec<f64>,
     pub(crate) friction: Vec<f64>,
-    /// Whether compression converged; else there is no friction.
+    /// Whether compression converged.
     pub(crate) converged: bool,
 }
 
@@ -59,66 +60,81 @@ impl RoughContacts<'_> {
     /// Changes a velocity by compression and restitution.
     pub(crate) fn reflect(&self, v: &mut Vector<Vec<f64>>) -> Result<RoughPass, ContactError> {
         let before = v.clone();
-        let settled = CONVERGED * self.speed(v.view());
-        let compressed = self.compress(&before, settled, v)?;
-        let (converged, lambda, beta) = match compressed {
-            Some((lambda, beta)) => (true, lambda, beta),
-            None => (
-                false,
-                self.project(&before, &vec![0.0; self.normal.len()], v)?,
-                vec![0.0; self.tangent.len()],
-            ),
-        };
+        let settled = SETTLED * self.speed(v.view());
+        let mut rough = self.compress(&before, settled, v)?;
+        if let Some(pass) = self.restore(&rough, &before, settled, v) {
+            return Ok(pass);
+        }
+        // Without friction, compression is a projection, and gives no energy.
+        let none = vec![0.0; self.normal.len()];
+        rough.normal = self.project(&before, &none, v)?;
+        rough.friction.fill(0.0);
+        rough.converged = false;
+        Ok(self.restore(&rough, &before, settled, v).unwrap_or(rough))
+    }
+
+    /// Restitution after compression; none where even compression alone gives energy.
+    fn restore(
+        &self,
+        compressed: &RoughPass,
+        before: &Vector<Vec<f64>>,
+        settled: f64,
+        v: &mut Vector<Vec<f64>>,
+    ) -> Option<RoughPass> {
         let restitution = self.normal.restitution();
-        let mut part = 1.0;
+        let rubs = compressed.friction.iter().any(|&beta| beta != 0.0);
         for halving in 0..=HALVINGS {
-            if halving == HALVINGS {
-                part = 0.0;
-            }
+            let part = if halving == HALVINGS { 0.0 } else { 0.5_f64.powi(halving) };
             let whole = |i: usize| 1.0 + part * restitution[i];
-            let normal: Vec<f64> = lambda.iter().enumerate().map(|(i, l)| whole(i) * l).collect();
-            let mut friction = beta.clone();
+            let normal: Vec<f64> =
+                compressed.normal.iter().enumerate().map(|(i, lambda)| whole(i) * lambda).collect();
+            let mut friction = compressed.friction.clone();
             for i in 0..self.normal.len() {
                 self.across(i).for_each(|row| friction[row] *= whole(i));
             }
             v.copy_from(before.view());
             normal.iter().enumerate().for_each(|(i, &l)| self.normal.push(i, l, v.view_mut()));
             friction.iter().enumerate().for_each(|(i, &b)| self.tangent.push(i, b, v.view_mut()));
-            if converged {
-                self.rub(&normal, settled, &mut friction, v);
+            if rubs {
+                self.rub(&normal, settled, SWEEPS, &mut friction, v);
             }
-            if part == 0.0 || !self.gains(&normal, &friction, &before, v) {
-                return Ok(RoughPass { normal, friction, converged });
+            if !self.gains(&normal, &friction, before, v) {
+                return Some(RoughPass { normal, friction, converged: compressed.converged });
             }
-            part *= 0.5;
         }
-        Ok(RoughPass { normal: lambda, friction: beta, converged })
+        None
     }
 
-    /// The impulses of compression; none where the turns do not converge.
+    /// The impulses of compression.
     fn compress(
         &self,
         before: &Vector<Vec<f64>>,
         settled: f64,
         v: &mut Vector<Vec<f64>>,
-    ) -> Result<Option<Impulses>, ContactError> {
-        let mut beta = vec![0.0; self.tangent.len()];
-        let mut lambda = vec![0.0; self.normal.len()];
+    ) -> Result<RoughPass, ContactError> {
+        let mut pass = RoughPass {
+            normal: vec![0.0; self.normal.len()],
+            friction: vec![0.0; self.tangent.len()],
+            converged: false,
+        };
         for _ in 0..TURNS {
             v.copy_from(before.view());
-            beta.iter().enumerate().for_each(|(row, &b)| self.tangent.push(row, b, v.view_mut()));
+            let friction = pass.friction.iter().enumerate();
+            friction.for_each(|(row, &beta)| self.tangent.push(row, beta, v.view_mut()));
             let now = v.clone();
-            let next = self.project(&now, &lambda, v)?;
+            let next = self.project(&now, &pass.normal, v)?;
             let moved =
                 |(i, (a, b)): (usize, (&f64, &f64))| (a - b).abs() * self.normal.compliance(i);
-            let moved = next.iter().zip(&lambda).enumerate().map(moved).fold(0.0, f64::max);
-            lambda = next;
-            let rubbed = self.rub(&lambda, settled, &mut beta, v);
-            if moved.max(rubbed) <= settled {
-                return Ok(Some((lambda, beta)));
+            let moved = next.iter().zip(&pass.normal).enumerate().map(moved).fold(0.0, f64::max);
+            pass.normal = next;
+            let rubbed = self.rub(&pass.normal, settled, TURN_SWEEPS, &mut pass.friction, v);
+            let changed = moved.max(rubbed);
+            pass.converged = changed * SETTLED <= settled * CONVERGED;
+            if changed <= settled {
+                break;
             }
         }
-        Ok(None)
+        Ok(pass)
     }
 
     /// The normal impulses of the inelastic projection.
@@ -170,9 +186,16 @@ impl RoughContacts<'_> {
 
     /// The friction projection: contact after contact to the nearest point of its disc. Says how
     /// far the first sweep moved, m/s.
-    fn rub(&self, lambda: &[f64], settled: f64, beta: &mut [f64], v: &mut Vector<Vec<f64>>) -> f64 {
+    fn rub(
+        &self,
+        lambda: &[f64],
+        settled: f64,
+        sweeps: usize,
+        beta: &mut [f64],
+        v: &mut Vector<Vec<f64>>,
+    ) -> f64 {
         let mut first = 0.0_f64;
-        for sweep in 0..SWEEPS {
+        for sweep in 0..sweeps {
             let mut moved = 0.0_f64;
             for (i, &normal) in lambda.iter().enumerate() {
                 let d: f64 = self.across(i).map(|row| self.tangent.compliance(row)).sum();

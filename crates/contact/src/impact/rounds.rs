@@ -25,7 +25,7 @@ const LEFT: f64 = 1e-3;
 /// What approaches slower than this part of the fastest approach waits for a pass of its own.
 const SLOW: f64 = 1e-9;
 /// Passes with friction after which what still approaches is stopped as resting contact.
-const PASSES: usize = 1_000;
+const PASSES: usize = 50;
 
 /// Contacts about to be stepped over.
 pub(crate) struct ImpactRounds<'a> {
@@ -48,7 +48,7 @@ pub(crate) struct Given {
     pub(crate) normal: Vec<f64>,
     pub(crate) friction: Vec<f64>,
     pub(crate) passes: usize,
-    /// Whether nothing approaches any more, and friction is what it should be.
+    /// Whether compression and the law converged.
     pub(crate) converged: bool,
 }
 
@@ -143,7 +143,8 @@ impl ImpactRounds<'_> {
                 Ok(pass) => pass,
                 Err(ContactError::NotConverged { .. }) => {
                     v.copy_from(before.view());
-                    break;
+                    given.converged = false;
+                    return Ok(());
                 }
                 Err(error) => return Err(error),
             };
@@ -152,7 +153,6 @@ impl ImpactRounds<'_> {
             approaching.iter().zip(pass.normal).for_each(|(&i, x)| given.normal[i] += x);
             rows.iter().zip(pass.friction).for_each(|(&i, x)| given.friction[i] += x);
         }
-        given.converged = false;
         Ok(())
     }
 }

@@ -245,7 +245,7 @@ fn find<G: Dimension>(
 /// How far the bodies of two colliders may move against each other, m.
 fn bound<G: Dimension>(detector: &DetectorIn<G>, colliders: [usize; 2]) -> f64 {
     let bodies = colliders.iter().filter_map(|&i| detector.colliders()[i].body());
-    MOVED * bodies.map(|body| detector.radius(body)).fold(f64::INFINITY, f64::min)
+    MOVED * bodies.map(|body| detector.radius_of(body)).fold(f64::INFINITY, f64::min)
 }
 
 fn find_within<G: Dimension>(
