@@ -13,7 +13,7 @@ mod rapier_boxes;
 
 use nalgebra::Vector3;
 use stationary_contact::problems::columns_of_boxes;
-use stationary_contact::{TouchingBodies, TouchingReport};
+use stationary_contact::{SpatialWorld, WorldReport};
 use stationary_integrators::State;
 
 use self::box_quality::{Quality, look, poses, velocities};
@@ -38,8 +38,8 @@ fn main() {
     let detector = || boxes.detector().expect("colliders of these bodies");
     let (start, mut watch) = (&boxes.state.q, detector());
     let mut state = boxes.state.clone();
-    let mut bodies = TouchingBodies::new(&boxes.system, detector()).expect("bodies");
-    let mut worst = TouchingReport::default();
+    let mut bodies = SpatialWorld::new(boxes.system.clone(), detector()).expect("bodies");
+    let mut worst = WorldReport::default();
     let mut step = |state: &mut State<Vec<f64>>| {
         let report = bodies.step(state, STEP).expect("a step of resting boxes");
         worst.residual = worst.residual.max(report.residual);

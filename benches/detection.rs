@@ -13,8 +13,8 @@ mod rapier_boxes;
 use std::time::Instant;
 
 use rapier3d_f64::prelude::{Pose, Rotation, Vector};
+use stationary_contact::SpatialWorld;
 use stationary_contact::problems::falling_boxes;
-use stationary_contact::{Settling, TouchingBodies};
 
 use self::rapier_boxes::{STEP, rapier};
 
@@ -26,9 +26,7 @@ fn main() {
     let boxes = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(1_000);
     let pile = falling_boxes(boxes).expect("a pile");
     let detector = || pile.detector().expect("colliders of these bodies");
-    let settling = Settling { change: 1e-2, sweeps: 400 };
-    let mut bodies =
-        TouchingBodies::new(&pile.system, detector()).expect("bodies").with_settling(settling);
+    let mut bodies = SpatialWorld::new(pile.system.clone(), detector()).expect("bodies");
     let (mut state, mut ours) = (pile.state.clone(), detector());
     let (mut world, handles) = rapier(&pile.starts, false);
     let margin = world.integration_parameters.prediction_distance();

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 use stationary_calculus::{Covector, Potential, SymmetricMatrix};
 use stationary_constraints::problems::writhing_chain;
 use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
+use stationary_contact::SpatialWorld;
 use stationary_contact::problems::falling_boxes;
-use stationary_contact::{Settling, TouchingBodies};
 use stationary_elasticity::{
     Elements as _, FixedCorotated, Freedoms, Lame, LinearTetrahedron, Material, NeoHookean,
     SaintVenantKirchhoff, Solid,
@@ -163,9 +163,8 @@ fn pile() {
     const BOXES: usize = 64;
     let pile = falling_boxes(BOXES).expect("a pile");
     let mut detector = pile.detector().expect("colliders of these bodies");
-    let settling = Settling { change: 1e-3, sweeps: 400 };
-    let bodies = TouchingBodies::new(&pile.system, pile.detector().expect("colliders"));
-    let mut bodies = bodies.expect("bodies").with_settling(settling);
+    let bodies = SpatialWorld::new(pile.system.clone(), pile.detector().expect("colliders"));
+    let mut bodies = bodies.expect("bodies").with_tolerance(0.03).expect("a tolerance");
     let mut state = pile.state.clone();
     (0..2_000).for_each(|_| _ = bodies.step(&mut state, 1e-3).expect("a step"));
     kernel("detection: a box of a pile", BOXES, || {

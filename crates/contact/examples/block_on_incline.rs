@@ -3,7 +3,7 @@
 //! `cargo run --example block_on_incline -p stationary-contact`
 
 use nalgebra::Vector3;
-use stationary_contact::{Collider, Detector, Shape, TouchingBodies};
+use stationary_contact::{Collider, Detector, Shape, SpatialWorld};
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let block = Collider::on_body(0, Shape::cuboid([0.2, 0.2, 0.1])?).with_friction(FRICTION);
         let slope = Collider::fixed(RigidMotion::identity(), Shape::half_space(normal)?);
         let detector = Detector::new(vec![block, slope.with_friction(FRICTION)], 1)?;
-        let mut bodies = TouchingBodies::new(&system, detector)?;
+        let mut bodies = SpatialWorld::new(system, detector)?;
         let mut residual = 0.0_f64;
         for _ in 0..1000 {
             residual = residual.max(bodies.step(&mut state, 1e-3)?.coulomb);

@@ -122,6 +122,9 @@ pub enum ContactError {
     /// A distance at which to look for contacts.
     #[error("the margin is {0} m; it must be finite and not negative")]
     Margin(f64),
+    /// How far contact conditions are to be met.
+    #[error("the tolerance of contact conditions is {0} m/s; it must be finite and not negative")]
+    Settling(f64),
     /// A distance up to which things count as touching.
     #[error("the thickness is {0} m; it must be finite and not negative")]
     Thickness(f64),

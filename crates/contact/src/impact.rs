@@ -10,6 +10,19 @@
 //! ratio of heights is `c^2`, errata 11.4.2), each contact its own. A contact approaches where
 //! `u < 0`; how much of that is rounding is judged by [`Impact::rounding`].
 
+pub(crate) mod rows;
+pub(crate) mod inverse_mass;
+pub(crate) mod active_set;
+pub(crate) mod projection;
+pub(crate) mod gauss_seidel;
+pub(crate) mod jacobi;
+pub(crate) mod reflection;
+pub(crate) mod law;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) mod rough;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) mod rounds;
+
 use stationary_calculus::Vector;
 
 use crate::error::check_finite;

@@ -38,159 +38,81 @@
 //! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
-//! when ([`Impacting`]). A [`World`] is the front door for scenes: bodies of either dimension,
-//! their shapes, and what happens, solved exactly. Last, many bodies of space that touch
-//! ([`TouchingBodies`]): a contact packed for many visits, friction at one of them, islands, sweeps
-//! over an island with sparse systems between them, its parts each on its own, impulses and contact
-//! points kept from step to step, what rests on them; and bodies that overlap, pushed apart.
+//! when ([`Impacting`]). Last, a [`World`], the front door for scenes: bodies of either dimension,
+//! their shapes, and what happens. Its one solver: a contact packed for many visits, friction at one
+//! of them, islands, the exact projection of small ones, sweeps over the others with sparse systems
+//! between them, their parts each on its own, impulses and contact points kept from step to step,
+//! what rests on them, what overlaps lifted.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.
 
 mod error;
-mod rows;
-mod inverse_mass;
 mod impact;
-mod passive_set;
-mod projection;
-mod gauss_seidel;
-mod jacobi;
-mod reflection;
-mod law;
 #[cfg(any(feature = "2d", feature = "3d"))]
-mod dimension;
-#[cfg(feature = "2d")]
-mod planar;
-#[cfg(feature = "3d")]
-mod spatial;
-#[cfg(feature = "2d")]
-mod planar_convert;
-#[cfg(feature = "3d")]
-mod convert;
-#[cfg(feature = "2d")]
-mod planar_shape;
-#[cfg(feature = "3d")]
-mod shape;
+mod shapes;
 #[cfg(any(feature = "2d", feature = "3d"))]
-mod collider;
+mod detect;
+mod when;
 #[cfg(any(feature = "2d", feature = "3d"))]
-mod contact_point;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod broad_phase;
-#[cfg(feature = "2d")]
-mod planar_narrow_phase;
-#[cfg(feature = "3d")]
-mod box_axes;
-#[cfg(feature = "3d")]
-mod narrow_phase;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod detection;
-mod moving;
-mod time_of_impact;
-mod swept_boxes;
-#[cfg(feature = "3d")]
-mod rigid_path;
-#[cfg(feature = "3d")]
-mod rigid_time_of_impact;
-mod mesh_filter;
-mod gaps;
-mod penalty;
-mod impacting;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod impact_rounds;
-#[cfg(feature = "3d")]
-mod rigid_contact;
-#[cfg(feature = "3d")]
-mod friction;
-#[cfg(feature = "3d")]
-mod settling;
-#[cfg(feature = "3d")]
-mod islands;
-#[cfg(feature = "3d")]
-mod block_cholesky;
-#[cfg(feature = "3d")]
-mod proximal;
-#[cfg(feature = "3d")]
-mod sweeps;
-#[cfg(feature = "3d")]
-mod unsettled_parts;
-#[cfg(feature = "3d")]
-mod exact_normals;
-#[cfg(feature = "3d")]
-mod island_solver;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod last_impulses;
-#[cfg(feature = "3d")]
-mod kept_contacts;
-#[cfg(feature = "3d")]
-mod resting;
-#[cfg(feature = "3d")]
-mod touching_bodies;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod row_friction;
+mod solve;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod world;
-#[cfg(any(feature = "2d", feature = "3d"))]
-mod push_apart;
-#[cfg(feature = "2d")]
-mod masonry;
 pub mod problems;
 
 #[cfg(feature = "3d")]
-pub use collider::Collider;
+pub use detect::contact_point::ContactPoint;
 #[cfg(feature = "2d")]
-pub use collider::PlanarCollider;
+pub use detect::contact_point::PlanarContactPoint;
 #[cfg(any(feature = "2d", feature = "3d"))]
-pub use collider::{Carrier, ColliderIn};
+pub use detect::contact_point::{ContactId, ContactIn};
 #[cfg(feature = "3d")]
-pub use contact_point::ContactPoint;
+pub use detect::detection::Detector;
 #[cfg(feature = "2d")]
-pub use contact_point::PlanarContactPoint;
+pub use detect::detection::PlanarDetector;
 #[cfg(any(feature = "2d", feature = "3d"))]
-pub use contact_point::{ContactId, ContactIn};
-#[cfg(feature = "3d")]
-pub use detection::Detector;
-#[cfg(feature = "2d")]
-pub use detection::PlanarDetector;
-#[cfg(any(feature = "2d", feature = "3d"))]
-pub use detection::{DetectorIn, Overlap, gap_rows};
-#[cfg(any(feature = "2d", feature = "3d"))]
-pub use dimension::Dimension;
+pub use detect::detection::{DetectorIn, Overlap, gap_rows};
 pub use error::ContactError;
-pub use gaps::{Balls, FixedBall, Inequality, Swept, Wall};
 pub use impact::Impact;
-pub use impacting::{GapImpulses, Impacting, ImpactingReport, REST, When};
-pub use inverse_mass::InverseMass;
-pub use law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
+pub use impact::inverse_mass::InverseMass;
+pub use impact::law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
+pub use impact::projection::{Projected, project, project_from, residual};
+pub use impact::rows::ContactRows;
+#[cfg(feature = "3d")]
+pub use shapes::collider::Collider;
 #[cfg(feature = "2d")]
-pub use masonry::Arch;
-pub use mesh_filter::{FilterReport, MeshFilter};
-pub use moving::{Closeness, Hit, Moving};
-pub use penalty::OneSidedPenalty;
-#[cfg(feature = "2d")]
-pub use planar::Planar;
-#[cfg(feature = "2d")]
-pub use planar_shape::PlanarShape;
-pub use projection::{Projected, project, project_from, residual};
+pub use shapes::collider::PlanarCollider;
 #[cfg(any(feature = "2d", feature = "3d"))]
-pub use push_apart::push_apart;
+pub use shapes::collider::{Carrier, ColliderIn};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use shapes::dimension::Dimension;
+#[cfg(feature = "2d")]
+pub use shapes::planar::Planar;
+#[cfg(feature = "2d")]
+pub use shapes::planar_shape::PlanarShape;
 #[cfg(feature = "3d")]
-pub use rigid_path::RigidPath;
+pub use shapes::shape::Shape;
 #[cfg(feature = "3d")]
-pub use rigid_time_of_impact::{Mover, RigidHit, rigid_bodies_meet, rigid_bodies_that_meet};
-pub use rows::ContactRows;
+pub use shapes::spatial::Spatial;
+pub use when::gaps::{Balls, FixedBall, Inequality, Swept, Wall};
+pub use when::impacting::{GapImpulses, Impacting, ImpactingReport, REST, When};
+pub use when::mesh_filter::{FilterReport, MeshFilter};
+pub use when::moving::{Closeness, Hit, Moving};
+pub use when::penalty::OneSidedPenalty;
 #[cfg(feature = "3d")]
-pub use settling::{Settling, TouchingReport};
+pub use when::rigid_path::RigidPath;
 #[cfg(feature = "3d")]
-pub use shape::Shape;
-#[cfg(feature = "3d")]
-pub use spatial::Spatial;
-pub use time_of_impact::{edge_meets_edge, particle_meets_triangle};
-#[cfg(feature = "3d")]
-pub use touching_bodies::{Bodies, TouchingBodies};
+pub use when::rigid_time_of_impact::{Mover, RigidHit, rigid_bodies_meet, rigid_bodies_that_meet};
+pub use when::time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "2d")]
 pub use world::PlanarWorld;
 #[cfg(feature = "3d")]
 pub use world::SpatialWorld;
+#[cfg(feature = "2d")]
+pub use world::masonry::Arch;
 #[cfg(any(feature = "2d", feature = "3d"))]
-pub use world::{BodiesIn, Touch, World, WorldReport};
+pub use world::push_apart::push_apart;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::report::WorldReport;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::{BodiesIn, Touch, World};

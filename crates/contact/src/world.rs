@@ -1,58 +1,66 @@
-//! A world: bodies of the plane or of space under a potential, their shapes, and what happens where
-//! they touch.
+//! A world of the plane or of space: bodies, their shapes, and what happens where they touch.
 //!
 //! ```text
-//! v~ = v - h M^-1 dV                         the kick
-//! v  <- impact where g + h dg v~ < 0         restitution, on the velocity before the kick
-//! dg v + g/h >= 0,  friction                 the staggered projections
-//! q  <- moved freely with v                  centres straight, turns keep their spin
+//! v~ = v - h M^-1 dV                         the velocity increment
+//! v  <- impact where g + h dg v~ < 0         restitution, on the velocity before the increment
+//! dg v + max(g, 0)/h >= 0,  friction         staggered projections, contact after contact
+//! (t, R, m) <- moved freely with v           translation straight, rotation keeps R m
+//! q  <- lifted where g < 0                   positions alone, a fifth of each overlap
 //! ```
-//! `g` gaps (m) with differentials `dg`, `v` velocities, `M` the metric, `V` the potential, `h` the
-//! step. Everything goes by rows and one over the mass, so that the plane and space are the same
-//! here, and each step's conditions are solved exactly: made for scenes of up to some hundred
-//! contacts. A step returns what it took, and keeps every [`Touch`] with its impulses.
+//! `v` velocities of bodies (m/s in world axes, rad/s in body axes). Gaps are linear over the step:
+//! what slides or rests keeps its gap to rounding; corners that turn overlap by order `h^2`.
+//! Overlap is corrected by moving positions, never by a velocity: no kinetic energy comes of it,
+//! and what is lifted is reported. A gap `g/h` below the tolerance is closed. Approach below the
+//! step's own velocity increment is rest: no restitution. A moving obstacle has infinite mass:
+//! contacts do not change its velocity, and the work that it does is reported. On an error the
+//! state is as it was.
 //!
-//! Gaps are linear over the step: what slides or rests keeps its gap to rounding; corners that turn
-//! overlap by order `h^2`, and a fifth of that is given back each step. Who can meet is judged by
-//! the speeds before impacts: what a hit makes faster than twice those may overlap for a step.
-//! Approach of the order of a kick is rest and has no restitution. What an impact brings to
-//! approach takes part in it: impacts are solved again with those contacts too, until none is left.
-//! A moving obstacle has infinite mass: contacts do not change its velocity, and the work that it
-//! does is reported. On an error the state is as it was. Source: notes 11.4, 11.5.1; Stewart and
+//! Which points are looked at is judged pair by pair, by how far both bodies move in the step; where
+//! an impulse makes a body much faster than that, the step is solved again with the points that it
+//! then reaches. Impulses start from those of the last step, and each island of bodies that hang
+//! together is looked at on its own. Where those impulses still meet the conditions nothing is
+//! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
+//! move at all. Small islands without friction so far are projected exactly; else sweeps and sparse
+//! systems by turns settle them, and take no memory once as many contacts have been met. Contact
+//! points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
+//!
+//! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of
+//! what the forces change of velocities in the step, so that it is as fine for what is slow as for
+//! what is fast. A step whose conditions are not met so far says so ([`WorldReport::settled`]), and
+//! is an error only beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and
 //! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
+pub(crate) mod report;
+pub(crate) mod warm_start;
+pub(crate) mod clearance;
+pub(crate) mod contact_cache;
+pub(crate) mod resting;
+pub(crate) mod push_apart;
+#[cfg(feature = "2d")]
+pub(crate) mod masonry;
+
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
+use stationary_rigid::LieGroup;
 
 use crate::error::{check_finite, check_time};
-use crate::impact_rounds::ImpactRounds;
-use crate::last_impulses::LastImpulses;
-use crate::projection::{all, project_with};
-use crate::row_friction::{RowFriction, SETTLED};
+use crate::impact::rounds::ImpactRounds;
+use crate::solve::body_state::{BodyState, speed};
+use crate::solve::exact_projection::FreeMotion;
+use crate::solve::island_solver::{Conditions, SolvesIslands};
+use crate::solve::islands::Islands;
+use crate::solve::sweeps::AMPLIFICATION;
+use crate::world::clearance::{Mover, closing_speed, may_meet};
+use crate::world::contact_cache::ContactCache;
+use crate::world::resting::{Guessed, Resting};
+use crate::world::warm_start::WarmStart;
 use crate::{
-    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, Impact, ImpactLaw, ImpactReport,
-    InverseMass, gap_rows,
+    ColliderIn, ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw,
+    InverseMass, WorldReport, gap_rows,
 };
 
 /// Bodies under a potential, in the plane or in space.
 pub type BodiesIn<G, P> = System<<G as Dimension>::Metric, P, <G as Dimension>::Space>;
-
-/// What a step of a world took and left.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WorldReport {
-    /// Contact points within reach of the step.
-    pub contacts: usize,
-    /// Passes of the impact law.
-    pub impacts: usize,
-    /// How far the normal conditions are from being met, m/s.
-    pub residual: f64,
-    /// How far Coulomb's law is from being met, m/s.
-    pub coulomb: f64,
-    /// The deepest overlap that the step started with, m.
-    pub overlap: f64,
-    /// The work that obstacles did on the other bodies, J.
-    pub work: f64,
-}
 
 /// A contact of the last step, and the impulses that it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,14 +71,40 @@ pub struct Touch<G: Dimension> {
     pub impact: f64,
     /// The impulse of resting contact along the normal, N s.
     pub normal: f64,
-    /// The impulse of friction on the second body, N s, world axes.
+    /// The impulse of friction on the second body, in impacts and in resting contact, N s, world
+    /// axes.
     pub friction: G::Vector,
 }
 
-/// The part of an overlap that a step gives back.
-const GIVEN_BACK: f64 = 0.2;
-/// Gaps up to this part of a body's size are looked at even where nothing moves.
-const REACH: f64 = 1e-6;
+/// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
+/// not linear.
+const PENETRATION_CORRECTION: f64 = 0.2;
+/// Gaps up to this part of a body's radius are looked at even where nothing moves.
+const SPECULATIVE_MARGIN: f64 = 1e-6;
+/// Changes of velocities relative to the fastest that are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Gaps relative to the farthest coordinate that are rounding, and so are none: what moves no more
+/// rests.
+const GAP_ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// What nearly rests, and is no faster than a step's velocity increment, is settled to this part of
+/// what counts as settled, so that it may rest.
+const REST_TOLERANCE: f64 = 1.0 / 256.0;
+/// Tolerances where none is asked for, as parts of the largest velocity increment, so of the weight
+/// of what rests: of small islands, and of large ones or where that takes too much work.
+const FINE_TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-2;
+/// Islands of more contacts are large.
+const LARGE: usize = 100;
+/// A body that an impulse takes this part of its radius farther than was looked at may have missed
+/// a contact: the step is solved again.
+const MISSED: f64 = 0.05;
+/// Pairs that move less than this part of the smaller radius against each other have gaps that are
+/// nearly linear over the step.
+const FAR: f64 = 0.1;
+/// How often a step is solved at most.
+const ROUNDS: usize = 6;
+/// The name under which impulses and contacts are saved.
+const NAME: &str = "world";
 
 /// Bodies, their shapes and what happens where they touch.
 #[derive(Debug)]
@@ -80,8 +114,11 @@ pub struct World<G: Dimension, P> {
     mass: InverseMass,
     obstacles: Vec<usize>,
     law: ImpactLaw,
-    touches: Vec<Touch<G>>,
-    last: LastImpulses<G>,
+    tolerance: Option<f64>,
+    limit: f64,
+    last: WarmStart<G>,
+    kept: ContactCache<G>,
+    memory: Memory<G>,
 }
 
 /// A world of the plane.
@@ -91,6 +128,38 @@ pub type PlanarWorld<P> = World<crate::Planar, P>;
 #[cfg(feature = "3d")]
 pub type SpatialWorld<P> = World<crate::Spatial, P>;
 
+/// What a step writes before it is known to succeed.
+#[derive(Debug)]
+struct Memory<G: Dimension> {
+    /// At the step's start, and between impacts and the velocity increment.
+    start: Vector<Vec<f64>>,
+    before: Vector<Vec<f64>>,
+    v: Vector<Vec<f64>>,
+    increment: Vector<Vec<f64>>,
+    lift: Vector<Vec<f64>>,
+    dv: Covector<Vec<f64>>,
+    /// How far each body moves in the step, m.
+    reach: Vec<f64>,
+    /// Colliders that pass each other with clearance, and those that do not although they seemed to.
+    passing: Vec<[usize; 2]>,
+    meeting: Vec<[usize; 2]>,
+    scales: Vec<G::Velocity>,
+    states: Vec<BodyState<G>>,
+    /// Velocities of bodies in world axes: after the step, and the mean with those before.
+    after: Vec<(G::Vector, G::Spin)>,
+    mean: Vec<(G::Vector, G::Spin)>,
+    bias: Vec<f64>,
+    lift_bias: Vec<f64>,
+    /// The impulse of each contact on its second body, world axes, N s.
+    impulses: Vec<G::Vector>,
+    /// The impulse of impacts on the second body of each contact, world axes, N s.
+    hits: Vec<G::Vector>,
+    islands: Islands,
+    resting: Resting<G>,
+    solver: G::Solver,
+    next: State<Vec<f64>>,
+}
+
 impl<G: Dimension, P: Potential> World<G, P> {
     /// A system of bodies with these colliders; impacts by generalized reflections.
     ///
@@ -98,16 +167,44 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// [`ContactError::Size`] where system and detector have different bodies;
     /// [`ContactError::Mass`] where the metric is not positive definite.
     pub fn new(system: BodiesIn<G, P>, detector: DetectorIn<G>) -> Result<Self, ContactError> {
-        SizeError::check("the detector's bodies", system.dim() / G::FREEDOMS, detector.bodies())?;
+        let n = system.dim();
+        SizeError::check("the detector's bodies", n / G::FREEDOMS, detector.bodies())?;
         let mass = InverseMass::of(system.metric())?;
+        let zeros = || Vector(vec![0.0; n]);
+        let memory = Memory {
+            start: zeros(),
+            before: zeros(),
+            v: zeros(),
+            increment: zeros(),
+            lift: zeros(),
+            dv: Covector(vec![0.0; n]),
+            reach: Vec::new(),
+            passing: Vec::new(),
+            meeting: Vec::new(),
+            scales: G::scales(system.metric()),
+            states: Vec::new(),
+            after: Vec::new(),
+            mean: Vec::new(),
+            bias: Vec::new(),
+            lift_bias: Vec::new(),
+            impulses: Vec::new(),
+            hits: Vec::new(),
+            islands: Islands::default(),
+            resting: Resting::default(),
+            solver: G::Solver::default(),
+            next: State::default(),
+        };
         Ok(World {
             system,
             detector,
             mass,
             obstacles: Vec::new(),
             law: ImpactLaw::GeneralizedReflections,
-            touches: Vec::new(),
-            last: LastImpulses::default(),
+            tolerance: None,
+            limit: f64::INFINITY,
+            last: WarmStart::default(),
+            kept: ContactCache::default(),
+            memory,
         })
     }
 
@@ -121,6 +218,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             return Err(SizeError { what: "an obstacle", expected: bodies, got }.into());
         }
         self.mass = self.mass.holding(obstacles.iter().flat_map(|&body| f * body..f * body + f));
+        obstacles.iter().for_each(|&body| self.memory.scales[body] = G::Velocity::default());
         self.obstacles = obstacles;
         Ok(self)
     }
@@ -128,6 +226,28 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// The same with another impact law.
     pub fn with_law(self, law: ImpactLaw) -> Self {
         World { law, ..self }
+    }
+
+    /// The same with contact conditions met to this tolerance, m/s.
+    ///
+    /// # Errors
+    /// [`ContactError::Settling`] where it is negative or not finite.
+    pub fn with_tolerance(self, tolerance: f64) -> Result<Self, ContactError> {
+        match tolerance >= 0.0 && tolerance.is_finite() {
+            true => Ok(World { tolerance: Some(tolerance), ..self }),
+            false => Err(ContactError::Settling(tolerance)),
+        }
+    }
+
+    /// The same where a step whose residual exceeds a limit (m/s) is an error.
+    ///
+    /// # Errors
+    /// [`ContactError::Settling`] where it is negative or no number.
+    pub fn with_residual_limit(self, limit: f64) -> Result<Self, ContactError> {
+        match limit >= 0.0 {
+            true => Ok(World { limit, ..self }),
+            false => Err(ContactError::Settling(limit)),
+        }
     }
 
     /// The system.
@@ -141,23 +261,41 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// What touched in the last step that was taken, in the order of the identifiers.
-    pub fn touches(&self) -> &[Touch<G>] {
-        &self.touches
+    pub fn touches(&self) -> impl Iterator<Item = Touch<G>> {
+        let Memory { impulses, hits, .. } = &self.memory;
+        let impulses = impulses.iter().zip(hits);
+        self.kept.found().iter().zip(impulses).map(|(&contact, (impulse, hit))| {
+            let along = |impulse| G::dot(impulse, &contact.normal);
+            let (normal, impact) = (along(impulse), along(hit));
+            let friction = *impulse + *hit - contact.normal * (normal + impact);
+            Touch { contact, impact, normal, friction }
+        })
     }
 
-    /// Everything on which the next steps depend beside the state: the impulses of the last.
+    /// Everything on which the next steps depend beside the state: the impulses of the last, and
+    /// from where its contact points are kept.
     pub fn save(&self) -> Saved {
-        self.last.save()
+        let last = self.last.save();
+        let mut numbers = vec![last.len() as f64];
+        numbers.extend(last);
+        numbers.extend(self.kept.save());
+        Saved { method: NAME.to_owned(), numbers }
     }
 
-    /// Takes over what the same world had saved, and goes on from its state to the same bits; what
-    /// touched is known after the next step only.
+    /// Takes over what the same world had saved, and goes on from its state to the same bits.
     ///
     /// # Errors
-    /// Numbers that no world leaves behind; the world is then as it was.
+    /// Numbers that no world leaves behind; what is remembered is then as it was.
     pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
-        self.last = LastImpulses::load(saved)?;
-        self.touches.clear();
+        if saved.method != NAME {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let short = || StepError::Saved("it has fewer numbers than it says");
+        let (&count, rest) = saved.numbers.split_first().ok_or_else(short)?;
+        let (last, kept) = rest.split_at_checked(count as usize).ok_or_else(short)?;
+        let last = WarmStart::load(last)?;
+        self.kept = ContactCache::load(kept, &mut self.detector)?;
+        self.last = last;
         Ok(())
     }
 
@@ -167,7 +305,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// [`ContactError::Step`] for `h`, and in space for a turn whose equation is not solved; those
     /// of [`DetectorIn::detect`]; [`ContactError::Size`] and [`ContactError::NonFinite`] for the
     /// momentum and for what comes out; [`ContactError::Immovable`] for a contact of two that
-    /// nothing moves; [`ContactError::NotConverged`]. The state is then as it was.
+    /// nothing moves; [`ContactError::NotConverged`] where a limit is asked for and the residual is
+    /// beyond it. The state is then as it was.
     pub fn step(
         &mut self,
         state: &mut State<Vec<f64>>,
@@ -180,196 +319,433 @@ impl<G: Dimension, P: Potential> World<G, P> {
         SizeError::check("the momentum's components", n, state.p.components().len())?;
         SizeError::check("the poses' numbers", G::STORED * self.detector.bodies(), state.q.len())?;
         check_finite("the momentum", state.p.components())?;
-        let mut before = self.velocity(&state.p);
-        let kick = self.kick(state, h);
-        let reach = self.reach(&before, &kick, h);
-        self.detector.detect(&state.q, reach)?;
-        let contacts = self.detector.take_contacts();
-        let mut report = WorldReport { contacts: contacts.len(), ..Default::default() };
-        report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
-        let solved = self.solve(&contacts, &state.q, &kick, h, &mut before, &mut report);
-        self.detector.put_back(contacts);
-        let touches = solved?;
-        let next = self.moved(state, &before, h)?;
-        let whole = |t: &Touch<G>| (t.contact.id, t.contact.normal * t.normal + t.friction);
-        self.last.keep(h, touches.iter().map(whole));
-        self.touches = touches;
-        *state = next;
+        self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
+        self.find_increment(state, h);
+        self.find_reach(h);
+        self.memory.meeting.clear();
+        let mut round = 1;
+        let mut report = loop {
+            let report = self.solve_round(state, h)?;
+            let missed = self.widen_reach(h) | self.find_meeting(&state.q, h);
+            if round == ROUNDS || !missed {
+                break report;
+            }
+            round += 1;
+        };
+        let off = report.residual.max(report.coulomb);
+        if off > self.limit {
+            return Err(ContactError::NotConverged {
+                what: "the contact conditions of a step",
+                iterations: report.relaxed,
+                residual: off,
+                velocity: self.memory.v.0.clone(),
+            });
+        }
+        report.lifting_energy = self.advance(state, h)?;
+        let contacts = self.kept.found().iter().map(|contact| contact.id);
+        self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
+        std::mem::swap(state, &mut self.memory.next);
         Ok(report)
+    }
+
+    /// Finds the contacts within reach, and solves them.
+    fn solve_round(
+        &mut self,
+        state: &State<Vec<f64>>,
+        h: f64,
+    ) -> Result<WorldReport, ContactError> {
+        let Memory { start, v, scales, states, reach, .. } = &mut self.memory;
+        v.copy_from(start.view());
+        states.clear();
+        let scales = scales.iter().enumerate();
+        states.extend(scales.map(|(i, &scale)| BodyState::new(i, scale, &state.q, &v.0)));
+        self.kept.detect(&mut self.detector, states, &state.q, reach)?;
+        let mut contacts = self.kept.take_found();
+        self.drop_passing(&mut contacts, &state.q, h);
+        let solved = self.solve(&contacts, &state.q, h);
+        self.kept.put_back(contacts);
+        solved
+    }
+
+    /// Drops the contacts of pairs that move far in the step and pass each other with clearance.
+    fn drop_passing(&mut self, contacts: &mut Vec<ContactIn<G>>, q: &[f64], h: f64) {
+        let Memory { start, increment, passing, meeting, reach, .. } = &mut self.memory;
+        passing.clear();
+        let colliders = self.detector.colliders();
+        let mut last = None;
+        for contact in contacts.iter() {
+            let pair = contact.id.colliders.map(|collider| collider as usize);
+            if last == Some(pair) {
+                continue;
+            }
+            last = Some(pair);
+            let bodies = || contact.bodies.into_iter().flatten();
+            let far = bodies().map(|body| FAR * self.detector.radius_of(body));
+            let far = far.fold(f64::INFINITY, f64::min);
+            if bodies().map(|body| reach[body]).sum::<f64>() <= far {
+                continue;
+            }
+            let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
+            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
+            let pairs = contacts.iter().filter(|other| other.id.colliders == contact.id.colliders);
+            let clear = h * closing_speed(&movers) > far
+                && !meeting.contains(&pair)
+                && pairs.fold(f64::INFINITY, |least, contact| least.min(contact.gap)) > 0.0
+                && !may_meet(&movers, h);
+            if clear {
+                passing.push(pair);
+            }
+        }
+        if !passing.is_empty() {
+            contacts.retain(|contact| {
+                let pair = contact.id.colliders.map(|collider| collider as usize);
+                passing.binary_search(&pair).is_err()
+            });
+        }
+    }
+
+    /// Finds pairs that seemed to pass each other and meet with the velocities of now; says whether
+    /// there are any.
+    fn find_meeting(&mut self, q: &[f64], h: f64) -> bool {
+        let Memory { v, passing, meeting, .. } = &mut self.memory;
+        let (colliders, before) = (self.detector.colliders(), meeting.len());
+        for &pair in passing.iter() {
+            let velocity = |freedom: usize| v.0[freedom];
+            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
+            if may_meet(&movers, h) {
+                meeting.push(pair);
+            }
+        }
+        meeting.len() > before
     }
 
     /// Turns the velocity before a step into that over it.
     fn solve(
-        &self,
+        &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        kick: &Vector<Vec<f64>>,
         h: f64,
-        v: &mut Vector<Vec<f64>>,
-        report: &mut WorldReport,
-    ) -> Result<Vec<Touch<G>>, ContactError> {
-        if contacts.is_empty() {
-            v.add_scaled(1.0, kick.view());
-            return Ok(Vec::new());
+    ) -> Result<WorldReport, ContactError> {
+        let mut report =
+            WorldReport { contacts: contacts.len(), settled: true, ..WorldReport::default() };
+        report.overlap = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
+        self.memory.hits.clear();
+        self.memory.hits.resize(contacts.len(), G::Vector::default());
+        let kinetic = self.kinetic_energy();
+        if contacts.iter().any(|contact| contact.restitution > 0.0) {
+            self.impacts(contacts, q, h, &mut report)?;
+            report.impact_energy = kinetic - self.kinetic_energy();
         }
-        let nothing = contacts[0].normal * 0.0;
-        let touch = |&contact| Touch { contact, impact: 0.0, normal: 0.0, friction: nothing };
-        let mut touches: Vec<_> = contacts.iter().map(touch).collect();
-        let rows = gap_rows(contacts, q);
-        self.impacts(&rows, kick, h, v, &mut touches, report)?;
-        v.add_scaled(1.0, kick.view());
-        self.rest(rows, q, h, v, &mut touches, report)?;
-        Ok(touches)
+        let Memory { v, before, increment, lift, impulses, .. } = &mut self.memory;
+        before.copy_from(v.view());
+        v.add_scaled(1.0, increment.view());
+        lift.0.fill(0.0);
+        impulses.clear();
+        impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
+        if !contacts.is_empty() {
+            let [_, settled] = self.rest(contacts, q, h, &mut report)?;
+            self.account(contacts, h, &mut report);
+            self.lift(contacts, settled)?;
+        }
+        Ok(report)
     }
 
     /// Impacts of what would close its gap in this step.
     fn impacts(
-        &self,
-        rows: &ContactRows,
-        kick: &Vector<Vec<f64>>,
-        h: f64,
-        v: &mut Vector<Vec<f64>>,
-        touches: &mut [Touch<G>],
-        report: &mut WorldReport,
-    ) -> Result<(), ContactError> {
-        let rounds = ImpactRounds { rows, mass: &self.mass, law: self.law, kick, h };
-        let surfaces: Vec<[f64; 2]> =
-            touches.iter().map(|t| [t.contact.gap, t.contact.restitution]).collect();
-        let seen =
-            |impact: &Impact, closing: &[usize], done: &ImpactReport, v: &Vector<Vec<f64>>| {
-                report.impacts += done.passes;
-                for (&i, impulse) in closing.iter().zip(&done.impulses) {
-                    touches[i].impact += impulse;
-                }
-                report.work += self.work(impact, &done.impulses, v);
-            };
-        rounds.apply(|i| surfaces[i][0], |i| surfaces[i][1], v, seen)
-    }
-
-    /// Resting contact and friction.
-    fn rest(
-        &self,
-        rows: ContactRows,
+        &mut self,
+        contacts: &[ContactIn<G>],
         q: &[f64],
         h: f64,
-        v: &mut Vector<Vec<f64>>,
-        touches: &mut [Touch<G>],
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let count = touches.len();
-        let contacts = || touches.iter().map(|touch| &touch.contact);
-        let share = |gap: f64| if gap < 0.0 { GIVEN_BACK * gap } else { gap };
-        let bias: Vec<f64> = contacts().map(|c| share(c.gap) / h).collect();
-        let normal = Impact::new(rows, &self.mass, vec![0.0; count])?;
-        let start = v.clone();
-        let (pushed, rubbed) = self.guess(contacts(), h);
-        let done = project_with(&normal, &all(count), &bias, &pushed, v.view_mut())?;
-        let mut pushes = done.impulses;
-        report.residual = done.residual;
-        // What does not slide needs no friction.
-        let rubs = |c: &&ContactIn<G>| c.friction > 0.0;
-        let slip = contacts().filter(rubs).map(|c| c.sliding(q, v.view())).fold(0.0, f64::max);
-        report.coulomb = slip;
-        if slip > SETTLED * normal.approach(start.view()) {
-            let friction: Vec<f64> = contacts().map(|c| c.friction).collect();
-            let mut sliding = ContactRows::new();
-            contacts().for_each(|contact| contact.push_tangents(q, &mut sliding));
-            let none = vec![0.0; sliding.len()];
-            let tangent = Impact::new(sliding, &self.mass, none)?;
-            let friction = RowFriction {
-                normal: &normal,
-                tangent: &tangent,
-                bias: &bias,
-                friction: &friction,
-            };
-            v.copy_from(start.view());
-            let done = friction.stagger(pushed, rubbed, v.view_mut())?;
-            (report.residual, report.coulomb) = (done.residual, done.coulomb);
-            report.work += self.work(&tangent, &done.friction, v);
-            pushes = done.normal;
-            let mut rubbed = done.friction.into_iter();
-            for touch in touches.iter_mut() {
-                for tangent in touch.contact.tangents() {
-                    touch.friction = touch.friction + tangent * rubbed.next().unwrap_or(0.0);
-                }
+        let Memory { v, increment, hits, .. } = &mut self.memory;
+        let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
+        let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
+        let friction = of(|contact| contact.friction);
+        if friction.iter().any(|&friction| friction > 0.0) {
+            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut across));
+        }
+        let rounds = ImpactRounds {
+            rows: &rows,
+            across: &across,
+            gap: &of(|contact| contact.gap),
+            restitution: &of(|contact| contact.restitution),
+            friction: &friction,
+            mass: &self.mass,
+            law: self.law,
+            kick: increment,
+            h,
+        };
+        let given = rounds.apply(v)?;
+        report.impacts = given.passes;
+        report.settled &= given.converged;
+        let mut across = given.friction.iter();
+        for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
+            *hit = contact.normal * normal;
+            for (tangent, &impulse) in contact.tangents().zip(&mut across) {
+                *hit = *hit + tangent * impulse;
             }
         }
-        report.work += self.work(&normal, &pushes, v);
-        touches.iter_mut().zip(pushes).for_each(|(touch, pushed)| touch.normal = pushed);
         Ok(())
     }
 
-    /// The normal and the friction impulses that the last step ended with.
-    fn guess<'a>(
-        &'a self,
-        contacts: impl Iterator<Item = &'a ContactIn<G>> + Clone,
+    /// Resting contact and friction; says what counts as settled, m/s.
+    fn rest(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
         h: f64,
-    ) -> (Vec<f64>, Vec<f64>) {
-        let (mut pushed, mut rubbed) = (Vec::new(), Vec::new());
-        for (contact, impulse) in contacts.clone().zip(self.last.guess(contacts, h)) {
-            let along = |direction| impulse.map_or(0.0, |impulse| G::dot(&impulse, &direction));
-            pushed.push(along(contact.normal));
-            rubbed.extend(contact.tangents().into_iter().map(along));
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        let [finest, enough] = self.settled(q, h);
+        let f = G::FREEDOMS;
+        let Memory { v, increment, states, bias, impulses, islands, resting, solver, .. } =
+            &mut self.memory;
+        for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
+            state.velocity.as_mut().copy_from_slice(v);
         }
-        (pushed, rubbed)
+        find_islands(islands, states, contacts)?;
+        let radius = |body: usize| self.detector.radius_of(body);
+        bias.clear();
+        // What is not worth a change of velocity is closed; what overlaps is lifted afterwards.
+        bias.extend(contacts.iter().map(|contact| {
+            let bias = contact.gap.max(0.0) / h;
+            if bias <= finest { 0.0 } else { bias }
+        }));
+        let guessed = Guessed { points: contacts, impulses, bias };
+        resting.start(states, radius, &increment.0, guessed);
+        solver.start(states.len());
+        for (members, bodies) in islands.iter() {
+            let guessed = Guessed { points: contacts, impulses, bias };
+            let settled = if members.len() > LARGE { enough } else { finest };
+            let off = match resting.off(members, guessed, settled) {
+                Some(off) => {
+                    let stands = bodies.iter().all(|&body| resting.stands(body, settled));
+                    for &body in bodies {
+                        let velocity =
+                            if stands { resting.before(body) } else { resting.after(body) };
+                        v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
+                    }
+                    off
+                }
+                None => {
+                    let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };
+                    let gains =
+                        |body: usize| speed::<G>(&increment.0[f * body..][..f], radius(body));
+                    let slow = |&body: &usize| {
+                        speed::<G>(resting.before(body).as_ref(), radius(body)) <= gains(body)
+                    };
+                    let fine = bodies.iter().all(slow).then_some((REST_TOLERANCE * settled).max(
+                        ROUNDING * bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max),
+                    ));
+                    let large = self.tolerance.is_none() && members.len() > LARGE;
+                    let fine = fine.filter(|_| !large);
+                    let conditions = Conditions { free, states, settled, enough, fine };
+                    let off = solver.solve([members, bodies], conditions, impulses, report)?;
+                    for &body in bodies {
+                        let (state, change) = (&states[body], solver.change(body));
+                        for (k, v) in v.0[f * body..][..f].iter_mut().enumerate() {
+                            *v = state.velocity.as_ref()[k]
+                                + state.scale.as_ref()[k] * change.as_ref()[k];
+                        }
+                    }
+                    off
+                }
+            };
+            report.islands += 1;
+            report.residual = report.residual.max(off[0]);
+            report.coulomb = report.coulomb.max(off[1]);
+        }
+        report.settled &= report.residual.max(report.coulomb) <= AMPLIFICATION * enough;
+        Ok([finest, enough])
     }
 
-    /// The work that obstacles do by these impulses.
-    fn work(&self, impact: &Impact, impulses: &[f64], v: &Vector<Vec<f64>>) -> f64 {
-        if self.obstacles.is_empty() {
-            return 0.0;
-        }
-        let power = |contact: usize| {
-            let held = impact.rows().row(contact).filter(|&(f, _)| self.mass.is_held(f));
-            held.map(|(freedom, value)| value * v.0[freedom]).sum::<f64>()
+    /// The change of velocity that counts as settled in small islands and in large ones, m/s: such
+    /// changes leave a residual within the tolerance.
+    fn settled(&self, q: &[f64], h: f64) -> [f64; 2] {
+        let Memory { v, increment, .. } = &self.memory;
+        let fastest = |v: &[f64]| {
+            let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
+            bodies.map(|(i, v)| speed::<G>(v, self.detector.radius_of(i))).fold(0.0, f64::max)
         };
-        impulses.iter().enumerate().map(|(i, impulse)| -impulse * power(i)).sum()
+        let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h);
+        let gain = fastest(&increment.0);
+        [FINE_TOLERANCE, TOLERANCE].map(|part| {
+            let asked = self.tolerance.unwrap_or(part * gain);
+            rounding.max(asked / AMPLIFICATION)
+        })
     }
 
-    fn velocity(&self, p: &Covector<Vec<f64>>) -> Vector<Vec<f64>> {
-        let mut v = Vector(vec![0.0; self.system.dim()]);
-        self.system.metric().sharp(p.view(), v.view_mut());
-        v
+    /// Energies, and what is left of each gap at the end of the step.
+    fn account(&mut self, contacts: &[ContactIn<G>], h: f64, report: &mut WorldReport) {
+        let Memory { v, before, states, after, mean, impulses, hits, lift_bias, .. } =
+            &mut self.memory;
+        let of = |v: &[f64], body: usize| {
+            let mut velocity = G::Velocity::default();
+            velocity.as_mut().copy_from_slice(&v[G::FREEDOMS * body..][..G::FREEDOMS]);
+            G::split(&states[body].frame, &velocity)
+        };
+        after.clear();
+        after.extend((0..states.len()).map(|body| of(&v.0, body)));
+        mean.clear();
+        mean.extend(after.iter().enumerate().map(|(body, &(x, w))| {
+            let (x0, w0) = of(&before.0, body);
+            ((x + x0) * 0.5, (w + w0) * 0.5)
+        }));
+        let at = |of: &[(G::Vector, G::Spin)], contact: &ContactIn<G>, side: usize| {
+            contact.bodies[side].map_or_else(G::Vector::default, |body| {
+                let (x, w) = of[body];
+                x + G::swing(&w, &(contact.points[side] - states[body].centre))
+            })
+        };
+        lift_bias.clear();
+        for ((contact, impulse), hit) in contacts.iter().zip(impulses.iter()).zip(hits.iter()) {
+            let rate = at(after, contact, 1) - at(after, contact, 0);
+            let part = if contact.gap < 0.0 { PENETRATION_CORRECTION } else { 1.0 };
+            lift_bias.push(G::dot(&rate, &contact.normal) + part * contact.gap / h);
+            let whole = *impulse + *hit;
+            if whole == G::Vector::default() {
+                continue;
+            }
+            let pushed = G::dot(impulse, &contact.normal);
+            let rate = at(mean, contact, 1) - at(mean, contact, 0);
+            report.impact_energy -= pushed * G::dot(&rate, &contact.normal);
+            report.friction_energy -= G::dot(&(*impulse - contact.normal * pushed), &rate);
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                if contact.bodies[side].is_some_and(|body| !states[body].moves()) {
+                    let velocity = at(after, contact, side) * sign;
+                    report.work += G::dot(&whole, &velocity);
+                    report.impact_energy += G::dot(hit, &velocity);
+                }
+            }
+        }
     }
 
-    /// The velocity that the potential gives in a step; none to obstacles.
-    fn kick(&self, state: &State<Vec<f64>>, h: f64) -> Vector<Vec<f64>> {
-        let mut dv = Covector(vec![0.0; self.system.dim()]);
+    /// Velocities of positions that lift what overlaps.
+    fn lift(&mut self, contacts: &[ContactIn<G>], settled: f64) -> Result<(), ContactError> {
+        let Memory { states, lift_bias, islands, solver, lift, .. } = &mut self.memory;
+        for (members, bodies) in islands.iter() {
+            let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
+            let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
+            if !members.iter().any(overlaps) {
+                continue;
+            }
+            let goal = settled.max(LIFT_TOLERANCE * worst);
+            solver.lift([members, bodies], contacts, lift_bias, states, goal)?;
+            for &body in bodies {
+                let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
+                for (k, lift) in lift.0[G::FREEDOMS * body..][..G::FREEDOMS].iter_mut().enumerate()
+                {
+                    *lift = scale[k] * change[k];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The kinetic energy of what impulses move, J.
+    fn kinetic_energy(&self) -> f64 {
+        let Memory { v, scales, .. } = &self.memory;
+        let scales = scales.iter().flat_map(|scale| scale.as_ref());
+        let moving = v.0.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
+        moving.map(|(v, scale)| 0.5 * (v / scale) * (v / scale)).sum()
+    }
+
+    /// The velocity increment by the potential in a step; none of obstacles.
+    fn find_increment(&mut self, state: &State<Vec<f64>>, h: f64) {
+        let Memory { dv, increment, .. } = &mut self.memory;
+        dv.0.fill(0.0);
         self.system.potential().add_differential(&state.q, dv.view_mut());
         for (freedom, dv) in dv.0.iter_mut().enumerate() {
             *dv *= if self.mass.is_held(freedom) { 0.0 } else { -h };
         }
-        self.velocity(&dv)
+        self.system.metric().sharp(dv.view(), increment.view_mut());
     }
 
-    /// How far apart two bodies may be and still meet in a step.
-    fn reach(&self, v: &Vector<Vec<f64>>, kick: &Vector<Vec<f64>>, h: f64) -> f64 {
-        let fastest = |(body, (v, kick)): (usize, (&[f64], &[f64]))| {
-            let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let radius = self.detector.radius(body);
-            let (t, f) = (G::TRANSLATION, G::FREEDOMS);
-            let speed = |v: &[f64]| length(&v[..t]) + radius * length(&v[t..f]);
-            h * (speed(v) + speed(kick)) + REACH * radius
-        };
-        let both = v.0.chunks_exact(G::FREEDOMS).zip(kick.0.chunks_exact(G::FREEDOMS));
-        let bodies = both.enumerate();
-        2.0 * bodies.map(fastest).fold(0.0, f64::max)
+    /// How far each body moves in a step.
+    fn find_reach(&mut self, h: f64) {
+        let Memory { start, increment, reach, .. } = &mut self.memory;
+        let f = G::FREEDOMS;
+        let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
+        reach.clear();
+        reach.extend(bodies.map(|(body, (v, increment))| {
+            let radius = self.detector.radius_of(body);
+            let speeds = speed::<G>(v, radius) + speed::<G>(increment, radius);
+            h * speeds + SPECULATIVE_MARGIN * radius
+        }));
     }
 
-    /// The state a step later: centres straight, rotations free.
-    fn moved(
-        &self,
-        state: &State<Vec<f64>>,
-        v: &Vector<Vec<f64>>,
-        h: f64,
-    ) -> Result<State<Vec<f64>>, ContactError> {
-        let mut next = state.clone();
+    /// Widens the reach of what has become much faster; says whether there is any.
+    fn widen_reach(&mut self, h: f64) -> bool {
+        let Memory { v, reach, .. } = &mut self.memory;
+        let mut widened = false;
+        for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
+            let radius = self.detector.radius_of(body);
+            let way = h * speed::<G>(v, radius);
+            if way > *reach + MISSED * radius {
+                *reach = 1.5 * way;
+                widened = true;
+            }
+        }
+        widened
+    }
+
+    /// Writes the state a step later: centres straight, rotations free, then lifted; says what
+    /// potential energy lifting gave.
+    fn advance(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<f64, ContactError> {
+        let Memory { v, lift, next, .. } = &mut self.memory;
+        next.clone_from(state);
         self.system.metric().flat(v.view(), next.p.view_mut());
         G::advance(self.system.metric(), &mut next.q, &v.0, &mut next.p.0, h)?;
+        let mut lifted = 0.0;
+        if lift.0.iter().any(|&lift| lift != 0.0) {
+            lifted -= self.system.potential().energy(&next.q);
+            self.system.space().advance(&mut next.q, h, lift.view());
+            lifted += self.system.potential().energy(&next.q);
+        }
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
         check_time(state.t + h)?;
         next.t = state.t + h;
-        Ok(next)
+        Ok(lifted)
     }
+}
+
+/// The part of the worst approach to which lifting is settled.
+const LIFT_TOLERANCE: f64 = 1e-2;
+
+/// A collider, and how its body moves with these velocities.
+fn mover<'a, G: Dimension>(
+    collider: &'a ColliderIn<G>,
+    q: &[f64],
+    of: impl Fn(usize) -> f64,
+    detector: &DetectorIn<G>,
+) -> Mover<'a, G> {
+    let mut velocity = G::Velocity::default();
+    let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
+    if let Some(body) = collider.body() {
+        (pose, radius) = (G::pose(q, body), detector.radius_of(body));
+        for (k, v) in velocity.as_mut().iter_mut().enumerate() {
+            *v = of(G::FREEDOMS * body + k);
+        }
+    }
+    Mover { collider, pose, velocity, radius }
+}
+
+/// The islands of bodies that impulses move; an error where a contact is between none.
+fn find_islands<G: Dimension>(
+    islands: &mut Islands,
+    states: &[BodyState<G>],
+    contacts: &[ContactIn<G>],
+) -> Result<(), ContactError> {
+    let moving = |contact: &ContactIn<G>| {
+        let moves = |&body: &usize| states[body].moves();
+        contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
+    };
+    if let Some(contact) = contacts.iter().position(|c| moving(c) == [states.len(); 2]) {
+        return Err(ContactError::Immovable { contact });
+    }
+    islands.find(states.len(), contacts.iter().map(moving));
+    Ok(())
 }

@@ -14,7 +14,7 @@ use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
-use crate::{Bodies, Collider, ContactError, Detector, Shape};
+use crate::{BodiesIn, Collider, ContactError, Detector, Shape, Spatial};
 
 /// Acceleration of gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
@@ -29,7 +29,7 @@ pub struct Boxes {
     /// Where each starts, at rest.
     pub starts: Vec<RigidMotion>,
     /// The bodies under gravity.
-    pub system: Bodies<Weight<Poses>>,
+    pub system: BodiesIn<Spatial, Weight<Poses>>,
     /// Their state.
     pub state: State<Vec<f64>>,
 }

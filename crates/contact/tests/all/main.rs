@@ -14,7 +14,11 @@ mod resuming;
 #[cfg(feature = "3d")]
 mod rigid_time_of_impact;
 #[cfg(feature = "2d")]
+mod rough_impacts;
+#[cfg(feature = "2d")]
 mod small_steps;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod steps;
 mod thin_sheet;
 mod time_of_impact;
 #[cfg(feature = "3d")]

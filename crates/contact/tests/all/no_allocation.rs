@@ -3,7 +3,7 @@
 use allocation_counter::measure;
 use nalgebra::Vector3;
 use stationary_contact::problems::{Boxes, falling_boxes};
-use stationary_contact::{Collider, Detector, Shape, TouchingBodies};
+use stationary_contact::{Collider, Detector, Shape, SpatialWorld};
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, RigidMotion, Rotation};
 
@@ -22,8 +22,8 @@ fn detector(count: usize) -> Detector {
 /// taken.
 fn allocations(boxes: &Boxes, steps: usize, last: usize) -> (u64, usize) {
     let detector = detector(boxes.starts.len());
-    let mut bodies = TouchingBodies::new(&boxes.system, detector).unwrap();
-    let run = |bodies: &mut TouchingBodies<_>, state: &mut State<Vec<f64>>, steps: usize| {
+    let mut bodies = SpatialWorld::new(boxes.system.clone(), detector).unwrap();
+    let run = |bodies: &mut SpatialWorld<_>, state: &mut State<Vec<f64>>, steps: usize| {
         (0..steps).map(|_| bodies.step(state, 2e-3).unwrap().relaxed).sum::<usize>()
     };
     run(&mut bodies, &mut boxes.state.clone(), steps);

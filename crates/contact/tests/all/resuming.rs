@@ -1,7 +1,7 @@
 //! Bodies that touch go on from what was saved to the same bits.
 
 use stationary_contact::problems::falling_boxes;
-use stationary_contact::{Arch, ContactError, Settling, TouchingBodies};
+use stationary_contact::{Arch, ContactError, SpatialWorld};
 use stationary_integrators::{Saved, State, StepError};
 
 /// Steps to the end, and from the middle again with what was saved there; both states.
@@ -37,15 +37,12 @@ fn twice<B>(
 fn a_pile_and_an_arch_go_on_from_what_was_saved_to_the_same_bits_and_not_without_it() {
     let boxes = falling_boxes(12).unwrap();
     // In flight, and when some of its contacts are kept from step to step.
-    for (steps, settling) in [
-        (250, Settling { change: 1e-4, sweeps: 10 }),
-        (400, Settling { change: 1e-5, sweeps: 60 }),
-        (400, Settling::default()),
-    ] {
+    for (steps, tolerance) in [(250, 3e-3), (400, 3e-4), (400, 1e-8)] {
         let [whole, resumed, forgetful] = twice(
             || {
                 let detector = boxes.detector().unwrap();
-                TouchingBodies::new(&boxes.system, detector).unwrap().with_settling(settling)
+                let bodies = SpatialWorld::new(boxes.system.clone(), detector).unwrap();
+                bodies.with_tolerance(tolerance).unwrap()
             },
             |bodies, state| {
                 bodies.step(state, 2e-3).unwrap();
@@ -55,7 +52,7 @@ fn a_pile_and_an_arch_go_on_from_what_was_saved_to_the_same_bits_and_not_without
             &boxes.state,
             steps,
         );
-        assert!(whole == resumed && whole != forgetful, "{steps} {settling:?}");
+        assert!(whole == resumed && whole != forgetful, "{steps} {tolerance}");
     }
     let arch = Arch { wedges: 7, radius: 1.0, thickness: 0.3, friction: 0.6, gravity: 10.0 };
     let (_, start) = arch.built().unwrap();
@@ -75,7 +72,7 @@ fn a_pile_and_an_arch_go_on_from_what_was_saved_to_the_same_bits_and_not_without
 #[test]
 fn what_no_bodies_leave_behind_is_refused_and_nothing_is_forgotten() -> Result<(), ContactError> {
     let boxes = falling_boxes(8)?;
-    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector()?)?;
+    let mut bodies = SpatialWorld::new(boxes.system.clone(), boxes.detector()?)?;
     let mut state = boxes.state.clone();
     for _ in 0..400 {
         bodies.step(&mut state, 2e-3)?;
@@ -92,7 +89,7 @@ fn what_no_bodies_leave_behind_is_refused_and_nothing_is_forgotten() -> Result<(
 #[test]
 fn worlds_and_bodies_refuse_a_step_at_no_time_and_stay() -> Result<(), ContactError> {
     let boxes = falling_boxes(2)?;
-    let mut bodies = TouchingBodies::new(&boxes.system, boxes.detector()?)?;
+    let mut bodies = SpatialWorld::new(boxes.system.clone(), boxes.detector()?)?;
     let arch = Arch { wedges: 3, radius: 1.0, thickness: 0.3, friction: 0.6, gravity: 10.0 };
     let (mut world, start) = arch.built()?;
     for t in [f64::NAN, f64::INFINITY] {

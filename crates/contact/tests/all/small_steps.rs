@@ -27,7 +27,7 @@ fn fall(angle: f64, speed: f64, c: f64, h: f64) -> (f64, Vec<f64>) {
     let mut impulse = 0.0;
     for _ in 0..6 {
         world.step(&mut state, h).unwrap();
-        impulse += world.touches().iter().map(|touch| touch.impact + touch.normal).sum::<f64>();
+        impulse += world.touches().map(|touch| touch.impact + touch.normal).sum::<f64>();
     }
     (impulse, vec![state.p.0[1] / mass, state.p.0[2] / inertia])
 }

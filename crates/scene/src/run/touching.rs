@@ -3,13 +3,11 @@
 //! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
 //! friction.
 
-use std::borrow::Borrow;
-
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Potential;
 use stationary_contact::{
-    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape,
-    PlanarWorld, Shape, Touch, TouchingBodies,
+    Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape, Shape,
+    Touch, World,
 };
 use stationary_integrators::{Saved, State};
 use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
@@ -36,7 +34,7 @@ pub(crate) fn in_space<'a>(
 ) -> Made<'a> {
     let colliders = scene.colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
-    let touching = TouchingBodies::new(system, detector)?.with_law(contact.law);
+    let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
@@ -49,13 +47,13 @@ pub(crate) fn in_the_plane<'a>(
 ) -> Made<'a> {
     let colliders = scene.planar_colliders(contact)?;
     let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
-    let touching = PlanarWorld::new(system.clone(), detector)?.with_law(contact.law);
+    let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
 
 /// What steps bodies that touch.
-struct Touching<T> {
-    touching: T,
+struct Touching<G: Dimension, P> {
+    touching: World<G, P>,
     colliders: Colliders,
 }
 
@@ -103,43 +101,39 @@ impl Colliders {
     }
 }
 
-/// The same of both dimensions.
-macro_rules! steps_of {
-    ($touching:ty) => {
-        impl<P: Potential> Stepper for Touching<$touching> {
-            fn step(
-                &mut self,
-                state: &mut State<Vec<f64>>,
-                h: f64,
-                _: f64,
-            ) -> Result<Stepped, StepFailure> {
-                let met = self.touching.step(state, h)?;
-                Ok(Stepped::met(met.impacts, state.t))
-            }
-
-            fn save(&mut self) -> Saved {
-                self.touching.save()
-            }
-
-            fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-                Ok(self.touching.load(&before.memory)?)
-            }
-
-            fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
-                for touch in self.touching.touches() {
-                    see(self.colliders.push(touch.borrow(), time));
-                }
-            }
-
-            fn built(&self) -> Built {
-                Built { colliders: self.colliders.all as u64, ..Built::default() }
-            }
+impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
+    fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        _: f64,
+    ) -> Result<Stepped, StepFailure> {
+        let met = self.touching.step(state, h)?;
+        if !met.settled {
+            let residual = met.residual.max(met.coulomb);
+            let (what, iterations) = ("the contact conditions of a step", met.relaxed);
+            let velocity = Vec::new();
+            return Err(ContactError::NotConverged { what, iterations, residual, velocity }.into());
         }
-    };
-}
+        Ok(Stepped::met(met.impacts, state.t))
+    }
 
-steps_of!(TouchingBodies<'_, P>);
-steps_of!(PlanarWorld<P>);
+    fn save(&mut self) -> Saved {
+        self.touching.save()
+    }
+
+    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        Ok(self.touching.load(&before.memory)?)
+    }
+
+    fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
+        self.touching.touches().for_each(|touch| see(self.colliders.push(&touch, time)));
+    }
+
+    fn built(&self) -> Built {
+        Built { colliders: self.colliders.all as u64, ..Built::default() }
+    }
+}
 
 /// Overlap at the start that is rounding, relative to the size of the bodies.
 const ROUNDING: f64 = 1e-9;
@@ -151,7 +145,10 @@ fn detector<G: Dimension>(
     q: &[f64],
 ) -> Result<DetectorIn<G>, ContactError> {
     let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
-    let largest = (0..bodies).map(|body| detector.radius(body)).fold(0.0, f64::max);
+    let mut largest = 0.0_f64;
+    for body in 0..bodies {
+        largest = largest.max(detector.radius(body)?);
+    }
     detector.check_free(q, ROUNDING * largest)?;
     Ok(detector)
 }

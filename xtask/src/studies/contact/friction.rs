@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use stationary_chart::{Axis, Lines, Series};
-use stationary_contact::{Collider, ContactError, Detector, Shape, TouchingBodies};
+use stationary_contact::{Collider, ContactError, Detector, Shape, SpatialWorld};
 use stationary_measure::{Column, Table};
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
@@ -38,7 +38,7 @@ fn slide(angle: f64, mu: f64, steps: u32) -> Result<[f64; 3], ContactError> {
     let block = Collider::on_body(0, Shape::cuboid([0.2, 0.2, 0.1])?).with_friction(mu);
     let slope = Collider::fixed(RigidMotion::identity(), Shape::half_space(normal)?);
     let detector = Detector::new(vec![block, slope.with_friction(mu)], 1)?;
-    let mut bodies = TouchingBodies::new(&system, detector)?;
+    let mut bodies = SpatialWorld::new(system, detector)?;
     let (mut gap, mut residual) = (0.0_f64, 0.0_f64);
     for _ in 0..steps {
         residual = residual.max(bodies.step(&mut state, 1e-3)?.coulomb);

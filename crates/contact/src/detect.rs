@@ -1,0 +1,11 @@
+//! Detection: which features of which shapes face each other, and across which gaps.
+
+pub(crate) mod contact_point;
+pub(crate) mod broad_phase;
+#[cfg(feature = "2d")]
+pub(crate) mod planar_narrow_phase;
+#[cfg(feature = "3d")]
+pub(crate) mod box_axes;
+#[cfg(feature = "3d")]
+pub(crate) mod narrow_phase;
+pub(crate) mod detection;

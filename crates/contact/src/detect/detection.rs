@@ -1,0 +1,359 @@
+//! Detection: every contact point of some bodies within a margin, in an order of its own.
+//!
+//! ```text
+//! boxes that overlap  ->  contact points with gap <= margin                                 (11.1)
+//! ```
+//! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's queries; see the two
+//! files of that name. Contact points are computed afresh from the poses each time: nothing is
+//! carried over from the step before, so that a gap is what the poses say and not what a cache
+//! remembers; steps of many bodies keep some of them elsewhere, and say what they keep. They come
+//! sorted by their identifiers. Source: notes 11.1.
+
+use std::collections::BTreeMap;
+
+use stationary_calculus::SizeError;
+use stationary_rigid::LieGroup;
+
+use crate::detect::broad_phase::BroadPhase;
+use crate::shapes::collider::check_surface;
+use crate::shapes::dimension::{Answer, Facing};
+use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension};
+
+/// Colliders, and the memory that finding their contacts takes.
+pub struct DetectorIn<G: Dimension> {
+    colliders: Vec<ColliderIn<G>>,
+    /// Restitution and friction of pairs that have their own.
+    surfaces: BTreeMap<[usize; 2], [f64; 2]>,
+    bodies: usize,
+    radii: Vec<f64>,
+    broad: BroadPhase<G>,
+    placed: Vec<G::Motion>,
+    poses: Vec<G::Pose>,
+    /// How much larger than each collider its box is, m.
+    margins: Vec<f64>,
+    pairs: Vec<(usize, usize)>,
+    room: G::Room,
+    facing: Vec<Facing<G::Vector>>,
+    contacts: Vec<ContactIn<G>>,
+}
+
+/// Detection in space.
+#[cfg(feature = "3d")]
+pub type Detector = DetectorIn<crate::Spatial>;
+/// Detection in the plane.
+#[cfg(feature = "2d")]
+pub type PlanarDetector = DetectorIn<crate::Planar>;
+
+impl<G: Dimension> std::fmt::Debug for DetectorIn<G> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("DetectorIn").field("colliders", &self.colliders).finish_non_exhaustive()
+    }
+}
+
+/// Two bodies that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// The colliders.
+    pub colliders: [usize; 2],
+    /// How deep, m.
+    pub depth: f64,
+}
+
+impl<G: Dimension> DetectorIn<G> {
+    /// A detector of contacts between these colliders of `bodies` bodies.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a collider whose place is not finite;
+    /// [`ContactError::Restitution`] and [`ContactError::Friction`] out of range, with the number of
+    /// the collider; [`ContactError::Size`] for a collider on a body that is not there;
+    /// [`ContactError::NoQuery`] for two half-spaces of which a body carries one.
+    pub fn new(colliders: Vec<ColliderIn<G>>, bodies: usize) -> Result<Self, ContactError> {
+        for (i, collider) in colliders.iter().enumerate() {
+            collider.check(i)?;
+            if let Some(body) = collider.body().filter(|&body| body >= bodies) {
+                let what = "the body of a collider";
+                return Err(SizeError { what, expected: bodies, got: body }.into());
+            }
+        }
+        let planes = colliders.iter().filter(|collider| G::plane(&collider.shape).is_some());
+        let (mut first, mut moving) = (None, false);
+        for plane in planes {
+            moving |= plane.body().is_some();
+            if let Some(name) = first.replace(G::name(&plane.shape))
+                && moving
+            {
+                return Err(ContactError::NoQuery { first: name, second: G::name(&plane.shape) });
+            }
+        }
+        let identity = G::Motion::identity();
+        Ok(DetectorIn {
+            radii: radii(&colliders, bodies),
+            surfaces: BTreeMap::new(),
+            broad: BroadPhase::new(&colliders),
+            placed: vec![identity; colliders.len()],
+            poses: vec![G::convert(&identity); colliders.len()],
+            margins: Vec::new(),
+            pairs: Vec::new(),
+            room: G::Room::default(),
+            facing: Vec::new(),
+            contacts: Vec::new(),
+            colliders,
+            bodies,
+        })
+    }
+
+    /// The same with a restitution and a friction of their own for a pair of colliders.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::Restitution`] and
+    /// [`ContactError::Friction`] out of range, with the number of the first collider.
+    pub fn with_pair(
+        mut self,
+        colliders: [usize; 2],
+        restitution: f64,
+        friction: f64,
+    ) -> Result<Self, ContactError> {
+        let there = self.colliders.len();
+        if let Some(&got) = colliders.iter().find(|&&collider| collider >= there) {
+            return Err(SizeError { what: "a collider of a pair", expected: there, got }.into());
+        }
+        check_surface(colliders[0], restitution, friction)?;
+        let [a, b] = colliders;
+        self.surfaces.insert([a.min(b), a.max(b)], [restitution, friction]);
+        Ok(self)
+    }
+
+    /// The colliders.
+    pub fn colliders(&self) -> &[ColliderIn<G>] {
+        &self.colliders
+    }
+
+    /// How many bodies there are.
+    pub fn bodies(&self) -> usize {
+        self.bodies
+    }
+
+    /// The radius of a ball about a body's centre that holds all its shapes, m.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a body that is not there.
+    pub fn radius(&self, body: usize) -> Result<f64, ContactError> {
+        let there = self.bodies;
+        self.radii.get(body).copied().ok_or_else(|| {
+            SizeError { what: "the body of a radius", expected: there, got: body }.into()
+        })
+    }
+
+    /// The same of a body that is there.
+    #[inline]
+    pub(crate) fn radius_of(&self, body: usize) -> f64 {
+        self.radii[body]
+    }
+
+    /// The pairs of colliders that the last broad phase could not rule out.
+    pub fn candidates(&self) -> &[(usize, usize)] {
+        &self.pairs
+    }
+
+    /// The broad phase alone: how many pairs it leaves.
+    ///
+    /// # Errors
+    /// [`ContactError::Margin`] where that is negative or not finite; [`ContactError::Size`] unless
+    /// `q` holds the poses of all bodies; where one is not finite [`ContactError::NonFinite`] in the
+    /// plane and [`ContactError::Rigid`] in space, there also for a quaternion whose length is not 1.
+    pub fn broad_phase(&mut self, q: &[f64], margin: f64) -> Result<usize, ContactError> {
+        if !(margin >= 0.0 && margin.is_finite()) {
+            return Err(ContactError::Margin(margin));
+        }
+        self.find_candidates(q, |_| 0.5 * margin)?;
+        Ok(self.pairs.len())
+    }
+
+    /// The pairs of colliders that are no farther apart than the reach of what carries them.
+    pub(crate) fn find_candidates(
+        &mut self,
+        q: &[f64],
+        reach: impl Fn(Option<usize>) -> f64,
+    ) -> Result<(), ContactError> {
+        self.place(q)?;
+        self.margins.clear();
+        self.margins.extend(self.colliders.iter().map(|collider| reach(collider.body())));
+        let (placed, poses) = (&self.placed, &self.poses);
+        self.broad.pairs(&self.colliders, placed, poses, &self.margins, &mut self.pairs);
+        Ok(())
+    }
+
+    /// The contact points of bodies at the poses `q` whose gap is at most `margin`.
+    ///
+    /// # Errors
+    /// Those of [`DetectorIn::broad_phase`]; [`ContactError::NoQuery`] for two shapes that come
+    /// near and between which there is no query.
+    pub fn detect(&mut self, q: &[f64], margin: f64) -> Result<&[ContactIn<G>], ContactError> {
+        self.broad_phase(q, margin)?;
+        self.contacts.clear();
+        for k in 0..self.pairs.len() {
+            let (a, b) = self.pairs[k];
+            let placed = [self.placed[a], self.placed[b]];
+            self.meet([a, b], placed, [self.poses[a], self.poses[b]], margin)?;
+        }
+        Ok(&self.contacts)
+    }
+
+    /// The pairs that overlap by more than `depth`, the deepest point of each.
+    ///
+    /// # Errors
+    /// [`ContactError::Depth`] where that is negative or not finite; those of
+    /// [`DetectorIn::detect`].
+    pub fn overlaps(&mut self, q: &[f64], depth: f64) -> Result<Vec<Overlap>, ContactError> {
+        if !(depth >= 0.0 && depth.is_finite()) {
+            return Err(ContactError::Depth(depth));
+        }
+        let mut overlaps: Vec<Overlap> = Vec::new();
+        for contact in self.detect(q, 0.0)?.iter().filter(|contact| -contact.gap > depth) {
+            let colliders = contact.id.colliders.map(|c| c as usize);
+            match overlaps.last_mut().filter(|last| last.colliders == colliders) {
+                Some(last) => last.depth = last.depth.max(-contact.gap),
+                None => overlaps.push(Overlap { colliders, depth: -contact.gap }),
+            }
+        }
+        Ok(overlaps)
+    }
+
+    /// Checks that no bodies overlap by more than `depth`.
+    ///
+    /// # Errors
+    /// [`ContactError::Overlap`] where they do, with the colliders of the deepest pair; those of
+    /// [`DetectorIn::overlaps`].
+    pub fn check_free(&mut self, q: &[f64], depth: f64) -> Result<(), ContactError> {
+        let overlaps = self.overlaps(q, depth)?;
+        let deepest = overlaps.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        match deepest {
+            None => Ok(()),
+            Some(worst) => Err(ContactError::Overlap {
+                count: overlaps.len(),
+                first: worst.colliders[0],
+                second: worst.colliders[1],
+                depth: worst.depth,
+            }),
+        }
+    }
+
+    fn place(&mut self, q: &[f64]) -> Result<(), ContactError> {
+        SizeError::check("the poses' numbers", G::STORED * self.bodies, q.len())?;
+        G::check(q)?;
+        for (i, collider) in self.colliders.iter().enumerate() {
+            self.placed[i] = match collider.carrier {
+                Carrier::World => collider.place,
+                Carrier::Body(body) => G::pose(q, body).compose(&collider.place),
+            };
+            self.poses[i] = G::convert(&self.placed[i]);
+        }
+        Ok(())
+    }
+
+    /// The contact points of one pair, sorted, with its first body at the origin and its second at
+    /// this pose; all in the axes of the first. Also what is known of them.
+    pub(crate) fn meet_alone(
+        &mut self,
+        pair: [usize; 2],
+        relative: &G::Motion,
+        margin: f64,
+    ) -> Result<(Answer, &[ContactIn<G>]), ContactError> {
+        let [first, second] = pair.map(|i| self.colliders[i].place);
+        let placed = [first, relative.compose(&second)];
+        let poses = [G::convert(&placed[0]), G::convert(&placed[1])];
+        self.contacts.clear();
+        let answer = self.meet(pair, placed, poses, margin)?;
+        Ok((answer, &self.contacts))
+    }
+
+    fn meet(
+        &mut self,
+        pair: [usize; 2],
+        placed: [G::Motion; 2],
+        poses: [G::Pose; 2],
+        margin: f64,
+    ) -> Result<Answer, ContactError> {
+        let shapes = pair.map(|i| &self.colliders[i].shape);
+        self.facing.clear();
+        let poses = [&poses[0], &poses[1]];
+        let answer = G::face(shapes, poses, margin, &mut self.room, &mut self.facing);
+        if answer == Answer::None {
+            let [first, second] = shapes.map(G::name);
+            return Err(ContactError::NoQuery { first, second });
+        }
+        let first = self.contacts.len();
+        let size: f64 =
+            pair.iter().filter_map(|&i| self.colliders[i].body()).map(|b| self.radii[b]).sum();
+        let near = (COINCIDENT * size).powi(2);
+        for k in 0..self.facing.len() {
+            let contact = self.point(pair, &placed, &self.facing[k]);
+            let same = |other: &ContactIn<G>| coincide(other, &contact, near);
+            match self.contacts[first..].iter().position(same) {
+                None => self.contacts.push(contact),
+                Some(place) if contact.gap < self.contacts[first + place].gap => {
+                    self.contacts[first + place] = contact;
+                }
+                Some(_) => {}
+            }
+        }
+        // Pairs come sorted; so do the contacts, once those of each pair are.
+        self.contacts[first..].sort_by_key(|contact| contact.id);
+        Ok(answer)
+    }
+
+    #[inline]
+    fn point(
+        &self,
+        pair: [usize; 2],
+        placed: &[G::Motion; 2],
+        facing: &Facing<G::Vector>,
+    ) -> ContactIn<G> {
+        let (first, second) = (&self.colliders[pair[0]], &self.colliders[pair[1]]);
+        let [one, other] = &facing.points;
+        let points = [G::apply(&placed[0], one), G::apply(&placed[1], other)];
+        let arms = [G::apply(&first.place, one), G::apply(&second.place, other)];
+        let combined = || {
+            [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
+        };
+        let [restitution, friction] = self.surfaces.get(&pair).copied().unwrap_or_else(combined);
+        ContactIn {
+            id: facing.id(pair),
+            bodies: [first.body(), second.body()],
+            gap: facing.gap,
+            normal: G::turn(&placed[0], &facing.normal),
+            points,
+            arms,
+            restitution,
+            friction,
+        }
+    }
+}
+
+/// For each body the radius of a ball about its centre that holds all its shapes.
+fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> Vec<f64> {
+    let mut radii = vec![0.0_f64; bodies];
+    for collider in colliders {
+        if let Some(body) = collider.body() {
+            radii[body] = radii[body].max(G::reach(&collider.shape, &collider.place));
+        }
+    }
+    radii
+}
+
+/// Points closer to each other than this part of the bodies' radii are one: a corner that meets a
+/// corner is found from both sides.
+const COINCIDENT: f64 = 1e-7;
+
+#[inline]
+fn coincide<G: Dimension>(a: &ContactIn<G>, b: &ContactIn<G>, near: f64) -> bool {
+    let apart = a.points[1] - b.points[1];
+    G::dot(&apart, &apart) < near && G::dot(&a.normal, &b.normal) > 1.0 - COINCIDENT
+}
+
+/// The differentials of the gaps of some contact points, one row each.
+pub fn gap_rows<G: Dimension>(contacts: &[ContactIn<G>], q: &[f64]) -> ContactRows {
+    let mut rows = ContactRows::with_room(contacts.len(), 2 * G::FREEDOMS * contacts.len());
+    contacts.iter().for_each(|contact| contact.push_row(q, &mut rows));
+    rows
+}

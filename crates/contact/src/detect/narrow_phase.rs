@@ -1,0 +1,184 @@
+//! The narrow phase in space: where two shapes face each other, and how far apart they are.
+//!
+//! ```text
+//! s(n) = min n.x2 - max n.x1  <=  |x2 - x1|          any direction n, any point of each
+//! ```
+//! The geometry library answers with clipping for boxes, along the axis along which they are
+//! farthest apart, and with Gilbert-Johnson-Keerthi and expanding polytopes for other convex
+//! solids. Points that face each other along `n` across `s(n)` are the closest there are, by the
+//! inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
+//! to an edge, the closest points are asked for: the gap is the distance, and its differential the
+//! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
+//! difference of both.
+//!
+//! Matching faces of boxes keep their corners; those of other convex solids, off by no more than
+//! rounding, may lose one for a step.
+
+use nalgebra::Vector3;
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::details::contact_manifold_pfm_pfm_shapes;
+use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
+
+use crate::Shape;
+use crate::detect::box_axes::farthest;
+use crate::shapes::convert::from_vector;
+use crate::shapes::dimension::{Answer, Facing};
+
+type Manifold = ContactManifold<(), ()>;
+
+/// Room for the answers of the library.
+#[derive(Default)]
+pub struct Manifolds {
+    found: Vec<Manifold>,
+    one: Manifold,
+}
+
+/// Gaps wider than this part of a box are distances; below it the directions of closest points are
+/// rounding, and the axes of the boxes are good enough.
+const WIDE: f64 = 1e-7;
+/// Points this part of a box farther apart than they need be are the closest.
+const SHORT: f64 = 1e-9;
+
+/// Appends where two shapes face each other.
+pub(crate) fn facing(
+    shapes: [&Shape; 2],
+    relative: &Pose,
+    margin: f64,
+    room: &mut Manifolds,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> Answer {
+    let both = shapes.map(|shape| &**shape.geometry());
+    let Manifolds { found: manifolds, one } = room;
+    if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
+        match clip([first, &wide.cuboid], relative, margin, one) {
+            Clipped::Apart => {}
+            Clipped::Faces(answer) => {
+                append(one, wide.excess(one.local_n2), margin, found);
+                return answer;
+            }
+            Clipped::Corners => {
+                closest(both, relative, margin, one);
+                append(one, 0.0, margin, found);
+            }
+        }
+        return Answer::Now;
+    }
+    manifolds.truncate(1);
+    if both.iter().any(|shape| shape.as_composite_shape().is_some()) {
+        manifolds.clear();
+    } else {
+        manifolds.resize_with(1, Manifold::default);
+        manifolds[0].clear();
+        manifolds[0].local_n1 = Vector::ZERO;
+    }
+    let dispatcher = DefaultQueryDispatcher;
+    let [a, b] = both;
+    if dispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None).is_err() {
+        return Answer::None;
+    }
+    for manifold in manifolds.iter() {
+        let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
+        let parts = [(a, &triangles[0]), (b, &triangles[1])].map(|(whole, part)| match part {
+            Some(triangle) => triangle as &dyn Geometry,
+            None => whole,
+        });
+        if !by_corners(parts, relative, manifold) {
+            append(manifold, 0.0, margin, found);
+            continue;
+        }
+        (one.subshape1, one.subshape2) = (manifold.subshape1, manifold.subshape2);
+        closest(parts, relative, margin, one);
+        append(one, 0.0, margin, found);
+        (one.subshape1, one.subshape2) = (0, 0);
+    }
+    let solid =
+        |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
+    let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
+    [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
+}
+
+fn part(shape: &dyn Geometry, part: u32) -> Option<Triangle> {
+    shape.as_trimesh().map(|mesh| mesh.triangle(part))
+}
+
+/// The closest points of two convex shapes.
+fn closest([a, b]: [&dyn Geometry; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
+    manifold.clear();
+    manifold.local_n1 = Vector::ZERO;
+    contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, manifold);
+}
+
+/// What clipping the faces of two boxes against each other found.
+enum Clipped {
+    /// They are farther apart than the margin.
+    Apart,
+    /// The closest points are among those of the faces.
+    Faces(Answer),
+    /// The closest points are corners, or on edges, that do not face each other.
+    Corners,
+}
+
+/// Clips the faces of two boxes that look along the axis along which they are farthest apart.
+fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) -> Clipped {
+    let halves = boxes.map(|cuboid| cuboid.half_extents);
+    let Some(axis) = farthest(halves, relative, margin) else { return Clipped::Apart };
+    let n1 = axis.normal;
+    let back = relative.inverse();
+    let n2 = back.rotation * -n1;
+    let faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    manifold.clear();
+    PolygonalFeature::contacts(relative, &back, n1, n2, &faces[0], &faces[1], manifold, false);
+    (manifold.local_n1, manifold.local_n2) = (n1, n2);
+    let size = halves[0].min_element().min(halves[1].min_element());
+    if too_far(axis.separation, manifold, size) {
+        return Clipped::Corners;
+    }
+    // What lies deepest is a corner above a face; elsewhere edges slide over edges.
+    let above = deepest(manifold) <= axis.separation + SHORT * size;
+    Clipped::Faces(axis.face.filter(|_| above).map_or(Answer::Now, Answer::Plane))
+}
+
+/// The least gap of a manifold's points.
+fn deepest(manifold: &Manifold) -> f64 {
+    manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether the points of a manifold are farther apart than shapes of this size that are apart.
+fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
+    separation > WIDE * size && deepest(manifold) > separation + SHORT * size
+}
+
+/// Whether axes of a box and a triangle were tried and none leads to the closest points, which are
+/// apart.
+fn by_corners(parts: [&dyn Geometry; 2], relative: &Pose, manifold: &Manifold) -> bool {
+    let [a, b] = parts;
+    let size = match (a.as_cuboid().or(b.as_cuboid()), a.as_triangle().or(b.as_triangle())) {
+        (Some(cuboid), Some(_)) => cuboid.half_extents.min_element(),
+        _ => return false,
+    };
+    let (n1, n2) = (manifold.local_n1, manifold.local_n2);
+    // Without a direction, they were apart by more than the margin.
+    if n1 == Vector::ZERO {
+        return false;
+    }
+    let farthest = |shape: &dyn Geometry, n: Vector| {
+        shape.as_support_map().map(|map| map.local_support_point(n))
+    };
+    let (Some(end1), Some(end2)) = (farthest(a, n1), farthest(b, n2)) else { return false };
+    too_far((relative * end2 - end1).dot(n1), manifold, size)
+}
+
+/// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
+fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
+    let parts = [manifold.subshape1, manifold.subshape2];
+    let normal = from_vector(manifold.local_n1);
+    let near = manifold.points.iter().filter(|point| point.dist + narrower <= margin);
+    found.extend(near.map(|point| Facing {
+        parts,
+        features: [point.fid1.0, point.fid2.0],
+        points: [from_vector(point.local_p1), from_vector(point.local_p2)],
+        normal,
+        gap: point.dist + narrower,
+    }));
+}

@@ -1,0 +1,226 @@
+//! The narrow phase in the plane: where two shapes face each other, and how far apart they are.
+//!
+//! ```text
+//! s = max over the edges' normals n of both (min n.x2 - max n.x1)       convex polygons
+//! ```
+//! Convex polygons that overlap leave each other on the shortest way along that normal, and where
+//! the corner that reaches farthest lies in front of the edge, `s` is their distance too. Else two
+//! corners are closest. The edge and the one that faces it are clipped against each other, and so
+//! matching edges keep both ends, whatever rounding does. Pieces of other polygons are looked at
+//! pair by pair. Discs and half-planes are asked of the geometry library.
+
+use nalgebra::Vector2;
+use parry2d_f64::math::{Pose, Vector};
+use parry2d_f64::query::details::clip_segment_segment_with_normal;
+use parry2d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry2d_f64::shape::{ConvexPolygon, PackedFeatureId};
+
+use crate::PlanarShape;
+use crate::shapes::dimension::{Answer, Facing};
+use crate::shapes::planar_convert::from_vector;
+
+type Found = Vec<Facing<Vector2<f64>>>;
+
+/// Room for the answers of the library.
+#[derive(Default)]
+pub struct Manifolds(Vec<ContactManifold<(), ()>>);
+
+/// Appends where two shapes face each other.
+pub(crate) fn facing(
+    shapes: [&PlanarShape; 2],
+    relative: &Pose,
+    margin: f64,
+    room: &mut Manifolds,
+    found: &mut Found,
+) -> Answer {
+    let [a, b] = shapes.map(PlanarShape::convex_pieces);
+    if a.is_empty() || b.is_empty() {
+        return ask(shapes, relative, margin, room, found);
+    }
+    let back = relative.inverse();
+    for (i, first) in a.iter().enumerate() {
+        for (j, second) in b.iter().enumerate() {
+            let pair = Pair { first, second, there: *relative, back, parts: [i as u32, j as u32] };
+            pair.append(margin, found);
+        }
+    }
+    Answer::Now
+}
+
+/// Asks the geometry library.
+fn ask(
+    shapes: [&PlanarShape; 2],
+    relative: &Pose,
+    margin: f64,
+    room: &mut Manifolds,
+    found: &mut Found,
+) -> Answer {
+    let [a, b] = shapes.map(|shape| &**shape.geometry());
+    let manifolds = &mut room.0;
+    manifolds.clear();
+    if a.as_composite_shape().is_none() && b.as_composite_shape().is_none() {
+        manifolds.push(ContactManifold::new());
+    }
+    let answer =
+        DefaultQueryDispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None);
+    for manifold in manifolds.iter() {
+        let near = manifold.points.iter().filter(|point| point.dist <= margin);
+        found.extend(near.map(|point| Facing {
+            parts: [manifold.subshape1, manifold.subshape2],
+            features: [point.fid1.0, point.fid2.0],
+            points: [from_vector(point.local_p1), from_vector(point.local_p2)],
+            normal: from_vector(manifold.local_n1),
+            gap: point.dist,
+        }));
+    }
+    answer.map_or(Answer::None, |()| Answer::Now)
+}
+
+/// Two convex polygons, everything seen from the first.
+struct Pair<'a> {
+    first: &'a ConvexPolygon,
+    second: &'a ConvexPolygon,
+    there: Pose,
+    back: Pose,
+    parts: [u32; 2],
+}
+
+/// A normal along which polygons are apart.
+#[derive(Clone, Copy)]
+struct Axis {
+    separation: f64,
+    /// The edge that it is the normal of.
+    edge: usize,
+}
+
+/// The second polygon's axis is taken only where it is better by this part of its size, so that
+/// edges that match are not taken now from one side and now from the other.
+const BETTER: f64 = 1e-12;
+/// Corners this part of a polygon farther than they need be are in front of the edge.
+const SHORT: f64 = 1e-9;
+
+impl Pair<'_> {
+    fn append(&self, margin: f64, found: &mut Found) {
+        let Some(own) = best_axis(self.first, self.second, &self.there, margin) else { return };
+        let Some(other) = best_axis(self.second, self.first, &self.back, margin) else { return };
+        let size = |polygon: &ConvexPolygon| {
+            polygon.points().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt()
+        };
+        let size = size(self.first).min(size(self.second));
+        let separation = own.separation.max(other.separation);
+        let first = found.len();
+        if other.separation > own.separation + BETTER * size {
+            let normal = self.there.rotation * -self.second.normals()[other.edge];
+            self.clip(edge_along(self.first, normal), other.edge, normal, margin, found);
+        } else {
+            let normal = self.first.normals()[own.edge];
+            let facing = edge_along(self.second, self.back.rotation * -normal);
+            self.clip(own.edge, facing, normal, margin, found);
+        }
+        let deepest = found[first..].iter().map(|f| f.gap).fold(f64::INFINITY, f64::min);
+        if separation > SHORT * size && deepest > separation + SHORT * size {
+            self.append_corners(margin, first, found);
+        }
+    }
+
+    /// Clips an edge of each against the other along a normal.
+    fn clip(&self, edge: usize, facing: usize, normal: Vector, margin: f64, found: &mut Found) {
+        let own = ends(self.first, edge);
+        let other = ends(self.second, facing).map(|p| self.there * p);
+        let both = clip_segment_segment_with_normal((own[0], own[1]), (other[0], other[1]), normal);
+        let Some((start, end)) = both else { return };
+        for (p1, p2, feature1, feature2) in [start, end] {
+            let gap = (p2 - p1).dot(normal);
+            if gap <= margin {
+                let features =
+                    [name(self.first, edge, feature1), name(self.second, facing, feature2)];
+                let points = [from_vector(p1), from_vector(self.back * p2)];
+                let normal = from_vector(normal);
+                found.push(Facing { parts: self.parts, features, points, normal, gap });
+            }
+        }
+    }
+
+    /// Two corners are closest: appends them, and forgets what seemed closer.
+    fn append_corners(&self, margin: f64, first: usize, found: &mut Found) {
+        let others: Vec<Vector> = self.second.points().iter().map(|p| self.there * *p).collect();
+        let mut closest = (f64::INFINITY, 0, 0);
+        for (i, p1) in self.first.points().iter().enumerate() {
+            for (j, p2) in others.iter().enumerate() {
+                let distance = (*p2 - *p1).length();
+                if distance < closest.0 {
+                    closest = (distance, i, j);
+                }
+            }
+        }
+        let (gap, i, j) = closest;
+        let mut place = 0;
+        found.retain(|facing| {
+            place += 1;
+            place <= first || facing.gap > gap
+        });
+        if gap <= margin {
+            let (p1, p2) = (self.first.points()[i], others[j]);
+            found.push(Facing {
+                parts: self.parts,
+                features: [corner(i), corner(j)],
+                points: [p1, self.second.points()[j]].map(from_vector),
+                normal: from_vector((p2 - p1) / gap),
+                gap,
+            });
+        }
+    }
+}
+
+/// The normal of an edge of a polygon along which another is farthest from it; none where that is
+/// more than `margin`.
+fn best_axis(
+    polygon: &ConvexPolygon,
+    other: &ConvexPolygon,
+    there: &Pose,
+    margin: f64,
+) -> Option<Axis> {
+    let mut best = Axis { separation: f64::NEG_INFINITY, edge: 0 };
+    for (edge, normal) in polygon.normals().iter().enumerate() {
+        let own = there.rotation.inverse() * *normal;
+        let nearest = other.points().iter().map(|p| own.dot(*p)).fold(f64::INFINITY, f64::min);
+        let offset = (there.translation - polygon.points()[edge]).dot(*normal);
+        let separation = nearest + offset;
+        if separation > margin {
+            return None;
+        }
+        if separation > best.separation {
+            best = Axis { separation, edge };
+        }
+    }
+    Some(best)
+}
+
+/// The edge whose normal is most along a direction.
+fn edge_along(polygon: &ConvexPolygon, direction: Vector) -> usize {
+    let mut best = (f64::NEG_INFINITY, 0);
+    for (edge, normal) in polygon.normals().iter().enumerate() {
+        let along = normal.dot(direction);
+        if along > best.0 {
+            best = (along, edge);
+        }
+    }
+    best.1
+}
+
+fn ends(polygon: &ConvexPolygon, edge: usize) -> [Vector; 2] {
+    let points = polygon.points();
+    [points[edge], points[(edge + 1) % points.len()]]
+}
+
+fn corner(corner: usize) -> u32 {
+    PackedFeatureId::vertex(corner as u32).0
+}
+
+/// The name of an end of an edge (0 and 2), or of the edge itself (1).
+fn name(polygon: &ConvexPolygon, edge: usize, end: usize) -> u32 {
+    match end {
+        1 => PackedFeatureId::face(edge as u32).0,
+        end => corner((edge + end / 2) % polygon.points().len()),
+    }
+}

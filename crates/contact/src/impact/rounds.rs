@@ -1,0 +1,158 @@
+//! The impacts of a step: what closes its gap, and what that brings to close.
+//!
+//! ```text
+//! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, still)
+//! ```
+//! `g` gaps (m), `v` the velocity before the kick `k` (m/s), `h` the step (s). Approach of the order of
+//! a kick is rest and has no restitution. A contact that an impact brings to approach takes part in it:
+//! the law is applied again to it and to those that hit before, each with its own restitution, until no
+//! contact is added. So a row of balls that touch passes a blow on, and a stack at rest stays at rest.
+//!
+//! Friction acts in every impact but by Jacobi's law, by the passes of `rough.rs`: of one contact after
+//! another where the law is Gauss-Seidel's, else of all that approach.
+
+use stationary_calculus::Vector;
+
+use crate::impact::rough::RoughContacts;
+use crate::{ContactError, ContactRows, Impact, ImpactLaw, InverseMass};
+
+/// Approach below this part of the largest velocity or kick is rest: gaps have rounding of their
+/// own, which a short step turns into velocity.
+const REST_APPROACH: f64 = 1e-9;
+/// What of it may be left by an impact: velocities after a step have the rounding of its kick, beside
+/// which the impacts of what all but rests are smaller still.
+const LEFT: f64 = 1e-3;
+/// What approaches slower than this part of the fastest approach waits for a pass of its own.
+const SLOW: f64 = 1e-9;
+/// Passes with friction after which what still approaches is stopped as resting contact.
+const PASSES: usize = 50;
+
+/// Contacts about to be stepped over.
+pub(crate) struct ImpactRounds<'a> {
+    /// Normals, and the rows across each; none where nothing rubs.
+    pub(crate) rows: &'a ContactRows,
+    pub(crate) across: &'a ContactRows,
+    pub(crate) gap: &'a [f64],
+    pub(crate) restitution: &'a [f64],
+    pub(crate) friction: &'a [f64],
+    pub(crate) mass: &'a InverseMass,
+    pub(crate) law: ImpactLaw,
+    pub(crate) kick: &'a Vector<Vec<f64>>,
+    pub(crate) h: f64,
+}
+
+/// What the impacts of a step gave.
+#[derive(Debug)]
+pub(crate) struct Given {
+    /// Normal impulses, one a contact, and friction impulses, one a row across, N s.
+    pub(crate) normal: Vec<f64>,
+    pub(crate) friction: Vec<f64>,
+    pub(crate) passes: usize,
+    /// Whether compression and the law converged.
+    pub(crate) converged: bool,
+}
+
+impl ImpactRounds<'_> {
+    /// Applies the impacts to the velocity before the kick.
+    pub(crate) fn apply(&self, v: &mut Vector<Vec<f64>>) -> Result<Given, ContactError> {
+        let count = self.rows.len();
+        let mut given = Given {
+            normal: vec![0.0; count],
+            friction: vec![0.0; self.across.len()],
+            passes: 0,
+            converged: true,
+        };
+        let mut closing: Vec<usize> = Vec::new();
+        let mut closes = vec![false; count];
+        // Each round adds a contact.
+        for _ in 0..count {
+            let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            let still = REST_APPROACH * (fastest(v) + fastest(self.kick));
+            let hits = |&i: &usize| {
+                let (own, by_kick) =
+                    (self.rows.along(i, v.view()), self.rows.along(i, self.kick.view()));
+                let reaches = self.gap[i] + self.h * (own + by_kick) < 0.0;
+                !closes[i] && reaches && own < -(2.0 * by_kick.abs()).max(still)
+            };
+            let new: Vec<usize> = (0..count).filter(hits).collect();
+            if !new.iter().any(|&i| self.restitution[i] > 0.0) {
+                break;
+            }
+            new.iter().for_each(|&i| closes[i] = true);
+            closing.extend(new);
+            closing.sort_unstable();
+            let rubs = closing.iter().any(|&i| self.friction[i] > 0.0);
+            if rubs && self.law != ImpactLaw::Jacobi {
+                self.rub(&closing, LEFT * still, v, &mut given)?;
+                continue;
+            }
+            let impact = self.impact(&closing)?;
+            match self.law.apply_down_to(&impact, LEFT * still, v.view_mut()) {
+                Ok(done) => {
+                    given.passes += done.passes;
+                    for (&i, impulse) in closing.iter().zip(&done.impulses) {
+                        given.normal[i] += impulse;
+                    }
+                }
+                Err(ContactError::NotConverged { .. }) => given.converged = false,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(given)
+    }
+
+    fn impact(&self, contacts: &[usize]) -> Result<Impact, ContactError> {
+        let restitution = |&i: &usize| match self.law {
+            ImpactLaw::Inelastic => 0.0,
+            _ => self.restitution[i],
+        };
+        let own = contacts.iter().map(restitution).collect();
+        Impact::new(self.rows.reordered(contacts), self.mass, own)
+    }
+
+    /// Passes with friction until none of these contacts approaches.
+    fn rub(
+        &self,
+        closing: &[usize],
+        still: f64,
+        v: &mut Vector<Vec<f64>>,
+        given: &mut Given,
+    ) -> Result<(), ContactError> {
+        let directions = self.across.len() / self.rows.len();
+        for _ in 0..PASSES {
+            let rate = |i: usize| self.rows.along(i, v.view());
+            let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
+            let least = still.max(SLOW * fastest);
+            let mut approaching: Vec<usize> =
+                closing.iter().copied().filter(|&i| rate(i) < -least).collect();
+            if self.law == ImpactLaw::GaussSeidel {
+                approaching.truncate(1);
+            }
+            if approaching.is_empty() {
+                return Ok(());
+            }
+            let normal = self.impact(&approaching)?;
+            let rows: Vec<usize> =
+                approaching.iter().flat_map(|&i| i * directions..(i + 1) * directions).collect();
+            let none = vec![0.0; rows.len()];
+            let tangent = Impact::new(self.across.reordered(&rows), self.mass, none)?;
+            let friction: Vec<f64> = approaching.iter().map(|&i| self.friction[i]).collect();
+            let rough = RoughContacts { normal: &normal, tangent: &tangent, friction: &friction };
+            let before = v.clone();
+            let pass = match rough.reflect(v) {
+                Ok(pass) => pass,
+                Err(ContactError::NotConverged { .. }) => {
+                    v.copy_from(before.view());
+                    given.converged = false;
+                    return Ok(());
+                }
+                Err(error) => return Err(error),
+            };
+            given.passes += 1;
+            given.converged &= pass.converged;
+            approaching.iter().zip(pass.normal).for_each(|(&i, x)| given.normal[i] += x);
+            rows.iter().zip(pass.friction).for_each(|(&i, x)| given.friction[i] += x);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,216 @@
+//! The plane: bodies with a centre and an angle, and what their points do.
+//!
+//! ```text
+//! f.x. = (f, f.Z R c) (t., theta.),     x. = t. + theta. Z R c,     Z a quarter turn       (7.4)
+//! ```
+//! See [`Dimension`]. The space is flat, so that free motion is exact: centres straight, angles at
+//! their rate.
+
+use nalgebra::Vector2;
+use parry2d_f64::math::Pose;
+use stationary_calculus::{DiagonalMetric, Flat};
+use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
+
+use crate::detect::planar_narrow_phase::{Manifolds, facing};
+use crate::error::check_finite;
+use crate::shapes::dimension::{Answer, Facing, sealed::Sealed};
+use crate::shapes::planar_convert;
+use crate::solve::island_solver::IslandSolver;
+use crate::{ContactError, Dimension, PlanarShape};
+
+/// The plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Planar;
+
+/// A quarter turn.
+fn quarter(v: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-v.y, v.x)
+}
+
+impl Sealed for Planar {}
+
+impl Dimension for Planar {
+    type Vector = Vector2<f64>;
+    type Motion = PlanarMotion;
+    type Shape = PlanarShape;
+    type Metric = DiagonalMetric<Vec<f64>>;
+    type Space = Flat;
+    type Directions = [Vector2<f64>; 2];
+    type Velocity = [f64; 3];
+    type Spin = f64;
+    type Frame = PlanarRotation;
+    type Pose = Pose;
+    type Tree = crate::detect::broad_phase::PlanarTree;
+    type Room = Manifolds;
+    type Solver = IslandSolver<Vector2<f64>, 3, 2>;
+
+    const TRANSLATION: usize = 2;
+    const FREEDOMS: usize = 3;
+    const STORED: usize = 3;
+
+    #[inline]
+    fn pose(q: &[f64], body: usize) -> PlanarMotion {
+        let [x, y, angle] = [0, 1, 2].map(|k| q[3 * body + k]);
+        PlanarMotion { translation: Vector2::new(x, y), rotation: PlanarRotation::exp(angle) }
+    }
+
+    fn check(q: &[f64]) -> Result<(), ContactError> {
+        check_finite("the pose", q)
+    }
+
+    fn check_place(place: &PlanarMotion) -> Result<(), ContactError> {
+        check_finite("the place of a collider", place.translation.as_slice())?;
+        check_finite("the angle of a collider", &[place.rotation.log()])
+    }
+
+    #[inline]
+    fn apply(pose: &PlanarMotion, point: &Vector2<f64>) -> Vector2<f64> {
+        pose.apply(point)
+    }
+
+    #[inline]
+    fn turn(pose: &PlanarMotion, direction: &Vector2<f64>) -> Vector2<f64> {
+        pose.rotation.rotate(direction)
+    }
+
+    #[inline]
+    fn dot(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
+        a.dot(b)
+    }
+
+    #[inline]
+    fn directions(n: &Vector2<f64>) -> [Vector2<f64>; 2] {
+        [*n, quarter(*n)]
+    }
+
+    #[inline]
+    fn translation(motion: &PlanarMotion) -> Vector2<f64> {
+        motion.translation
+    }
+
+    #[inline]
+    fn frame(motion: &PlanarMotion) -> PlanarRotation {
+        motion.rotation
+    }
+
+    #[inline]
+    fn rotate(frame: &PlanarRotation, direction: &Vector2<f64>) -> Vector2<f64> {
+        frame.rotate(direction)
+    }
+
+    #[inline]
+    fn rotate_back(frame: &PlanarRotation, direction: &Vector2<f64>) -> Vector2<f64> {
+        frame.rotate_back(direction)
+    }
+
+    #[inline]
+    fn torque(arm: &Vector2<f64>, force: &Vector2<f64>) -> f64 {
+        force.dot(&quarter(*arm))
+    }
+
+    #[inline]
+    fn swing(spin: &f64, arm: &Vector2<f64>) -> Vector2<f64> {
+        quarter(*arm) * *spin
+    }
+
+    #[inline]
+    fn spin_speed(spin: &f64) -> f64 {
+        spin.abs()
+    }
+
+    #[inline]
+    fn join(_: &PlanarRotation, linear: &Vector2<f64>, spin: &f64) -> [f64; 3] {
+        [linear.x, linear.y, *spin]
+    }
+
+    #[inline]
+    fn split(_: &PlanarRotation, stored: &[f64; 3]) -> (Vector2<f64>, f64) {
+        (Vector2::new(stored[0], stored[1]), stored[2])
+    }
+
+    fn scales(metric: &DiagonalMetric<Vec<f64>>) -> Vec<[f64; 3]> {
+        let root = |inertia: &[f64]| std::array::from_fn(|f| inertia[f].sqrt().recip());
+        metric.masses().chunks_exact(3).map(root).collect()
+    }
+
+    #[inline]
+    fn relative(first: &PlanarMotion, second: &PlanarMotion) -> PlanarMotion {
+        PlanarMotion {
+            translation: first.rotation.rotate_back(&(second.translation - first.translation)),
+            rotation: first.rotation.inverse().compose(&second.rotation),
+        }
+    }
+
+    #[inline]
+    fn apart(first: &PlanarMotion, second: &PlanarMotion) -> [f64; 2] {
+        let turned = first.rotation.inverse().compose(&second.rotation).angle();
+        [(first.translation - second.translation).norm(), turned.abs()]
+    }
+
+    fn numbers(motion: &PlanarMotion) -> Vec<f64> {
+        vec![motion.translation.x, motion.translation.y, motion.rotation.angle()]
+    }
+
+    fn advance(
+        _metric: &DiagonalMetric<Vec<f64>>,
+        q: &mut [f64],
+        v: &[f64],
+        _p: &mut [f64],
+        h: f64,
+    ) -> Result<(), ContactError> {
+        q.iter_mut().zip(v).for_each(|(q, v)| *q += h * v);
+        Ok(())
+    }
+
+    #[inline]
+    fn convert(pose: &PlanarMotion) -> Pose {
+        planar_convert::pose(pose)
+    }
+
+    fn name(shape: &PlanarShape) -> &'static str {
+        shape.name()
+    }
+
+    fn plane(shape: &PlanarShape) -> Option<Vector2<f64>> {
+        shape.plane()
+    }
+
+    fn reach(shape: &PlanarShape, place: &PlanarMotion) -> f64 {
+        let ball = shape.geometry().compute_local_bounding_sphere();
+        place.apply(&planar_convert::from_vector(ball.center)).norm() + ball.radius
+    }
+
+    fn walked(motion: &PlanarMotion, velocity: &[f64; 3], time: f64) -> PlanarMotion {
+        let [x, y, angle] = velocity.map(|v| v * time);
+        PlanarMotion {
+            translation: motion.translation + Vector2::new(x, y),
+            rotation: motion.rotation.compose(&PlanarRotation::exp(angle)),
+        }
+    }
+
+    fn closest(shapes: [&PlanarShape; 2], poses: [&Pose; 2]) -> Option<(Vector2<f64>, bool)> {
+        use parry2d_f64::query::{ClosestPoints, closest_points};
+        let both = shapes.map(|shape| &**shape.geometry());
+        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
+        let apart = match found {
+            ClosestPoints::WithinMargin(first, second) => {
+                planar_convert::from_vector(second - first)
+            }
+            _ => Vector2::zeros(),
+        };
+        let convex = |shape: &&dyn parry2d_f64::shape::Shape| {
+            shape.is_convex() || shape.as_halfspace().is_some()
+        };
+        Some((apart, both.iter().all(convex)))
+    }
+
+    fn face(
+        shapes: [&PlanarShape; 2],
+        poses: [&Pose; 2],
+        margin: f64,
+        room: &mut Manifolds,
+        found: &mut Vec<Facing<Vector2<f64>>>,
+    ) -> Answer {
+        facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+    }
+}

@@ -1,0 +1,201 @@
+//! Shapes of space: balls, boxes, convex solids, half-spaces and triangle meshes.
+//!
+//! ```text
+//! ball        |x| <= r
+//! box         |x_k| <= a_k,  k = 1, 2, 3
+//! convex      the hull of points
+//! half-space  n.x <= 0
+//! mesh        a surface of triangles, seen from both sides
+//! ```
+//! Lengths in metres, in the axes of the body that carries the shape. What has no thickness, no
+//! direction or a number that is not finite is refused here, so that queries need not look again.
+
+use nalgebra::Vector3;
+use parry3d_f64::shape::{Cuboid, HalfSpace, SharedShape};
+
+use crate::ContactError;
+use crate::error::{check_finite, check_length};
+use crate::shapes::convert::vector;
+
+/// A shape that queries accept.
+#[derive(Clone)]
+pub struct Shape {
+    geometry: SharedShape,
+    wide: Option<WideBox>,
+    name: &'static str,
+}
+
+impl std::fmt::Debug for Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shape").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Shape {
+    /// A ball of this radius.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the radius is positive and finite.
+    pub fn ball(radius: f64) -> Result<Self, ContactError> {
+        check_length("ball", "radius", radius)?;
+        Ok(Shape { geometry: SharedShape::ball(radius), wide: None, name: "ball" })
+    }
+
+    /// A box of these half sizes.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the half sizes are positive and finite.
+    pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
+        half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
+        let geometry = SharedShape::cuboid(half[0], half[1], half[2]);
+        Ok(Shape { geometry, wide: Some(WideBox::of(half)), name: "box" })
+    }
+
+    /// The convex hull of these points.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a point that is not finite; [`ContactError::Flat`] for
+    /// points in one plane, or so near to it that no hull is found.
+    pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ContactError> {
+        let shape = "convex solid";
+        points.iter().try_for_each(|p| check_finite("a point of a convex solid", p.as_slice()))?;
+        if !spans_space(points) {
+            return Err(ContactError::Flat { shape });
+        }
+        let points: Vec<_> = points.iter().map(vector).collect();
+        let geometry = SharedShape::convex_hull(&points).ok_or(ContactError::Flat { shape })?;
+        Ok(Shape { geometry, wide: None, name: shape })
+    }
+
+    /// The half-space on the side of the origin away from this normal, whose length does not
+    /// matter.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`]; [`ContactError::Length`] where the square of its length is zero
+    /// or leaves the range of numbers.
+    pub fn half_space(normal: Vector3<f64>) -> Result<Self, ContactError> {
+        check_finite("the normal of a half-space", normal.as_slice())?;
+        check_length("half-space", "normal", normal.norm())?;
+        let normal = vector(&normal.normalize());
+        let geometry = SharedShape::new(HalfSpace::new(normal));
+        Ok(Shape { geometry, wide: None, name: "half-space" })
+    }
+
+    /// A surface of triangles.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`] for a vertex that is not finite; [`ContactError::NoSuchVertex`];
+    /// [`ContactError::Flat`] for a triangle without area, and without any triangle.
+    pub fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Self, ContactError> {
+        let shape = "mesh";
+        vertices.iter().try_for_each(|v| check_finite("a vertex of a mesh", v.as_slice()))?;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            let mut places = [Vector3::zeros(); 3];
+            for (place, &vertex) in places.iter_mut().zip(corners) {
+                let vertex = vertex as usize;
+                let vertices_there = vertices.len();
+                *place = *vertices.get(vertex).ok_or(ContactError::NoSuchVertex {
+                    triangle,
+                    vertex,
+                    vertices: vertices_there,
+                })?;
+            }
+            let [a, b, c] = places;
+            if (b - a).cross(&(c - a)).norm() <= FLAT * (b - a).norm() * (c - a).norm() {
+                return Err(ContactError::Flat { shape });
+            }
+        }
+        let points = vertices.iter().map(vector).collect();
+        let geometry = SharedShape::trimesh(points, triangles.to_vec())
+            .map_err(|_| ContactError::Flat { shape })?;
+        Ok(Shape { geometry, wide: None, name: shape })
+    }
+
+    /// What it is, in a word.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    pub(crate) fn geometry(&self) -> &SharedShape {
+        &self.geometry
+    }
+
+    pub(crate) fn wide(&self) -> Option<&WideBox> {
+        self.wide.as_ref()
+    }
+
+    pub(crate) fn plane(&self) -> Option<Vector3<f64>> {
+        self.geometry.as_halfspace().map(|half| crate::shapes::convert::from_vector(half.normal))
+    }
+}
+
+/// A box made larger by a hair on all sides.
+///
+/// Clipping one face against another of the same size, off by no more than rounding, may lose
+/// corners altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie;
+/// what it takes from the gap is known exactly, and is given back.
+#[derive(Clone)]
+pub(crate) struct WideBox {
+    pub(crate) cuboid: Cuboid,
+    hair: f64,
+}
+
+/// The hair, relative to the smallest half size.
+const HAIR: f64 = 1e-9;
+
+impl WideBox {
+    fn of(half: [f64; 3]) -> Self {
+        let hair = HAIR * half.into_iter().fold(f64::INFINITY, f64::min);
+        let [a, b, c] = half.map(|a| a + hair);
+        WideBox { cuboid: Cuboid::new(parry3d_f64::math::Vector::new(a, b, c)), hair }
+    }
+
+    /// How much farther the larger box reaches along a direction of its own axes.
+    pub(crate) fn excess(&self, direction: parry3d_f64::math::Vector) -> f64 {
+        self.hair * direction.abs().element_sum()
+    }
+}
+
+/// A thickness relative to the size below which points lie in a plane: rounding.
+const FLAT: f64 = 1e-12;
+
+/// Whether points are not all in one plane.
+fn spans_space(points: &[Vector3<f64>]) -> bool {
+    let Some((first, rest)) = points.split_first() else { return false };
+    let farthest = |size: &dyn Fn(&Vector3<f64>) -> f64| {
+        rest.iter().map(|p| p - first).max_by(|a, b| size(a).total_cmp(&size(b)))
+    };
+    let Some(a) = farthest(&|d| d.norm()) else { return false };
+    let Some(b) = farthest(&|d| a.cross(d).norm()) else { return false };
+    let normal = a.cross(&b);
+    let Some(c) = farthest(&|d| normal.dot(d).abs()) else { return false };
+    let flat = normal.norm() <= FLAT * a.norm_squared();
+    !flat && normal.dot(&c).abs() > FLAT * normal.norm() * a.norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_without_thickness_and_shapes_that_are_not_numbers_are_refused_by_name() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(Shape::ball(bad), Err(ContactError::Length { shape: "ball", .. })));
+            let flat = Shape::cuboid([1.0, bad, 1.0]);
+            assert!(matches!(flat, Err(ContactError::Length { shape: "box", .. })));
+        }
+        let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let mut points: Vec<_> = square.iter().map(|p| Vector3::new(p[0], p[1], 0.3)).collect();
+        let flat = ContactError::Flat { shape: "convex solid" };
+        assert_eq!(Shape::convex(&points).unwrap_err(), flat);
+        assert_eq!(Shape::convex(&points[..1]).unwrap_err(), flat);
+        points.push(Vector3::new(0.2, 0.2, 1.0));
+        assert!(Shape::convex(&points).is_ok());
+        assert!(Shape::half_space(Vector3::zeros()).is_err());
+        let corner = Shape::mesh(&points, &[[0, 1, 9]]).unwrap_err();
+        assert!(matches!(corner, ContactError::NoSuchVertex { vertex: 9, .. }), "{corner}");
+        assert!(matches!(Shape::mesh(&points, &[[0, 0, 1]]), Err(ContactError::Flat { .. })));
+        points[0].x = f64::NAN;
+        assert!(matches!(Shape::convex(&points), Err(ContactError::NonFinite { .. })));
+    }
+}

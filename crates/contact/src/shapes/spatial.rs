@@ -1,0 +1,231 @@
+//! Space: bodies with poses, and what their points do.
+//!
+//! ```text
+//! f.x. = (f, c x R^T f) (t., omega),     x. = t. + R (omega x c)                          (10.1)
+//! ```
+//! See [`Dimension`]. Free motion turns bodies by the variational rotation of 9.5, which keeps
+//! their angular momentum.
+
+use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::math::Pose;
+use stationary_rigid::{
+    Body, BodyMetric, BodySpace, ConstantVelocity, FreeRotation, LieGroup, Poses, RigidMotion,
+    Rotation,
+};
+
+use crate::detect::narrow_phase::{Manifolds, facing};
+use crate::error::check_finite;
+use crate::shapes::convert;
+use crate::shapes::dimension::{Answer, Facing, sealed::Sealed};
+use crate::solve::island_solver::IslandSolver;
+use crate::{ContactError, Dimension, Shape};
+
+/// Space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spatial;
+
+impl Sealed for Spatial {}
+
+impl Dimension for Spatial {
+    type Vector = Vector3<f64>;
+    type Motion = RigidMotion;
+    type Shape = Shape;
+    type Metric = BodyMetric<Poses>;
+    type Space = Poses;
+    type Directions = [Vector3<f64>; 3];
+    type Velocity = [f64; 6];
+    type Spin = Vector3<f64>;
+    type Frame = Matrix3<f64>;
+    type Pose = Pose;
+    type Tree = crate::detect::broad_phase::SpatialTree;
+    type Room = Manifolds;
+    type Solver = IslandSolver<Vector3<f64>, 6, 3>;
+
+    const TRANSLATION: usize = 3;
+    const FREEDOMS: usize = 6;
+    const STORED: usize = 7;
+
+    #[inline]
+    fn pose(q: &[f64], body: usize) -> RigidMotion {
+        Poses::pose_at(q, body)
+    }
+
+    #[inline]
+    fn check(q: &[f64]) -> Result<(), ContactError> {
+        Ok(Poses::check(q)?)
+    }
+
+    fn check_place(place: &RigidMotion) -> Result<(), ContactError> {
+        check_finite("the place of a collider", place.translation.as_slice())?;
+        check_finite("the quaternion of a collider", &place.rotation.quaternion())
+    }
+
+    #[inline]
+    fn apply(pose: &RigidMotion, point: &Vector3<f64>) -> Vector3<f64> {
+        pose.apply(point)
+    }
+
+    #[inline]
+    fn turn(pose: &RigidMotion, direction: &Vector3<f64>) -> Vector3<f64> {
+        pose.rotation.rotate(direction)
+    }
+
+    #[inline]
+    fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        a.dot(b)
+    }
+
+    #[inline]
+    fn directions(n: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let axis = Vector3::ith(n.iamin(), 1.0);
+        let first = n.cross(&axis).normalize();
+        [*n, first, n.cross(&first)]
+    }
+
+    #[inline]
+    fn translation(motion: &RigidMotion) -> Vector3<f64> {
+        motion.translation
+    }
+
+    #[inline]
+    fn frame(motion: &RigidMotion) -> Matrix3<f64> {
+        motion.rotation.matrix()
+    }
+
+    #[inline]
+    fn rotate(frame: &Matrix3<f64>, direction: &Vector3<f64>) -> Vector3<f64> {
+        frame * direction
+    }
+
+    #[inline]
+    fn rotate_back(frame: &Matrix3<f64>, direction: &Vector3<f64>) -> Vector3<f64> {
+        frame.tr_mul(direction)
+    }
+
+    #[inline]
+    fn torque(arm: &Vector3<f64>, force: &Vector3<f64>) -> Vector3<f64> {
+        arm.cross(force)
+    }
+
+    #[inline]
+    fn swing(spin: &Vector3<f64>, arm: &Vector3<f64>) -> Vector3<f64> {
+        spin.cross(arm)
+    }
+
+    #[inline]
+    fn spin_speed(spin: &Vector3<f64>) -> f64 {
+        spin.norm()
+    }
+
+    #[inline]
+    fn join(frame: &Matrix3<f64>, linear: &Vector3<f64>, spin: &Vector3<f64>) -> [f64; 6] {
+        let spin = frame.tr_mul(spin);
+        [linear.x, linear.y, linear.z, spin.x, spin.y, spin.z]
+    }
+
+    #[inline]
+    fn split(frame: &Matrix3<f64>, stored: &[f64; 6]) -> (Vector3<f64>, Vector3<f64>) {
+        let [x, y, z, a, b, c] = *stored;
+        (Vector3::new(x, y, z), frame * Vector3::new(a, b, c))
+    }
+
+    fn scales(metric: &BodyMetric<Poses>) -> Vec<[f64; 6]> {
+        let root = |inertia: f64| inertia.sqrt().recip();
+        let of = |body: &Body| {
+            let (mass, moments) = (root(body.mass()), body.moments().map(root));
+            [mass, mass, mass, moments.x, moments.y, moments.z]
+        };
+        metric.bodies().iter().map(of).collect()
+    }
+
+    #[inline]
+    fn relative(first: &RigidMotion, second: &RigidMotion) -> RigidMotion {
+        let apart = second.translation - first.translation;
+        RigidMotion {
+            translation: first.rotation.rotate_back(&apart),
+            rotation: first.rotation.inverse().compose(&second.rotation),
+        }
+    }
+
+    #[inline]
+    fn apart(first: &RigidMotion, second: &RigidMotion) -> [f64; 2] {
+        let [a, b] = [first, second].map(|motion| motion.rotation.quaternion());
+        let turned: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
+        // A quaternion turns by half the angle.
+        [(first.translation - second.translation).norm(), 2.0 * turned.sqrt()]
+    }
+
+    fn numbers(motion: &RigidMotion) -> Vec<f64> {
+        let t = motion.translation;
+        [t.x, t.y, t.z].into_iter().chain(motion.rotation.quaternion()).collect()
+    }
+
+    fn advance(
+        metric: &BodyMetric<Poses>,
+        q: &mut [f64],
+        v: &[f64],
+        p: &mut [f64],
+        h: f64,
+    ) -> Result<(), ContactError> {
+        for (i, body) in metric.bodies().iter().enumerate() {
+            let rotation = Poses::pose_at(q, i).rotation;
+            let (q, p) = (&mut q[7 * i..][..7], &mut p[6 * i..][..6]);
+            let momentum = Vector3::new(p[3], p[4], p[5]);
+            let turned = ConstantVelocity::turn(body, rotation, momentum, h)?;
+            q.iter_mut().zip(&v[6 * i..][..3]).for_each(|(q, v)| *q += h * v);
+            q[3..].copy_from_slice(&turned.rotation.quaternion());
+            p[3..].copy_from_slice(turned.momentum.as_slice());
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn convert(pose: &RigidMotion) -> Pose {
+        convert::pose(pose)
+    }
+
+    fn name(shape: &Shape) -> &'static str {
+        shape.name()
+    }
+
+    fn plane(shape: &Shape) -> Option<Vector3<f64>> {
+        shape.plane()
+    }
+
+    fn reach(shape: &Shape, place: &RigidMotion) -> f64 {
+        let ball = shape.geometry().compute_local_bounding_sphere();
+        place.apply(&convert::from_vector(ball.center)).norm() + ball.radius
+    }
+
+    fn walked(motion: &RigidMotion, velocity: &[f64; 6], time: f64) -> RigidMotion {
+        let [x, y, z, a, b, c] = velocity.map(|v| v * time);
+        RigidMotion {
+            translation: motion.translation + Vector3::new(x, y, z),
+            rotation: motion.rotation.compose(&Rotation::exp(Vector3::new(a, b, c))),
+        }
+    }
+
+    fn closest(shapes: [&Shape; 2], poses: [&Pose; 2]) -> Option<(Vector3<f64>, bool)> {
+        use parry3d_f64::query::{ClosestPoints, closest_points};
+        let both = shapes.map(|shape| &**shape.geometry());
+        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
+        let apart = match found {
+            ClosestPoints::WithinMargin(first, second) => convert::from_vector(second - first),
+            _ => Vector3::zeros(),
+        };
+        let convex = |shape: &&dyn parry3d_f64::shape::Shape| {
+            shape.is_convex() || shape.as_halfspace().is_some()
+        };
+        Some((apart, both.iter().all(convex)))
+    }
+
+    fn face(
+        shapes: [&Shape; 2],
+        poses: [&Pose; 2],
+        margin: f64,
+        room: &mut Manifolds,
+        found: &mut Vec<Facing<Vector3<f64>>>,
+    ) -> Answer {
+        facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+    }
+}

@@ -1,0 +1,221 @@
+//! One island of contacts, solved: projected exactly where that is enough, else settled by sweeps.
+//!
+//! ```text
+//! x = (J.n, J.t, ..),   the projection or sweeps,   J = x_n n + x_t t + ..
+//! 0 <= lambda,  g + h u >= 0           lifting: overlaps alone, positions alone, no friction
+//! ```
+//! `J` impulses on second bodies in world axes (N s), from those that are guessed; `n`, `t` normal
+//! and tangents, made once for contacts that share a normal. See [`FreeMotion`] and [`Sweeps`].
+
+use std::fmt::Debug;
+use std::ops::{Add, Mul};
+
+use crate::solve::body_state::BodyState;
+use crate::solve::exact_projection::FreeMotion;
+use crate::solve::rigid_contact::RigidContact;
+use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
+use crate::solve::unsettled_parts::UnsettledParts;
+use crate::{ContactError, ContactIn, Dimension, WorldReport};
+
+/// What solves the contacts of one island after another. There is one; the trait is how a dimension
+/// names it with its numbers of freedoms and directions.
+pub trait SolvesIslands<G: Dimension>: Debug + Default {
+    /// So many bodies before any impulse.
+    fn start(&mut self, bodies: usize);
+
+    /// Solves the contacts of these numbers between these bodies, from and into their impulses;
+    /// says what is left of the normal conditions and of Coulomb's law, m/s.
+    ///
+    /// # Errors
+    /// [`ContactError::Immovable`] for a contact of two that nothing moves.
+    fn solve(
+        &mut self,
+        island: [&[usize]; 2],
+        conditions: Conditions<G>,
+        impulses: &mut [G::Vector],
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError>;
+
+    /// Pushes apart what approaches its limit of `bias`, without friction, from rest: velocities of
+    /// positions, to be read as [`SolvesIslands::change`].
+    ///
+    /// # Errors
+    /// [`ContactError::Immovable`] for a contact of two that nothing moves.
+    fn lift(
+        &mut self,
+        island: [&[usize]; 2],
+        points: &[ContactIn<G>],
+        bias: &[f64],
+        states: &[BodyState<G>],
+        settled: f64,
+    ) -> Result<(), ContactError>;
+
+    /// The scaled change of a body's velocity.
+    fn change(&self, body: usize) -> &G::Velocity;
+}
+
+/// The contacts of one island, packed, and their impulses.
+#[derive(Debug)]
+pub struct IslandSolver<V, const F: usize, const D: usize> {
+    contacts: Vec<RigidContact<F, D>>,
+    directions: Vec<[V; D]>,
+    x: Vec<[f64; D]>,
+    sweeps: Sweeps<F, D>,
+    parts: UnsettledParts<F, D>,
+}
+
+impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
+    fn default() -> Self {
+        IslandSolver {
+            contacts: Vec::new(),
+            directions: Vec::new(),
+            x: Vec::new(),
+            sweeps: Sweeps::default(),
+            parts: UnsettledParts::default(),
+        }
+    }
+}
+
+/// What is to be met, and how far.
+#[derive(Clone, Copy)]
+pub struct Conditions<'a, G: Dimension> {
+    pub(crate) free: FreeMotion<'a, G>,
+    pub(crate) states: &'a [BodyState<G>],
+    /// What may be left, m/s, and what may be left where that takes too much work.
+    pub(crate) settled: f64,
+    pub(crate) enough: f64,
+    /// What may be left of what nearly rests, m/s, if these bodies hardly move.
+    pub(crate) fine: Option<f64>,
+}
+
+/// The most work at an island in a step, in sweeps.
+const SWEEPS: usize = 2_000;
+/// The most visits to contacts beyond what is enough.
+const FINE_VISITS: usize = 10_000;
+/// The most sweeps that push apart what overlaps: the next step goes on.
+const LIFTS: usize = 20;
+/// What hardly moves and is off by no more than so many times what may be left will soon rest, if
+/// only its impulses are good enough to be kept.
+const NEAR: f64 = 30.0;
+
+impl<G, V, const F: usize, const D: usize> SolvesIslands<G> for IslandSolver<V, F, D>
+where
+    V: Copy + Debug + PartialEq + Add<Output = V> + Mul<f64, Output = V>,
+    G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
+{
+    fn start(&mut self, bodies: usize) {
+        self.sweeps.start(bodies);
+    }
+
+    fn solve(
+        &mut self,
+        [members, bodies]: [&[usize]; 2],
+        conditions: Conditions<G>,
+        impulses: &mut [V],
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        let Conditions { free, states, settled, enough, .. } = conditions;
+        self.pack::<G>(members, free.points, free.bias, states)?;
+        self.x.clear();
+        for (&i, directions) in members.iter().zip(&self.directions) {
+            self.x.push(directions.map(|direction| G::dot(&impulses[i], &direction)));
+        }
+        let (x, sweeps) = (&mut self.x, &mut self.sweeps);
+        let island = Island { contacts: &self.contacts, bodies };
+        sweeps.push(island, x);
+        let mut left = sweeps.residuals(island, x);
+        let near = left.iter().all(|left| *left <= NEAR * settled);
+        let fine = conditions.fine.filter(|_| near);
+        let goal = fine.unwrap_or(settled);
+        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
+        let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
+            let mut across = *x;
+            across[0] = 0.0;
+            contact.speed(&across)
+        };
+        let mut rubs = self.contacts.iter().zip(x.iter()).map(rubs);
+        let smooth = left[1] <= settled && rubs.all(|speed| speed <= settled);
+        if !met(&left) && smooth && free.project(members, island, x, sweeps)? {
+            report.projected += 1;
+            left = sweeps.residuals(island, x);
+        }
+        if !met(&left) {
+            let finer = enough > settled || fine.is_some();
+            let most = if finer { FINE_VISITS.div_ceil(members.len()) } else { SWEEPS };
+            let [mut relaxed, mut solved] = match fine {
+                // Sweeps leave what they change slowly, and it would move what is to rest.
+                Some(change) => sweeps.alternate(island, x, Goal { change, alone: 0.0 }, most),
+                None => self.parts.settle(sweeps, island, x, settled, most),
+            };
+            left = sweeps.residuals(island, x);
+            if left.iter().any(|left| *left > AMPLIFICATION * enough) {
+                let more = self.parts.settle(sweeps, island, x, enough, SWEEPS);
+                (relaxed, solved) = (relaxed + more[0], solved + more[1]);
+                left = sweeps.residuals(island, x);
+            }
+            report.relaxed += relaxed;
+            report.solved += solved;
+        }
+        if sweeps.bound_energy(island, x, free.bias, members) {
+            left = sweeps.residuals(island, x);
+        }
+        for ((&i, directions), x) in members.iter().zip(&self.directions).zip(x) {
+            let along = |k: usize| directions[k] * x[k];
+            impulses[i] = (1..D).fold(along(0), |sum, k| sum + along(k));
+        }
+        Ok(left)
+    }
+
+    fn lift(
+        &mut self,
+        [members, bodies]: [&[usize]; 2],
+        points: &[ContactIn<G>],
+        bias: &[f64],
+        states: &[BodyState<G>],
+        settled: f64,
+    ) -> Result<(), ContactError> {
+        self.pack::<G>(members, points, bias, states)?;
+        for (contact, &i) in self.contacts.iter_mut().zip(members) {
+            contact.friction = 0.0;
+            contact.offset = [0.0; D];
+            contact.offset[0] = bias[i];
+        }
+        bodies.iter().for_each(|&body| self.sweeps.w[body] = [0.0; F]);
+        self.x.clear();
+        self.x.resize(members.len(), [0.0; D]);
+        let island = Island { contacts: &self.contacts, bodies };
+        let goal = Goal { change: settled, alone: PROXIMAL_COST };
+        self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
+        Ok(())
+    }
+
+    fn change(&self, body: usize) -> &[f64; F] {
+        &self.sweeps.w[body]
+    }
+}
+
+impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> {
+    fn pack<G>(
+        &mut self,
+        members: &[usize],
+        points: &[ContactIn<G>],
+        bias: &[f64],
+        states: &[BodyState<G>],
+    ) -> Result<(), ContactError>
+    where
+        G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
+    {
+        self.contacts.clear();
+        self.directions.clear();
+        for &i in members {
+            let point = &points[i];
+            let directions = match self.directions.last() {
+                Some(&last) if last[0] == point.normal => last,
+                _ => G::directions(&point.normal),
+            };
+            self.contacts.push(RigidContact::new(i, point, &directions, bias[i], states)?);
+            self.directions.push(directions);
+        }
+        Ok(())
+    }
+}

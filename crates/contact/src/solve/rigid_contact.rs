@@ -1,0 +1,205 @@
+//! A contact of two rigid bodies, packed for many visits: how each rubs and pushes the other.
+//!
+//! ```text
+//! w = M^1/2 (v - v_f),   J~ = J M^-1/2          scaled velocities, and rows in their terms
+//! u = J~ w + o,          o = J v_f + (bias, 0, ..)           rates along normal and tangents, m/s
+//! w += J~^T x,           x = (lambda, beta)                  impulses, N s
+//! W = J~ J~^T                                                the contact's compliance, 1/kg
+//! ```
+//! `J` (D x F a body: F freedoms, 3 or 6, D directions, 2 or 3) the rates at which the second point
+//! leaves the first along the normal and the tangents, `v_f` the velocity before any impulse, `M`
+//! the masses. In scaled velocities a row is its own lift, so that a visit reads each number once.
+//! What no impulse moves has no rows; its velocity is in `o`. Source: notes 11.4.1, 11.4.2.
+
+use crate::solve::body_state::BodyState;
+use crate::{ContactError, ContactIn, Dimension};
+
+/// A contact, packed: F freedoms of a body, D directions, the normal first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RigidContact<const F: usize, const D: usize> {
+    /// Whose velocities it reads and changes; the number of bodies for what does not move.
+    pub(crate) bodies: [usize; 2],
+    /// Its coefficient of friction.
+    pub(crate) friction: f64,
+    /// The rates before any impulse, and how much of the gap is left over the step.
+    pub(crate) offset: [f64; D],
+    /// What unit impulses change of the rates.
+    pub(crate) compliance: Compliance<D>,
+    rows: [[[f64; F]; D]; 2],
+}
+
+/// The symmetric matrix `W` of a contact, and what is divided by it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Compliance<const D: usize> {
+    pub(crate) normal: f64,
+    /// Of the normal with each tangent, in its place.
+    pub(crate) coupling: [f64; D],
+    /// The largest eigenvalue of `W_tt`.
+    pub(crate) across: f64,
+    /// One over the compliance along the normal.
+    pub(crate) normal_mass: f64,
+    /// The inverse of `W_tt`, in the places of the tangents; zeros where one direction does not
+    /// give way.
+    pub(crate) tangent_mass: [[f64; D]; D],
+    /// One over `across`.
+    pub(crate) across_mass: f64,
+}
+
+/// An inverse is taken where the smaller eigenvalue is more than rounding of the larger.
+const SINGULAR: f64 = 1e-12;
+
+impl<const D: usize> Compliance<D> {
+    const NONE: Self = Compliance {
+        normal: 0.0,
+        coupling: [0.0; D],
+        across: 0.0,
+        normal_mass: 0.0,
+        tangent_mass: [[0.0; D]; D],
+        across_mass: 0.0,
+    };
+
+    #[inline]
+    fn of<const F: usize>(rows: &[[[f64; F]; D]; 2]) -> Self {
+        let product =
+            |k: usize, l: usize| -> f64 { rows.iter().map(|rows| dot(&rows[k], &rows[l])).sum() };
+        let normal = product(0, 0);
+        let mut coupling = [0.0; D];
+        (1..D).for_each(|k| coupling[k] = product(0, k));
+        let mut tangent_mass = [[0.0; D]; D];
+        let xx = product(1, 1);
+        let mut across = xx;
+        if D > 2 {
+            let (yy, xy) = (product(D - 1, D - 1), product(1, D - 1));
+            let half = 0.5 * (xx - yy);
+            across = 0.5 * (xx + yy) + (half * half + xy * xy).sqrt();
+            let determinant = xx * yy - xy * xy;
+            if determinant > SINGULAR * across * across {
+                tangent_mass[1][1] = yy / determinant;
+                tangent_mass[D - 1][D - 1] = xx / determinant;
+                tangent_mass[1][D - 1] = -xy / determinant;
+                tangent_mass[D - 1][1] = -xy / determinant;
+            }
+        } else if xx > 0.0 {
+            tangent_mass[1][1] = xx.recip();
+        }
+        let (normal_mass, across_mass) = (normal.recip(), across.recip());
+        Compliance { normal, coupling, across, normal_mass, tangent_mass, across_mass }
+    }
+}
+
+impl<const F: usize, const D: usize> RigidContact<F, D> {
+    /// The contact at a point with these directions, between bodies in these states; an error where
+    /// neither moves.
+    pub(crate) fn new<G>(
+        number: usize,
+        point: &ContactIn<G>,
+        directions: &[G::Vector; D],
+        bias: f64,
+        states: &[BodyState<G>],
+    ) -> Result<Self, ContactError>
+    where
+        G: Dimension<Velocity = [f64; F]>,
+    {
+        let mut contact = RigidContact {
+            bodies: [states.len(); 2],
+            friction: point.friction,
+            offset: [0.0; D],
+            compliance: Compliance::NONE,
+            rows: [[[0.0; F]; D]; 2],
+        };
+        contact.offset[0] = bias;
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            if let Some(body) = point.bodies[side] {
+                let state = &states[body];
+                let arm = G::rotate(&state.frame, &point.arms[side]);
+                for (k, direction) in directions.iter().enumerate() {
+                    let row = G::row(&state.frame, &arm, &(*direction * sign));
+                    contact.offset[k] += dot(&row, &state.velocity);
+                    contact.rows[side][k] = std::array::from_fn(|f| row[f] * state.scale[f]);
+                }
+                if state.moves() {
+                    contact.bodies[side] = body;
+                }
+            }
+        }
+        contact.compliance = Compliance::of(&contact.rows);
+        match contact.compliance.normal_mass.is_finite() {
+            true => Ok(contact),
+            false => Err(ContactError::Immovable { contact: number }),
+        }
+    }
+
+    /// The rates along the normal and the tangents, m/s.
+    #[inline]
+    pub(crate) fn rates(&self, w: &[[f64; F]]) -> [f64; D] {
+        let (a, b) = (&w[self.bodies[0]], &w[self.bodies[1]]);
+        std::array::from_fn(|k| self.rate(k, a, b))
+    }
+
+    #[inline]
+    fn rate(&self, k: usize, a: &[f64; F], b: &[f64; F]) -> f64 {
+        self.offset[k] + (dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+    }
+
+    /// The rows of one of its bodies.
+    #[inline]
+    pub(crate) fn rows(&self, side: usize) -> &[[f64; F]; D] {
+        &self.rows[side]
+    }
+
+    /// How much the rates change with these changes of the bodies' velocities.
+    #[inline]
+    pub(crate) fn pull(&self, a: &[f64; F], b: &[f64; F]) -> [f64; D] {
+        std::array::from_fn(|k| dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+    }
+
+    /// Gives the bodies impulses.
+    #[inline]
+    pub(crate) fn push(&self, impulse: &[f64; D], w: &mut [[f64; F]]) {
+        for (rows, &body) in self.rows.iter().zip(&self.bodies) {
+            add(rows, impulse, &mut w[body]);
+        }
+    }
+
+    /// Lets its impulses `x` be changed by what `respond` makes of the rates; says by how much.
+    #[inline]
+    pub(crate) fn visit(
+        &self,
+        w: &mut [[f64; F]],
+        x: &[f64; D],
+        respond: impl FnOnce([f64; D]) -> [f64; D],
+    ) -> [f64; D] {
+        let [a, b] = self.bodies;
+        let (mut first, mut second) = (w[a], w[b]);
+        let mut rates = [0.0; D];
+        rates[0] = self.rate(0, &first, &second);
+        // What neither pushes nor closes needs no other rate: a good third of all visits.
+        if *x == [0.0; D] && rates[0] >= 0.0 {
+            return [0.0; D];
+        }
+        (1..D).for_each(|k| rates[k] = self.rate(k, &first, &second));
+        let change = respond(rates);
+        add(&self.rows[0], &change, &mut first);
+        add(&self.rows[1], &change, &mut second);
+        (w[a], w[b]) = (first, second);
+        change
+    }
+}
+
+/// The sum of products, in two chains that do not wait for each other.
+#[inline]
+pub(crate) fn dot<const F: usize>(a: &[f64; F], b: &[f64; F]) -> f64 {
+    let (mut even, mut odd) = (a[0] * b[0], a[1] * b[1]);
+    (2..F).step_by(2).for_each(|f| even += a[f] * b[f]);
+    (3..F).step_by(2).for_each(|f| odd += a[f] * b[f]);
+    even + odd
+}
+
+#[inline]
+fn add<const F: usize, const D: usize>(rows: &[[f64; F]; D], impulse: &[f64; D], w: &mut [f64; F]) {
+    for (f, w) in w.iter_mut().enumerate() {
+        let mut sum = rows[0][f] * impulse[0];
+        (1..D).for_each(|k| sum += rows[k][f] * impulse[k]);
+        *w += sum;
+    }
+}

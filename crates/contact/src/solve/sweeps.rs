@@ -1,0 +1,186 @@
+//! Sweeps over the contacts of an island, each relaxed in turn, and between them steps of the
+//! proximal-point method for all at once.
+//!
+//! ```text
+//! x <- sweep(x),   e = 1.5 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
+//! ln(s/max_i |dx_i|)/ln r < 30,   r = |dx|/|dx before|                  where sweeps alone will do
+//! ```
+//! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
+//! changes, `s` what counts as settled. Sweeps tell who pushes, sticks and slides, and how far the
+//! conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
+//! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
+//! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
+//! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
+//! no friction exceeds its reach.
+
+use crate::solve::proximal::Proximal;
+use crate::solve::rigid_contact::RigidContact;
+
+/// The compliance that a proximal step adds to a row: its part of what a sweep changes, and the
+/// least and the largest, relative to the row's own.
+const SOFTNESS: f64 = 1.5;
+const MAX_SOFTNESS: f64 = 0.05;
+const MIN_SOFTNESS: f64 = 1e-6;
+
+/// What one contact changes last, others feel by no more than so many times that.
+pub(crate) const AMPLIFICATION: f64 = 30.0;
+/// A proximal step helps if the next sweep changes no more than this part of the energy of the one
+/// before; if it does not, as where it has come down to rounding, some sweeps follow without.
+const MIN_REDUCTION: f64 = 0.25;
+/// A sparse system takes as long as so many sweeps.
+pub(crate) const SYSTEM_COST: usize = 8;
+/// A proximal step takes as long as so many sweeps.
+pub(crate) const PROXIMAL_COST: f64 = 30.0;
+
+/// Energy given by impulses that is rounding, relative to theirs.
+const ENERGY_ROUNDING: f64 = 1e-9;
+
+/// Scaled velocities of all bodies, and the memory of the sweeps.
+#[derive(Debug, Default)]
+pub(crate) struct Sweeps<const F: usize, const D: usize> {
+    /// The scaled change of each body's velocity, and zeros for what does not move.
+    pub(crate) w: Vec<[f64; F]>,
+    /// What the last sweep changed at each contact, as a velocity, m/s.
+    pub(crate) changes: Vec<f64>,
+    proximal: Proximal<F, D>,
+}
+
+/// One island: its contacts, and its bodies by their numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Island<'a, const F: usize, const D: usize> {
+    pub(crate) contacts: &'a [RigidContact<F, D>],
+    pub(crate) bodies: &'a [usize],
+}
+
+/// What sweeps are to reach.
+#[derive(Clone, Copy)]
+pub(crate) struct Goal {
+    /// No contact changes a velocity by more than this, m/s.
+    pub(crate) change: f64,
+    /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
+    pub(crate) alone: f64,
+}
+
+/// What a sweep changed.
+pub(crate) struct Change {
+    /// The most at one contact, as a velocity, m/s.
+    fastest: f64,
+    /// Of all, J.
+    energy: f64,
+}
+
+impl<const F: usize, const D: usize> Sweeps<F, D> {
+    /// So many bodies whose velocities are as they were.
+    pub(crate) fn start(&mut self, bodies: usize) {
+        self.w.clear();
+        self.w.resize(bodies + 1, [0.0; F]);
+    }
+
+    /// Gives the bodies of an island impulses.
+    pub(crate) fn push(&mut self, island: Island<F, D>, x: &[[f64; D]]) {
+        island.contacts.iter().zip(x).for_each(|(contact, x)| contact.push(x, &mut self.w));
+    }
+
+    /// How far the normal conditions and Coulomb's law of an island are from being met, m/s.
+    pub(crate) fn residuals(&self, island: Island<F, D>, x: &[[f64; D]]) -> [f64; 2] {
+        let one = |(contact, x): (&RigidContact<F, D>, _)| contact.residuals(x, &self.w);
+        let worst = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.max(d)];
+        island.contacts.iter().zip(x).map(one).fold([0.0; 2], worst)
+    }
+
+    /// Shortens impulses that would give energy, as where rounding of very different masses has
+    /// misled them: `x.u + 1/2 |w|^2 <= 0` with `u` the rates before. Says whether it did.
+    pub(crate) fn bound_energy(
+        &mut self,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        bias: &[f64],
+        members: &[usize],
+    ) -> bool {
+        let mut work = 0.0;
+        for ((contact, x), &i) in island.contacts.iter().zip(x.iter()).zip(members) {
+            work += (0..D).map(|k| x[k] * contact.offset[k]).sum::<f64>() - x[0] * bias[i];
+        }
+        let square = |&body: &usize| self.w[body].iter().map(|w| w * w).sum::<f64>();
+        let square: f64 = island.bodies.iter().map(square).sum();
+        if work + 0.5 * square <= ENERGY_ROUNDING * square {
+            return false;
+        }
+        let part = (-work / square).clamp(0.0, 1.0);
+        x.iter_mut().flatten().for_each(|x| *x *= part);
+        island.bodies.iter().for_each(|&body| self.w[body] = self.w[body].map(|w| part * w));
+        true
+    }
+
+    /// Whether a sweep changed no velocity by more than this, and no contact is off by much more.
+    pub(crate) fn has_settled(
+        &self,
+        change: &Change,
+        island: Island<F, D>,
+        x: &[[f64; D]],
+        by: f64,
+    ) -> bool {
+        let met = || self.residuals(island, x).iter().all(|&left| left <= AMPLIFICATION * by);
+        change.fastest <= by && met()
+    }
+
+    /// Sweeps over an island, and proximal steps where sweeps alone would take long, until it has
+    /// settled, for at most as much work as `bound` sweeps; says how many contacts were relaxed, and
+    /// how many sparse systems were solved.
+    pub(crate) fn alternate(
+        &mut self,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        goal: Goal,
+        bound: usize,
+    ) -> [usize; 2] {
+        let (mut solved, mut last) = (0, f64::INFINITY);
+        // Sweeps to come without a step, and after the next step that does not help; whether the
+        // last sweep came after a step.
+        let (mut wait, mut patience, mut stepped) = (0, 1, false);
+        for sweep in 1..=bound {
+            let change = self.sweep(island, x);
+            if sweep + SYSTEM_COST * solved >= bound
+                || self.has_settled(&change, island, x, goal.change)
+            {
+                return [sweep * x.len(), solved];
+            }
+            let Change { fastest, energy } = change;
+            if stepped && energy > MIN_REDUCTION * last {
+                (wait, patience) = (patience, 2 * patience);
+            }
+            let rate = (energy / last).sqrt();
+            let sweeps = (goal.change / fastest).ln() / rate.ln();
+            let soon = !stepped && rate < 1.0 && sweeps < goal.alone;
+            last = energy;
+            stepped = wait == 0 && !soon;
+            if stepped {
+                let part = (energy / energy_of(island, x)).sqrt();
+                let soft = (SOFTNESS * part).clamp(MIN_SOFTNESS, MAX_SOFTNESS);
+                solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
+            } else if !soon {
+                wait -= 1;
+            }
+        }
+        [bound * x.len(), solved]
+    }
+
+    /// Relaxes each contact once.
+    pub(crate) fn sweep(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> Change {
+        let (mut fastest, mut energy) = (0.0_f64, 0.0);
+        self.changes.clear();
+        for (contact, x) in island.contacts.iter().zip(x) {
+            let change = contact.relax(x, &mut self.w);
+            let speed = contact.speed(&change);
+            self.changes.push(speed);
+            fastest = fastest.max(speed);
+            energy += contact.energy(&change);
+        }
+        Change { fastest, energy }
+    }
+}
+
+/// The energy of impulses, J.
+fn energy_of<const F: usize, const D: usize>(island: Island<F, D>, x: &[[f64; D]]) -> f64 {
+    island.contacts.iter().zip(x).map(|(contact, x)| contact.energy(x)).sum()
+}

@@ -1,0 +1,197 @@
+//! The parts of an island that are not settled yet, each settled on its own.
+//!
+//! ```text
+//! sweep over the island,   U = { i : a body of i is one of j's, |dx_j| > s }
+//! each part of U that hangs together by x_j > 0:
+//!     sweeps and proximal steps, the other impulses kept;   and again
+//! ```
+//! `x_j` the impulse of a contact, `dx_j` what the sweep changed there and `s` what counts as
+//! settled, as velocities (m/s). What happens in a heap happens in places: where a box has just
+//! landed. Each takes as many sweeps as it needs, and what it does to its surroundings, or to
+//! contacts that did not push, the next sweep over the whole island shows: descent by blocks of
+//! coordinates. Source: Bertsekas and Tsitsiklis 1989.
+
+use crate::solve::islands::Islands;
+use crate::solve::rigid_contact::RigidContact;
+use crate::solve::sweeps::{Goal, Island, PROXIMAL_COST, SYSTEM_COST, Sweeps};
+
+/// The most sweeps over a part before the whole island is looked at again.
+const ROUND: usize = 8;
+
+/// The parts of one island.
+#[derive(Debug, Default)]
+pub(crate) struct UnsettledParts<const F: usize, const D: usize> {
+    /// The number of each body within the island; of what does not move, that of its bodies.
+    number: Vec<usize>,
+    /// Whether a contact of each of its bodies is not settled.
+    unsettled: Vec<bool>,
+    /// The contacts of those bodies that push, and how they hang together.
+    chosen: Vec<usize>,
+    parts: Islands,
+    part: Part<F, D>,
+}
+
+/// A part, as an island of its own.
+#[derive(Debug, Default)]
+struct Part<const F: usize, const D: usize> {
+    contacts: Vec<RigidContact<F, D>>,
+    bodies: Vec<usize>,
+    x: Vec<[f64; D]>,
+}
+
+impl<const F: usize, const D: usize> UnsettledParts<F, D> {
+    /// Sweeps over an island and settles its parts in turn, until it has settled, for at most as
+    /// much work as `bound` sweeps; says how many contacts were relaxed, and how many sparse systems
+    /// were solved.
+    pub(crate) fn settle(
+        &mut self,
+        sweeps: &mut Sweeps<F, D>,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        settled: f64,
+        bound: usize,
+    ) -> [usize; 2] {
+        let goal = Goal { change: settled, alone: PROXIMAL_COST };
+        let (n, mut relaxed, mut solved) = (x.len(), 0, 0);
+        let work = |relaxed: usize, solved: usize| relaxed.div_ceil(n) + SYSTEM_COST * solved;
+        // Systems of a part count as if they were of the whole island: there is a bound all the same.
+        while work(relaxed, solved) < bound {
+            let change = sweeps.sweep(island, x);
+            relaxed += n;
+            if sweeps.has_settled(&change, island, x, settled) {
+                break;
+            }
+            // The last sweep is over the whole island.
+            let most = ROUND.min(bound.saturating_sub(work(relaxed, solved) + 1));
+            if most == 0 {
+                continue;
+            }
+            self.find(island, x, sweeps, settled);
+            let UnsettledParts { chosen, parts, part, .. } = self;
+            for (members, bodies) in parts.iter() {
+                let members = members.iter().map(|&member| chosen[member]);
+                part.contacts.clear();
+                part.contacts.extend(members.clone().map(|i| island.contacts[i]));
+                part.bodies.clear();
+                part.bodies.extend(bodies.iter().map(|&body| island.bodies[body]));
+                part.x.clear();
+                part.x.extend(members.clone().map(|i| x[i]));
+                let own = Island { contacts: &part.contacts, bodies: &part.bodies };
+                let [taken, systems] = sweeps.alternate(own, &mut part.x, goal, most);
+                relaxed += taken;
+                solved += systems;
+                members.zip(&part.x).for_each(|(i, own)| x[i] = *own);
+            }
+        }
+        [relaxed, solved]
+    }
+
+    /// Finds the parts after a sweep.
+    fn find(&mut self, island: Island<F, D>, x: &[[f64; D]], sweeps: &Sweeps<F, D>, settled: f64) {
+        let still = island.bodies.len();
+        self.number.resize(sweeps.w.len(), still);
+        island.bodies.iter().enumerate().for_each(|(i, &body)| self.number[body] = i);
+        self.number[sweeps.w.len() - 1] = still;
+        let number = |contact: &RigidContact<F, D>| contact.bodies.map(|body| self.number[body]);
+        self.unsettled.clear();
+        self.unsettled.resize(still + 1, false);
+        for (contact, &change) in island.contacts.iter().zip(&sweeps.changes) {
+            if change > settled {
+                number(contact).into_iter().for_each(|body| self.unsettled[body] = true);
+            }
+        }
+        self.unsettled[still] = false;
+        let unsettled = |i: &usize| {
+            x[*i] != [0.0; D] && number(&island.contacts[*i]).iter().any(|&b| self.unsettled[b])
+        };
+        self.chosen.clear();
+        self.chosen.extend((0..island.contacts.len()).filter(unsettled));
+        let of = |&member: &usize| number(&island.contacts[member]);
+        self.parts.find(still, self.chosen.iter().map(of));
+    }
+}
+
+#[cfg(all(test, feature = "3d"))]
+mod tests {
+    use nalgebra::Vector3;
+    use stationary_rigid::{Body, BodyMetric};
+
+    use super::*;
+    use crate::solve::body_state::BodyState;
+    use crate::{ContactId, ContactPoint, Dimension, Spatial};
+
+    const SETTLED: f64 = 1e-9;
+    const BOUND: usize = 10_000;
+
+    /// Settles a row of bodies of 1 kg, each touching the next, which have these velocities along
+    /// it, and checks those that they have after; says how many contacts were relaxed, and how many
+    /// sparse systems were solved.
+    fn settle(
+        before: &[f64],
+        expected: &[f64],
+        settle: impl Fn(&mut Sweeps<6, 3>, Island<6, 3>, &mut [[f64; 3]]) -> [usize; 2],
+    ) -> [usize; 2] {
+        let body = Body::new(1.0, [1.0; 3]).unwrap();
+        let rest = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0].repeat(before.len());
+        let along: Vec<f64> = before.iter().flat_map(|v| [*v, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        let scale = Spatial::scales(&BodyMetric::new(vec![body]))[0];
+        let state = |number| BodyState::<Spatial>::new(number, scale, &rest, &along);
+        let states: Vec<_> = (0..before.len()).map(state).collect();
+        let contact = |first: usize| {
+            let point = ContactPoint {
+                id: ContactId { colliders: [0, 1], parts: [0; 2], features: [0; 2] },
+                bodies: [Some(first), Some(first + 1)],
+                gap: 0.0,
+                normal: Vector3::x(),
+                points: [Vector3::zeros(); 2],
+                arms: [Vector3::zeros(); 2],
+                restitution: 0.0,
+                friction: 0.0,
+            };
+            RigidContact::new(first, &point, &Spatial::directions(&point.normal), 0.0, &states)
+                .unwrap()
+        };
+        let contacts: Vec<_> = (0..before.len() - 1).map(contact).collect();
+        let bodies: Vec<_> = (0..before.len()).collect();
+        let island = Island { contacts: &contacts, bodies: &bodies };
+        let (mut sweeps, mut x) = (Sweeps::default(), vec![[0.0; 3]; contacts.len()]);
+        sweeps.start(bodies.len());
+        let work = settle(&mut sweeps, island, &mut x);
+        for ((before, w), expected) in before.iter().zip(&sweeps.w).zip(expected) {
+            let found = before + scale[0] * w[0];
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
+        work
+    }
+
+    fn by_parts(before: &[f64], expected: &[f64]) -> [usize; 2] {
+        settle(before, expected, |sweeps, island, x| {
+            UnsettledParts::default().settle(sweeps, island, x, SETTLED, BOUND)
+        })
+    }
+
+    #[test]
+    fn what_happens_at_one_end_of_a_row_is_settled_there() {
+        // All of them part, but for the last three, which meet.
+        let mut before: Vec<f64> = (0..200).map(f64::from).collect();
+        before[197..].copy_from_slice(&[1002.0, 1000.0, 995.0]);
+        let mut after = before.clone();
+        after[197..].fill(999.0);
+        let [relaxed, solved] = by_parts(&before, &after);
+        let whole = settle(&before, &after, |sweeps, island, x| {
+            sweeps.alternate(island, x, Goal { change: SETTLED, alone: PROXIMAL_COST }, BOUND)
+        });
+        assert!(solved == 0 && whole[1] > 0, "{solved} {whole:?}");
+        assert!(3 * relaxed < 2 * whole[0], "{relaxed} {whole:?}");
+    }
+
+    #[test]
+    fn a_part_is_settled_between_neighbours_that_push() {
+        // One pushes all the others; what is unsettled at last is a part of the row.
+        let mut before = [0.0; 40];
+        before[0] = 40.0;
+        let [_, solved] = by_parts(&before, &[1.0; 40]);
+        // Where a part does not know what its neighbours push, it takes two thousand.
+        assert!(solved < 100, "{solved}");
+    }
+}

@@ -1,0 +1,43 @@
+//! What a step of a world took and left.
+//!
+//! ```text
+//! max_i |min(W_i lambda_i, u_i)|,   max_i |beta_i - disc_i(beta_i - u_i/d_i)| d_i            m/s
+//! T+ - T- = kick work - impact energy - friction energy + work                               J
+//! ```
+//! What is left of the normal conditions and of Coulomb's law, as velocities; the symbols are those
+//! of `friction.rs`. The second line is exact to rounding: each impulse is paid at the mean of the
+//! velocities before and after it. Lifting out of overlap moves positions alone, and so what it
+//! gives is potential energy.
+
+/// What a step of a world took and left.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorldReport {
+    /// Contact points within reach of the step.
+    pub contacts: usize,
+    /// Islands of bodies that hang together by them.
+    pub islands: usize,
+    /// Islands solved by the exact projection without friction.
+    pub projected: usize,
+    /// Contacts relaxed, over all sweeps; none where everything rests as it did.
+    pub relaxed: usize,
+    /// Sparse systems solved between sweeps.
+    pub solved: usize,
+    /// Passes of the impact law.
+    pub impacts: usize,
+    /// Whether the contact conditions are met as far as asked.
+    pub settled: bool,
+    /// How far the normal conditions are from being met, m/s; of what rests, at most.
+    pub residual: f64,
+    /// How far Coulomb's law is from being met, m/s; of what rests, at most.
+    pub coulomb: f64,
+    /// The deepest overlap that the step started with, m.
+    pub overlap: f64,
+    /// The work that obstacles did on the other bodies, J.
+    pub work: f64,
+    /// The energy that impacts and normal impulses took, J.
+    pub impact_energy: f64,
+    /// The energy that friction took, J.
+    pub friction_energy: f64,
+    /// The potential energy that lifting out of overlap gave, J.
+    pub lifting_energy: f64,
+}

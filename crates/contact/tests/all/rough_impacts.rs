@@ -1,0 +1,191 @@
+//! Impacts with friction: closed forms of a disc and a rod, and energy that never grows.
+
+use nalgebra::Vector2;
+use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld, World};
+use stationary_integrators::State;
+use stationary_measure::SplitMix64;
+use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
+
+/// One body of 1 kg over a floor, without gravity.
+fn over_floor(shape: PlanarShape, inertia: f64, c: f64, mu: f64) -> PlanarWorld<PlanarWeight> {
+    let metric = DiagonalMetric::new(vec![1.0, 1.0, inertia]).unwrap();
+    let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![1.0] };
+    let floor = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, shape).with_restitution(c).with_friction(mu),
+        PlanarCollider::fixed(PlanarMotion::identity(), floor).with_friction(mu),
+    ];
+    let detector = PlanarDetector::new(colliders, 1).unwrap();
+    World::new(System::new(metric, weight).unwrap(), detector).unwrap()
+}
+
+/// The velocity after an impact at the step's start, and the normal and friction impulses.
+fn hit(world: &mut PlanarWorld<PlanarWeight>, q: [f64; 3], p: [f64; 3]) -> (Vec<f64>, f64, f64) {
+    let mut state = State::new(q.to_vec(), Covector(p.to_vec()));
+    let report = world.step(&mut state, 1e-6).unwrap();
+    assert!(report.settled, "{report:?}");
+    let normal = world.touches().map(|touch| touch.impact + touch.normal).sum();
+    // The floor is the second of the two.
+    let friction = world.touches().map(|touch| -touch.friction.x).sum();
+    (state.p.0, normal, friction)
+}
+
+/// A disc: its point of contact slides at `v + r w`, and gives way by `1 + m r^2/I` times as much
+/// as its centre. Garwin 1969; Brogliato 2016, 4.2.
+#[test]
+fn a_disc_that_bounces_with_spin_slides_or_grips_as_the_closed_form_says() {
+    let (r, inertia, c) = (0.5, 0.125, 0.6);
+    for mu in [0.0, 0.1, 0.3, 2.0] {
+        for (vx, spin) in [(3.0, 0.0), (0.0, 4.0), (1.0, -8.0), (-2.0, 3.0), (0.5, 0.0)] {
+            let fall = 2.0;
+            let mut world = over_floor(PlanarShape::disc(r).unwrap(), inertia, c, mu);
+            let (p, normal, friction) = hit(&mut world, [0.0, r, 0.0], [vx, -fall, inertia * spin]);
+            let (pushed, slip, gives) = ((1.0 + c) * fall, vx + r * spin, 1.0 + r * r / inertia);
+            let grips = slip.abs() <= mu * pushed * gives;
+            let rubbed = if grips { -slip / gives } else { -mu * pushed * slip.signum() };
+            let expected = [vx + rubbed, c * fall, inertia * spin + r * rubbed];
+            for (p, expected) in p.iter().zip(expected) {
+                assert!((p - expected).abs() < 1e-9, "{mu} {vx} {spin}: {p} {expected}");
+            }
+            assert!((normal - pushed).abs() < 1e-9 && (friction - rubbed).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_trace_of_restitution_changes_an_impact_by_a_trace() {
+    let thrown = |c: f64| {
+        let shape = PlanarShape::cuboid([0.5; 2]).unwrap();
+        let mut world = over_floor(shape, 1.0 / 6.0, c, 0.5);
+        hit(&mut world, [0.0, 0.5, 0.0], [5.0, -3.0, 0.0]).0
+    };
+    let (without, with) = (thrown(0.0), thrown(1e-12));
+    assert!((without[0] - 3.5).abs() < 1e-9, "{without:?}");
+    assert!(without.iter().zip(&with).all(|(a, b)| (a - b).abs() < 1e-9), "{without:?} {with:?}");
+}
+
+const HALF: [f64; 2] = [1.0, 0.05];
+const INERTIA: f64 = (HALF[0] * HALF[0] + HALF[1] * HALF[1]) / 3.0;
+
+/// A rod that leans on its lower right end: from its centre to that end, and how it gives way
+/// along the normal, across, and from one to the other.
+fn rod(angle: f64) -> ([f64; 2], [f64; 3]) {
+    let (s, c) = angle.sin_cos();
+    let arm = [HALF[0] * c - HALF[1] * s, -HALF[0] * s - HALF[1] * c];
+    let gives = [
+        1.0 + arm[0] * arm[0] / INERTIA,
+        1.0 + arm[1] * arm[1] / INERTIA,
+        -arm[0] * arm[1] / INERTIA,
+    ];
+    (arm, gives)
+}
+
+/// How a rod that leans by `-angle` leaves the floor: momenta, normal and friction impulse.
+fn thrown_rod(angle: f64, v: [f64; 3], c: f64, mu: f64) -> (Vec<f64>, f64, f64) {
+    let mut world = over_floor(PlanarShape::cuboid(HALF).unwrap(), INERTIA, c, mu);
+    let (arm, _) = rod(angle);
+    hit(&mut world, [0.0, -arm[1], -angle], [v[0], v[1], INERTIA * v[2]])
+}
+
+fn kinetic(p: &[f64]) -> f64 {
+    0.5 * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] / INERTIA)
+}
+
+#[test]
+fn a_rod_on_a_rough_floor_stays_in_the_cone_and_never_gains_energy() {
+    let mut random = SplitMix64::new(31);
+    let (mut gripped, mut slid) = (0, 0);
+    for _ in 0..400 {
+        let angle = 0.8 + 0.6 * random.symmetric();
+        let v = [3.0, 2.0, 2.0].map(|by| by * random.symmetric());
+        let (c, mu) = (random.symmetric().abs(), 1.5 * random.symmetric().abs());
+        let (arm, [normal_gives, gives, couples]) = rod(angle);
+        let u = [v[1] + arm[0] * v[2], v[0] - arm[1] * v[2]];
+        if u[0] > -0.05 {
+            continue;
+        }
+        let (p, normal, friction) = thrown_rod(angle, v, c, mu);
+        let before = kinetic(&[v[0], v[1], INERTIA * v[2]]);
+        assert!(kinetic(&p) <= before * (1.0 + 1e-9), "{angle} {v:?}: {} {before}", kinetic(&p));
+        assert!(friction.abs() <= mu * normal * (1.0 + 1e-9), "{friction} {normal}");
+        // The closed form: gripping where the cone lets it, else sliding on or turned back.
+        let grip = |pushed: f64| -(u[1] + couples * pushed) / gives;
+        let at = |sign: f64| (-u[0] / (normal_gives + sign * mu * couples), sign * mu);
+        let stuck = (-u[0] + couples * u[1] / gives) / (normal_gives - couples * couples / gives);
+        let compressed = if grip(stuck).abs() <= mu * stuck {
+            stuck
+        } else {
+            let slides = |&(pushed, part): &(f64, f64)| {
+                pushed > 0.0 && (u[1] + couples * pushed + gives * part * pushed) * part <= 0.0
+            };
+            let Some((pushed, _)) = [at(-1.0), at(1.0)].into_iter().find(slides) else { continue };
+            pushed
+        };
+        let whole = (1.0 + c) * compressed;
+        let rubbed = grip(whole).clamp(-mu * whole, mu * whole);
+        let after = u[0] + normal_gives * whole + couples * rubbed;
+        if after > 1e-3 {
+            assert!(
+                (normal / whole - 1.0).abs() < 1e-6,
+                "{angle} {v:?} {c} {mu}: {normal} {whole}"
+            );
+            assert!((friction - rubbed).abs() < 1e-6 * whole, "{friction} {rubbed}");
+            if rubbed.abs() < mu * whole { gripped += 1 } else { slid += 1 }
+        }
+    }
+    assert!(gripped > 30 && slid > 30, "{gripped} {slid}");
+}
+
+/// Kane and Levinson 1985: with Newton's ratio of velocities, a rod whose end is turned back by
+/// friction leaves with more energy than it brought.
+#[test]
+fn newtons_ratio_gains_energy_where_poissons_does_not() {
+    let (mut newton, mut poisson) = (0.0_f64, f64::NEG_INFINITY);
+    for step in 0..40 {
+        let (angle, c, mu) = (0.6 + 0.02 * f64::from(step), 0.9, 1.0);
+        let (arm, [normal_gives, gives, couples]) = rod(angle);
+        for slip in [-0.2, 0.2, 0.5, 1.0, -0.5, -1.0] {
+            // The end comes down at 1 m/s and slides; the rod does not turn.
+            let v = [slip, -1.0, 0.0];
+            let u = [v[1] + arm[0] * v[2], v[0] - arm[1] * v[2]];
+            let before = kinetic(&[v[0], v[1], INERTIA * v[2]]);
+            // Newton: u_n+ = -c u_n-, friction gripping at the end or at its bound.
+            let stuck = (-(1.0 + c) * u[0] + couples * u[1] / gives)
+                / (normal_gives - couples * couples / gives);
+            let grip = -(u[1] + couples * stuck) / gives;
+            if grip.abs() <= mu * stuck {
+                let (x, y) = (grip, stuck);
+                let p = [v[0] + x, v[1] + y, INERTIA * v[2] + arm[0] * y - arm[1] * x];
+                newton = newton.max(kinetic(&p) / before - 1.0);
+            }
+            let (p, ..) = thrown_rod(angle, v, c, mu);
+            poisson = poisson.max(kinetic(&p) / before - 1.0);
+        }
+    }
+    println!("Newton gains {newton}, Poisson {poisson}");
+    assert!(newton > 0.05 && poisson <= 1e-9, "{newton} {poisson}");
+}
+
+/// Painleve 1895: where `mu` times the coupling exceeds how the rod gives way along the normal, a
+/// rod that slides presses itself into the floor, however slowly it approaches: it jams.
+#[test]
+fn painleves_rod_jams_with_an_impulse_in_the_cone_and_no_energy_gained() {
+    let angle = 1.0;
+    let (arm, [normal_gives, _, couples]) = rod(angle);
+    assert!(couples > 0.0);
+    let mu = 1.5 * normal_gives / couples;
+    for approach in [1e-3, 0.1, 1.0] {
+        // It slides against the way in which friction lifts it.
+        let v = [2.0, -approach, 0.0];
+        let (p, normal, friction) = thrown_rod(angle, v, 0.3, mu);
+        let before = kinetic(&[v[0], v[1], 0.0]);
+        assert!(kinetic(&p) <= before * (1.0 + 1e-9), "{} {before}", kinetic(&p));
+        assert!(friction.abs() <= mu * normal * (1.0 + 1e-9) && friction < 0.0);
+        let slip = p[0] - arm[1] * p[2] / INERTIA;
+        let closes = p[1] + arm[0] * p[2] / INERTIA;
+        assert!(slip.abs() < 1e-6 && closes > -1e-9, "jammed: {slip} {closes}");
+        let smooth = 1.3 * approach / normal_gives;
+        assert!(normal > 1.2 * smooth, "{normal} {smooth}");
+    }
+}
