@@ -130,14 +130,22 @@ impl<'e> Lab<'e> {
         (grid, within): (&Grid, Within),
         allowed: f64,
     ) -> Option<(Arc<Look>, f64)> {
-        let moments = self.moments(grid, within)?;
-        let track = self.used.get(&at).and_then(|run| run.track.clone());
-        if let Some(reading) = track.map(|track| track.read(&moments.times))
-            && reading.off <= allowed
-        {
-            return Some((Arc::new(reading.look), reading.off));
+        match self.read_off(at, (grid, within), allowed) {
+            None => Some((self.look(at, grid, within)?, 0.0)),
+            read => read,
         }
-        Some((self.look(at, grid, within)?, 0.0))
+    }
+
+    /// The same, where that costs nothing.
+    pub fn read_off(
+        &mut self,
+        at: At,
+        (grid, within): (&Grid, Within),
+        allowed: f64,
+    ) -> Option<(Arc<Look>, f64)> {
+        let moments = self.moments(grid, within)?;
+        let reading = self.used.get(&at)?.track.as_ref()?.read(&moments.times);
+        (reading.off <= allowed).then(|| (Arc::new(reading.look), reading.off))
     }
 
     /// The moments of a grid, all or the ends of its steps; nothing where its run did not come to its end.
