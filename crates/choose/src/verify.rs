@@ -15,12 +15,12 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::climb::rungs_to_go;
 use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
 use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
+use crate::ladder_search::rungs_to_go;
 use crate::look::{Look, apart, apart_where_own};
 use crate::reference::{Extrapolated, Reference};
 use crate::search::BARELY;

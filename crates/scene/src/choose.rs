@@ -42,7 +42,7 @@ pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use ladder::{SceneLadder, Setting};
-pub use model::{Model, Sight};
+pub use model::{Model, Simplification};
 use stationary_choose::{MOMENTS, QuestionError};
 
 use crate::Scene;

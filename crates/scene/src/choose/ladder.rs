@@ -14,7 +14,7 @@ use stationary_integrators::Evaluation;
 use super::ChooseError;
 use super::candidate::{Candidate, candidates};
 use super::declaration::{Change, changed, number};
-use super::model::{Model, Sight};
+use super::model::{Model, Simplification};
 use super::observable::{in_words, scale};
 use super::{look, run};
 use crate::{Scene, Stepping};
@@ -164,7 +164,7 @@ fn keeps_energy(scene: &Scene) -> bool {
 
 fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) -> Family {
     let name = match &model.sight {
-        Sight::AsWritten => candidate.name.to_owned(),
+        Simplification::AsWritten => candidate.name.to_owned(),
         _ => format!("{} {}", candidate.name, model.words),
     };
     let Candidate { kind, order, evaluation, holds_rods, .. } = *candidate;

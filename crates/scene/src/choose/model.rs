@@ -22,7 +22,7 @@ use super::surrogate;
 
 /// What a model makes of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Sight {
+pub enum Simplification {
     /// Itself.
     AsWritten,
     /// Shapes of fewer cells: so many halvings.
@@ -58,7 +58,7 @@ pub enum Sight {
 #[derive(Clone, Debug)]
 pub struct Model {
     /// What it makes of the scene.
-    pub sight: Sight,
+    pub sight: Simplification,
     /// In words, such as `with 10 x 1 cells`; none of the scene itself.
     pub words: String,
     /// The scene's text, seen so.
@@ -81,7 +81,8 @@ const SAME: f64 = 1e-9;
 impl Model {
     /// The scene itself, and then its models from the finest to the simplest.
     pub fn all(name: &str, text: &str, scene: &Scene) -> Vec<Model> {
-        let written = Model::new(Sight::AsWritten, String::new(), text.to_owned(), scene.clone());
+        let written =
+            Model::new(Simplification::AsWritten, String::new(), text.to_owned(), scene.clone());
         let mut models = vec![written];
         let Ok(table) = toml::from_str::<Table>(text) else { return models };
         for halvings in 1..=HALVINGS {
@@ -95,7 +96,7 @@ impl Model {
         }
         models.extend(other_contacts(name, &table, scene));
         models.extend(springs(name, &table, scene));
-        for sight in [Sight::Rigid, Sight::Points] {
+        for sight in [Simplification::Rigid, Simplification::Points] {
             models.extend(simplified(name, &table, scene, sight));
         }
         let written = models[0].pieces;
@@ -110,14 +111,19 @@ impl Model {
         let Ok(table) = toml::from_str::<Table>(&written.text) else { return Vec::new() };
         let refined = |halvings| refined(name, &table, &written.scene, halvings);
         let mut models: Vec<Model> = (1..=REFINEMENTS).filter_map(refined).collect();
-        let own = Model::new(Sight::AsWritten, String::new(), String::new(), written.scene.clone());
+        let own = Model::new(
+            Simplification::AsWritten,
+            String::new(),
+            String::new(),
+            written.scene.clone(),
+        );
         for model in &mut models {
             model.pieces = (model.pieces * written.pieces).div_ceil(own.pieces);
         }
         models
     }
 
-    fn new(sight: Sight, words: String, text: String, scene: Scene) -> Self {
+    fn new(sight: Simplification, words: String, text: String, scene: Scene) -> Self {
         let elements = scene.solids().iter().map(in_linear_elements);
         let heated = scene.heat().map(|body| body.simplices.len() as f64);
         let elements = elements.chain(heated).sum::<f64>().round() as u64;
@@ -128,34 +134,36 @@ impl Model {
     /// How much simpler than the scene itself: of runs that cost the same, the simplest is chosen.
     pub fn simplicity(&self) -> u32 {
         match self.sight {
-            Sight::AsWritten
-            | Sight::Refined(_)
-            | Sight::Contact { .. }
-            | Sight::Springs { .. } => 0,
-            Sight::Halved(halvings) | Sight::Elements { halvings, .. } => halvings,
-            Sight::Rigid => HALVINGS + 1,
-            Sight::Points => HALVINGS + 2,
+            Simplification::AsWritten
+            | Simplification::Refined(_)
+            | Simplification::Contact { .. }
+            | Simplification::Springs { .. } => 0,
+            Simplification::Halved(halvings) | Simplification::Elements { halvings, .. } => {
+                halvings
+            }
+            Simplification::Rigid => HALVINGS + 1,
+            Simplification::Points => HALVINGS + 2,
         }
     }
 
     /// Another text of the scene seen so, where it can be: with more observables, or comments.
     pub fn seen(&self, text: &str) -> Option<String> {
         match self.sight {
-            Sight::AsWritten => Some(text.to_owned()),
-            Sight::Halved(halvings) => {
+            Simplification::AsWritten => Some(text.to_owned()),
+            Simplification::Halved(halvings) => {
                 written(&with_fewer_cells(&toml::from_str(text).ok()?, halvings)?)
             }
-            Sight::Elements { word, halvings } => {
+            Simplification::Elements { word, halvings } => {
                 written(&with_elements(&toml::from_str(text).ok()?, word, halvings)?)
             }
-            Sight::Contact { key, word } => {
+            Simplification::Contact { key, word } => {
                 written(&with_contact(&toml::from_str(text).ok()?, key, word)?)
             }
-            Sight::Springs { stiffness } => {
+            Simplification::Springs { stiffness } => {
                 written(&with_springs(&toml::from_str(text).ok()?, stiffness)?)
             }
             // Nobody asks for more than is written, and bodies have no other places than the observed.
-            Sight::Refined(_) | Sight::Rigid | Sight::Points => None,
+            Simplification::Refined(_) | Simplification::Rigid | Simplification::Points => None,
         }
     }
 }
@@ -168,7 +176,9 @@ pub(super) fn moved(model: &Model) -> Vec<usize> {
     let moves = |(_, particle): &(usize, &crate::Particle)| particle.motion != Motion::Pinned;
     let particles = model.scene.particles().iter().enumerate().filter(moves);
     match model.sight {
-        Sight::AsWritten | Sight::Contact { .. } | Sight::Springs { .. } => {
+        Simplification::AsWritten
+        | Simplification::Contact { .. }
+        | Simplification::Springs { .. } => {
             particles.map(|(number, _)| number).take(PLACES).collect()
         }
         _ => Vec::new(),
@@ -216,7 +226,7 @@ fn in_linear_elements(body: &ElasticBody) -> f64 {
 fn halved(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Model> {
     let fewer = with_fewer_cells(table, halvings)?;
     let words = format!("with {} cells", cells_of(&fewer));
-    otherwise(name, &fewer, scene, Sight::Halved(halvings), words)
+    otherwise(name, &fewer, scene, Simplification::Halved(halvings), words)
 }
 
 /// The scene with shapes of more cells, where these have the observed places too.
@@ -232,7 +242,7 @@ fn refined(name: &str, table: &Table, scene: &Scene, halvings: u32) -> Option<Mo
         false => count.checked_mul(1 << halvings),
     })?;
     let words = format!("with {} cells", cells_of(&more));
-    otherwise(name, &more, scene, Sight::Refined(halvings), words)
+    otherwise(name, &more, scene, Simplification::Refined(halvings), words)
 }
 
 /// The scene with elastic bodies of other elements, where these have the observed places too.
@@ -245,7 +255,7 @@ fn of_elements(
 ) -> Option<Model> {
     let other = with_elements(table, word, halvings)?;
     let words = format!("with {} {word} cells", cells_of(&other));
-    otherwise(name, &other, scene, Sight::Elements { word, halvings }, words)
+    otherwise(name, &other, scene, Simplification::Elements { word, halvings }, words)
 }
 
 /// A scene of other shapes, where these have the observed places too.
@@ -253,7 +263,7 @@ fn otherwise(
     name: &str,
     table: &Table,
     scene: &Scene,
-    sight: Sight,
+    sight: Simplification,
     words: String,
 ) -> Option<Model> {
     let (text, coarse) = parsed(name, table)?;
@@ -342,7 +352,7 @@ fn other_contacts(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
     let seen = |(key, word): (&'static str, &'static str)| {
         let (text, scene) = parsed(name, &with_contact(table, key, word)?)?;
         let words = format!("by `{word}`");
-        Some(Model::new(Sight::Contact { key, word }, words, text, scene))
+        Some(Model::new(Simplification::Contact { key, word }, words, text, scene))
     };
     moments.chain(laws).filter_map(seen).collect()
 }
@@ -362,7 +372,7 @@ fn springs(name: &str, table: &Table, scene: &Scene) -> Vec<Model> {
         let stiffness = mass * (PI * touches / scene.timing().horizon()).powi(2);
         let (text, scene) = parsed(name, &with_springs(table, stiffness)?)?;
         let words = format!("by springs of {stiffness:.1e}");
-        Some(Model::new(Sight::Springs { stiffness }, words, text, scene))
+        Some(Model::new(Simplification::Springs { stiffness }, words, text, scene))
     };
     TOUCHES.into_iter().filter_map(seen).collect()
 }
@@ -384,17 +394,17 @@ fn with_contact(table: &Table, key: &str, word: &str) -> Option<Table> {
 }
 
 /// Rigid bodies or point masses, where nothing but weight acts on what they stand for.
-fn simplified(name: &str, table: &Table, scene: &Scene, sight: Sight) -> Option<Model> {
+fn simplified(name: &str, table: &Table, scene: &Scene, sight: Simplification) -> Option<Model> {
     let alone =
         ["particles", "springs", "rods", "nets", "newtonian_gravity", "drag", "contact", "heat"];
     if alone.iter().any(|key| table.contains_key(*key)) {
         return None;
     }
     let (simple, words) = match sight {
-        Sight::Rigid if !scene.solids().is_empty() => {
+        Simplification::Rigid if !scene.solids().is_empty() => {
             (surrogate::rigid(table, scene)?, "as a rigid body")
         }
-        Sight::Points if scene.joints().is_empty() => {
+        Simplification::Points if scene.joints().is_empty() => {
             (surrogate::points(table, scene)?, "as a point mass")
         }
         _ => return None,

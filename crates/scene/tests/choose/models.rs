@@ -1,7 +1,7 @@
 //! What can be made of a scene, and what of it is chosen.
 
 use stationary_choose::{Lab, answer};
-use stationary_scene::choose::{Model, Question, Sight, emitted};
+use stationary_scene::choose::{Model, Question, Simplification, emitted};
 use stationary_scene::{Run, Scene};
 
 use super::{LONG, asked, laboratory, ladder};
@@ -63,7 +63,7 @@ fn words(text: &str) -> Vec<String> {
     models(text).into_iter().map(|model| model.words).collect()
 }
 
-fn model(text: &str, sight: Sight) -> Model {
+fn model(text: &str, sight: Simplification) -> Model {
     models(text).into_iter().find(|model| model.sight == sight).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn a_struck_beam_has_the_momenta_of_its_rigid_body() {
     let text = BEAM.replace("velocity = [1, 3]", strike);
     let start = |run: Run| (run.linear_momenta()[0], run.angular_momenta()[0]);
     let elastic = start(Scene::parse("a.toml", &text).unwrap().run().unwrap());
-    let rigid = start(model(&text, Sight::Rigid).scene.run().unwrap());
+    let rigid = start(model(&text, Simplification::Rigid).scene.run().unwrap());
     assert!(elastic.0[1] > 1.0);
     for (a, b) in elastic.0.iter().chain(&elastic.1).zip(rigid.0.iter().chain(&rigid.1)) {
         assert!((a - b).abs() < 1e-12 * elastic.0[1], "{elastic:?} {rigid:?}");
@@ -137,7 +137,7 @@ struck = { at = [0.6, 0.8, 0], radius = 0.3, velocity = [0, 1, 5] }
 "#;
     let start = |run: Run| [run.linear_momenta()[0], run.angular_momenta()[0]].concat();
     let elastic = start(Scene::parse("a.toml", text).unwrap().run().unwrap());
-    let rigid = start(model(text, Sight::Rigid).scene.run().unwrap());
+    let rigid = start(model(text, Simplification::Rigid).scene.run().unwrap());
     let size = elastic.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
     for (a, b) in elastic.iter().zip(&rigid) {
         assert!((a - b).abs() < 1e-12 * size, "{elastic:?} {rigid:?}");
@@ -166,7 +166,7 @@ fn a_body_held_at_its_end_is_no_point_mass() {
     let simpler = ["with 4 x 1 cells", "with 4 x 1 quadratic cells", "as a rigid body"];
     assert_eq!(words(&text), [[""].as_slice(), &simpler].concat());
     // What is clamped and rigid stays.
-    let run = model(&text, Sight::Rigid).scene.run().unwrap();
+    let run = model(&text, Simplification::Rigid).scene.run().unwrap();
     let way = run.observed(run.times().len() - 1).iter().zip(run.observed(0));
     assert!(way.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
 }
