@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use stationary_measure::{Cell, Column, Table};
 
-use crate::climb::{Judgement, judge};
 use crate::effort::Effort;
 use crate::lab::Lab;
 use crate::ladder::{At, Ladder, MOMENTS};
+use crate::ladder_search::{Judgement, judge};
 use crate::measured::{End, Failure};
 use crate::reference::{Extrapolated, Reference};
 use crate::refinement::MeshError;
@@ -231,7 +231,7 @@ impl Answer {
                 "for a true error of at most {asked:e}, {name} needs `tolerance = {set}`: it gives \
                  {error:.1e}{others}"
             ),
-            None if of_name().any(|row| row.judgement == Some(Judgement::Dearer)) => format!(
+            None if of_name().any(|row| row.judgement == Some(Judgement::CostLimit)) => format!(
                 "{name} was stopped at the cost limit before it showed which tolerance keeps to \
                  {asked:e}{others}"
             ),
@@ -269,7 +269,7 @@ impl Row {
             }
             Some(Judgement::Misses(_)) => "misses it".to_owned(),
             Some(Judgement::Unclear(_)) => "too close to tell".to_owned(),
-            Some(Judgement::Dearer) => {
+            Some(Judgement::CostLimit) => {
                 format!("stopped at {} of {MOMENTS}: cost limit", self.moment)
             }
             Some(Judgement::Failed(failure)) => failure.to_string(),
@@ -303,7 +303,7 @@ fn unconfirmed(said: Judgement, end: &End) -> Judgement {
     match (said, end) {
         (
             Judgement::Failed(Failure::WrongPhysics(how) | Failure::Unstable(how)),
-            End::Whole | End::Cut,
+            End::Whole | End::Stopped,
         ) => Judgement::Failed(Failure::Differs(how)),
         (said, _) => said,
     }

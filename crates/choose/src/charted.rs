@@ -1,9 +1,9 @@
 //! Every method on a chart: the long form of an answer, for whoever wants to see them all.
 
 use crate::answer::Answer;
-use crate::climb::{Judgement, judge};
 use crate::lab::Lab;
 use crate::ladder::At;
+use crate::ladder_search::{Judgement, judge};
 
 /// Runs are charted up to so many times the work of the choice, or of the reference where that is more.
 const BEYOND: u64 = 4;

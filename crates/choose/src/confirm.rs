@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 
 use stationary_integrators::Evaluation;
 
-use crate::climb::{Judgement, judge, rungs_to_go, sort};
 use crate::lab::Lab;
 use crate::ladder::{At, Family, Kind, MOMENTS};
-use crate::measured::{Failure, Foresight, Trial};
+use crate::ladder_search::{Judgement, family_class, judge, rungs_to_go};
+use crate::measured::{Failure, Foresight, StopRule};
 use crate::reference::Reference;
 
 /// Whether another kind agrees with the reference at the moments.
@@ -90,13 +90,13 @@ pub fn confirmed(
         let cheapest = next.min_by_key(|&at| (dear(at) + so_far(lab, at.family), at));
         let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
         let tried = |family: usize| {
-            let of = sort(lab.family(family));
-            led.iter().filter(|at| sort(lab.family(at.family)) == of).count()
+            let of = family_class(lab.family(family));
+            led.iter().filter(|at| family_class(lab.family(at.family)) == of).count()
         };
         // Of one sort, the same rungs lead to the same.
         let new = |at: At| {
-            let of = sort(lab.family(at.family));
-            led.iter().all(|led| sort(lab.family(led.family)) != of || led.rung < at.rung)
+            let of = family_class(lab.family(at.family));
+            led.iter().all(|led| family_class(lab.family(led.family)) != of || led.rung < at.rung)
         };
         let leading = leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
         if let Some((work, at)) = leading
@@ -118,7 +118,7 @@ pub fn confirmed(
         let most_error = tolerance + reference.uncertainty;
         let most_work = u64::MAX;
         let (reference, foresight) = (Some(reference), Foresight::None);
-        lab.attempt(at, &Trial { reference, most_error, most_work, foresight });
+        lab.attempt(at, &StopRule { reference, most_error, most_work, foresight });
         if agrees(lab, at) {
             return Confirmed::By(at);
         }
@@ -163,7 +163,8 @@ pub fn next_rung(
         },
     };
     let alike = |other: &usize| {
-        *other != reference.family && sort(lab.family(*other)) == sort(lab.family(family))
+        *other != reference.family
+            && family_class(lab.family(*other)) == family_class(lab.family(family))
     };
     // Which step is stable differs from one to the other.
     let stable = |at: &At| {
@@ -260,7 +261,7 @@ mod tests {
             let (tried, like) = (family("triple-jump-4"), family("runge-kutta-4"));
             let (most_work, foresight) = (u64::MAX, Foresight::None);
             let trial =
-                Trial { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
+                StopRule { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
             let first = At { family: tried, rung: 0 };
             lab.attempt(first, &trial);
             let next = next_rung(&lab, &reference, 1e-2, like).map(|at| at.rung);

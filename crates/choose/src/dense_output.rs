@@ -7,7 +7,7 @@ use stationary_integrators::{AdaptiveError, AdaptiveMethod, ControlError, Cost, 
 
 use crate::experiment::Record;
 use crate::grid::Moments;
-use crate::ladder::{MOMENTS, SAMPLES};
+use crate::ladder::{MOMENTS, samples};
 use crate::look::Look;
 use crate::measured::{Failure, counted};
 use crate::samples::Samples;
@@ -30,8 +30,9 @@ pub fn run(
     see: See<'_>,
     watch: &mut Watch<'_>,
 ) -> Record {
-    let mut record = Record { each: SAMPLES as usize, is_smooth: true, ..Record::default() };
     let start = method.moment().clone();
+    let each = samples(start.y.len()) as usize;
+    let mut record = Record { each, is_smooth: true, ..Record::default() };
     see(&mut record.samples, start.t, &start.y);
     let mut spent = Cost::default();
     let followed = follow(&mut method, horizon, hessian, see, watch, (&mut record, &mut spent));
@@ -51,7 +52,8 @@ fn follow(
     let start = method.moment().t;
     let end = start + horizon;
     let mut y = method.moment().y.clone();
-    let all = MOMENTS * SAMPLES;
+    let each = record.each as u64;
+    let all = MOMENTS * each;
     for sample in 1..=all {
         let to = if sample == all { end } else { start + horizon * sample as f64 / all as f64 };
         while method.moment().t < to {
@@ -65,7 +67,7 @@ fn follow(
         }
         method.interpolate(to, &mut y)?;
         see(&mut record.samples, to, &y);
-        if sample % SAMPLES == 0 {
+        if sample.is_multiple_of(each) {
             let observed = record.samples.observed(record.samples.len() - 1);
             if watch.moment(observed, counted(*spent, hessian)).is_break() {
                 return Ok(());
@@ -82,7 +84,7 @@ fn add(spent: &mut Cost, before: &Work, after: &Work) {
     spent.hessians += after.factorizations - before.factorizations;
 }
 
-/// The same at moments, which count as a reading each.
+/// The same at moments.
 pub fn look(
     mut method: Own<'_>,
     horizon: f64,
@@ -108,8 +110,7 @@ pub fn look(
         method.interpolate(to, &mut y).ok()?;
         see(&mut samples, to, &y);
     }
-    let work = counted(spent, hessian) + moments.times.len() as u64;
-    Some(Look::of(&samples, work))
+    Some(Look::of(&samples, counted(spent, hessian)))
 }
 
 fn failure(error: &AdaptiveError) -> Failure {

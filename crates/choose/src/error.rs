@@ -10,13 +10,13 @@ use crate::ladder::Ladder;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuestionError {
     /// A tolerance is a part of one.
-    #[error("a tolerance of {0}; it must be at least 1e-12 and less than 1")]
+    #[error("the tolerance must be at least 1e-12 and less than 1 (got {0})")]
     Tolerance(f64),
     /// Nothing can be run in no time.
-    #[error("a budget of {0:?}; it must be longer than nothing")]
+    #[error("the budget must be positive (got {0:?})")]
     Budget(Duration),
     /// A horizon to which nothing runs.
-    #[error("a horizon of {0}; it must be positive and finite")]
+    #[error("the horizon must be positive and finite (got {0})")]
     Horizon(f64),
     /// The start, or what is observed there, is not finite.
     #[error("{what} has a number that is not finite at the start, the one at place {place} from 0")]
@@ -51,7 +51,7 @@ pub enum QuestionError {
 }
 
 impl QuestionError {
-    /// An error where a ladder cannot be climbed.
+    /// An error where a ladder cannot be searched.
     pub(crate) fn check(ladder: &Ladder) -> Result<(), QuestionError> {
         crate::motion::check_horizon(ladder.horizon)?;
         for family in &ladder.families {

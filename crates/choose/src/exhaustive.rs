@@ -4,7 +4,7 @@
 
 use crate::lab::Lab;
 use crate::ladder::At;
-use crate::measured::{End, Foresight, Trial};
+use crate::measured::{End, Foresight, StopRule};
 use crate::reference::Reference;
 use crate::verify::way_error;
 
@@ -37,7 +37,7 @@ pub fn exhaustive(
             if own.rungs[rung].least_work / 2 > most {
                 break;
             }
-            let trial = Trial {
+            let trial = StopRule {
                 reference: Some(truth),
                 most_error: tolerance,
                 most_work: most,

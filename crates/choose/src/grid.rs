@@ -4,8 +4,8 @@
 //! t = t_n,  t_(n-1) + theta (t_n - t_(n-1)),   theta = sqrt 5 - 2, sqrt 2 - 1, sqrt 3 - 1
 //! ```
 //! `t_n` the ends of equal steps, or of those that an adaptive method accepted: every step is looked into
-//! at three irrational parts, where nothing of the motion repeats; at five where equal steps are few and
-//! long, at nine where they were accepted. A method of equal steps says what it
+//! at three irrational parts, where nothing of the motion repeats; at five where all of few long steps are
+//! looked into, at nine where they were accepted. A method of equal steps says what it
 //! gives there by a step of that part; an adaptive one and modes are read off.
 
 use std::sync::Arc;
@@ -18,7 +18,7 @@ const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732
 /// Parts of an accepted step, and of equal ones that are so few that they are long.
 const OF_ACCEPTED: usize = 9;
 const OF_LONG: usize = 5;
-pub const FEW: u64 = 80;
+const FEW: u64 = 80;
 
 /// Parts of the steps of a run that is another motion.
 const OF_ANOTHER: usize = 34;
@@ -108,14 +108,12 @@ impl Moments {
     pub fn some(halvings: u32, some: &[u64], horizon: f64) -> Self {
         let parts = MOMENTS << halvings;
         let length = horizon / parts as f64;
-        let long = golden::<OF_LONG>();
-        let thetas = if parts <= FEW { long.as_slice() } else { PARTS.as_slice() };
         let each = some.iter().flat_map(|&part| {
             let start = part as f64 * length;
-            let inside = thetas.iter().map(move |theta| start + theta * length);
+            let inside = PARTS.into_iter().map(move |theta| start + theta * length);
             inside.chain([(part + 1) as f64 * length])
         });
-        Moments { times: each.collect(), parts: Some(parts), every: 1, within: thetas.len() }
+        Moments { times: each.collect(), parts: Some(parts), every: 1, within: PARTS.len() }
     }
 
     /// Of so many accepted steps that end there.

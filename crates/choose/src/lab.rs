@@ -13,7 +13,7 @@ use crate::experiment::Experiment;
 use crate::grid::{Grid, Moments, Within};
 use crate::ladder::{At, Family, Kind, Ladder};
 use crate::look::Look;
-use crate::measured::{End, Failure, Measured, Trial};
+use crate::measured::{End, Failure, Measured, StopRule};
 use crate::watch::Watch;
 
 /// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
@@ -54,7 +54,7 @@ impl<'e> Lab<'e> {
     /// Nothing measured yet; choosing may take so much time.
     ///
     /// # Errors
-    /// [`QuestionError`] for no time, and for a ladder that cannot be climbed.
+    /// [`QuestionError`] for no time, and for a ladder that cannot be searched.
     pub fn new(experiment: &'e dyn Experiment, budget: Duration) -> Result<Self, QuestionError> {
         if budget.is_zero() {
             return Err(QuestionError::Budget(budget));
@@ -130,14 +130,22 @@ impl<'e> Lab<'e> {
         (grid, within): (&Grid, Within),
         allowed: f64,
     ) -> Option<(Arc<Look>, f64)> {
-        let moments = self.moments(grid, within)?;
-        let track = self.used.get(&at).and_then(|run| run.track.clone());
-        if let Some(reading) = track.map(|track| track.read(&moments.times))
-            && reading.off <= allowed
-        {
-            return Some((Arc::new(reading.look), reading.off));
+        match self.read_off(at, (grid, within), allowed) {
+            None => Some((self.look(at, grid, within)?, 0.0)),
+            read => read,
         }
-        Some((self.look(at, grid, within)?, 0.0))
+    }
+
+    /// The same, where that costs nothing.
+    pub fn read_off(
+        &mut self,
+        at: At,
+        (grid, within): (&Grid, Within),
+        allowed: f64,
+    ) -> Option<(Arc<Look>, f64)> {
+        let moments = self.moments(grid, within)?;
+        let reading = self.used.get(&at)?.track.as_ref()?.read(&moments.times);
+        (reading.off <= allowed).then(|| (Arc::new(reading.look), reading.off))
     }
 
     /// The moments of a grid, all or the ends of its steps; nothing where its run did not come to its end.
@@ -183,11 +191,11 @@ impl<'e> Lab<'e> {
 
     /// The rung's run, to the moment at which the trial is lost; where that was seen already, as it
     /// was seen.
-    pub fn attempt(&mut self, at: At, trial: &Trial<'_>) -> &Measured {
+    pub fn attempt(&mut self, at: At, trial: &StopRule<'_>) -> &Measured {
         self.run(at, Some(trial))
     }
 
-    fn run(&mut self, at: At, trial: Option<&Trial<'_>>) -> &Measured {
+    fn run(&mut self, at: At, trial: Option<&StopRule<'_>>) -> &Measured {
         let enough = |seen: &Measured| seen.seen_by(trial).is_some();
         if !self.used.get(&at).is_some_and(enough) {
             let seen = self.runs.get(&at).and_then(|run| run.seen_by(trial));
@@ -202,7 +210,7 @@ impl<'e> Lab<'e> {
         &self.used[&at]
     }
 
-    fn made(&self, at: At, finer: Option<usize>, trial: Option<&Trial<'_>>) -> Measured {
+    fn made(&self, at: At, finer: Option<usize>, trial: Option<&StopRule<'_>>) -> Measured {
         let start = Instant::now();
         let mut watch = Watch::new(trial, self.deadline);
         let record = self.experiment.run(at, finer, &mut watch);

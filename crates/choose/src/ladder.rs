@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! equal steps    h = T / (20 2^k)     k = 0, 1, ...     one family a method and a model
-//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/320, 2 T/320, ...
+//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/2560, 2 T/2560, ...
 //! modes          N = 2^k              k = 0, 1, ...     a sum in closed form
 //! ```
 //! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two

@@ -35,7 +35,7 @@
 //! Reading order: what can be run in many ways ([`Experiment`], with its [`Ladder`] of families and rungs,
 //! and what a run leaves, a [`Record`]); the two that are ready-made: the [`Motion`] of any system and the
 //! [`Flow`] of any first-order field; the [`Lab`], in which no rung is run twice; the [`Reference`], the
-//! [`Climb`] over the ladder, and the look over the whole way ([`Moments`], [`Look`], [`Seen`]); the
+//! [`LadderSearch`], and the look over the whole way ([`Moments`], [`Look`], [`Seen`]); the
 //! [`Answer`]. Last what the search is measured against: [`exhaustive`] runs every rung that could be cheaper.
 //!
 //! The crate knows no scene and opens no file. What it cannot see is on its page: an observable that a bad
@@ -53,7 +53,7 @@ mod track;
 mod effort;
 mod lab;
 mod reference;
-mod climb;
+mod ladder_search;
 mod way;
 mod verify;
 mod confirm;
@@ -69,7 +69,6 @@ mod flow;
 
 pub use answer::{Answer, Row, Verdict};
 pub use charted::charted;
-pub use climb::{Climb, Judgement, judge};
 pub use effort::{Effort, Purpose};
 pub use error::QuestionError;
 pub use exhaustive::{Found, exhaustive};
@@ -81,8 +80,9 @@ pub use ladder::{
     At, Family, Finer, Kind, Ladder, MOMENTS, Rung, SAMPLES, Scale, equal_steps, numbers_of_steps,
     own_steps, powers, samples, work_of_step,
 };
+pub use ladder_search::{Judgement, LadderSearch, judge};
 pub use look::Look;
-pub use measured::{Course, End, Failure, Foresight, Measured, Trial, counted};
+pub use measured::{Course, End, Failure, Foresight, Measured, StopRule, counted};
 pub use motion::Motion;
 pub use picture::{chart, picture};
 pub use reference::{Extrapolated, Reference, preferred};

@@ -74,7 +74,7 @@ pub enum End {
     /// At the horizon.
     Whole,
     /// At a moment at which it was known to be of no use.
-    Cut,
+    Stopped,
     /// It failed.
     Failed(Failure),
 }
@@ -100,7 +100,7 @@ pub struct Measured {
 
 /// What a run is stopped by as soon as it shows at a moment.
 #[derive(Clone, Copy, Debug)]
-pub struct Trial<'r> {
+pub struct StopRule<'r> {
     /// What it is judged by, where there is something yet.
     pub reference: Option<&'r Reference>,
     /// An error above this is one too many.
@@ -119,14 +119,14 @@ pub enum Foresight {
     /// When it will be by far, going on as it began.
     Steady,
     /// When what it has still to do is too much, going on as it began: what it cost is spent.
-    Rest,
+    RemainingCost,
 }
 
 /// Moments that a run is watched before it is foreseen, and the factor by which it must be too dear.
 const WATCHED: usize = 3;
 const FAR: u64 = 2;
 
-impl Trial<'_> {
+impl StopRule<'_> {
     pub(crate) fn is_lost(&self, moment: usize, observed: &[f64], work: u64) -> bool {
         let error = self.reference.map_or(0.0, |known| known.error_at(moment, observed));
         let (most, past) = (self.most_work, moment as u64);
@@ -134,7 +134,7 @@ impl Trial<'_> {
         let dear = match self.foresight {
             Foresight::None => work > most,
             Foresight::Steady => work > most || foreseen(MOMENTS / FAR),
-            Foresight::Rest => foreseen(MOMENTS.saturating_sub(past)),
+            Foresight::RemainingCost => foreseen(MOMENTS.saturating_sub(past)),
         };
         dear || error.is_nan() || error > self.most_error
     }
@@ -151,8 +151,8 @@ impl Measured {
     pub fn expected(&self) -> u64 {
         match (&self.end, self.works.len().saturating_sub(1) as u64) {
             (End::Whole, _) => self.work,
-            (End::Cut, 1) => self.work * MOMENTS,
-            (End::Cut, moments) if moments > 1 => {
+            (End::Stopped, 1) => self.work * MOMENTS,
+            (End::Stopped, moments) if moments > 1 => {
                 let first = self.works[1];
                 first + (self.work - first) * (MOMENTS - 1) / (moments - 1)
             }
@@ -162,7 +162,7 @@ impl Measured {
 
     /// The same run, stopped where a trial stops it; `None` where that cannot be said, since it was
     /// cut before.
-    pub fn seen_by(&self, trial: Option<&Trial<'_>>) -> Option<Measured> {
+    pub fn seen_by(&self, trial: Option<&StopRule<'_>>) -> Option<Measured> {
         let values = &self.course.values;
         let lost = trial.and_then(|trial| {
             let lost = |&k: &usize| trial.is_lost(k, &values[k], self.works[k]);
@@ -170,7 +170,7 @@ impl Measured {
         });
         match lost {
             Some(last) => Some(self.until(last)),
-            None if self.end == End::Cut => None,
+            None if self.end == End::Stopped => None,
             None => Some(self.clone()),
         }
     }
@@ -181,7 +181,7 @@ impl Measured {
         part.course.values.truncate(last + 1);
         part.course.energies.truncate(last + 1);
         part.work = self.works[last];
-        part.end = End::Cut;
+        part.end = End::Stopped;
         part.track = None;
         part
     }

@@ -3,7 +3,7 @@
 use stationary_chart::{Axis, Chart, ChartError, Judged};
 
 use crate::answer::{Answer, Row};
-use crate::climb::Judgement;
+use crate::ladder_search::Judgement;
 
 /// Errors below this are rounding and are drawn there.
 const ROUNDING: f64 = 1e-16;

@@ -22,7 +22,7 @@ use stationary_integrators::Evaluation;
 
 use crate::lab::Lab;
 use crate::ladder::{At, Kind, Scale};
-use crate::measured::{Course, End, Failure, Foresight, Trial, apart, distance};
+use crate::measured::{Course, End, Failure, Foresight, StopRule, apart, distance};
 
 /// The best answer so far.
 #[derive(Clone, Debug)]
@@ -172,14 +172,14 @@ impl Making {
     /// Tries the next rung; where that has more to do still than others, it is stopped, and tried
     /// again only where those turn out to be dearer.
     fn advance(&mut self, lab: &mut Lab<'_>, others: f64) {
-        let trial = Trial {
+        let trial = StopRule {
             reference: None,
             most_error: f64::INFINITY,
             most_work: others as u64,
-            foresight: Foresight::Rest,
+            foresight: Foresight::RemainingCost,
         };
         let at = At { family: self.family, rung: self.finest };
-        if lab.attempt(at, &trial).end == End::Cut {
+        if lab.attempt(at, &trial).end == End::Stopped {
             return;
         }
         let next = Reference::at(lab, self.family, self.finest);

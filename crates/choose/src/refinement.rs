@@ -8,9 +8,9 @@
 
 use std::fmt;
 
-use crate::climb::Judgement;
 use crate::lab::Lab;
 use crate::ladder::{At, Kind};
+use crate::ladder_search::Judgement;
 use crate::measured::apart;
 use crate::reference::Reference;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! a reference, by the family that fits best                                    (`reference.rs`)
-//! the cheapest rung that meets it at twenty moments                            (`climb.rs`)
+//! the cheapest rung that meets it at twenty moments                            (`ladder_search.rs`)
 //! over its whole way, by a reference that another kind of method confirms      (`verify.rs`)
 //! ```
 //! Where one of these says no, it begins anew: with a better reference, or with what is known now of the
@@ -11,12 +11,12 @@
 use stationary_integrators::Evaluation;
 
 use crate::answer::{Answer, Verdict};
-use crate::climb::{Climb, judge};
 use crate::effort::Purpose;
 use crate::error::QuestionError;
 use crate::grid::{Grid, Within};
 use crate::lab::Lab;
 use crate::ladder::{At, Kind};
+use crate::ladder_search::{LadderSearch, judge};
 use crate::reference::{Reference, preferred};
 use crate::refinement::mesh_error;
 use crate::verify::{Doubt, Finding, Seen, verify};
@@ -112,10 +112,10 @@ fn settled(
     families: &[usize],
 ) -> Result<Box<Answer>, Box<(Reference, Doubt)>> {
     for _ in 0..CHOICES {
-        let mut climb = Climb::new(lab, reference, tolerance);
-        climb.lab.turn_to(Purpose::Search);
-        let chosen = climb.search();
-        reference = climb.reference.clone();
+        let mut search = LadderSearch::new(lab, reference, tolerance);
+        search.lab.turn_to(Purpose::Search);
+        let chosen = search.search();
+        reference = search.reference.clone();
         let Some(at) = chosen else {
             return Ok(Box::new(Answer::of(lab, reference, tolerance, Verdict::NoneMeets)));
         };
@@ -153,18 +153,18 @@ fn cheaper(
     families: &[usize],
 ) -> Option<(At, Seen)> {
     lab.turn_to(Purpose::Search);
-    let mut at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+    let mut at = LadderSearch::new(lab, reference.clone(), tolerance).settle()?;
     if lab.seen(at)?.work >= lab.seen(chosen)?.work {
         return None;
     }
-    at = Climb::new(lab, reference.clone(), tolerance).settle_below(at)?;
+    at = LadderSearch::new(lab, reference.clone(), tolerance).settle_below(at)?;
     for _ in 0..COARSER {
         match verify(lab, reference, at, tolerance, families) {
             Finding::Holds(seen) => return Some((at, seen)),
             Finding::Beyond(error) => lab.overrule(at, error),
             _ => return None,
         }
-        at = Climb::new(lab, reference.clone(), tolerance).settle()?;
+        at = LadderSearch::new(lab, reference.clone(), tolerance).settle()?;
         if lab.seen(at)?.work >= lab.seen(chosen)?.work {
             return None;
         }

@@ -1,20 +1,24 @@
 //! What a run did at all its samples, read off between them by polynomials where these resolve it.
 //!
 //! ```text
-//! x(t) = sum_k l_k(t) x_k       Lagrange, by the 8 samples around t
-//! off  = |x(t) - y(t)|          y by the 6 nearest of them
+//! x(t) = sum_k l_k(t) x_k       Lagrange, by the 8, 12 or 16 samples around t
+//! off  = |x(t) - y(t)|          y by two fewer of them; as many as make this the least
 //! ```
 //! `x_k` the run at equal distances in time, mostly the ends of its steps. A motion that is smooth and
 //! sampled often enough is known between the samples far better than the tolerance: then no step need be
 //! taken again in parts. Where `off` is too large, as around an impact, nothing is said.
 
 use crate::look::Look;
-use crate::measured::distance;
+use crate::measured::{distance, norm};
 use crate::samples::Samples;
 
-/// Samples that a polynomial goes through, and fewer ones to see how well it does.
-const POINTS: usize = 8;
-const FEWER: usize = 6;
+/// Samples that polynomials go through, and so many fewer to see how well they do.
+const POINTS: [usize; 3] = [8, 12, 16];
+const FEWER: usize = 2;
+/// How much nearer more samples must come.
+const SHRINKS: f64 = 8.0;
+/// What a polynomial at the end of its samples makes of their rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// A whole run at its samples, the horizon in equal parts.
 #[derive(Clone, Debug)]
@@ -39,7 +43,7 @@ impl Track {
     pub fn of(samples: Samples, told: f64, horizon: f64) -> Option<Self> {
         let (kinetic, count) = (samples.kinetic(samples.len()), samples.len());
         let spacing = horizon / count.checked_sub(1)? as f64;
-        (count > POINTS).then_some(Track { spacing, samples, kinetic, told })
+        (count > POINTS[0]).then_some(Track { spacing, samples, kinetic, told })
     }
 
     /// Whether it was sampled so many times in its horizon, or more often by a whole factor.
@@ -60,7 +64,8 @@ impl Track {
         Reading { look, off }
     }
 
-    /// The numbers at a moment, and how far those of the observable may be off.
+    /// The numbers at a moment, and how far those of the observable may be off: by ever more samples, as long
+    /// as these differ the less from two fewer of them.
     fn at(&self, t: f64, row: &mut [f64]) -> f64 {
         let last = self.samples.len() - 1;
         let place = (t / self.spacing).clamp(0.0, last as f64);
@@ -69,24 +74,43 @@ impl Track {
             row.copy_from_slice(self.samples.row(nearest));
             return 0.0;
         }
-        let first =
-            |points: usize| (place as usize + 1).saturating_sub(points / 2).min(last + 1 - points);
-        let add = |row: &mut [f64], first: usize, points: usize| {
-            row.fill(0.0);
-            let x = place - first as f64;
-            for k in 0..points {
-                let others = (0..points).filter(|&j| j != k);
-                let weight: f64 = others.map(|j| (x - j as f64) / (k as f64 - j as f64)).product();
-                row.iter_mut()
-                    .zip(self.samples.row(first + k))
-                    .for_each(|(sum, x)| *sum += weight * x);
-            }
-        };
+        let (mut fewer, mut more) = (vec![0.0; row.len()], vec![0.0; row.len()]);
+        // What is observed, and what stands beside it, which may move faster.
         let columns = self.samples.columns();
-        let mut fewer = vec![0.0; columns];
-        add(&mut fewer, first(FEWER), FEWER);
-        add(row, first(POINTS), POINTS);
-        distance(&fewer, &row[..columns])
+        let parts = [0..columns, columns..row.len()];
+        let mut least = [f64::INFINITY; 2];
+        for points in POINTS.into_iter().filter(|points| *points <= last) {
+            self.lagrange(place, points - FEWER, &mut fewer);
+            self.lagrange(place, points, &mut more);
+            for (part, least) in parts.iter().zip(&mut least) {
+                let (fewer, more) = (&fewer[part.clone()], &more[part.clone()]);
+                let off = distance(fewer, more);
+                // What is smooth and sampled often enough is told far better by more of them.
+                if least.is_infinite() || SHRINKS * off < *least {
+                    *least = off.max(ROUNDING * norm(more));
+                    row[part.clone()].copy_from_slice(more);
+                }
+            }
+        }
+        least[0]
+    }
+
+    /// The polynomial through so many of the samples around a place, there: `sum_k w_k x_k / sum_k w_k` with
+    /// `w_k = (-1)^k binomial(points - 1, k) / (place - k)`.
+    fn lagrange(&self, place: f64, points: usize, row: &mut [f64]) {
+        let count = self.samples.len();
+        let first = (place as usize + 1).saturating_sub(points / 2).min(count - points);
+        let (x, degree) = (place - first as f64, points - 1);
+        let (mut binomial, mut sum) = (1.0, 0.0);
+        row.fill(0.0);
+        for k in 0..points {
+            let weight = binomial / (x - k as f64);
+            sum += weight;
+            let sample = self.samples.row(first + k);
+            row.iter_mut().zip(sample).for_each(|(row, x)| *row += weight * x);
+            binomial *= -((degree - k) as f64) / (k + 1) as f64;
+        }
+        row.iter_mut().for_each(|row| *row /= sum);
     }
 }
 

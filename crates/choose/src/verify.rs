@@ -13,13 +13,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
-use crate::climb::rungs_to_go;
 use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
 use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
+use crate::ladder_search::rungs_to_go;
 use crate::look::{Look, apart, apart_where_own};
 use crate::reference::{Extrapolated, Reference};
 use crate::search::BARELY;
@@ -120,22 +121,26 @@ const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
 
+/// How a run is read at the moments of a grid: [`Lab::read`] or [`Lab::read_off`].
+pub type Read<'e> = fn(&mut Lab<'e>, At, (&Grid, Within), f64) -> Option<(Arc<Look>, f64)>;
+
 /// A reference at the moments of a grid, and how far it may be off since it is read off between its
 /// samples, where these tell it to within `allowed` of the observable.
-pub fn told(
-    lab: &mut Lab<'_>,
+pub fn told<'e>(
+    lab: &mut Lab<'e>,
     reference: &Reference,
     (grid, within): (&Grid, Within),
     allowed: f64,
+    read: Read<'e>,
 ) -> Option<(Look, f64)> {
     let at = |rung: usize| At { family: reference.family, rung };
-    let (fine, off) = lab.read(at(reference.finest), (grid, within), allowed)?;
+    let (fine, off) = read(lab, at(reference.finest), (grid, within), allowed)?;
     let mut best = Look::clone(&fine);
     if reference.extrapolated == Extrapolated::No {
         return Some((best, off));
     }
     let weight = 1.0 / (f64::from(1_u32 << lab.family(reference.family).order) - 1.0);
-    let (middle, other) = lab.read(at(reference.before), (grid, within), allowed / weight)?;
+    let (middle, other) = read(lab, at(reference.before), (grid, within), allowed / weight)?;
     let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
     for (best, other) in [(&mut best.values, &middle.values), (&mut best.places, &middle.places)] {
         for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
@@ -178,7 +183,7 @@ fn whole_way(
 ) -> Option<(Look, f64)> {
     let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
     for (grid, within) in &way.grids {
-        let (next, off) = told(lab, reference, (grid, *within), allowed)?;
+        let (next, off) = told(lab, reference, (grid, *within), allowed, Lab::read)?;
         all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
         most = most.max(off);
     }
@@ -202,7 +207,7 @@ fn off_other(
         let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
             let ends = samples(lab, at, LEAST_HALVINGS);
             let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
-            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed)?;
+            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed, Lab::read)?;
             return Some(apart_where_own(&other, &truth));
         };
         all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
@@ -242,7 +247,7 @@ pub fn way_error(lab: &mut Lab<'_>, reference: &Reference, at: At, tolerance: f6
     let grid = Grid::of(lab, at);
     let own = lab.look(at, &grid, Within::Parts)?;
     let allowed = allowed(reference, tolerance);
-    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed)?;
+    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed, Lab::read)?;
     Some(apart(&own.values, &truth.values) / reference.course.scale)
 }
 
@@ -256,7 +261,7 @@ pub fn verify(
 ) -> Finding {
     lab.turn_to(Purpose::WithinReference);
     let least = nothing(&reference.course, tolerance);
-    if let Some(some) = Way::some(lab, reference, at, least)
+    if let Some(some) = Way::some(lab, reference, at, (least, allowed(reference, tolerance)))
         && let Some(finding) = verify_on(lab, reference, (at, &some), tolerance, families)
     {
         return finding;
@@ -312,9 +317,8 @@ fn verify_on(
     if !way.is_all() && places.is_some_and(is_another) {
         return None;
     }
-    let between = way.between(lab, reference, at, allowed)?;
-    let most = between.max(way.foretold(lab, &own, &truth));
-    if most / scale + uncertainty > tolerance || between.is_nan() {
+    let most = way.between().max(way.foretold(lab, &own, &truth));
+    if most / scale + uncertainty > tolerance {
         return None;
     }
     let near = match lab.family(reference.family).is_closed {

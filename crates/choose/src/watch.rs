@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use crate::ladder::MOMENTS;
-use crate::measured::{End, Failure, Trial};
+use crate::measured::{End, Failure, StopRule};
 
 /// Steps between two looks at the clock.
 const LOOK: u64 = 256;
@@ -12,7 +12,7 @@ const LOOK: u64 = 256;
 /// What a run tells, step after step.
 #[derive(Debug)]
 pub struct Watch<'t> {
-    trial: Option<&'t Trial<'t>>,
+    trial: Option<&'t StopRule<'t>>,
     deadline: Instant,
     steps: u64,
     pub(crate) works: Vec<u64>,
@@ -21,7 +21,7 @@ pub struct Watch<'t> {
 
 impl<'t> Watch<'t> {
     /// A watch to the deadline.
-    pub(crate) fn new(trial: Option<&'t Trial<'t>>, deadline: Instant) -> Self {
+    pub(crate) fn new(trial: Option<&'t StopRule<'t>>, deadline: Instant) -> Self {
         Watch { trial, deadline, steps: 0, works: vec![0], end: End::Whole }
     }
 
@@ -40,10 +40,10 @@ impl<'t> Watch<'t> {
     pub fn moment(&mut self, observed: &[f64], work: u64) -> ControlFlow<()> {
         self.works.push(work);
         let moment = self.works.len() - 1;
-        let lost = |trial: &Trial<'_>| trial.is_lost(moment, observed, work);
+        let lost = |trial: &StopRule<'_>| trial.is_lost(moment, observed, work);
         let is_number = observed.iter().all(|x| x.is_finite());
         if (moment as u64) < MOMENTS && (!is_number || self.trial.is_some_and(lost)) {
-            self.end = End::Cut;
+            self.end = End::Stopped;
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())

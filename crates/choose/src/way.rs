@@ -6,12 +6,13 @@
 //! ```
 //! A part of a step errs by no more than the whole one, but for its constant. So first the steps of the
 //! largest `b_n` are looked into, and as many others, spread evenly; the largest error in one of them over
-//! its `b_n` foretells those of the rest. These are read off at three moments as well, from polynomials
-//! through the ends of steps. Where the tolerance does not hold by both, every step is looked into.
+//! its `b_n` foretells those of the rest. Before that, all steps are read off from polynomials through their
+//! ends, which costs nothing. Where these do not resolve the motion, or the tolerance does not hold by both,
+//! every step is looked into.
 
 use std::sync::Arc;
 
-use crate::grid::{self, Grid, Within};
+use crate::grid::{Grid, Within};
 use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
 use crate::look::{Look, apart};
@@ -33,6 +34,9 @@ struct Foretold {
     looked: Vec<bool>,
     /// The least bound that is taken for one.
     least: f64,
+    /// The largest error at three moments of every step, by polynomials through the ends of steps, and
+    /// how far these may be off.
+    between: f64,
 }
 
 /// One of so many parts is looked into, and so many at least; half of them where errors are the largest.
@@ -76,20 +80,24 @@ impl Way {
         (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
     }
 
-    /// Into some steps; nothing where the ends of the others are not known, or all are few.
-    pub fn some(lab: &mut Lab<'_>, reference: &Reference, at: At, least: f64) -> Option<Self> {
+    /// Into some steps; nothing where what is between the ends of the others is not known, or known to be
+    /// too far off, or these are few.
+    pub fn some(
+        lab: &mut Lab<'_>,
+        reference: &Reference,
+        at: At,
+        (least, allowed): (f64, f64),
+    ) -> Option<Self> {
         let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
-        // The ends of long steps tell little of what is within them.
-        if MOMENTS << halvings <= grid::FEW {
-            return None;
-        }
+        let most = least / NOTHING;
+        let between = between(lab, reference, at, allowed).filter(|between| *between <= most)?;
         let track = lab.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
         let parts = (MOMENTS << sampled) as usize;
         let ends = (Grid::Equal { halvings: sampled }, Within::Ends);
         let (own, _) = lab.read(at, (&ends.0, ends.1), 0.0)?;
-        let (truth, _) = told(lab, reference, (&ends.0, ends.1), least)?;
+        let (truth, _) = told(lab, reference, (&ends.0, ends.1), least, Lab::read)?;
         let errors: Vec<Vec<f64>> = own.values.iter().zip(&truth.values).map(off).collect();
         let sizes: Vec<f64> = errors.iter().map(|error| size(error)).collect();
         let bounds: Vec<f64> = (0..parts)
@@ -99,7 +107,6 @@ impl Way {
             })
             .collect();
         // What is far below the tolerance needs few witnesses.
-        let most = least / NOTHING;
         let at_least = if bounds.iter().all(|&bound| bound < FAR * most) { FEW } else { AT_LEAST };
         let large = bounds.iter().filter(|&&bound| bound > LARGE * most).count();
         let count = at_least.max(parts / ONE_OF).max(2 * large);
@@ -111,7 +118,7 @@ impl Way {
         let chosen = (0..parts as u64).filter(|&part| looked[part as usize]);
         let steps: Arc<[u64]> = chosen.flat_map(|part| part * each..(part + 1) * each).collect();
         let within = (Grid::Some { halvings, parts: steps }, Within::Parts);
-        let foretold = Some(Foretold { bounds, looked, least });
+        let foretold = Some(Foretold { bounds, looked, least, between });
         Some(Way { grids: vec![ends, within], foretold })
     }
 
@@ -137,23 +144,9 @@ impl Way {
         MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
     }
 
-    /// The largest error at three moments of every step where not every one is looked into, by polynomials
-    /// through the ends of steps, and how far these may be off; nothing where nothing tells that.
-    pub fn between(
-        &self,
-        lab: &mut Lab<'_>,
-        reference: &Reference,
-        at: At,
-        allowed: f64,
-    ) -> Option<f64> {
-        if self.is_all() {
-            return Some(0.0);
-        }
-        let grid = Grid::of(lab, at);
-        let moments = lab.moments(&grid, Within::Parts)?;
-        let own = lab.seen(at)?.track.as_ref()?.read(&moments.times);
-        let (truth, off) = told(lab, reference, (&grid, Within::Parts), allowed)?;
-        Some(apart(&own.look.values, &truth.values) + own.off + off)
+    /// The largest error between the ends of steps, where not every one is looked into.
+    pub fn between(&self) -> f64 {
+        self.foretold.as_ref().map_or(0.0, |known| known.between)
     }
 
     /// How often its equal parts are halved twentieths of the horizon; none of other steps.
@@ -176,6 +169,16 @@ impl Way {
             _ => None,
         })
     }
+}
+
+/// The largest error of a run at the moments of every step, by polynomials through the ends of its steps, and
+/// how far these may be off; nothing where they do not tell that.
+fn between(lab: &mut Lab<'_>, reference: &Reference, at: At, allowed: f64) -> Option<f64> {
+    let grid = Grid::of(lab, at);
+    let moments = lab.moments(&grid, Within::Parts)?;
+    let own = lab.seen(at)?.track.as_ref()?.read(&moments.times);
+    let (truth, off) = told(lab, reference, (&grid, Within::Parts), allowed, Lab::read_off)?;
+    Some(apart(&own.look.values, &truth.values) + own.off + off)
 }
 
 /// What is no error, in the observable's unit.

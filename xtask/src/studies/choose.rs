@@ -263,9 +263,9 @@ fn shown(all: &Cases) -> Study {
             ),
             Claim::number(
                 "work of choosing over that of the choice, in the middle",
-                "20 or less",
+                "18 or less",
                 middle(cases),
-                (1.0, 20.0),
+                (1.0, 18.0),
             ),
             Claim::number(
                 "part of the pairs in which choosing costs at most forty runs of the choice",

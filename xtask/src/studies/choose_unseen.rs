@@ -118,9 +118,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
             ),
             Claim::number(
                 "work of choosing over that of the choice, in the middle",
-                "25 or less",
+                "18 or less",
                 at(&efforts, 0.5),
-                (0.0, 25.0),
+                (0.0, 18.0),
             ),
             Claim::number(
                 "work of choosing over that of the choice, in 19 of 20",

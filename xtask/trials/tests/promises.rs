@@ -1,7 +1,9 @@
 //! As many random cases of each kind as fit into a minute for all, and all that were ever found wrong.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use stationary_trials::{Draw, Kind, Plan, Verdict};
@@ -48,4 +50,22 @@ fn what_trials_have_found_is_mended() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// As in `stationary-trials --list | head -1`.
+#[cfg(unix)]
+#[test]
+fn a_reader_that_leaves_ends_the_program_without_a_word() {
+    let program = env!("CARGO_BIN_EXE_stationary-trials");
+    let mut child = Command::new(program)
+        .arg("--list")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    let status = child.wait().unwrap();
+    assert!(said.is_empty() && status.code() != Some(101), "{status}: {said}");
 }

@@ -164,7 +164,7 @@ fn a_run_that_says_why_it_failed_is_told_with_it() {
 }
 
 #[test]
-fn a_ladder_that_cannot_be_climbed_is_refused() {
+fn a_ladder_that_cannot_be_searched_is_refused() {
     let ask = |change: fn(&mut Ladder)| {
         let mut made = made(Fault::None);
         change(&mut made.ladder);

@@ -131,7 +131,8 @@ impl Experiment for SceneLadder {
 
     fn run(&self, at: At, finer: Option<usize>, watch: &mut Watch<'_>) -> Record {
         let model = finer.and_then(|finer| self.finer.get(finer)).unwrap_or_else(|| self.model(at));
-        run::run(&self.name, model, self.setting(at), watch)
+        let kind = self.ladder.families[at.family].kind;
+        run::run(&self.name, model, (kind, self.setting(at)), watch)
     }
 
     fn look(&self, at: At, moments: &Moments, deadline: Instant) -> Option<Look> {
@@ -191,12 +192,11 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
         let changes = [method.clone()].into_iter().chain(says).collect();
         Setting { changes, hessian_work }
     };
-    let moment = number(horizon / (MOMENTS * SAMPLES) as f64);
-    let every_moment = |tolerance: Option<String>, modes: Option<String>| {
+    let read_off = |each: u64, tolerance: Option<String>, modes: Option<String>| {
         says([
             ("tolerance", tolerance),
             ("modes", modes),
-            ("step", Some(moment.clone())),
+            ("step", Some(number(horizon / (MOMENTS * each) as f64))),
             ("sample_every", Some("1".to_owned())),
         ])
     };
@@ -216,8 +216,9 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
             rungs.zip(settings).unzip()
         }
         Kind::OwnSteps => {
+            let each = samples(scene.freedoms());
             let settings =
-                powers(candidate.loosest).map(|k| every_moment(Some(format!("1e-{k}")), None));
+                powers(candidate.loosest).map(|k| read_off(each, Some(format!("1e-{k}")), None));
             own_steps(candidate.loosest, step).zip(settings).unzip()
         }
         Kind::Modes => (0..=DOUBLINGS)
@@ -228,7 +229,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
             .map(|modes| {
                 let least_work = FACTORIZATIONS * hessian_work + SOLVES + 2 * modes;
                 let rung = Rung { setting: modes as f64, least_work };
-                (rung, every_moment(None, Some(modes.to_string())))
+                (rung, read_off(SAMPLES, None, Some(modes.to_string())))
             })
             .unzip(),
     };

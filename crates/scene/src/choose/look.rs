@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use super::candidate::Setting;
 use super::declaration::changed;
 use super::model::{Model, moved};
-use super::run::told;
+use super::run::{own, told};
 use crate::model::scene::Scene;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::observer::{Control, Observer, Progress};
@@ -87,14 +87,15 @@ pub(super) fn look(
     Some(Look { kinetic, is_own, told: told(&run), ..look })
 }
 
-/// Counted work with that of parts of steps: of what is read off, a part is no more than a reading.
+/// Counted work with that of parts of steps: what is read off from modes is a reading, from the steps that a
+/// method chose itself it takes nothing.
 fn taken(cost: Cost, setting: &Setting, (kind, parts, steps): (Kind, u64, u64)) -> u64 {
     if kind != Kind::EqualSteps {
-        let read = Cost { steps: cost.steps + parts, ..cost };
+        let read = own(Cost { steps: cost.steps + parts, ..cost }, kind);
         return counted(read, setting.hessian_work);
     }
-    let own = counted(cost, setting.hessian_work);
-    (own as f64 * (1.0 + parts as f64 / steps as f64)) as u64
+    let whole = counted(cost, setting.hessian_work);
+    (whole as f64 * (1.0 + parts as f64 / steps as f64)) as u64
 }
 
 /// Whether steps have no parts: straight lines join their ends.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stationary_choose::{Energies, Failure, MOMENTS, Record, Samples, Watch, counted};
+use stationary_choose::{Energies, Failure, Kind, MOMENTS, Record, Samples, Watch, counted};
 use stationary_integrators::{Cost, StepError};
 
 use super::candidate::Setting;
@@ -16,7 +16,12 @@ use crate::run::observer::{Control, Observer, Progress};
 use crate::run::samples::Run;
 
 /// Runs a model as a setting says, until the watch breaks off.
-pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watch<'_>) -> Record {
+pub(super) fn run(
+    name: &str,
+    model: &Model,
+    (kind, setting): (Kind, &Setting),
+    watch: &mut Watch<'_>,
+) -> Record {
     let scene = match Scene::parse_at(name, &changed(&model.text, &setting.changes)) {
         Ok(scene) => scene,
         Err(error) => {
@@ -26,7 +31,7 @@ pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watc
     };
     let (every, hessian) = (scene.timing().steps() / MOMENTS, setting.hessian_work);
     let pieces = model.pieces;
-    let work = |cost: Cost| pieces * counted(cost, hessian);
+    let work = |cost: Cost| pieces * counted(own(cost, kind), hessian);
     let mut judging = Judging { every, work: &work, watch, accepted: Vec::new() };
     let run = scene.run_from(None, &mut judging);
     let accepted = judging.accepted;
@@ -47,6 +52,12 @@ pub(super) fn run(name: &str, model: &Model, setting: &Setting, watch: &mut Watc
         is_smooth: is_smooth(run),
         failure,
     }
+}
+
+/// What a run took itself: where a method chooses its own steps, those of the scene are read off, which takes
+/// no evaluation.
+pub(super) fn own(cost: Cost, kind: Kind) -> Cost {
+    if kind == Kind::OwnSteps { Cost { steps: 0, ..cost } } else { cost }
 }
 
 /// What the run showed at each of its samples.

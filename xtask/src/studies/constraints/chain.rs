@@ -39,9 +39,14 @@ fn study(size: Size) -> Result<Study, StudyError> {
     for &n in lengths {
         let RodProblem { system, rods, initial } =
             writhing_chain(n, RATE).map_err(StudyError::at("a chain"))?;
-        let solver =
-            Solver::<Vec<f64>>::analyse(&SparseDiagonal::default(), system.metric(), &rods, 0.0, &initial.q)
-                .map_err(StudyError::at("a chain"))?;
+        let solver = Solver::<Vec<f64>>::analyse(
+            &SparseDiagonal::default(),
+            system.metric(),
+            &rods,
+            0.0,
+            &initial.q,
+        )
+        .map_err(StudyError::at("a chain"))?;
         let mut rattle = Rattle::new(&system, rods, &initial, SparseDiagonal::default())
             .map_err(StudyError::at("a chain"))?;
         let mut state = initial.clone();

@@ -2,7 +2,10 @@
 
 use stationary_calculus::{Covector, Number};
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
-use stationary_constraints::{ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Level, LevelSet, Projection, Rattle, Redundancy, SparseDiagonal};
+use stationary_constraints::{
+    ArcsinePendulum, ConstrainedIntegrator, ConstraintError, Level, LevelSet, Projection, Rattle,
+    Redundancy, SparseDiagonal,
+};
 use stationary_integrators::State;
 use stationary_measure::{Column, Table};
 

@@ -5,7 +5,10 @@ use std::error::Error;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Crank, FourBar, RodProblem, four_bar};
-use stationary_constraints::{ConstrainedHamilton, ConstrainedIntegrator, Constraint, Dense, Penalty, Rattle, Reduced, Redundancy, Sampling, StepAndProject, Weight};
+use stationary_constraints::{
+    ConstrainedHamilton, ConstrainedIntegrator, Constraint, Dense, Penalty, Rattle, Reduced,
+    Redundancy, Sampling, StepAndProject, Weight,
+};
 use stationary_integrators::{Integrator, State, StormerVerlet, Variational};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 

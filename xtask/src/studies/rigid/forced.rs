@@ -3,13 +3,13 @@
 use nalgebra::Vector3;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, SparseDiagonal, Forced, Rattle, Redundancy,
+    ConstrainedIntegrator, ConstraintError, Forced, Rattle, Redundancy, SparseDiagonal,
 };
 use stationary_integrators::StepError;
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::{
-    Body, BodyForces, BodyMethod, BodyMetric, BodyMotion, ConstantVelocity, Free, FreeBodies, Joint,
-    JointEnd, JointKind, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
+    Body, BodyForces, BodyMethod, BodyMetric, BodyMotion, ConstantVelocity, Free, FreeBodies,
+    Joint, JointEnd, JointKind, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
@@ -59,8 +59,9 @@ fn budget(steps: u32) -> Result<([f64; 3], f64, f64), StudyError> {
     let hinge = hinge.map_err(at())?;
     let motion = Forced::new(FreeBodies(ConstantVelocity), acting()?);
     let stage = StudyError::at::<ConstraintError>;
-    let mut rattle = Rattle::along(motion, &system, &hinge, &state, SparseDiagonal(Redundancy::Refuse))
-        .map_err(stage("the hinge"))?;
+    let mut rattle =
+        Rattle::along(motion, &system, &hinge, &state, SparseDiagonal(Redundancy::Refuse))
+            .map_err(stage("the hinge"))?;
     let start = system.energy(&state.q, state.p.view());
     let (mut works, mut defect, mut change) = ([0.0; 3], 0.0_f64, 0.0);
     for _ in 0..steps {
@@ -148,11 +149,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
             (0.999 * predicted, 1.001 * predicted),
         ));
     }
-    for method in [
-        BodyMethod::VariationalRotation,
-        BodyMethod::AxisRotations,
-        BodyMethod::ExactRotation,
-    ] {
+    for method in
+        [BodyMethod::VariationalRotation, BodyMethod::AxisRotations, BodyMethod::ExactRotation]
+    {
         let text = format!("{method}: the spin that h c/I = 10^6 leaves of 1 after 40 steps");
         claims.push(Claim::number(text, "below 1", left(method, 1e6)?, (0.0, 1.0)));
     }

@@ -150,8 +150,9 @@ impl Chain {
         let weight = Weight { gravity: GRAVITY, masses, space: Poses };
         let system = metric.under(weight).map_err(StudyError::at("the bodies"))?;
         let free = FreeBodies(ConstantVelocity);
-        let mut rattle = Rattle::along(free, &system, &self.joints, &state, SparseDiagonal::default())
-            .map_err(StudyError::at("the joints"))?;
+        let mut rattle =
+            Rattle::along(free, &system, &self.joints, &state, SparseDiagonal::default())
+                .map_err(StudyError::at("the joints"))?;
         let mut solves = 0;
         for _ in 0..steps {
             let report = rattle

@@ -3,7 +3,9 @@
 use nalgebra::Vector3;
 use stationary_calculus::{Covector, Metric, Space, Vector};
 use stationary_chart::{Axis, Lines, Series};
-use stationary_constraints::{ConstrainedIntegrator, ConstraintError, Dense, FreeMotion, Rattle, Redundancy};
+use stationary_constraints::{
+    ConstrainedIntegrator, ConstraintError, Dense, FreeMotion, Rattle, Redundancy,
+};
 use stationary_integrators::StepError;
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::problems::{JointedProblem, held_at_a_point};

@@ -3,7 +3,9 @@
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_chart::{Axis, Lines, Series};
-use stationary_constraints::{ConstrainedIntegrator, Penalty, Rattle, Redundancy, Rod, Rods, SparseDiagonal};
+use stationary_constraints::{
+    ConstrainedIntegrator, Penalty, Rattle, Redundancy, Rod, Rods, SparseDiagonal,
+};
 use stationary_integrators::{Integrator, State, StormerVerlet, UniformGravity};
 use stationary_measure::{Cell, Column, Table, loglog_slope};
 use stationary_rigid::{LieGroup, PlanarMass, PlanarRotation, PlanarWeight};

@@ -1,6 +1,6 @@
 //! The search: from cheap to dear, and only where it may still pay.
 //!
-//! 1. The family that makes the reference is climbed anyway; the cheapest of its rungs that meets
+//! 1. The family that makes the reference is run anyway; the cheapest of its rungs that meets
 //!    the tolerance is the first choice.
 //! 2. Each other family is tried six rungs below the finest that would be cheaper. A rung that
 //!    misses the tolerance is followed by the next that can meet it, were the family's order one
@@ -27,7 +27,7 @@ use stationary_integrators::Evaluation;
 use crate::effort::Purpose;
 use crate::lab::Lab;
 use crate::ladder::{At, Family, Kind};
-use crate::measured::{End, Failure, Foresight, Trial};
+use crate::measured::{End, Failure, Foresight, StopRule};
 use crate::reference::Reference;
 
 /// What the reference says of a rung.
@@ -40,14 +40,14 @@ pub enum Judgement {
     /// Its error, which is certainly beyond the tolerance: at the moment at which it was stopped.
     Misses(f64),
     /// It was stopped where it cost more than the choice, or had more to do than another reference.
-    Dearer,
+    CostLimit,
     /// There is no error to speak of.
     Failed(Failure),
 }
 
 /// The search for the cheapest rung within a tolerance.
 #[derive(Debug)]
-pub struct Climb<'a, 'e> {
+pub struct LadderSearch<'a, 'e> {
     /// What was run.
     pub lab: &'a mut Lab<'e>,
     /// The answer so far.
@@ -71,7 +71,7 @@ const SATURATED: f64 = 0.3;
 const REFINEMENTS: u32 = 1;
 /// Beyond so many tolerances a model's error is no matter of luck with a step.
 const CLEAR: f64 = 1.25;
-/// Families that come to no solution of a step speak for others of their sort.
+/// Families that come to no solution of a step speak for others of their class.
 const FAILURES: u32 = 2;
 /// A rung that is so much cheaper than the choice is worth any refinement of the reference, and one
 /// that is not is worth so many runs of itself.
@@ -95,7 +95,7 @@ pub fn judge(lab: &Lab<'_>, reference: &Reference, tolerance: f64, at: At) -> Op
     let (least, most) = (error - reference.uncertainty, error + reference.uncertainty);
     Some(match run.end {
         _ if least > tolerance => Judgement::Misses(error),
-        End::Cut => Judgement::Dearer,
+        End::Stopped => Judgement::CostLimit,
         // What the reference is made of is as wrong as it is uncertain.
         _ if at == own && error < reference.uncertainty && reference.uncertainty <= tolerance => {
             Judgement::Meets(reference.uncertainty)
@@ -120,7 +120,7 @@ pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
 
 /// What families have in common that likely fail and do well together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Sort {
+pub struct FamilyClass {
     model: usize,
     kind: Kind,
     order: u32,
@@ -128,15 +128,21 @@ pub struct Sort {
     holds_constraints: bool,
 }
 
-pub fn sort(family: &Family) -> Sort {
+pub fn family_class(family: &Family) -> FamilyClass {
     let &Family { model, kind, order, evaluation, holds_constraints, .. } = family;
-    Sort { model, kind, order, solves: evaluation == Evaluation::Implicit, holds_constraints }
+    FamilyClass {
+        model,
+        kind,
+        order,
+        solves: evaluation == Evaluation::Implicit,
+        holds_constraints,
+    }
 }
 
-impl<'a, 'e> Climb<'a, 'e> {
+impl<'a, 'e> LadderSearch<'a, 'e> {
     /// A search that has run nothing but the reference.
     pub fn new(lab: &'a mut Lab<'e>, reference: Reference, tolerance: f64) -> Self {
-        Climb {
+        LadderSearch {
             lab,
             reference,
             tolerance,
@@ -169,10 +175,10 @@ impl<'a, 'e> Climb<'a, 'e> {
                 family.rungs[0].least_work,
             )
         });
-        let mut hopeless: BTreeMap<Sort, bool> = BTreeMap::new();
-        let mut failed: BTreeMap<Sort, u32> = BTreeMap::new();
+        let mut hopeless: BTreeMap<FamilyClass, bool> = BTreeMap::new();
+        let mut failed: BTreeMap<FamilyClass, u32> = BTreeMap::new();
         for family in others {
-            let of = sort(self.lab.family(family));
+            let of = family_class(self.lab.family(family));
             if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.model) {
                 continue;
             }
@@ -184,7 +190,7 @@ impl<'a, 'e> Climb<'a, 'e> {
                 continue;
             }
             // At high orders the constants differ by more than the orders.
-            let far = self.is_far(family) || self.is_dearer(family);
+            let far = self.is_far(family) || self.is_over_limit(family);
             hopeless.insert(of, (of.order <= 2 || of.solves) && far);
         }
         // By now something cheaper is known than what the reference is made of.
@@ -236,7 +242,7 @@ impl<'a, 'e> Climb<'a, 'e> {
     /// tolerance, where one does.
     fn take_over(&mut self, family: usize) -> Option<usize> {
         // What was stopped for its cost is tried in its turn.
-        let ended = self.lab.used().filter(|(_, run)| run.end != End::Cut);
+        let ended = self.lab.used().filter(|(_, run)| run.end != End::Stopped);
         let run: Vec<At> = ended.map(|(at, _)| at).collect();
         let mut coarsest = None;
         for at in run.into_iter().rev() {
@@ -280,7 +286,7 @@ impl<'a, 'e> Climb<'a, 'e> {
                     before = Some(at);
                     at.rung += rungs_to_go(self.lab.family(at.family), self.tolerance, error);
                 }
-                Judgement::Dearer => return,
+                Judgement::CostLimit => return,
                 Judgement::Failed(_) if self.outdone(at, f64::INFINITY) => return,
                 Judgement::Failed(_) => at.rung += 1,
             }
@@ -347,7 +353,7 @@ impl<'a, 'e> Climb<'a, 'e> {
         let finer = At { rung: at.rung + 1, ..at };
         let own = self.lab.family(at.family).kind == Kind::OwnSteps;
         let ended = own && self.lab.seen(finer).is_some_and(|run| run.end == End::Whole);
-        let trial = Trial {
+        let trial = StopRule {
             reference: Some(&self.reference),
             most_error: self.tolerance + self.reference.uncertainty,
             most_work: self.best.map_or(u64::MAX, |(_, work)| work),

@@ -9,7 +9,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Climb, Judgement, SAME, SATURATED, sort};
+use super::{Judgement, LadderSearch, SAME, SATURATED, family_class};
 use crate::ladder::{At, Kind};
 use crate::measured::{End, Failure, Measured};
 
@@ -20,9 +20,9 @@ const SHARED: f64 = 1.05;
 const SHARING: usize = 2;
 /// Over so few moments an error is a matter of luck, unless it is smaller by such a factor.
 const FEW_MOMENTS: usize = 3;
-const NO_LUCK: f64 = 0.25;
+const CONFIDENT: f64 = 0.25;
 
-impl Climb<'_, '_> {
+impl LadderSearch<'_, '_> {
     /// Whether stability bounds the explicit steps: then what takes the least of them is likely.
     pub(super) fn is_stiff(&self) -> bool {
         self.lab.used().any(|(at, run)| {
@@ -41,12 +41,12 @@ impl Climb<'_, '_> {
     }
 
     /// Whether a family that solves equations was tried and every rung of it is too dear.
-    pub(super) fn is_dearer(&self, family: usize) -> bool {
-        let solves = sort(self.lab.family(family)).solves;
+    pub(super) fn is_over_limit(&self, family: usize) -> bool {
+        let solves = family_class(self.lab.family(family)).solves;
         let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
         solves
             && own.peek().is_some()
-            && own.all(|(at, _)| matches!(self.said(at), Judgement::Dearer))
+            && own.all(|(at, _)| matches!(self.said(at), Judgement::CostLimit))
     }
 
     /// Whether a family that was tried would need far more work than the choice.
@@ -60,7 +60,7 @@ impl Climb<'_, '_> {
                     let power = f64::from(own.order.max(1));
                     Some(run.expected() as f64 * (error / self.tolerance).powf(1.0 / power))
                 }
-                Judgement::Dearer | Judgement::Failed(_) => None,
+                Judgement::CostLimit | Judgement::Failed(_) => None,
             },
         );
         let least = needs.reduce(f64::min);
@@ -113,7 +113,7 @@ impl Climb<'_, '_> {
             // steps is stable where equal ones are not.
             let equal = family.kind == Kind::EqualSteps;
             let judged = equal && error.is_finite() || run.end == End::Whole;
-            let luck = if moments <= FEW_MOMENTS { NO_LUCK } else { 1.0 };
+            let luck = if moments <= FEW_MOMENTS { CONFIDENT } else { 1.0 };
             let better = |own: f64| judged && own < luck * error && own < SATURATED;
             other.family != at.family
                 && comparable
