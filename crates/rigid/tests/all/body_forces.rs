@@ -530,3 +530,50 @@ fn points_that_meet_are_damped_along_their_way_through_each_other() {
     }
     assert!(Metric::dim(boxes().0.metric()) == 12 && boxes().0.potential().dim() == 12);
 }
+
+#[test]
+fn rattle_under_a_damper_of_any_stiffness_runs_and_only_loses_energy() {
+    let (system, ends) = arm();
+    let hinge = Joint::new(Poses, 1, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
+    for damping in [1.0, 3.0, 100.0, 1e6] {
+        // In units of the inertia 0.35 about the hinge, over a step of 0.1 s.
+        let c = damping * 0.35 / 0.1;
+        let mut forces = BodyForces::new(Poses, 1);
+        forces.about_axis(ends, Vector3::y(), move |_, _, rate| -c * rate).unwrap();
+        let initial = system.metric().state(&[hanging(0.4, 1.0)]).unwrap();
+        let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
+        let few = Few::<5>(Redundancy::Refuse);
+        let mut rattle = Rattle::along(motion, &system, &hinge, &initial, few).unwrap();
+        let (mut state, start) = (initial.clone(), system.energy(&initial.q, initial.p.view()));
+        for _ in 0..50 {
+            rattle.step(&mut state, 0.1).unwrap();
+            assert!(system.energy(&state.q, state.p.view()) < start + 1e-9, "{damping}");
+        }
+    }
+}
+
+#[test]
+fn a_step_with_forces_allocates_nothing() {
+    let (system, initial) = boxes();
+    let mut verlet = LieVerlet::<_, _, ConstantVelocity, _>::forced(&system, everything()).unwrap();
+    let mut state = initial.clone();
+    verlet.step(&mut state, 0.01).unwrap();
+    let count = allocation_counter::measure(|| {
+        (0..10).for_each(|_| assert!(verlet.step(&mut state, 0.01).is_ok()));
+    });
+    assert_eq!(count.count_total, 0, "{count:?}");
+    let (system, ends) = arm();
+    let hinge = Joint::new(Poses, 1, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
+    let drive = Drive::new(Poses, 1, Along::Turn, Vector3::y(), ends, Swing).unwrap();
+    let mut forces = BodyForces::new(Poses, 1);
+    forces.at_point(0, POINT, |t, x, v| x * t.sin() - v).unwrap();
+    let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
+    let mut state = system.metric().state(&[hanging(0.0, 0.8 * 1.7)]).unwrap();
+    let few = Few::<6>(Redundancy::Refuse);
+    let mut rattle = Rattle::along(motion, &system, (hinge, drive), &state, few).unwrap();
+    rattle.step(&mut state, 0.01).unwrap();
+    let count = allocation_counter::measure(|| {
+        (0..10).for_each(|_| assert!(rattle.step(&mut state, 0.01).is_ok()));
+    });
+    assert_eq!(count.count_total, 0, "{count:?}");
+}

@@ -139,3 +139,14 @@ fn a_step_too_long_for_its_damper_is_refused_and_leaves_the_state() {
     let StepError::Newton(error) = refused else { panic!("{refused}") };
     assert_eq!(error.failure, NewtonFailure::NotConverged);
 }
+
+#[test]
+fn a_driven_step_of_a_tree_allocates_nothing() {
+    let tree = bars(JointKind::Hinge { axis: Vector3::y() });
+    let mut method = TreeVariational::driven(tree, GRAVITY, drive).unwrap();
+    let mut state = method.state(&START.0, &START.1).unwrap();
+    let count = allocation_counter::measure(|| {
+        (0..10).for_each(|_| assert!(method.step(&mut state, 0.01).is_ok()));
+    });
+    assert_eq!(count.count_total, 0, "{count:?}");
+}
