@@ -542,8 +542,8 @@ fn rattle_under_a_damper_of_any_stiffness_runs_and_only_loses_energy() {
         forces.about_axis(ends, Vector3::y(), move |_, _, rate| -c * rate).unwrap();
         let initial = system.metric().state(&[hanging(0.4, 1.0)]).unwrap();
         let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
-        let few = Few::<5>(Redundancy::Refuse);
-        let mut rattle = Rattle::along(motion, &system, &hinge, &initial, few).unwrap();
+        let equations = SparseDiagonal(Redundancy::Refuse);
+        let mut rattle = Rattle::along(motion, &system, &hinge, &initial, equations).unwrap();
         let (mut state, start) = (initial.clone(), system.energy(&initial.q, initial.p.view()));
         for _ in 0..50 {
             rattle.step(&mut state, 0.1).unwrap();
@@ -569,8 +569,8 @@ fn a_step_with_forces_allocates_nothing() {
     forces.at_point(0, POINT, |t, x, v| x * t.sin() - v).unwrap();
     let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
     let mut state = system.metric().state(&[hanging(0.0, 0.8 * 1.7)]).unwrap();
-    let few = Few::<6>(Redundancy::Refuse);
-    let mut rattle = Rattle::along(motion, &system, (hinge, drive), &state, few).unwrap();
+    let equations = SparseDiagonal(Redundancy::Refuse);
+    let mut rattle = Rattle::along(motion, &system, (hinge, drive), &state, equations).unwrap();
     rattle.step(&mut state, 0.01).unwrap();
     let count = allocation_counter::measure(|| {
         (0..10).for_each(|_| assert!(rattle.step(&mut state, 0.01).is_ok()));
