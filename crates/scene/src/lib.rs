@@ -278,7 +278,7 @@ pub use run::contact_impulses::{ContactImpulse, ContactSide};
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};
-pub use run::samples::{BrokenRod, Impacts, Run};
+pub use run::samples::{BrokenRod, Impacts, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};

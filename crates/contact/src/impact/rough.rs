@@ -25,13 +25,13 @@ use crate::impact::projection::{all, project_with};
 use crate::{ContactError, Impact};
 
 /// Turns of compression after which it is taken as it is.
-const TURNS: usize = 100;
+const TURNS: usize = 30;
 /// Sweeps over the contacts in one friction projection: of a turn, and the last.
 const TURN_SWEEPS: usize = 10;
 const SWEEPS: usize = 100;
 /// Changes of impulses, as velocities, relative to the fastest relative velocity, that end both, and
 /// with which compression counts as converged.
-const SETTLED: f64 = 1e-12;
+const SETTLED: f64 = 1e-9;
 const CONVERGED: f64 = 1e-6;
 /// Energy gained that is rounding, relative to the terms of its sum.
 const ENERGY_ROUNDING: f64 = 1e-11;

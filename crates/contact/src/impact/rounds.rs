@@ -25,7 +25,7 @@ const LEFT: f64 = 1e-3;
 /// What approaches slower than this part of the fastest approach waits for a pass of its own.
 const SLOW: f64 = 1e-9;
 /// Passes with friction after which what still approaches is stopped as resting contact.
-const PASSES: usize = 50;
+const PASSES: usize = 20;
 
 /// Contacts about to be stepped over.
 pub(crate) struct ImpactRounds<'a> {

@@ -26,7 +26,7 @@ use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 use crate::assemble::error::AssemblyError;
 use crate::model::scene::{Scene, numbers_of_a_body};
 use crate::run::contact_impulses::{ContactImpulse, ContactRows, ContactSide};
-use crate::run::samples::{BrokenRod, Impacts, Samples};
+use crate::run::samples::{BrokenRod, Impacts, Samples, Unsettled};
 use crate::text::file_error::WriteError;
 use crate::text::limits;
 
@@ -286,7 +286,7 @@ impl Samples {
     fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
         let Samples { times, positions, velocities, bodies, .. } = self;
         let Samples { kinetic, potential, linear, angular, .. } = self;
-        let Samples { temperatures, heat, impacts, contacts, .. } = self;
+        let Samples { temperatures, heat, impacts, unsettled, contacts, .. } = self;
         let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
         for numbers in [times, positions, velocities, bodies] {
             out.numbers(numbers)?;
@@ -299,6 +299,8 @@ impl Samples {
             out.number(time)?;
             out.count(count as u64)?;
         }
+        out.count(unsettled.steps)?;
+        out.number(unsettled.residual)?;
         out.count(contacts.rows.len() as u64)?;
         contacts.rows.iter().try_for_each(|row| row.put(out))?;
         out.count(contacts.end.map_or(u64::MAX, |end| end as u64))?;
@@ -320,6 +322,7 @@ impl Samples {
             Some(Impacts { time: from.number()?, count: usize::try_from(from.count()?).ok()? })
         });
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
+        let unsettled = Unsettled { steps: from.count()?, residual: from.number()? };
         let contacts = (0..from.length(ContactImpulse::BYTES)?).map(|_| ContactImpulse::take(from));
         let rows = contacts.collect::<Option<Vec<_>>>()?;
         let end = match from.count()? {
@@ -340,6 +343,7 @@ impl Samples {
             temperatures,
             heat,
             impacts,
+            unsettled,
             contacts: ContactRows { rows, end },
             observed,
             columns: usize::try_from(from.count()?).ok()?,

@@ -86,6 +86,9 @@ impl Engine<'_> {
                     observer.own_ends(self.stepper.own_ends());
                     let room = samples.impacts.len() < limits::IMPACTS;
                     samples.impacts.extend(stepped.impacts.filter(|_| room));
+                    if let Some(residual) = stepped.unsettled {
+                        samples.unsettled.add(residual);
+                    }
                     let next = samples.times.len();
                     let rows = &mut samples.contacts;
                     self.stepper.pushes(time(step), &mut |push| rows.push(next, push));

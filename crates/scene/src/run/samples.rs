@@ -38,6 +38,22 @@ pub struct Impacts {
     pub count: usize,
 }
 
+/// Steps whose contact conditions were not met as far as asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Unsettled {
+    /// How many there were.
+    pub steps: u64,
+    /// The largest velocity by which the conditions were missed.
+    pub residual: f64,
+}
+
+impl Unsettled {
+    pub(crate) fn add(&mut self, residual: f64) {
+        self.steps += 1;
+        self.residual = self.residual.max(residual);
+    }
+}
+
 /// Samples in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Samples {
@@ -57,6 +73,7 @@ pub(crate) struct Samples {
     pub(crate) heat: Vec<f64>,
     /// Of each step in which things met, in the order of time.
     pub(crate) impacts: Vec<Impacts>,
+    pub(crate) unsettled: Unsettled,
     /// Rows of contact impulses, in the order of the samples.
     pub(crate) contacts: ContactRows,
     /// As many numbers a sample as the observables have columns.
@@ -195,6 +212,11 @@ impl Run {
     /// them.
     pub fn impacts(&self) -> &[Impacts] {
         &self.samples.impacts
+    }
+
+    /// Steps whose contact conditions were not met as far as asked.
+    pub fn unsettled(&self) -> Unsettled {
+        self.samples.unsettled
     }
 
     /// What things that touch gave each other from one sample to the next, in the order of the

@@ -74,11 +74,13 @@ pub(crate) struct Stepped {
     /// The rod that broke; its place is that among the rods that were left.
     pub(crate) broken: Option<BrokenRod>,
     pub(crate) impacts: Option<Impacts>,
+    /// How far the contact conditions were missed where the step is not settled.
+    pub(crate) unsettled: Option<f64>,
 }
 
 impl Stepped {
     pub(crate) fn done(report: StepReport) -> Self {
-        Stepped { report, broken: None, impacts: None }
+        Stepped { report, broken: None, impacts: None, unsettled: None }
     }
 
     /// A step in which the law of impact was applied so often, the last time at this one. To apply

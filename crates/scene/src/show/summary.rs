@@ -23,6 +23,8 @@ pub struct Summary {
     pub built: Table,
     /// The observables at the start and at the end, and their least and largest values.
     pub observables: Table,
+    /// Steps whose contact conditions were not met as far as asked, where there are any.
+    pub unsettled: Option<String>,
     /// What the files of the run leave out, where they leave out anything.
     pub left_out: Option<String>,
 }
@@ -48,6 +50,7 @@ impl Summary {
             invariants: invariants(run),
             built: run.built().table(),
             observables: observables(run),
+            unsettled: (run.unsettled().steps > 0).then(|| unsettled(run)),
             left_out: run.contact_impulses_end().map(|end| {
                 format!(
                     "contacts.csv ends at t = {end} {unit}: it has at most {} rows; sample less often\n",
@@ -56,6 +59,17 @@ impl Summary {
             }),
         }
     }
+}
+
+fn unsettled(run: &Run) -> String {
+    let (found, units) = (run.unsettled(), run.scene().units());
+    format!(
+        "contact: {} of {} steps are not settled, by at most {:.0e} {}\n",
+        found.steps,
+        run.cost().steps,
+        found.residual,
+        units.velocity()
+    )
 }
 
 /// Counts of an explicit method are exact; those of an implicit one depend on when rounding ends
@@ -290,6 +304,8 @@ fn norm(x: [f64; 3]) -> f64 {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n\n{}\n{}", self.title, self.cost, self.invariants)?;
-        write!(f, "{}{}", self.observables, self.left_out.as_deref().unwrap_or_default())
+        let notes = [&self.unsettled, &self.left_out];
+        write!(f, "{}", self.observables)?;
+        notes.into_iter().flatten().try_for_each(|note| f.write_str(note))
     }
 }

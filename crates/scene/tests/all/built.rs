@@ -35,7 +35,7 @@ fn every_shipped_scene_builds_what_it_names_and_nothing_else() {
     breaking-bridge.toml: elasticity springs 1, constraints equations 18, calculus sparse solvers 1
     cantilever.toml: elasticity elements 320
     cloth-on-a-ball.toml: elasticity elements 2048, elasticity hinges 3008, contact gaps 1089
-    heavy-top.toml: rigid bodies 1, constraints equations 3
+    heavy-top.toml: rigid bodies 1, constraints equations 3, calculus sparse solvers 1
     masonry-arch.toml: rigid bodies 15, contact colliders 16
     newtons-cradle.toml: elasticity springs 5, contact gaps 10
     nine-ball-break.toml: contact gaps 45

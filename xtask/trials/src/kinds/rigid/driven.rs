@@ -26,7 +26,7 @@ pub(super) const KIND: Kind = Kind {
            of the same bodies under the joints' equations by more than 1e-6 of the largest; forces \
            between bodies of a free tree change its momenta by more than 1e-11 in twenty steps of RATTLE, \
            or a joint opens",
-    in_tests: 40,
+    in_tests: 50,
     trial,
 };
 
