@@ -25,7 +25,7 @@ use crate::impact::projection::{all, project_with};
 use crate::{ContactError, Impact};
 
 /// Turns of compression after which it is taken as it is.
-const TURNS: usize = 30;
+const TURNS: usize = 100;
 /// Sweeps over the contacts in one friction projection: of a turn, and the last.
 const TURN_SWEEPS: usize = 10;
 const SWEEPS: usize = 100;

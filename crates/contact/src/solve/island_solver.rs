@@ -91,7 +91,7 @@ pub struct Conditions<'a, G: Dimension> {
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
 /// The most visits to contacts beyond what is enough.
-const FINE_VISITS: usize = 10_000;
+const FINE_VISITS: usize = 100_000;
 /// The most sweeps that push apart what overlaps: the next step goes on.
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if

@@ -149,10 +149,16 @@ fn study(size: Size) -> Result<Study, StudyError> {
             (0.0, 1e-9),
         ),
         Claim::number(
-            "residual of the normal conditions, m/s",
-            "below 1e-10",
-            residual,
-            (0.0, 1e-10),
+            "residual of the normal conditions with friction 0.6, m/s",
+            "below 1e-9",
+            stays.residual,
+            (0.0, 1e-9),
+        ),
+        Claim::number(
+            "of all, over what the weight changes of a velocity in a step",
+            "within the tolerance, 1e-2",
+            residual / (9.81 * STEP),
+            (0.0, 1e-2),
         ),
         Claim::number(
             "sunk without friction after 0.4 s, m",
