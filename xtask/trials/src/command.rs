@@ -13,7 +13,7 @@ use crate::{Draw, Fault, Kind, Plan, Tally, Verdict};
 /// Which trials to run.
 #[derive(Args, Clone, Debug)]
 pub struct Arguments {
-    /// Runs this kind only; may be given again.
+    /// Runs this kind only, or all of this crate; may be given again.
     #[arg(long, value_name = "KIND")]
     only: Vec<String>,
     /// How many cases a kind.
@@ -124,11 +124,15 @@ impl Arguments {
         if self.only.is_empty() {
             return Ok(all().collect());
         }
-        let find = |name: &String| {
-            let kind = all().find(|kind| kind.name == name);
-            kind.ok_or_else(|| CommandError::UnknownKind { name: name.clone() })
-        };
-        self.only.iter().map(find).collect()
+        let mut kinds = Vec::new();
+        for name in &self.only {
+            let before = kinds.len();
+            kinds.extend(all().filter(|kind| kind.name == name || kind.krate == name));
+            if kinds.len() == before {
+                return Err(CommandError::UnknownKind { name: name.clone() });
+            }
+        }
+        Ok(kinds)
     }
 }
 
@@ -210,6 +214,14 @@ mod tests {
     static RIGHT: Kind = KIND;
     static WRONG: Kind =
         Kind { trial: |draw| Verdict::of(draw.uniform(0.0, 1.0), 0.999, "x"), ..KIND };
+
+    #[test]
+    fn a_crates_name_stands_for_all_of_its_kinds() {
+        let only = |name| Words::try_parse_from(["trials", "--only", name]).unwrap().arguments;
+        let kinds = only("calculus").kinds(&[]).unwrap();
+        assert!(kinds.len() > 1 && kinds.iter().all(|kind| kind.krate == "calculus"));
+        assert!(only("nothing").kinds(&[]).is_err());
+    }
 
     #[test]
     fn one_wrong_case_fails_the_command_and_stands_in_its_file() {
