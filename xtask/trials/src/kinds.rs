@@ -11,6 +11,8 @@ pub mod integrators;
 pub mod constraints;
 #[cfg(feature = "rigid")]
 pub mod rigid;
+#[cfg(feature = "contact")]
+pub mod contact;
 #[cfg(feature = "elasticity")]
 pub mod elasticity;
 #[cfg(feature = "modal")]
@@ -31,6 +33,8 @@ pub(crate) const ALL: &[&[Kind]] = &[
     constraints::KINDS,
     #[cfg(feature = "rigid")]
     rigid::KINDS,
+    #[cfg(feature = "contact")]
+    contact::KINDS,
     #[cfg(feature = "elasticity")]
     elasticity::KINDS,
     #[cfg(feature = "modal")]

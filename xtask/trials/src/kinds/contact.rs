@@ -1,0 +1,16 @@
+//! What contact promises, on random problems.
+
+mod bad_input;
+mod case;
+mod engine;
+mod hull;
+mod planar;
+mod refined;
+mod scenes;
+mod spatial;
+mod step;
+
+use crate::Kind;
+
+/// The kinds of trials of contact.
+pub const KINDS: &[Kind] = &[scenes::PLANAR, scenes::SPATIAL, bad_input::KIND];
