@@ -55,6 +55,14 @@ pub enum ContactError {
         /// The first freedom of the block.
         freedom: usize,
     },
+    /// A body turns too far in one step.
+    #[error("body {body} turns by up to {angle:.1e} rad in a step; take shorter steps")]
+    Turn {
+        /// The body, counted from 0.
+        body: usize,
+        /// The largest angle that its energy allows, rad.
+        angle: f64,
+    },
     /// Contacts still approach when the bound on the iterations is reached.
     #[error("{what}: after {iterations} iterations contacts are off by {residual} m/s")]
     NotConverged {

@@ -83,7 +83,7 @@ const PENETRATION_CORRECTION: f64 = 0.2;
 const SPECULATIVE_MARGIN: f64 = 1e-6;
 /// Changes of velocities relative to the fastest that are rounding.
 const ROUNDING: f64 = 1e-12;
-/// Gaps relative to the farthest coordinate that are rounding, and so are none: what moves no more
+/// Gaps relative to the farthest contact point's distance from the origin that are rounding, and so are none: what moves no more
 /// rests.
 const GAP_ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// What nearly rests, and is no faster than a step's velocity increment, is settled to this part of
@@ -304,8 +304,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// # Errors
     /// [`ContactError::Step`] for `h`, and in space for a turn whose equation is not solved; those
     /// of [`DetectorIn::detect`]; [`ContactError::Size`] and [`ContactError::NonFinite`] for the
-    /// momentum and for what comes out; [`ContactError::Immovable`] for a contact of two that
-    /// nothing moves; [`ContactError::NotConverged`] where a limit is asked for and the residual is
+    /// momentum and for what comes out; [`ContactError::NotConverged`] where a limit is asked for and the residual is
     /// beyond it. The state is then as it was.
     pub fn step(
         &mut self,
@@ -361,6 +360,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
         states.extend(scales.map(|(i, &scale)| BodyState::new(i, scale, &state.q, &v.0)));
         self.kept.detect(&mut self.detector, states, &state.q, reach)?;
         let mut contacts = self.kept.take_found();
+        // A moving obstacle and what is fixed feel no impulse of each other.
+        contacts.retain(|contact| {
+            contact.bodies.iter().flatten().any(|&body| self.memory.states[body].moves())
+        });
         self.drop_passing(&mut contacts, &state.q, h);
         let solved = self.solve(&contacts, &state.q, h);
         self.kept.put_back(contacts);
@@ -497,14 +500,20 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError> {
-        let [finest, enough] = self.settled(q, h);
+        let [finest, enough] = self.settled(contacts, h);
         let f = G::FREEDOMS;
         let Memory { v, increment, states, bias, impulses, islands, resting, solver, .. } =
             &mut self.memory;
         for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
             state.velocity.as_mut().copy_from_slice(v);
         }
-        find_islands(islands, states, contacts)?;
+        islands.find(
+            states.len(),
+            contacts.iter().map(|contact| {
+                let moves = |&body: &usize| states[body].moves();
+                contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
+            }),
+        );
         let radius = |body: usize| self.detector.radius_of(body);
         bias.clear();
         // What is not worth a change of velocity is closed; what overlaps is lifted afterwards.
@@ -562,13 +571,14 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// The change of velocity that counts as settled in small islands and in large ones, m/s: such
     /// changes leave a residual within the tolerance.
-    fn settled(&self, q: &[f64], h: f64) -> [f64; 2] {
+    fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> [f64; 2] {
         let Memory { v, increment, .. } = &self.memory;
         let fastest = |v: &[f64]| {
             let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
             bodies.map(|(i, v)| speed::<G>(v, self.detector.radius_of(i))).fold(0.0, f64::max)
         };
-        let farthest = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let points = contacts.iter().flat_map(|contact| contact.points);
+        let farthest = points.fold(0.0_f64, |m, point| m.max(G::dot(&point, &point))).sqrt();
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h);
         let gain = fastest(&increment.0);
         [FINE_TOLERANCE, TOLERANCE].map(|part| {
@@ -731,21 +741,4 @@ fn mover<'a, G: Dimension>(
         }
     }
     Mover { collider, pose, velocity, radius }
-}
-
-/// The islands of bodies that impulses move; an error where a contact is between none.
-fn find_islands<G: Dimension>(
-    islands: &mut Islands,
-    states: &[BodyState<G>],
-    contacts: &[ContactIn<G>],
-) -> Result<(), ContactError> {
-    let moving = |contact: &ContactIn<G>| {
-        let moves = |&body: &usize| states[body].moves();
-        contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
-    };
-    if let Some(contact) = contacts.iter().position(|c| moving(c) == [states.len(); 2]) {
-        return Err(ContactError::Immovable { contact });
-    }
-    islands.find(states.len(), contacts.iter().map(moving));
-    Ok(())
 }

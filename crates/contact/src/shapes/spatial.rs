@@ -20,6 +20,12 @@ use crate::shapes::dimension::{Answer, Facing, sealed::Sealed};
 use crate::solve::island_solver::IslandSolver;
 use crate::{ContactError, Dimension, Shape};
 
+/// The angle of a turn at once, rad: its equation has a solution of its own below pi. What turns
+/// farther in a step does so in parts, with the same angular momentum.
+const TURN: f64 = 1.5;
+/// The most parts of a step's turn.
+const MOST_TURNS: f64 = 1e4;
+
 /// Space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spatial;
@@ -170,11 +176,22 @@ impl Dimension for Spatial {
         for (i, body) in metric.bodies().iter().enumerate() {
             let rotation = Poses::pose_at(q, i).rotation;
             let (q, p) = (&mut q[7 * i..][..7], &mut p[6 * i..][..6]);
-            let momentum = Vector3::new(p[3], p[4], p[5]);
-            let turned = ConstantVelocity::turn(body, rotation, momentum, h)?;
+            let mut momentum = Vector3::new(p[3], p[4], p[5]);
+            let mut rotation = rotation;
+            // No velocity of the same energy is faster than this.
+            let moments = body.moments();
+            let fastest = (momentum.dot(&body.angular_velocity(&momentum)) / moments.min()).sqrt();
+            let turns = (h * fastest / TURN).ceil().max(1.0);
+            if turns > MOST_TURNS {
+                return Err(ContactError::Turn { body: i, angle: h * fastest });
+            }
+            for _ in 0..turns as usize {
+                let turned = ConstantVelocity::turn(body, rotation, momentum, h / turns)?;
+                (rotation, momentum) = (turned.rotation, turned.momentum);
+            }
             q.iter_mut().zip(&v[6 * i..][..3]).for_each(|(q, v)| *q += h * v);
-            q[3..].copy_from_slice(&turned.rotation.quaternion());
-            p[3..].copy_from_slice(turned.momentum.as_slice());
+            q[3..].copy_from_slice(&rotation.quaternion());
+            p[3..].copy_from_slice(momentum.as_slice());
         }
         Ok(())
     }

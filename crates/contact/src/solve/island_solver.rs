@@ -12,6 +12,7 @@ use std::ops::{Add, Mul};
 
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::FreeMotion;
+use crate::solve::friction::disc;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
@@ -118,7 +119,12 @@ where
         self.pack::<G>(members, free.points, free.bias, states)?;
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
-            self.x.push(directions.map(|direction| G::dot(&impulses[i], &direction)));
+            let guess = directions.map(|direction| G::dot(&impulses[i], &direction));
+            // The normal may have turned since: a guess pulls no more than any impulse does.
+            let pushed = guess[0].max(0.0);
+            let mut guess = disc(guess, free.points[i].friction * pushed);
+            guess[0] = pushed;
+            self.x.push(guess);
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
         let island = Island { contacts: &self.contacts, bodies };

@@ -8,7 +8,7 @@
 //! bound on them is reached where bodies are so deep in each other that their gaps lead nowhere.
 //! Source: the projection of notes 11.5.1, on positions.
 
-use stationary_calculus::{Potential, Space, Vector};
+use stationary_calculus::{Potential, SizeError, Space, Vector};
 
 use crate::impact::projection::project_biased;
 use crate::{BodiesIn, ContactError, DetectorIn, Dimension, Impact, InverseMass, gap_rows};
@@ -19,7 +19,7 @@ const ROUNDS: usize = 100;
 /// Moves bodies of a system until none overlaps by more than `depth` (m); says in how many rounds.
 ///
 /// # Errors
-/// A depth that is negative or no number, poses that are none, and bodies that still overlap after
+/// A depth that is negative or no number, a detector of other bodies, poses that are none, and bodies that still overlap after
 /// a hundred rounds; the poses are then as they were.
 pub fn push_apart<G: Dimension, P: Potential>(
     system: &BodiesIn<G, P>,
@@ -30,6 +30,8 @@ pub fn push_apart<G: Dimension, P: Potential>(
     if !(depth >= 0.0 && depth.is_finite()) {
         return Err(ContactError::Depth(depth));
     }
+    SizeError::check("the detector's bodies", system.dim() / G::FREEDOMS, detector.bodies())?;
+    SizeError::check("the poses' numbers", G::STORED * detector.bodies(), q.len())?;
     let mass = InverseMass::of(system.metric())?;
     let mut next = q.to_vec();
     let mut near = depth;
