@@ -150,6 +150,7 @@ struct Memory<G: Dimension> {
     mean: Vec<(G::Vector, G::Spin)>,
     bias: Vec<f64>,
     lift_bias: Vec<f64>,
+    lift_least: Vec<f64>,
     /// The impulse of each contact on its second body, world axes, N s.
     impulses: Vec<G::Vector>,
     /// The impulse of impacts on the second body of each contact, world axes, N s.
@@ -187,6 +188,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             mean: Vec::new(),
             bias: Vec::new(),
             lift_bias: Vec::new(),
+            lift_least: Vec::new(),
             impulses: Vec::new(),
             hits: Vec::new(),
             islands: Islands::default(),
@@ -448,7 +450,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if !contacts.is_empty() {
             let [_, settled] = self.rest(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
-            self.lift(contacts, settled)?;
+            self.lift(contacts, settled, h)?;
         }
         Ok(report)
     }
@@ -633,8 +635,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// Velocities of positions that lift what overlaps.
-    fn lift(&mut self, contacts: &[ContactIn<G>], settled: f64) -> Result<(), ContactError> {
-        let Memory { states, lift_bias, islands, solver, lift, .. } = &mut self.memory;
+    fn lift(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        settled: f64,
+        h: f64,
+    ) -> Result<(), ContactError> {
+        let Memory { states, lift_bias, lift_least, islands, solver, lift, .. } = &mut self.memory;
+        // No gap ends below what it was, nor below zero.
+        lift_least.clear();
+        lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
         for (members, bodies) in islands.iter() {
             let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
             let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
@@ -642,7 +652,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 continue;
             }
             let goal = settled.max(LIFT_TOLERANCE * worst);
-            solver.lift([members, bodies], contacts, lift_bias, states, goal)?;
+            solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
             for &body in bodies {
                 let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
                 for (k, lift) in lift.0[G::FREEDOMS * body..][..G::FREEDOMS].iter_mut().enumerate()

