@@ -9,4 +9,5 @@ pub(crate) mod proximal;
 pub(crate) mod sweeps;
 pub(crate) mod unsettled_parts;
 pub(crate) mod exact_projection;
+pub(crate) mod polish;
 pub(crate) mod island_solver;

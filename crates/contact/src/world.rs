@@ -21,8 +21,8 @@
 //! together is looked at on its own. Where those impulses still meet the conditions nothing is
 //! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
 //! move at all. Small islands without friction so far are projected exactly; else sweeps and sparse
-//! systems by turns settle them, and take no memory once as many contacts have been met. Contact
-//! points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
+//! systems by turns settle them, and those of few contacts are then solved to rounding (see
+//! `polish.rs`). These take no memory once as many contacts have been met. Contact points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
 //!
 //! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of
 //! what the forces change of velocities in the step, so that it is as fine for what is slow as for
@@ -90,7 +90,8 @@ const GAP_ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// what counts as settled, so that it may rest.
 const REST_TOLERANCE: f64 = 1.0 / 256.0;
 /// Tolerances where none is asked for, as parts of the largest velocity increment, so of the weight
-/// of what rests: of small islands, and of large ones or where that takes too much work.
+/// of what rests: of small islands, and of large ones. A small island that takes too much work is
+/// left at the second, and the step is then not settled.
 const FINE_TOLERANCE: f64 = 1e-8;
 const TOLERANCE: f64 = 1e-2;
 /// Islands of more contacts are large.
@@ -564,10 +565,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 }
             };
             report.islands += 1;
+            report.settled &= off[0].max(off[1]) <= AMPLIFICATION * settled;
             report.residual = report.residual.max(off[0]);
             report.coulomb = report.coulomb.max(off[1]);
         }
-        report.settled &= report.residual.max(report.coulomb) <= AMPLIFICATION * enough;
         Ok([finest, enough])
     }
 

@@ -1,4 +1,5 @@
-//! One island of contacts, solved: projected exactly where that is enough, else settled by sweeps.
+//! One island of contacts, solved: projected exactly where that is enough, else settled by sweeps,
+//! and polished to rounding where it is small.
 //!
 //! ```text
 //! x = (J.n, J.t, ..),   the projection or sweeps,   J = x_n n + x_t t + ..
@@ -13,6 +14,7 @@ use std::ops::{Add, Mul};
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::friction::disc;
+use crate::solve::polish::{self, Polish};
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
@@ -65,6 +67,7 @@ pub struct IslandSolver<V, const F: usize, const D: usize> {
     x: Vec<[f64; D]>,
     sweeps: Sweeps<F, D>,
     parts: UnsettledParts<F, D>,
+    polish: Polish<F, D>,
 }
 
 impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
@@ -75,6 +78,7 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
             x: Vec::new(),
             sweeps: Sweeps::default(),
             parts: UnsettledParts::default(),
+            polish: Polish::default(),
         }
     }
 }
@@ -93,6 +97,8 @@ pub struct Conditions<'a, G: Dimension> {
 
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
+/// Sweeps that find who pushes, sticks and slides in a small island, which is then polished.
+const FIRST_SWEEPS: usize = 32;
 /// The most visits to contacts beyond what is enough.
 const FINE_VISITS: usize = 100_000;
 /// The most sweeps that push apart what overlaps: the next step goes on.
@@ -150,12 +156,21 @@ where
         if !met(&left) {
             let finer = enough > settled || fine.is_some();
             let most = if finer { FINE_VISITS.div_ceil(members.len()) } else { SWEEPS };
+            let small = members.len() <= polish::CONTACTS && fine.is_none();
             let [mut relaxed, mut solved] = match fine {
                 // Sweeps leave what they change slowly, and it would move what is to rest.
                 Some(change) => sweeps.alternate(island, x, Goal { change, alone: 0.0 }, most),
+                None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
                 None => self.parts.settle(sweeps, island, x, settled, most),
             };
+            solved += self.polish.polish(sweeps, island, x);
             left = sweeps.residuals(island, x);
+            if small && !met(&left) {
+                let more = self.parts.settle(sweeps, island, x, settled, most);
+                (relaxed, solved) = (relaxed + more[0], solved + more[1]);
+                solved += self.polish.polish(sweeps, island, x);
+                left = sweeps.residuals(island, x);
+            }
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {
                 let more = self.parts.settle(sweeps, island, x, enough, SWEEPS);
                 (relaxed, solved) = (relaxed + more[0], solved + more[1]);

@@ -147,6 +147,21 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         &self.rows[side]
     }
 
+    /// How much a unit impulse of another contact along its direction `l` changes the rate of this
+    /// one along `k`, 1/kg.
+    pub(crate) fn joint_compliance(&self, k: usize, other: &Self, l: usize) -> f64 {
+        let mut sum = 0.0;
+        for (mine, &body) in self.rows.iter().zip(&self.bodies) {
+            for (theirs, &of) in other.rows.iter().zip(&other.bodies) {
+                // What does not move has rows of zeros.
+                if body == of {
+                    sum += dot(&mine[k], &theirs[l]);
+                }
+            }
+        }
+        sum
+    }
+
     /// How much the rates change with these changes of the bodies' velocities.
     #[inline]
     pub(crate) fn pull(&self, a: &[f64; F], b: &[f64; F]) -> [f64; D] {

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "3d")]
 mod detection;
+mod exact_friction;
 mod impact_laws;
 #[cfg(feature = "3d")]
 mod no_allocation;
