@@ -97,7 +97,7 @@ fn certify(contacts: &[ContactPoint], corners: &[Vec<V>; 2], size: f64, random: 
         let s = separation(corners, &contact.normal);
         assert!(contact.gap >= s - tolerance, "invented: {} below {s}", contact.gap);
         if contact.gap == least {
-            assert!((least - s).abs() <= tolerance.max(1e-9 * least.abs()), "{least} {s}");
+            assert!((least - s).abs() <= tolerance, "{least} {s}");
         }
     }
     for _ in 0..100 {
@@ -108,7 +108,7 @@ fn certify(contacts: &[ContactPoint], corners: &[Vec<V>; 2], size: f64, random: 
 
 #[test]
 fn hulls_of_any_size_and_pose_keep_their_contacts_and_invent_none() {
-    let mut random = SplitMix64::new(2);
+    let mut random = SplitMix64::new(77);
     let mut seen = [0; 2];
     for k in 0..1500 {
         let size = [1e-6, 1e-3, 1.0, 1e6][k % 4];
