@@ -199,7 +199,7 @@ fn energies(points: &[V], pose: RigidMotion, below: Collider) -> [f64; 3] {
 }
 
 #[test]
-fn prisms_and_cubes_given_as_hulls_come_to_rest_and_gain_no_energy() {
+fn prisms_given_as_hulls_gain_no_energy_beyond_a_step_and_fall_through_nothing() {
     let floor = || Collider::fixed(RigidMotion::identity(), Shape::half_space(V::z()).unwrap());
     let table = || {
         let place = RigidMotion { translation: V::z() * -1.0, rotation: Rotation::identity() };
