@@ -7,5 +7,7 @@ pub(crate) mod planar_narrow_phase;
 #[cfg(feature = "3d")]
 pub(crate) mod box_axes;
 #[cfg(feature = "3d")]
+pub(crate) mod polytopes;
+#[cfg(feature = "3d")]
 pub(crate) mod narrow_phase;
 pub(crate) mod detection;

@@ -12,5 +12,7 @@ pub(crate) mod convert;
 #[cfg(feature = "2d")]
 pub(crate) mod planar_shape;
 #[cfg(feature = "3d")]
+pub(crate) mod polytope;
+#[cfg(feature = "3d")]
 pub(crate) mod shape;
 pub(crate) mod collider;

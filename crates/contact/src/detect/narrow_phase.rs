@@ -3,16 +3,17 @@
 //! ```text
 //! s(n) = min n.x2 - max n.x1  <=  |x2 - x1|          any direction n, any point of each
 //! ```
-//! The geometry library answers with clipping for boxes, along the axis along which they are
-//! farthest apart, and with Gilbert-Johnson-Keerthi and expanding polytopes for other convex
-//! solids. Points that face each other along `n` across `s(n)` are the closest there are, by the
+//! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
+//! faces of any number of corners, and on a half-space every corner counts. What is round or a
+//! surface, and hulls of very many edges, are asked of the geometry library: Gilbert-Johnson-Keerthi
+//! and expanding polytopes. Points that face each other along `n` across `s(n)` are the closest there are, by the
 //! inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
 //! difference of both.
 //!
-//! Matching faces of boxes keep their corners; those of other convex solids, off by no more than
-//! rounding, may lose one for a step.
+//! Matching faces of boxes and hulls keep their corners; those of hulls of so many edges that the
+//! library is asked, and of surfaces, may lose one for a step.
 
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose, Vector};
@@ -22,7 +23,8 @@ use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
 
 use crate::Shape;
 use crate::detect::box_axes::farthest;
-use crate::shapes::convert::from_vector;
+use crate::detect::polytopes;
+use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::{Answer, Facing};
 
 type Manifold = ContactManifold<(), ()>;
@@ -32,6 +34,7 @@ type Manifold = ContactManifold<(), ()>;
 pub struct Manifolds {
     found: Vec<Manifold>,
     one: Manifold,
+    polytopes: polytopes::Room,
 }
 
 /// Gaps wider than this part of a box are distances; below it the directions of closest points are
@@ -39,6 +42,10 @@ pub struct Manifolds {
 const WIDE: f64 = 1e-7;
 /// Points this part of a box farther apart than they need be are the closest.
 const SHORT: f64 = 1e-9;
+
+/// Pairs of edges beyond which looking at each costs more than the library's iterations, whose
+/// faces keep four corners at most.
+const EDGE_PAIRS: usize = 1 << 16;
 
 /// Appends where two shapes face each other.
 pub(crate) fn facing(
@@ -49,7 +56,7 @@ pub(crate) fn facing(
     found: &mut Vec<Facing<Vector3<f64>>>,
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
-    let Manifolds { found: manifolds, one } = room;
+    let Manifolds { found: manifolds, one, polytopes: space } = room;
     if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
@@ -63,6 +70,15 @@ pub(crate) fn facing(
             }
         }
         return Answer::Now;
+    }
+    if let [Some(first), Some(second)] = shapes.map(Shape::polytope)
+        && first.edges.len() * second.edges.len() <= EDGE_PAIRS
+    {
+        polytopes::facing([first, second], relative, margin, space, found);
+        return Answer::Now;
+    }
+    if let Some(answer) = on_plane(shapes, relative, margin, found) {
+        return answer;
     }
     manifolds.truncate(1);
     if both.iter().any(|shape| shape.as_composite_shape().is_some()) {
@@ -96,6 +112,43 @@ pub(crate) fn facing(
         |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
     let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
     [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
+}
+
+/// Appends every corner of a convex solid that is near to a half-space; none of other shapes.
+fn on_plane(
+    shapes: [&Shape; 2],
+    relative: &Pose,
+    margin: f64,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> Option<Answer> {
+    let side = shapes.iter().position(|shape| shape.plane().is_some())?;
+    let (normal, solid) = (shapes[side].plane()?, shapes[1 - side].polytope()?);
+    // The library keeps every corner of a box.
+    if shapes[1 - side].wide().is_some() {
+        return None;
+    }
+    // The solid as the half-space sees it.
+    let place = if side == 0 { *relative } else { relative.inverse() };
+    polytopes::facing_plane(solid, &place, &normal, margin, |corner, on_solid, on_plane, gap| {
+        let facing = match side {
+            0 => Facing {
+                parts: [0, 0],
+                features: [0, corner],
+                points: [on_plane, on_solid],
+                normal,
+                gap,
+            },
+            _ => Facing {
+                parts: [0, 0],
+                features: [corner, 0],
+                points: [on_solid, on_plane],
+                normal: from_vector(relative.rotation * -vector(&normal)),
+                gap,
+            },
+        };
+        found.push(facing);
+    });
+    Some(Answer::Plane(side))
 }
 
 fn part(shape: &dyn Geometry, part: u32) -> Option<Triangle> {

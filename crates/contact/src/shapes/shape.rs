@@ -10,18 +10,24 @@
 //! Lengths in metres, in the axes of the body that carries the shape. What has no thickness, no
 //! direction or a number that is not finite is refused here, so that queries need not look again.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use parry3d_f64::shape::{Cuboid, HalfSpace, SharedShape};
+use parry3d_f64::transformation::try_convex_hull;
 
 use crate::ContactError;
 use crate::error::{check_finite, check_length};
-use crate::shapes::convert::vector;
+use crate::shapes::convert::{from_vector, vector};
+use crate::shapes::polytope::Polytope;
 
 /// A shape that queries accept.
 #[derive(Clone)]
 pub struct Shape {
     geometry: SharedShape,
     wide: Option<WideBox>,
+    /// Its flat faces, where it is convex and has nothing else.
+    polytope: Option<Arc<Polytope>>,
     name: &'static str,
 }
 
@@ -38,7 +44,7 @@ impl Shape {
     /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn ball(radius: f64) -> Result<Self, ContactError> {
         check_length("ball", "radius", radius)?;
-        Ok(Shape { geometry: SharedShape::ball(radius), wide: None, name: "ball" })
+        Ok(Shape { geometry: SharedShape::ball(radius), wide: None, polytope: None, name: "ball" })
     }
 
     /// A box of these half sizes.
@@ -48,7 +54,8 @@ impl Shape {
     pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
         half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
         let geometry = SharedShape::cuboid(half[0], half[1], half[2]);
-        Ok(Shape { geometry, wide: Some(WideBox::of(half)), name: "box" })
+        let polytope = Polytope::cuboid(half).map(Arc::new);
+        Ok(Shape { geometry, wide: Some(WideBox::of(half)), polytope, name: "box" })
     }
 
     /// The convex hull of these points.
@@ -64,7 +71,11 @@ impl Shape {
         }
         let points: Vec<_> = points.iter().map(vector).collect();
         let geometry = SharedShape::convex_hull(&points).ok_or(ContactError::Flat { shape })?;
-        Ok(Shape { geometry, wide: None, name: shape })
+        let polytope = try_convex_hull(&points).ok().and_then(|(corners, triangles)| {
+            let triangles: Vec<_> = triangles.iter().map(|t| t.map(|k| k as usize)).collect();
+            Polytope::new(corners.into_iter().map(from_vector).collect(), &triangles)
+        });
+        Ok(Shape { geometry, wide: None, polytope: polytope.map(Arc::new), name: shape })
     }
 
     /// The half-space on the side of the origin away from this normal, whose length does not
@@ -78,7 +89,7 @@ impl Shape {
         check_length("half-space", "normal", normal.norm())?;
         let normal = vector(&normal.normalize());
         let geometry = SharedShape::new(HalfSpace::new(normal));
-        Ok(Shape { geometry, wide: None, name: "half-space" })
+        Ok(Shape { geometry, wide: None, polytope: None, name: "half-space" })
     }
 
     /// A surface of triangles.
@@ -108,7 +119,7 @@ impl Shape {
         let points = vertices.iter().map(vector).collect();
         let geometry = SharedShape::trimesh(points, triangles.to_vec())
             .map_err(|_| ContactError::Flat { shape })?;
-        Ok(Shape { geometry, wide: None, name: shape })
+        Ok(Shape { geometry, wide: None, polytope: None, name: shape })
     }
 
     /// What it is, in a word.
@@ -124,8 +135,12 @@ impl Shape {
         self.wide.as_ref()
     }
 
+    pub(crate) fn polytope(&self) -> Option<&Polytope> {
+        self.polytope.as_deref()
+    }
+
     pub(crate) fn plane(&self) -> Option<Vector3<f64>> {
-        self.geometry.as_halfspace().map(|half| crate::shapes::convert::from_vector(half.normal))
+        self.geometry.as_halfspace().map(|half| from_vector(half.normal))
     }
 }
 

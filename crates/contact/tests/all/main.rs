@@ -8,6 +8,8 @@ mod impact_laws;
 mod no_allocation;
 #[cfg(feature = "2d")]
 mod planar_detection;
+#[cfg(feature = "3d")]
+mod polytopes;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod push_apart;
 #[cfg(all(feature = "2d", feature = "3d"))]

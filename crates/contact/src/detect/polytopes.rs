@@ -1,0 +1,403 @@
+//! Two convex solids with flat faces: where they face each other.
+//!
+//! ```text
+//! s(n) = min n.x2 - max n.x1          n = +n1, -n2, e1 x e2/|e1 x e2|
+//! ```
+//! `n1 n2` the normals of both solids' faces, `e1 e2` their edges. Overlapping solids leave each
+//! other on the shortest way along the `n` of the largest `s`; of solids apart it is the distance,
+//! unless a corner is closest to a corner or to an edge, and then those are looked at one by one.
+//! `s` is taken over all corners for every `n`, and so no direction, however badly rounded,
+//! promises more than it holds.
+//!
+//! The face that looks along `n` bounds the polygon of the other solid's face that looks back.
+//! All lengths are compared with the sizes of the pair.
+
+use nalgebra::Vector3;
+use parry3d_f64::math::Pose;
+use parry3d_f64::shape::PackedFeatureId;
+
+use crate::shapes::convert::{from_vector, vector};
+use crate::shapes::dimension::Facing;
+use crate::shapes::polytope::{Edge, Polytope};
+
+type V = Vector3<f64>;
+type Found = Vec<Facing<V>>;
+
+/// Room for the second solid as the first sees it, and for polygons.
+#[derive(Default)]
+pub(crate) struct Room {
+    corners: Vec<V>,
+    normals: Vec<V>,
+    polygon: Vec<Corner>,
+    cut: Vec<Corner>,
+}
+
+/// A corner of a polygon that is being cut.
+#[derive(Clone, Copy)]
+struct Corner {
+    place: V,
+    /// Its name on the solid whose face bounds, and on the other.
+    names: [u32; 2],
+    /// The side that leaves it: of the bounded polygon, or of the bounding one.
+    side: Side,
+}
+
+#[derive(Clone, Copy)]
+enum Side {
+    Own(u32),
+    Bound(u32),
+}
+
+/// A direction that parts the solids, and whose.
+#[derive(Clone, Copy)]
+struct Axis {
+    separation: f64,
+    normal: V,
+    from: Source,
+}
+
+#[derive(Clone, Copy)]
+enum Source {
+    First(usize),
+    Second(usize),
+    Edges(Edge, Edge),
+}
+
+/// Later directions must be better by this part of the sizes, so that rounding does not choose.
+const TIE: f64 = 1e-13;
+/// Points outside of a face by this part of the sizes are on its border.
+const BORDER: f64 = 1e-9;
+/// Distances below this part of the sizes are rounding, and have no direction.
+const WIDE: f64 = 1e-7;
+/// Edges at a smaller sine to each other are parallel: faces have their axis.
+const PARALLEL: f64 = 1e-10;
+/// Faces that look along an axis of edges, by cosine, and are bounded by each other.
+const ALONG: f64 = 0.9;
+
+/// A solid as the pair's axes see it.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    solid: &'a Polytope,
+    corners: &'a [V],
+    normals: &'a [V],
+}
+
+impl Seen<'_> {
+    /// How far it reaches along a direction.
+    fn reach(&self, n: &V) -> f64 {
+        self.corners.iter().map(|c| c.dot(n)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Of the faces at the corner that reaches farthest, that which looks most along a direction.
+    fn facing(&self, n: &V, slack: f64) -> usize {
+        let reach = self.reach(n) - slack;
+        let at_end =
+            |f: &usize| self.solid.around(*f).iter().any(|&c| self.corners[c].dot(n) >= reach);
+        let faces = (0..self.normals.len()).filter(at_end);
+        faces
+            .max_by(|&f, &g| self.normals[f].dot(n).total_cmp(&self.normals[g].dot(n)))
+            .unwrap_or(0)
+    }
+}
+
+/// Appends where a convex solid and a half-space face each other: every corner that is near.
+pub(crate) fn facing_plane(
+    solid: &Polytope,
+    place: &Pose,
+    normal: &V,
+    margin: f64,
+    mut append: impl FnMut(u32, V, V, f64),
+) {
+    for (k, corner) in solid.corners.iter().enumerate() {
+        let there = from_vector(place * vector(corner));
+        let gap = there.dot(normal);
+        if gap <= margin {
+            append(PackedFeatureId::vertex(k as u32).0, *corner, there - normal * gap, gap);
+        }
+    }
+}
+
+/// Appends where two convex solids face each other.
+pub(crate) fn facing(
+    solids: [&Polytope; 2],
+    relative: &Pose,
+    margin: f64,
+    room: &mut Room,
+    found: &mut Found,
+) {
+    let [first, second] = solids;
+    let Room { corners, normals, polygon, cut } = room;
+    corners.clear();
+    corners.extend(second.corners.iter().map(|c| from_vector(relative * vector(c))));
+    normals.clear();
+    normals.extend(second.faces.iter().map(|f| from_vector(relative.rotation * vector(&f.normal))));
+    let back = relative.inverse();
+    let own: &[V] = &first.corners;
+    // The first's normals are gathered behind the second's: one list holds both.
+    let split = normals.len();
+    normals.extend(first.faces.iter().map(|face| face.normal));
+    let (second_normals, first_normals) = normals.split_at(split);
+    let a = Seen { solid: first, corners: own, normals: first_normals };
+    let b = Seen { solid: second, corners, normals: second_normals };
+    let size = first.size.min(second.size);
+    let Some(axis) = farthest(a, b, TIE * first.size.max(second.size), margin) else { return };
+    let n = axis.normal;
+    let start = found.len();
+    let mut append = |names: [u32; 2], x1: V, x2: V, n: V, gap: f64| {
+        if gap <= margin {
+            let points = [x1, from_vector(back * vector(&x2))];
+            found.push(Facing { parts: [0, 0], features: names, points, normal: n, gap });
+        }
+    };
+    let mut least = f64::INFINITY;
+    match axis.from {
+        Source::First(face) => {
+            let other = b.facing(&-n, TIE * size);
+            bound([a, b], [face, other], &n, BORDER * size, polygon, cut);
+            for corner in polygon.iter() {
+                let gap = (corner.place - a.corners[first.around(face)[0]]).dot(&n);
+                least = least.min(gap);
+                append(corner.names, corner.place - n * gap, corner.place, n, gap);
+            }
+        }
+        Source::Second(face) => {
+            let other = a.facing(&n, TIE * size);
+            bound([b, a], [face, other], &n, BORDER * size, polygon, cut);
+            for corner in polygon.iter() {
+                let gap = (b.corners[second.around(face)[0]] - corner.place).dot(&n);
+                least = least.min(gap);
+                let [bounding, bounded] = corner.names;
+                append([bounded, bounding], corner.place, corner.place + n * gap, n, gap);
+            }
+        }
+        Source::Edges(one, other) => {
+            let [x1, x2] = between([a.corners, b.corners], [one, other]);
+            let inside = |x: &V, ends: [V; 2]| {
+                let along = ends[1] - ends[0];
+                let (t, slack) = ((x - ends[0]).dot(&along), BORDER * size * along.norm());
+                t >= -slack && t <= along.norm_squared() + slack
+            };
+            let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
+            if inside(&x1, ends[0]) && inside(&x2, ends[1]) {
+                least = axis.separation;
+                let name = |edge: Edge| {
+                    PackedFeatureId::edge((edge.corners[0] * 1024 + edge.corners[1]) as u32).0
+                };
+                // Along nearly parallel edges the place is rounding, across them it is not.
+                append([name(one), name(other)], x2 - n * least, x2, n, least);
+            }
+            let faces = [a.facing(&n, TIE * size), b.facing(&-n, TIE * size)];
+            let tilt = a.normals[faces[0]].dot(&n);
+            if tilt > ALONG && -b.normals[faces[1]].dot(&n) > ALONG {
+                bound([a, b], faces, &n, BORDER * size, polygon, cut);
+                for corner in polygon.iter() {
+                    let above = corner.place - a.corners[first.around(faces[0])[0]];
+                    let gap = above.dot(&a.normals[faces[0]]) / tilt;
+                    append(corner.names, corner.place - n * gap, corner.place, n, gap);
+                }
+            }
+        }
+    }
+    if axis.separation > WIDE * size && least > axis.separation + BORDER * size {
+        by_corners([a, b], &back, BORDER * size, [least, margin], start, found);
+    } else if found.len() == start && axis.separation <= margin {
+        // Rounding left no polygon: the deepest corner stays.
+        let deepest = |x: &&V, y: &&V| x.dot(&n).total_cmp(&y.dot(&n));
+        let Some((k, &x2)) = b.corners.iter().enumerate().min_by(|x, y| deepest(&x.1, &y.1)) else {
+            return;
+        };
+        let names = [PackedFeatureId::face(0).0, PackedFeatureId::vertex(k as u32).0];
+        let points = [x2 - n * axis.separation, second.corners[k]];
+        let gap = axis.separation;
+        found.push(Facing { parts: [0, 0], features: names, points, normal: n, gap });
+    }
+}
+
+/// The direction along which two solids are farthest apart; none if by more than `margin`.
+fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
+    let separation = |n: &V| -b.reach(&-n) - a.reach(n);
+    let mut best =
+        Axis { separation: f64::NEG_INFINITY, normal: V::zeros(), from: Source::First(0) };
+    let mut take = |normal: V, from: Source| {
+        let separation = separation(&normal);
+        if separation > best.separation + tie {
+            best = Axis { separation, normal, from };
+        }
+        best.separation
+    };
+    let mut so_far = f64::NEG_INFINITY;
+    for (f, n) in a.normals.iter().enumerate() {
+        so_far = take(*n, Source::First(f));
+    }
+    for (f, n) in b.normals.iter().enumerate() {
+        so_far = take(-n, Source::Second(f));
+    }
+    if so_far > margin {
+        return None;
+    }
+    for &one in &a.solid.edges {
+        let e1 = a.corners[one.corners[1]] - a.corners[one.corners[0]];
+        let [n1, n2] = one.faces.map(|f| a.normals[f]);
+        for &other in &b.solid.edges {
+            let [m1, m2] = other.faces.map(|f| -b.normals[f]);
+            let e2 = b.corners[other.corners[1]] - b.corners[other.corners[0]];
+            if !arcs_cross([n1, n2], [m1, m2]) {
+                continue;
+            }
+            let across = e1.cross(&e2);
+            let length = across.norm();
+            if length <= PARALLEL * e1.norm() * e2.norm() {
+                continue;
+            }
+            let n = across * ((n1 + n2).dot(&across).signum() / length);
+            let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
+            if here > so_far + tie {
+                so_far = take(n, Source::Edges(one, other));
+                if so_far > margin {
+                    return None;
+                }
+            }
+        }
+    }
+    Some(best)
+}
+
+/// Whether the arcs between two pairs of normals cross on the sphere, or nearly.
+fn arcs_cross([a, b]: [V; 2], [c, d]: [V; 2]) -> bool {
+    let (ab, cd) = (b.cross(&a), d.cross(&c));
+    let (cba, dba, adc, bdc) = (c.dot(&ab), d.dot(&ab), a.dot(&cd), b.dot(&cd));
+    cba * dba <= PARALLEL && adc * bdc <= PARALLEL && cba * bdc >= -PARALLEL
+}
+
+/// The points of two lines along edges that are closest.
+fn between([own, others]: [&[V]; 2], [one, other]: [Edge; 2]) -> [V; 2] {
+    let (p, q) = (own[one.corners[0]], others[other.corners[0]]);
+    let (d, e) = (own[one.corners[1]] - p, others[other.corners[1]] - q);
+    let across = d.cross(&e);
+    let r = q - p;
+    let s = r.cross(&e).dot(&across) / across.norm_squared();
+    let t = r.cross(&d).dot(&across) / across.norm_squared();
+    [p + d * s, q + e * t]
+}
+
+/// Cuts the second's face to what lies, seen along `n`, within the first's.
+fn bound(
+    [one, other]: [Seen<'_>; 2],
+    [bounding, bounded]: [usize; 2],
+    n: &V,
+    border: f64,
+    polygon: &mut Vec<Corner>,
+    cut: &mut Vec<Corner>,
+) {
+    let face = PackedFeatureId::face(bounding as u32).0;
+    let back = PackedFeatureId::face(bounded as u32).0;
+    polygon.clear();
+    polygon.extend(other.solid.around(bounded).iter().map(|&c| Corner {
+        place: other.corners[c],
+        names: [face, PackedFeatureId::vertex(c as u32).0],
+        side: Side::Own(c as u32),
+    }));
+    let around = one.solid.around(bounding);
+    for (k, &from) in around.iter().enumerate() {
+        let to = around[(k + 1) % around.len()];
+        let (start, end) = (one.corners[from], one.corners[to]);
+        let outward = (end - start).cross(n) * one.normals[bounding].dot(n).signum();
+        let length = outward.norm();
+        if length == 0.0 {
+            continue;
+        }
+        let outside = |c: &Corner| (c.place - start).dot(&outward) / length;
+        cut.clear();
+        for (i, here) in polygon.iter().enumerate() {
+            let next = &polygon[(i + 1) % polygon.len()];
+            let (d, e) = (outside(here), outside(next));
+            let (inside, stays) = (d <= border, e <= border);
+            if inside {
+                cut.push(*here);
+            }
+            if inside != stays {
+                let place = here.place + (next.place - here.place) * (d / (d - e)).clamp(0.0, 1.0);
+                let names = match here.side {
+                    Side::Own(side) => {
+                        [PackedFeatureId::edge(from as u32).0, PackedFeatureId::edge(side).0]
+                    }
+                    Side::Bound(before) => {
+                        [PackedFeatureId::vertex(before * 1024 + from as u32).0, back]
+                    }
+                };
+                let side = if inside { Side::Bound(from as u32) } else { here.side };
+                cut.push(Corner { place, names, side });
+            }
+        }
+        std::mem::swap(polygon, cut);
+    }
+}
+
+/// Appends the closest of corners and edges, of solids that are apart, and forgets what has been
+/// found if that is not closer.
+fn by_corners(
+    both: [Seen<'_>; 2],
+    back: &Pose,
+    slack: f64,
+    [least, margin]: [f64; 2],
+    start: usize,
+    found: &mut Found,
+) {
+    let mut closest = f64::INFINITY;
+    for_each_corner_and_edge(both, |[x1, x2], _| closest = closest.min((x2 - x1).norm()));
+    if closest >= least {
+        return;
+    }
+    found.truncate(start);
+    for_each_corner_and_edge(both, |[x1, x2], features| {
+        let gap = (x2 - x1).norm();
+        if gap <= (closest + slack).min(margin) {
+            let points = [x1, from_vector(back * vector(&x2))];
+            let normal = (x2 - x1) / gap;
+            found.push(Facing { parts: [0, 0], features, points, normal, gap });
+        }
+    });
+}
+
+/// Each corner of one solid with the closest point of each edge of the other, and each two edges
+/// that are closest between their ends.
+fn for_each_corner_and_edge([a, b]: [Seen<'_>; 2], mut visit: impl FnMut([V; 2], [u32; 2])) {
+    let name = |edge: &Edge, t: f64| {
+        let [from, to] = edge.corners;
+        match t {
+            0.0 => PackedFeatureId::vertex(from as u32).0,
+            1.0 => PackedFeatureId::vertex(to as u32).0,
+            _ => PackedFeatureId::edge((from * 1024 + to) as u32).0,
+        }
+    };
+    let nearest = |seen: &Seen<'_>, edge: &Edge, x: &V| {
+        let [from, to] = edge.corners.map(|c| seen.corners[c]);
+        let t = ((x - from).dot(&(to - from)) / (to - from).norm_squared()).clamp(0.0, 1.0);
+        (from + (to - from) * t, name(edge, t))
+    };
+    for (k, &x2) in b.corners.iter().enumerate() {
+        for edge in &a.solid.edges {
+            let (x1, feature) = nearest(&a, edge, &x2);
+            visit([x1, x2], [feature, PackedFeatureId::vertex(k as u32).0]);
+        }
+    }
+    for (k, &x1) in a.corners.iter().enumerate() {
+        for edge in &b.solid.edges {
+            let (x2, feature) = nearest(&b, edge, &x1);
+            visit([x1, x2], [PackedFeatureId::vertex(k as u32).0, feature]);
+        }
+    }
+    for one in &a.solid.edges {
+        for other in &b.solid.edges {
+            let [x1, x2] = between([a.corners, b.corners], [*one, *other]);
+            let within = |x: &V, [from, to]: [V; 2]| {
+                let t = (x - from).dot(&(to - from)) / (to - from).norm_squared();
+                t > 0.0 && t < 1.0
+            };
+            let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
+            if within(&x1, ends[0]) && within(&x2, ends[1]) {
+                visit([x1, x2], [name(one, 0.5), name(other, 0.5)]);
+            }
+        }
+    }
+}
