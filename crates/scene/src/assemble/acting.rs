@@ -189,7 +189,7 @@ impl What {
     /// Tells the forces at a time and a configuration, freedom by freedom.
     fn forces(
         &self,
-        (t, q): (f64, &[f64]),
+        now: (f64, &[f64]),
         inverse: &[f64],
         each: usize,
         tell: &mut dyn FnMut(usize, f64),
@@ -206,14 +206,15 @@ impl What {
             }
             What::Freedoms(all) => all.iter().for_each(|&(freedom, force)| tell(freedom, force)),
             What::Point { body, point, force, torque } => {
-                for (c, turning) in wrench(q, *body, each, point, force, torque).iter().enumerate()
+                for (c, turning) in
+                    wrench(now.1, *body, each, point, force, torque).iter().enumerate()
                 {
                     tell(each * body + c, *turning);
                 }
             }
             #[cfg(feature = "elasticity")]
             What::Pulled { first, .. } => {
-                if let Some([_, pull]) = self.pull((t, q), each) {
+                if let Some([_, pull]) = self.pull(now, each) {
                     for (c, pull) in pull.iter().enumerate().take(each) {
                         tell(first + c, -pull);
                     }
@@ -428,9 +429,11 @@ impl Scene {
 
     /// The springs to pins that move.
     fn pulled(&self) -> Vec<Act> {
-        let mut acts = Vec::new();
+        #[cfg(not(feature = "elasticity"))]
+        return Vec::new();
         #[cfg(feature = "elasticity")]
         {
+            let mut acts = Vec::new();
             let vertices = Vertices::new(self);
             for link in &self.links {
                 let [a, b] = link.ends;
@@ -449,7 +452,7 @@ impl Scene {
                 let name = format!("motion of {}", self.particles[pin.particle].name);
                 acts.push(Act { name, strength: Strength::constant(1.0), what });
             }
+            acts
         }
-        acts
     }
 }

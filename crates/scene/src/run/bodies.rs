@@ -12,7 +12,7 @@ use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::run::checkpoint::Checkpoint;
-use crate::run::driven::{kicked, shared};
+use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
 use crate::run::error::RunError;
@@ -65,7 +65,12 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
     }
     #[cfg(feature = "constraints")]
     if !scene.joints.is_empty() {
-        return crate::run::joints::in_space(method, system, joints, (initial, shared(scene)));
+        return crate::run::joints::in_space(
+            method,
+            system,
+            joints,
+            (initial, crate::run::driven::shared(scene)),
+        );
     }
     let _ = (joints, initial);
     Ok(kicked(scene, Box::new(Equal::without_solver(method.integrator(system)?))))
@@ -83,7 +88,11 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
     }
     #[cfg(feature = "constraints")]
     if !scene.joints.is_empty() {
-        return crate::run::joints::in_the_plane(system, joints, (initial, shared(scene)));
+        return crate::run::joints::in_the_plane(
+            system,
+            joints,
+            (initial, crate::run::driven::shared(scene)),
+        );
     }
     let _ = (joints, initial);
     Ok(kicked(scene, Box::new(Equal::without_solver(method.integrator(system)?))))

@@ -17,7 +17,6 @@ use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::run::adaptive;
 use crate::run::checkpoint::Checkpoint;
-use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
 use crate::run::error::{Interruption, RunError, StepFailure, unknown};
@@ -70,7 +69,7 @@ fn stepper<'s, const D: usize>(
     #[cfg(feature = "contact")]
     if let (Some(gaps), Some(contact)) = (&system.gaps, &scene.contact) {
         let impacts = crate::run::impacts::stepper(scene, contact, gaps, &system.problem)?;
-        return Ok(kicked(scene, impacts));
+        return Ok(crate::run::driven::kicked(scene, impacts));
     }
     let problem = &system.problem;
     match scene.stepping {
