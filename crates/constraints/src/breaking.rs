@@ -12,8 +12,8 @@ use stationary_calculus::{Flat, Metric, Potential, Storage};
 use stationary_integrators::State;
 
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, ConstraintError, Multipliers, Rattle, Rod, Rods,
-    Solver,
+    ConstrainedIntegrator, ConstrainedReport, ConstraintError, FreeMotion, Multipliers, Rattle,
+    Rod, Rods, Solver,
 };
 
 /// A rod that broke.
@@ -29,12 +29,13 @@ pub struct Broken {
     pub time: f64,
 }
 
-impl<M, P, C, X, const D: usize> Rattle<'_, M, P, Flat, Rods<D>, C, X>
+impl<M, P, C, X, F, const D: usize> Rattle<'_, M, P, Flat, Rods<D>, C, X, F>
 where
     M: Metric,
     P: Potential,
     C: Storage,
     X: Multipliers,
+    F: FreeMotion<M, Flat> + Clone,
 {
     /// A step, after which a rod that carried more than its strength is removed.
     ///

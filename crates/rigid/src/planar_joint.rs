@@ -16,6 +16,7 @@
 //! torques (N m). What rolls without slipping does so by an equation between places: the plane has
 //! no other kind of rolling. Source: notes 6, 7.4.
 
+mod drive;
 mod row;
 
 use nalgebra::Vector2;
@@ -26,6 +27,8 @@ use stationary_constraints::{
 
 use crate::{JointFault, JointName, LieGroup, PlanarRotation, RigidError};
 use row::{Local, Placed, Row};
+
+pub use drive::PlanarDrive;
 
 /// What a joint of the plane leaves free; axes are told in the joint's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -42,9 +42,9 @@
 //! | `view` | a vector to the eye | for the picture of a scene in space |
 //! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
-//! | `[uniform_gravity]` | `acceleration` | a vector |
+//! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
-//! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its velocity; for `newmark`, `generalized-alpha` and methods that choose their own steps |
+//! | `[drag]` | `coefficient` | holds back every free particle by the coefficient times its velocity; for methods of order up to 2 and those that choose their own steps |
 //! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `strain` | at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
@@ -52,12 +52,19 @@
 //! | `[[chains]]` | `name`, `between`, `links`, `particle_mass` | particles called `name.1`, `name.2`, ..., joined by rods, on the line between two others |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
 //! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
-//! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `marks` | heat that flows through a shape, and nothing else |
+//! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `sources`, `marks` | heat that flows through a shape, and nothing else |
 //! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
-//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"` (with its axis) or `"fixed"`, in the plane `"pin"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world |
+//! | `[[motors]]` | `between`, `torque` or `speed` | at a pin or a hinge: of the second against the first, a number or a strength in time |
+//! | `[[loads]]` | `on`, `force`, `torque`, `strength` | on a particle, a body, or a point of a body, in world axes |
+//! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs |
 //!
 //! A text that begins with `=` is arithmetic wherever a number may stand, with the numbers of
 //! `[parameters]`: `position = ["= 2*L", 0]`. [`Scene::read_with`] gives parameters other values.
+//!
+//! A `strength` is a number or one of `{ step = [0, 1], at = 2 }`, `{ ramp = [0, 1], from = 0, to = 2 }`,
+//! `{ sine = 1, frequency = 50 }` and `{ table = "load.csv" }`, times and values in a file beside the scene's.
+//! The summary closes the energy's budget with the works of all that acts.
 //!
 //! A `shape` has a `kind` with its `size` and its `cells`, or is what a `file` beside the scene's holds:
 //! the surface of an OBJ file, or the tetrahedra of Gmsh's MSH file, or its triangles where it has no
@@ -155,6 +162,8 @@ mod text {
     pub(crate) mod fault;
     pub(crate) mod diagnostic;
     pub(crate) mod file_error;
+    pub(crate) mod beside;
+    pub(crate) mod csv_table;
     pub(crate) mod check;
     pub(crate) mod parser_words;
     pub(crate) mod source;
@@ -163,6 +172,9 @@ mod text {
 mod model {
     pub(crate) mod particle;
     pub(crate) mod items;
+    pub(crate) mod strength;
+    pub(crate) mod turned;
+    pub(crate) mod drives;
     pub(crate) mod body_shape;
     pub(crate) mod simplices;
     pub(crate) mod elastic_body;
@@ -192,6 +204,7 @@ mod assemble {
     #[cfg(feature = "constraints")]
     pub(crate) mod rods;
     pub(crate) mod acceleration;
+    pub(crate) mod acting;
     #[cfg(feature = "modal")]
     pub(crate) mod rest;
     pub(crate) mod system;
@@ -215,6 +228,7 @@ mod run {
     pub(crate) mod recorder;
     pub(crate) mod engine;
     pub(crate) mod equal;
+    pub(crate) mod driven;
     pub(crate) mod adaptive;
     #[cfg(feature = "constraints")]
     pub(crate) mod lasting;
@@ -262,6 +276,7 @@ pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
 pub use model::body_shape::BodyShape;
 pub use model::built::Built;
+pub use model::drives::{Drives, HeatSource, Motor, MotorDrive, PinMotion, SceneLoad};
 pub use model::elastic_body::{ElasticBody, ElasticMaterial, HeatedBody};
 pub use model::items::{
     JointKind, Link, RigidBody, Rod, SceneBall, SceneContact, SceneJoint, SceneWall,
@@ -271,6 +286,7 @@ pub use model::particle::{Motion, Particle};
 pub use model::scene::{Gravity, Scene};
 pub use model::simplices::{Middles, Simplices};
 pub use model::stepping::{Adaptive, Constrained, Stepping};
+pub use model::strength::{Pieces, Strength};
 pub use model::timing::Timing;
 pub use model::units::Units;
 pub use run::checkpoint::{Checkpoint, CheckpointError};

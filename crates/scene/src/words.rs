@@ -16,7 +16,10 @@ pub(crate) mod heat;
 pub(crate) mod integrator;
 pub(crate) mod joints;
 pub(crate) mod laid_shape;
+pub(crate) mod loads;
 pub(crate) mod mesh_file;
+pub(crate) mod motions;
+pub(crate) mod motors;
 pub(crate) mod nets;
 #[cfg(feature = "elasticity")]
 pub(crate) mod node_shares;
@@ -29,6 +32,7 @@ pub(crate) mod shape;
 pub(crate) mod shape_kinds;
 pub(crate) mod solids;
 pub(crate) mod springs;
+pub(crate) mod strength;
 pub(crate) mod table;
 pub(crate) mod units;
 pub mod vocabulary;
@@ -49,6 +53,9 @@ use crate::words::drag::DragDeclaration;
 use crate::words::gravity::{NewtonianGravityDeclaration, UniformGravityDeclaration};
 use crate::words::heat::HeatDeclaration;
 use crate::words::joints::JointDeclaration;
+use crate::words::loads::LoadDeclaration;
+use crate::words::motions::MotionDeclaration;
+use crate::words::motors::MotorDeclaration;
 use crate::words::nets::NetDeclaration;
 use crate::words::observables::ObservableDeclaration;
 use crate::words::particles::ParticleDeclaration;
@@ -122,6 +129,15 @@ table! {
         /// Joints between bodies, or a body and the world.
         #[serde(default)]
         joints: Vec<JointDeclaration> = Kind::List(&Kind::Table(&JointDeclaration::TABLE)),
+        /// Motors at joints.
+        #[serde(default)]
+        motors: Vec<MotorDeclaration> = Kind::List(&Kind::Table(&MotorDeclaration::TABLE)),
+        /// Forces on particles and bodies, torques on bodies.
+        #[serde(default)]
+        loads: Vec<LoadDeclaration> = Kind::List(&Kind::Table(&LoadDeclaration::TABLE)),
+        /// Pinned particles that move as they are told.
+        #[serde(default)]
+        motions: Vec<MotionDeclaration> = Kind::List(&Kind::Table(&MotionDeclaration::TABLE)),
     }
 }
 
@@ -162,5 +178,5 @@ macro_rules! words {
 
 words! {
     bodies joints particles chains heat nets solids springs rods contact
-    uniform_gravity newtonian_gravity drag
+    uniform_gravity newtonian_gravity drag loads motors motions
 }

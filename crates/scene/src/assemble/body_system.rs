@@ -7,17 +7,20 @@
 //! ```
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, System};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, Number, Potential, System};
 use stationary_integrators::State;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, BodySpace, Free, Joint, JointEnd, JointKind, LieGroup, PlanarEnd,
-    PlanarJoint, PlanarJointKind, PlanarWeight, PointMass, Poses, RigidMotion, Rotation, Weight,
+    Along, Body, BodyMetric, BodyMotion, BodySpace, Drive, Free, Joint, JointEnd, JointKind,
+    LieGroup, PlanarDrive, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, PointMass, Poses,
+    RigidMotion, Rotation, Schedule, Weight,
 };
 
 use crate::JointKind as SceneJointKind;
 use crate::assemble::error::AssemblyError;
+use crate::model::drives::{Motor, MotorDrive};
 use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::scene::Scene;
+use crate::model::strength::Strength;
 
 /// What a run asks of bodies in space and in the plane alike.
 pub(crate) trait BodySystem {
@@ -37,8 +40,22 @@ pub(crate) trait BodySystem {
 /// Bodies in space.
 pub(crate) struct InSpace {
     pub(crate) system: SpatialSystem,
-    pub(crate) joints: Vec<Joint<Poses>>,
+    pub(crate) joints: SpatialJoints,
     pub(crate) initial: State<Vec<f64>>,
+}
+
+/// Joints, and the motors that have a speed.
+pub(crate) type SpatialJoints = (Vec<Joint<Poses>>, Vec<Drive<Poses, Turned>>);
+pub(crate) type PlanarJoints = (Vec<PlanarJoint>, Vec<PlanarDrive<Turned>>);
+
+/// The turn that a motor makes: the integral of its speed.
+#[derive(Clone, Debug)]
+pub(crate) struct Turned(Strength);
+
+impl Schedule for Turned {
+    fn at<R: Number>(&self, t: R) -> R {
+        self.0.integral_of(t)
+    }
 }
 
 type Load = (Option<Weight<Poses>>, Free);
@@ -49,7 +66,7 @@ pub(crate) type PlanarSystem = System<DiagonalMetric<Vec<f64>>, PlanarLoad>;
 /// Bodies in the plane.
 pub(crate) struct InThePlane {
     pub(crate) system: PlanarSystem,
-    pub(crate) joints: Vec<PlanarJoint>,
+    pub(crate) joints: PlanarJoints,
     pub(crate) initial: State<Vec<f64>>,
 }
 
@@ -106,44 +123,60 @@ impl BodySystem for InThePlane {
     }
 }
 
-fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Poses>, AssemblyError> {
+/// The ends of a joint where it stands.
+fn ends_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> [JointEnd; 2] {
     let frame = RigidMotion { translation: joint.place.into(), rotation: Rotation::identity() };
-    let ends = joint.between.map(|end| match end {
+    joint.between.map(|end| match end {
         None => JointEnd { body: None, frame },
         Some(index) => {
             let body = &bodies[index];
             let pose = RigidMotion { translation: body.position.into(), rotation: body.turned() };
             JointEnd::where_it_stands(index, &pose, &frame)
         }
-    });
+    })
+}
+
+fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Poses>, AssemblyError> {
+    let ends = ends_in_space(bodies, joint);
     let kind = match joint.kind {
         SceneJointKind::Ball => JointKind::Ball,
         SceneJointKind::Hinge => JointKind::Hinge { axis: joint.axis.into() },
+        SceneJointKind::Slider => JointKind::Slider { axis: joint.axis.into() },
         SceneJointKind::Fixed => JointKind::Weld,
     };
     Ok(Joint::new(Poses, bodies.len(), kind, ends)?)
+}
+
+fn ends_in_the_plane(bodies: &[RigidBody], joint: &SceneJoint) -> [PlanarEnd; 2] {
+    let place = Vector3::from(joint.place).xy();
+    joint.between.map(|end| match end {
+        None => PlanarEnd::world(place),
+        Some(index) => {
+            let RigidBody { position: [x, y, _], rotation: [.., angle], .. } = bodies[index];
+            PlanarEnd::where_it_stands(index, [x, y, angle], place)
+        }
+    })
 }
 
 fn joint_in_the_plane(
     bodies: &[RigidBody],
     joint: &SceneJoint,
 ) -> Result<PlanarJoint, AssemblyError> {
-    let place = Vector3::from(joint.place).xy();
-    let ends = joint.between.map(|end| match end {
-        None => PlanarEnd::world(place),
-        Some(index) => {
-            let RigidBody { position: [x, y, _], rotation: [.., angle], .. } = bodies[index];
-            PlanarEnd::where_it_stands(index, [x, y, angle], place)
-        }
-    });
+    let ends = ends_in_the_plane(bodies, joint);
     let kind = match joint.kind {
         SceneJointKind::Fixed => PlanarJointKind::Weld,
+        SceneJointKind::Slider => PlanarJointKind::Slider { axis: Vector3::from(joint.axis).xy() },
         _ => PlanarJointKind::Pin,
     };
     Ok(PlanarJoint::new(bodies.len(), kind, ends)?)
 }
 
 impl Scene {
+    /// Motors that have a speed.
+    fn speeds(&self) -> impl Iterator<Item = &Motor> {
+        self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Speed)
+    }
+
     /// The scene's bodies in space.
     pub(crate) fn in_space(&self) -> Result<InSpace, AssemblyError> {
         let made = self.bodies.iter().map(|body| Body::new(body.mass, body.moments));
@@ -155,16 +188,21 @@ impl Scene {
         };
         let initial = metric.state(&self.bodies.iter().map(motion).collect::<Vec<_>>())?;
         let load = |body: &RigidBody| PointMass { mass: body.mass, point: Vector3::zeros() };
-        let weight = self.gravity.acceleration.map(|gravity| Weight {
+        let weight = self.steady_gravity().map(|gravity| Weight {
             gravity: gravity.into(),
             masses: self.bodies.iter().map(load).collect(),
             space: Poses,
         });
         let free = Free { freedoms: 6 * self.bodies.len() };
         let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        let drives = self.speeds().map(|motor| {
+            let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
+            let ends = ends_in_space(&self.bodies, joint);
+            Drive::new(Poses, self.bodies.len(), Along::Turn, joint.axis.into(), ends, speed)
+        });
         Ok(InSpace {
             system: metric.under((weight, free))?,
-            joints: joints.collect::<Result<_, _>>()?,
+            joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial,
         })
     }
@@ -178,15 +216,19 @@ impl Scene {
         let q = self.bodies.iter().flat_map(place).collect();
         let v = self.bodies.iter().flat_map(rates);
         let p = v.zip(&masses).map(|(v, mass)| v * mass).collect();
-        let weight = self.gravity.acceleration.map(|[x, y, _]| PlanarWeight {
+        let weight = self.steady_gravity().map(|[x, y, _]| PlanarWeight {
             gravity: Vector2::new(x, y),
             masses: self.bodies.iter().map(|body| body.mass).collect(),
         });
         let free = Free { freedoms: masses.len() };
         let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        let drives = self.speeds().map(|motor| {
+            let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
+            PlanarDrive::new(self.bodies.len(), ends_in_the_plane(&self.bodies, joint), speed)
+        });
         Ok(InThePlane {
             system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
-            joints: joints.collect::<Result<_, _>>()?,
+            joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial: State::new(q, Covector(p)),
         })
     }

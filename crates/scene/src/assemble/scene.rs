@@ -132,6 +132,7 @@ pub(crate) fn assemble(
         timing: timing(declared)?,
         gravity: draft.gravity,
         drag: draft.drag,
+        drives: draft.drives,
         contact: draft.contact,
         particles: draft.particles.particles,
         written_out: draft.written_out,
@@ -164,9 +165,10 @@ fn check_what_is_there(declared: &Declaration) -> Checked<()> {
     let particles = declared.first(Of::Particles);
     let attraction = declared.first(Of::Attraction);
     let (bodies, joints) = (declared.first(Of::Bodies), declared.first(Of::Joints));
-    let weight = declared.first(Of::Weight);
+    let (weight, load) = (declared.first(Of::Weight), declared.first(Of::Load));
     if declared.heat.is_some() {
-        let others = [particles, attraction, bodies, joints, weight].into_iter().flatten().next();
+        let all = [particles, attraction, bodies, joints, weight, load];
+        let others = all.into_iter().flatten().next();
         return others.map_or(Ok(()), |place| Err(at(place, Fault::MixedWithHeat)));
     }
     match (bodies, joints, particles, attraction) {

@@ -6,6 +6,7 @@ use stationary_elasticity::Spring;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::{Vertices, leading};
 use crate::model::built::Built;
+use crate::model::items::Link;
 use crate::model::scene::Scene;
 
 /// The potential of a scene's springs.
@@ -18,7 +19,9 @@ impl Scene {
         vertices: &Vertices,
         built: &mut Built,
     ) -> Result<Springs<D>, AssemblyError> {
-        let springs = self.links.iter().map(|link| {
+        // Springs to pins that move are forces in time.
+        let still = |link: &&Link| link.ends.iter().all(|&end| !self.drives.moves(end));
+        let springs = self.links.iter().filter(still).map(|link| {
             let ends = link.ends.map(|end| vertices.of_particle[end]);
             Spring::new(ends, link.rest_length, link.stiffness, link.strain)
         });

@@ -90,8 +90,8 @@ impl<const D: usize> Potential for ScenePotential<D> {
 }
 
 impl Scene {
-    /// The scene as a problem of its dimension D, called `scene`: without drag and rods, which are
-    /// no part of a metric or a potential. It knows no true solution, and
+    /// The scene as a problem of its dimension D, called `scene`: without drag, what is driven and rods,
+    /// which are no part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     ///
     /// # Errors
@@ -121,7 +121,7 @@ impl Scene {
                 momenta.extend(leading::<D>(momentum));
             }
         }
-        let uniform = self.gravity.acceleration.map(|acceleration| UniformGravity {
+        let uniform = self.steady_gravity().map(|acceleration| UniformGravity {
             acceleration: leading::<D>(acceleration),
             masses: masses.clone(),
         });

@@ -60,6 +60,3 @@ pub struct HeatedBody {
     /// Which vertices keep theirs.
     pub held: Vec<bool>,
 }
-
-/// What a declaration comes to: the body, its edges and its faces.
-pub(crate) type Heated = (HeatedBody, Vec<[usize; 2]>, Vec<[usize; 3]>);

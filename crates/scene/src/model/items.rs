@@ -56,6 +56,8 @@ pub enum JointKind {
     Ball,
     /// Turns about an axis, in space.
     Hinge,
+    /// A shift along an axis.
+    Slider,
     /// Nothing. Called `fixed` in space, `weld` in the plane.
     Fixed,
 }
@@ -70,7 +72,7 @@ pub struct SceneJoint {
     pub between: [Option<usize>; 2],
     /// Where it is at the start.
     pub place: [f64; 3],
-    /// The axis of a hinge at the start, of length one; else the third axis.
+    /// The axis of a hinge or a slider at the start, of length one; else the third axis.
     pub axis: [f64; 3],
 }
 

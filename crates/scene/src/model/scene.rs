@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::model::drives::Drives;
 use crate::model::elastic_body::{ElasticBody, HeatedBody};
 use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::observable::Observable;
@@ -20,6 +21,7 @@ pub struct Scene {
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) drives: Drives,
     pub(crate) contact: Option<SceneContact>,
     pub(crate) particles: Vec<Particle>,
     pub(crate) written_out: usize,
@@ -79,9 +81,19 @@ impl Scene {
         self.gravity
     }
 
+    /// The acceleration of gravity, where it does not change in time.
+    pub(crate) fn steady_gravity(&self) -> Option<[f64; 3]> {
+        self.gravity.acceleration.filter(|_| self.drives.gravity.is_none())
+    }
+
     /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
     pub fn drag(&self) -> Option<f64> {
         self.drag
+    }
+
+    /// What is driven: loads, motors, pins that move, gravity and heat in time.
+    pub fn drives(&self) -> &Drives {
+        &self.drives
     }
 
     /// How its things touch, where they do.

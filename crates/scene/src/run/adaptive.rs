@@ -2,10 +2,11 @@
 
 use stationary_calculus::{Covector, Metric, Vector};
 use stationary_integrators::{
-    AdaptiveMethod, BackwardDifferences, DormandPrince853, Drag, MechanicalField, Moment,
-    RadauIia5, Saved, State, StepControl, StepReport, Tolerance, Work,
+    AdaptiveMethod, BackwardDifferences, DormandPrince853, MechanicalField, Moment, RadauIia5,
+    Saved, State, StepControl, StepReport, Tolerance, Work,
 };
 
+use crate::assemble::acting::Acting;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::system::SceneProblem;
 use crate::model::scene::Scene;
@@ -22,9 +23,12 @@ pub(crate) fn stepper<'s, const D: usize>(
     tolerance: f64,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let end = scene.timing.horizon();
-    let method = adaptive(method, problem, scene.drag, tolerance)?;
+    let acting = Acting::of(scene);
+    let method = adaptive(method, problem, acting.clone(), tolerance)?;
     let y = vec![0.0; 2 * problem.system.dim()];
-    Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new() }))
+    let driven =
+        acting.map(|acting| Worked { acting, to: 0.0, v: vec![0.0; problem.system.dim()] });
+    Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new(), driven }))
 }
 
 /// A method that chooses its own steps, read off.
@@ -36,6 +40,41 @@ struct Reading<'s> {
     before: Vec<f64>,
     /// The ends of its steps since it was asked last.
     ends: Vec<f64>,
+    driven: Option<Worked>,
+}
+
+/// What acts, the time up to which its works are counted, and room for a velocity.
+struct Worked {
+    acting: Acting,
+    to: f64,
+    v: Vec<f64>,
+}
+
+/// Gauss' three places in an interval from 0 to 1, and their weights.
+const PLACES: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+impl Reading<'_> {
+    /// Counts the works up to a time within the method's last step.
+    fn count_works(&mut self, to: f64) -> Result<(), StepFailure> {
+        let Some(Worked { acting, to: from, v }) = &mut self.driven else { return Ok(()) };
+        let to = to.min(self.method.moment().t);
+        let length = to - *from;
+        if length > 0.0 {
+            for (place, weight) in PLACES {
+                let t = *from + place * length;
+                self.method.interpolate(t, &mut self.y)?;
+                let (q, p) = self.y.split_at(v.len());
+                acting.velocity(p, v);
+                acting.add_powers(weight * length, t, q, p, v);
+            }
+            *from = to;
+        }
+        Ok(())
+    }
 }
 
 impl Stepper for Reading<'_> {
@@ -48,11 +87,22 @@ impl Stepper for Reading<'_> {
     ) -> Result<Stepped, StepFailure> {
         let before = *self.method.work();
         self.ends.clear();
+        if let Some(driven) = &mut self.driven {
+            driven.acting.begin();
+        }
+        if self.method.last_begin().is_some() {
+            self.count_works(to)?;
+        }
         while self.method.moment().t < to {
             self.before.clear();
             self.method.visit(&mut |number| self.before.push(*number));
-            self.method.step(self.end)?;
+            // A step ends where a strength is not smooth: none is passed over.
+            let t = self.method.moment().t;
+            let corner = self.driven.as_ref().and_then(|driven| driven.acting.next_corner(t));
+            let end = corner.map_or(self.end, |corner| corner.min(self.end));
+            self.method.step(end)?;
             self.ends.push(self.method.moment().t);
+            self.count_works(to)?;
         }
         self.method.interpolate(to, &mut self.y)?;
         let (q, p) = self.y.split_at(state.q.len());
@@ -75,6 +125,10 @@ impl Stepper for Reading<'_> {
         &self.ends
     }
 
+    fn works(&self) -> &[f64] {
+        self.driven.as_ref().map_or(&[], |driven| driven.acting.works())
+    }
+
     fn save(&mut self) -> Saved {
         if self.before.is_empty() {
             return self.method.save();
@@ -84,6 +138,10 @@ impl Stepper for Reading<'_> {
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        if let Some(driven) = &mut self.driven {
+            // The works up to the checkpoint's last sample are in its samples.
+            driven.to = before.state.t;
+        }
         Ok(self.method.load(&before.memory)?)
     }
 }
@@ -92,13 +150,11 @@ impl Stepper for Reading<'_> {
 fn adaptive<'s, const D: usize>(
     method: Adaptive,
     problem: &'s SceneProblem<D>,
-    coefficient: Option<f64>,
+    force: Option<Acting>,
     tolerance: f64,
 ) -> Result<Box<dyn AdaptiveMethod<Vec<f64>> + 's>, AssemblyError> {
     let system = &problem.system;
-    let n = system.dim();
-    let drag = coefficient.map(|coefficient| Drag::new(vec![coefficient; n])).transpose()?;
-    let field = MechanicalField::forced(system, drag)?;
+    let field = MechanicalField::forced(system, force)?;
     let initial = &problem.initial;
     let y = initial.q.iter().chain(initial.p.components()).copied().collect();
     let start = Moment::new(0.0, y);

@@ -12,6 +12,7 @@ use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::run::checkpoint::Checkpoint;
+use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
 use crate::run::error::RunError;
@@ -63,11 +64,16 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
         return crate::run::touching::in_space(scene, contact, system, initial);
     }
     #[cfg(feature = "constraints")]
-    if !joints.is_empty() {
-        return crate::run::joints::in_space(method, system, joints, initial);
+    if !scene.joints.is_empty() {
+        return crate::run::joints::in_space(
+            method,
+            system,
+            joints,
+            (initial, crate::run::driven::shared(scene)),
+        );
     }
     let _ = (joints, initial);
-    Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
+    Ok(kicked(scene, Box::new(Equal::without_solver(method.integrator(system)?))))
 }
 
 /// What steps bodies in the plane.
@@ -81,11 +87,15 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
         return crate::run::touching::in_the_plane(scene, contact, system, initial);
     }
     #[cfg(feature = "constraints")]
-    if !joints.is_empty() {
-        return crate::run::joints::in_the_plane(system, joints, initial);
+    if !scene.joints.is_empty() {
+        return crate::run::joints::in_the_plane(
+            system,
+            joints,
+            (initial, crate::run::driven::shared(scene)),
+        );
     }
     let _ = (joints, initial);
-    Ok(Box::new(Equal::without_solver(method.integrator(system)?)))
+    Ok(kicked(scene, Box::new(Equal::without_solver(method.integrator(system)?))))
 }
 
 /// Takes samples of bodies, and of their points.

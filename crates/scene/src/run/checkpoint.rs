@@ -286,7 +286,7 @@ impl Samples {
     fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
         let Samples { times, positions, velocities, bodies, .. } = self;
         let Samples { kinetic, potential, linear, angular, .. } = self;
-        let Samples { temperatures, heat, impacts, unsettled, contacts, .. } = self;
+        let Samples { temperatures, heat, impacts, unsettled, works, contacts, .. } = self;
         let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
         for numbers in [times, positions, velocities, bodies] {
             out.numbers(numbers)?;
@@ -301,6 +301,7 @@ impl Samples {
         }
         out.count(unsettled.steps)?;
         out.number(unsettled.residual)?;
+        out.numbers(works)?;
         out.count(contacts.rows.len() as u64)?;
         contacts.rows.iter().try_for_each(|row| row.put(out))?;
         out.count(contacts.end.map_or(u64::MAX, |end| end as u64))?;
@@ -323,6 +324,7 @@ impl Samples {
         });
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
         let unsettled = Unsettled { steps: from.count()?, residual: from.number()? };
+        let works = from.numbers()?;
         let contacts = (0..from.length(ContactImpulse::BYTES)?).map(|_| ContactImpulse::take(from));
         let rows = contacts.collect::<Option<Vec<_>>>()?;
         let end = match from.count()? {
@@ -344,6 +346,7 @@ impl Samples {
             heat,
             impacts,
             unsettled,
+            works,
             contacts: ContactRows { rows, end },
             observed,
             columns: usize::try_from(from.count()?).ok()?,
@@ -373,6 +376,7 @@ impl Samples {
             && self.bodies.len() == n * bodies
             && contacts
             && self.columns == scene.no_samples().columns
+            && self.works.len() == scene.no_samples().works.len()
             && self.observed.len() == n * self.columns
     }
 }

@@ -89,6 +89,9 @@ impl Engine<'_> {
                     if let Some(residual) = stepped.unsettled {
                         samples.unsettled.add(residual);
                     }
+                    let driven =
+                        self.stepper.works().iter().copied().chain([self.stepper.driven_work()]);
+                    samples.works.iter_mut().zip(driven).for_each(|(sum, work)| *sum += work);
                     let next = samples.times.len();
                     let rows = &mut samples.contacts;
                     self.stepper.pushes(time(step), &mut |push| rows.push(next, push));

@@ -1,11 +1,12 @@
-//! Equal steps of a method, of particles that are held back by drag or by nothing.
+//! Equal steps of a method, of particles on which forces act beside the potential, or none do.
 
 #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
 use stationary_calculus::SparseSolver;
 #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
 use stationary_integrators::{DampedPattern, Evaluation};
-use stationary_integrators::{Drag, Integrator, Method, Newmark, NewmarkWeights, Saved, State};
+use stationary_integrators::{Integrator, Method, Newmark, NewmarkWeights, Saved, State};
 
+use crate::assemble::acting::Acting;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::system::SceneProblem;
 #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
@@ -13,6 +14,7 @@ use crate::assemble::vertices::few;
 use crate::model::built::Built;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::driven::{Driven, Way};
 use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 
@@ -37,16 +39,23 @@ pub(crate) struct Equal<'s> {
 }
 
 impl<'s> Equal<'s> {
-    /// The integrator of a scene's method, with its drag.
+    /// The steps of a scene's method, with what acts on it.
     pub(crate) fn of<const D: usize>(
         scene: &Scene,
         problem: &'s SceneProblem<D>,
         method: Method,
-    ) -> Result<Self, AssemblyError> {
-        match scene.drag {
-            Some(coefficient) => Equal::held_back(problem, method, coefficient),
-            None => Equal::new(problem, method),
-        }
+    ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
+        let Some(acting) = Acting::of(scene) else {
+            return Ok(Box::new(Equal::new(problem, method)?));
+        };
+        let Some(weights) = method.newmark_weights() else {
+            let steps = Box::new(Equal::new(problem, method)?);
+            return Ok(Driven::new(steps, acting, Way::Kicks));
+        };
+        // Newmark remembers accelerations, so that it takes the forces itself.
+        let acting = acting.with_width(scene.timing.stepping().step());
+        let steps = Box::new(Equal::forced(problem, weights, acting.clone())?);
+        Ok(Driven::new(steps, acting, Way::Taken))
     }
 
     /// The integrator of a method.
@@ -63,21 +72,18 @@ impl<'s> Equal<'s> {
         Ok(Equal::without_solver(method.integrator(&problem.system)?))
     }
 
-    /// The integrator of a method that takes the force of drag.
-    fn held_back<const D: usize>(
+    /// The integrator of a method that takes forces.
+    fn forced<const D: usize>(
         problem: &'s SceneProblem<D>,
-        method: Method,
-        coefficient: f64,
+        weights: NewmarkWeights,
+        force: Acting,
     ) -> Result<Self, AssemblyError> {
         let system = &problem.system;
-        // The scene has been asked whether its method takes forces.
-        let weights = method.newmark_weights().unwrap_or(NewmarkWeights::AVERAGE_ACCELERATION);
-        let drag = Drag::new(vec![coefficient; system.dim()])?;
         #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
         if !few(system.dim()) {
-            return Equal::sparse_held_back(problem, weights, drag);
+            return Equal::sparse_forced(problem, weights, force);
         }
-        Ok(Equal::without_solver(Box::new(Newmark::with_force(system, weights, drag)?)))
+        Ok(Equal::without_solver(Box::new(Newmark::with_force(system, weights, force)?)))
     }
 
     /// The integrator of an implicit method of many particles, by a sparse matrix: what does not
@@ -92,17 +98,17 @@ impl<'s> Equal<'s> {
         Ok(Equal::with_solver(method.integrator_with(system, solver)?))
     }
 
-    /// The same with the force of drag.
+    /// The same with forces.
     #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-    fn sparse_held_back<const D: usize>(
+    fn sparse_forced<const D: usize>(
         problem: &'s SceneProblem<D>,
         weights: NewmarkWeights,
-        drag: Drag<Vec<f64>>,
+        force: Acting,
     ) -> Result<Self, AssemblyError> {
         let system = &problem.system;
-        let pattern = DampedPattern { potential: system.potential(), force: &drag };
+        let pattern = DampedPattern { potential: system.potential(), force: &force };
         let solver = SparseSolver::new(system.metric(), &pattern, &problem.initial.q)?;
-        let integrator = Newmark::with_force_and_solver(system, weights, drag, solver)?;
+        let integrator = Newmark::with_force_and_solver(system, weights, force, solver)?;
         Ok(Equal::with_solver(Box::new(integrator)))
     }
 

@@ -17,6 +17,7 @@ use crate::assemble::vertices::Vertices;
 use crate::model::items::Stress;
 use crate::model::particle::Motion;
 use crate::model::scene::{Scene, numbers_of_a_body};
+use crate::model::turned::{cross, turn};
 use crate::run::samples::Run;
 use crate::text::file_error::WriteError;
 
@@ -163,31 +164,7 @@ impl BodyField {
     }
 }
 
-/// A vector turned by a quaternion of length one: `x + 2 r x (r x x + w x)`, r its vector part.
-fn turn([w, i, j, k]: [f64; 4], x: [f64; 3]) -> [f64; 3] {
-    let r = [i, j, k];
-    let inner = cross(r, x);
-    let outer = cross(r, std::array::from_fn(|c| inner[c] + w * x[c]));
-    std::array::from_fn(|c| x[c] + 2.0 * outer[c])
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 /// A vector of as many components as the scene has dimensions, in space.
 fn in_space(x: &[f64]) -> [f64; 3] {
     std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_quarter_turn_about_the_third_axis_takes_the_first_axis_to_the_second() {
-        let half = 0.5_f64.sqrt();
-        let y = turn([half, 0.0, 0.0, half], [1.0, 0.0, 0.0]);
-        assert!(y.iter().zip([0.0, 1.0, 0.0]).all(|(y, exact)| (y - exact).abs() < 1e-15));
-    }
 }

@@ -25,6 +25,7 @@ use crate::model::elastic_body::HeatedBody;
 use crate::model::scene::Scene;
 use crate::model::simplices::Simplices;
 use crate::model::stepping::Stepping;
+use crate::model::strength::Strength;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::engine::{Clock, Engine};
 use crate::run::error::{RunError, StepFailure};
@@ -138,7 +139,21 @@ impl Scene {
                 // A solve with the factor counts as a differential.
                 let step =
                     StepReport { differentials: 1 + u32::from(implicit), ..StepReport::default() };
-                let flow = Flow { way: Way::Steps(Box::new(heat), step), prepared };
+                // As the method weighs the ends of a step.
+                let parts = match method {
+                    HeatMethod::ExplicitEuler => [0.0, 1.0],
+                    HeatMethod::CrankNicolson => [0.5, 0.5],
+                    _ => [1.0, 0.0],
+                };
+                let sources = self.drives.sources.iter().map(|source| {
+                    let rates = domain.on_freedoms(&source.rates)?;
+                    let heat = mass.masses().iter().zip(&rates).map(|(m, rate)| m * rate).sum();
+                    Ok(Inflow { rates, heat, strength: source.strength.clone(), parts })
+                });
+                let sources: Vec<Inflow> =
+                    sources.collect::<Result<_, LaplacianError>>().map_err(AssemblyError::from)?;
+                let given = vec![0.0; sources.len()];
+                let flow = Flow { way: Way::Steps(Box::new(heat), step), prepared, sources, given };
                 let built = Built { sparse_solvers: implicit.into(), ..built };
                 (flow, built)
             }
@@ -146,7 +161,8 @@ impl Scene {
                 known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
                 let exact = known.flow(mass, alpha, &state.q).map_err(AssemblyError::from)?;
                 let way = Way::Modes(exact, &known.steady);
-                let flow = Flow { way, prepared: known.prepared() };
+                let (prepared, sources, given) = (known.prepared(), Vec::new(), Vec::new());
+                let flow = Flow { way, prepared, sources, given };
                 (flow, built + known.built)
             }
             _ => return Err(AssemblyError::Heat.into()),
@@ -171,6 +187,19 @@ impl HeatedBody {
 struct Flow<'a> {
     way: Way<'a>,
     prepared: StepReport,
+    sources: Vec<Inflow>,
+    /// The heat that each source gave in the last step.
+    given: Vec<f64>,
+}
+
+/// A source of heat on the freedoms.
+struct Inflow {
+    rates: Vec<f64>,
+    /// The heat that its rates come to in a unit of time.
+    heat: f64,
+    strength: Strength,
+    /// The parts that flow in before the step and after it.
+    parts: [f64; 2],
 }
 
 /// How heat is moved.
@@ -226,12 +255,29 @@ impl Stepper for Flow<'_> {
     fn step(
         &mut self,
         state: &mut State<Vec<f64>>,
-        _: f64,
+        h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
         let report = match &mut self.way {
             Way::Steps(heat, report) => {
-                heat.step(&mut state.q)?;
+                let warm = |f: &mut [f64], part: usize| {
+                    for source in &self.sources {
+                        let scale = source.parts[part] * source.strength.integral(to - h, to);
+                        f.iter_mut().zip(&source.rates).for_each(|(f, rate)| *f += scale * rate);
+                    }
+                };
+                if self.sources.is_empty() {
+                    heat.step(&mut state.q)?;
+                } else {
+                    let mut f = state.q.clone();
+                    warm(&mut f, 0);
+                    heat.step(&mut f)?;
+                    warm(&mut f, 1);
+                    state.q = f;
+                }
+                for (given, source) in self.given.iter_mut().zip(&self.sources) {
+                    *given = source.heat * source.strength.integral(to - h, to);
+                }
                 *report
             }
             Way::Modes(exact, steady) => {
@@ -241,6 +287,10 @@ impl Stepper for Flow<'_> {
             }
         };
         Ok(Stepped::done(report))
+    }
+
+    fn works(&self) -> &[f64] {
+        &self.given
     }
 
     fn prepared(&self) -> StepReport {

@@ -144,6 +144,7 @@ impl Scene {
     fn joint(&self, joint: &SceneJoint) -> String {
         let kind = match (joint.kind, self.dimension) {
             (JointKind::Hinge, _) => "hinge",
+            (JointKind::Slider, _) => "slider",
             (JointKind::Ball, 3) => "ball joint",
             (JointKind::Ball, _) => "pin",
             (JointKind::Fixed, 3) => "fixed joint",
@@ -166,7 +167,8 @@ impl Scene {
         self.joints.iter().find_map(|joint| {
             before += match (joint.kind, self.dimension) {
                 (JointKind::Ball, dimension) => dimension,
-                (JointKind::Hinge, _) => 5,
+                (JointKind::Slider, 2) => 2,
+                (JointKind::Hinge | JointKind::Slider, _) => 5,
                 (JointKind::Fixed, 3) => 6,
                 (JointKind::Fixed, _) => 3,
             };

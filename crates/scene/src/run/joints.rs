@@ -5,14 +5,12 @@ use stationary_constraints::{
     ConstraintOn, FreeMotion, Rattle, Redundancy, SparseDiagonal, Straight,
 };
 use stationary_integrators::State;
-use stationary_rigid::{
-    AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies, Joint, PlanarJoint,
-    Poses,
-};
+use stationary_rigid::{AxisRotations, BodyMethod, ConstantVelocity, ExactRotation, FreeBodies};
 
-use crate::assemble::body_system::{PlanarSystem, SpatialSystem};
+use crate::assemble::body_system::{PlanarJoints, PlanarSystem, SpatialJoints, SpatialSystem};
 use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
+use crate::run::driven::{Driven, Kicked, Shared, Way};
 use crate::run::lasting::Lasting;
 use crate::run::stepper::Stepper;
 
@@ -22,23 +20,24 @@ type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 pub(crate) fn in_space<'a>(
     method: BodyMethod,
     system: &'a SpatialSystem,
-    joints: &'a Vec<Joint<Poses>>,
-    initial: &State<Vec<f64>>,
+    joints: &'a SpatialJoints,
+    (initial, acting): (&State<Vec<f64>>, Option<Shared>),
 ) -> Made<'a> {
+    let start = (initial, acting);
     match method {
-        BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, initial),
-        BodyMethod::ExactRotation => held(FreeBodies(ExactRotation), system, joints, initial),
-        _ => held(FreeBodies(ConstantVelocity), system, joints, initial),
+        BodyMethod::AxisRotations => held(FreeBodies(AxisRotations), system, joints, start),
+        BodyMethod::ExactRotation => held(FreeBodies(ExactRotation), system, joints, start),
+        _ => held(FreeBodies(ConstantVelocity), system, joints, start),
     }
 }
 
 /// Of bodies in the plane.
 pub(crate) fn in_the_plane<'a>(
     system: &'a PlanarSystem,
-    joints: &'a Vec<PlanarJoint>,
-    initial: &State<Vec<f64>>,
+    joints: &'a PlanarJoints,
+    start: (&State<Vec<f64>>, Option<Shared>),
 ) -> Made<'a> {
-    held(Straight, system, joints, initial)
+    held(Straight, system, joints, start)
 }
 
 /// RATTLE whose solver lets equations depend on others, as in a planar loop of hinges.
@@ -46,10 +45,15 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: ConstraintOn<S>>(
     motion: impl FreeMotion<M, S> + Clone + 'a,
     system: &'a System<M, P, S>,
     joints: &'a K,
-    initial: &State<Vec<f64>>,
+    (initial, acting): (&State<Vec<f64>>, Option<Shared>),
 ) -> Made<'a> {
     let built = Built { equations: joints.count() as u64, sparse_solvers: 1, ..Built::default() };
     let shared = SparseDiagonal(Redundancy::LeastNorm);
+    let motion = Kicked { motion, acting: acting.clone() };
     let integrator = Box::new(Rattle::along(motion, system, joints, initial, shared)?);
-    Ok(Box::new(Lasting { integrator, built }))
+    let lasting = Box::new(Lasting::new(integrator, built));
+    Ok(match acting {
+        Some(acting) => Driven::new(lasting, acting, Way::Within),
+        None => lasting,
+    })
 }

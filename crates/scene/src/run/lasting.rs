@@ -12,6 +12,16 @@ use crate::run::stepper::{Stepped, Stepper};
 pub(crate) struct Lasting<'s> {
     pub(crate) integrator: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>,
     pub(crate) built: Built,
+    work: f64,
+}
+
+impl<'s> Lasting<'s> {
+    pub(crate) fn new(
+        integrator: Box<dyn ConstrainedIntegrator<Vec<f64>> + 's>,
+        built: Built,
+    ) -> Self {
+        Lasting { integrator, built, work: 0.0 }
+    }
 }
 
 impl Stepper for Lasting<'_> {
@@ -21,11 +31,17 @@ impl Stepper for Lasting<'_> {
         h: f64,
         _: f64,
     ) -> Result<Stepped, StepFailure> {
-        Ok(Stepped::done(counted(&self.integrator.step(state, h)?)))
+        let report = self.integrator.step(state, h)?;
+        self.work = report.work;
+        Ok(Stepped::done(counted(&report)))
     }
 
     fn multipliers(&self) -> &[f64] {
         self.integrator.multipliers()
+    }
+
+    fn driven_work(&self) -> f64 {
+        self.work
     }
 
     fn save(&mut self) -> Saved {

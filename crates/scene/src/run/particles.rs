@@ -7,6 +7,7 @@ use stationary_integrators::{
 };
 
 use crate::assemble::acceleration::most_accelerated;
+use crate::assemble::acting::Acting;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::particle_system::ParticleSystem;
 use crate::assemble::system::SceneProblem;
@@ -67,7 +68,8 @@ fn stepper<'s, const D: usize>(
     }
     #[cfg(feature = "contact")]
     if let (Some(gaps), Some(contact)) = (&system.gaps, &scene.contact) {
-        return crate::run::impacts::stepper(scene, contact, gaps, &system.problem);
+        let impacts = crate::run::impacts::stepper(scene, contact, gaps, &system.problem)?;
+        return Ok(crate::run::driven::kicked(scene, impacts));
     }
     let problem = &system.problem;
     match scene.stepping {
@@ -77,7 +79,7 @@ fn stepper<'s, const D: usize>(
         }
         #[cfg(feature = "constraints")]
         Stepping::Constrained(method) => crate::run::rods::held(scene, problem, method),
-        Stepping::Equal(method) => Ok(Box::new(Equal::of(scene, problem, method)?)),
+        Stepping::Equal(method) => Equal::of(scene, problem, method),
         Stepping::Adaptive { method, tolerance } => {
             adaptive::stepper(scene, problem, method, tolerance)
         }
@@ -96,6 +98,7 @@ struct ParticleRecorder<'a, const D: usize> {
     /// The rods that are left, in the order of their multipliers.
     left: Vec<usize>,
     broken: Vec<BrokenRod>,
+    acting: Option<Acting>,
 }
 
 impl<'a, const D: usize> ParticleRecorder<'a, D> {
@@ -109,6 +112,7 @@ impl<'a, const D: usize> ParticleRecorder<'a, D> {
             tensions: vec![0.0; scene.rods.len()],
             left: (0..scene.rods.len()).collect(),
             broken: Vec::new(),
+            acting: Acting::of(scene),
         }
     }
 
@@ -131,11 +135,18 @@ impl<const D: usize> Recorder for ParticleRecorder<'_, D> {
             self.velocities[particle][..D].copy_from_slice(&v[vertex]);
         }
 
+        for motion in &self.scene.drives.motions {
+            let start = self.scene.particles[motion.particle].position;
+            self.positions[motion.particle] = motion.place(start, time);
+            self.velocities[motion.particle] = motion.velocity(time);
+        }
+
+        let pulled = self.acting.as_ref().map_or(0.0, |acting| acting.energy(time, &state.q));
         let mut linear = [0.0; 3];
         linear[..D].copy_from_slice(&linear_momentum::<D>(state));
         let moment = Moment {
             kinetic: system.metric().kinetic_energy(state.p.view()),
-            potential: system.potential().energy(&state.q),
+            potential: system.potential().energy(&state.q) + pulled,
             linear,
             angular: angular_momentum::<D>(state),
             positions: &self.positions,

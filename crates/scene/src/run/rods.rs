@@ -3,7 +3,7 @@
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_constraints::{
     ConstrainedHamilton, ConstrainedIntegrator, ConstraintError, DiagonalMultipliers, Rattle, Rods,
-    SparseDiagonal, StepAndProject,
+    SparseDiagonal, StepAndProject, Straight,
 };
 use stationary_integrators::{Facts, Integrator, Method, Saved, State, StepError, StepReport};
 
@@ -13,6 +13,7 @@ use crate::model::built::Built;
 use crate::model::scene::Scene;
 use crate::model::stepping::Constrained;
 use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::driven::{Driven, Kicked, Way, shared};
 use crate::run::equal::Equal;
 use crate::run::error::StepFailure;
 use crate::run::lasting::{Lasting, counted};
@@ -30,12 +31,18 @@ pub(crate) fn held<'s, const D: usize>(
         (&problem.system, &problem.initial, SparseDiagonal::default());
     Ok(match method {
         Constrained::Rattle => {
-            let rattle = Rattle::new(system, rods, initial, equations)?;
-            Box::new(Breaking { scene, rattle, built })
+            let acting = shared(scene);
+            let motion = Kicked { motion: Straight, acting: acting.clone() };
+            let rattle = Rattle::along(motion, system, rods, initial, equations)?;
+            let breaking = Box::new(Breaking { scene, rattle, built });
+            match acting {
+                Some(acting) => Driven::new(breaking, acting, Way::Within),
+                None => breaking,
+            }
         }
         Constrained::Hamilton => {
             let integrator = Box::new(ConstrainedHamilton::new(system, rods, initial, equations)?);
-            Box::new(Lasting { integrator, built })
+            Box::new(Lasting::new(integrator, built))
         }
     })
 }
@@ -51,7 +58,7 @@ pub(crate) fn projected<'s, const D: usize>(
     let (system, initial) = (&problem.system, &problem.initial);
     let integrator =
         Box::new(StepAndProject::new(Owned(integrator), system, rods, initial, equations)?);
-    Ok(Box::new(Lasting { integrator, built: built(scene) + own }))
+    Ok(Box::new(Lasting::new(integrator, built(scene) + own)))
 }
 
 /// The equations are solved by a sparse matrix of their own.
@@ -61,10 +68,22 @@ fn built(scene: &Scene) -> Built {
 
 type Masses = DiagonalMetric<Vec<f64>>;
 
+/// Rods held along a motion between kicks.
+type Held<'s, const D: usize> = Rattle<
+    's,
+    Masses,
+    ScenePotential<D>,
+    Flat,
+    Rods<D>,
+    Vec<f64>,
+    DiagonalMultipliers,
+    Kicked<Straight>,
+>;
+
 /// Steps of rods that break where they have a strength.
 struct Breaking<'s, const D: usize> {
     scene: &'s Scene,
-    rattle: Rattle<'s, Masses, ScenePotential<D>, Flat, Rods<D>, Vec<f64>, DiagonalMultipliers>,
+    rattle: Held<'s, D>,
     built: Built,
 }
 

@@ -74,6 +74,8 @@ pub(crate) struct Samples {
     /// Of each step in which things met, in the order of time.
     pub(crate) impacts: Vec<Impacts>,
     pub(crate) unsettled: Unsettled,
+    /// The works so far of what acts on the scene, and last that of motors with a speed.
+    pub(crate) works: Vec<f64>,
     /// Rows of contact impulses, in the order of the samples.
     pub(crate) contacts: ContactRows,
     /// As many numbers a sample as the observables have columns.
@@ -148,7 +150,11 @@ impl Scene {
     /// Samples, before the first one.
     pub(crate) fn no_samples(&self) -> Samples {
         let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        Samples { columns, ..Samples::default() }
+        let works = match self.drives.is_empty() && self.drag.is_none() {
+            true => Vec::new(),
+            false => vec![0.0; self.works_of().len()],
+        };
+        Samples { columns, works, ..Samples::default() }
     }
 }
 
@@ -212,6 +218,19 @@ impl Run {
     /// them.
     pub fn impacts(&self) -> &[Impacts] {
         &self.samples.impacts
+    }
+
+    /// The works so far of what acts on the scene beside its potential, by name. They and the energy's
+    /// change differ by what impacts and friction took, and by the defect of the integrator.
+    pub fn works(&self) -> Vec<(String, f64)> {
+        let mut works: Vec<(String, f64)> = Vec::new();
+        for (name, &work) in self.scene.works_of().into_iter().zip(&self.samples.works) {
+            match works.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, sum)) => *sum += work,
+                None => works.push((name, work)),
+            }
+        }
+        works
     }
 
     /// Steps whose contact conditions were not met as far as asked.

@@ -47,6 +47,16 @@ pub(crate) trait Stepper {
     /// Shows the contact impulses of the last step, which ended at `time`.
     fn pushes(&self, _time: f64, _see: &mut dyn FnMut(Push)) {}
 
+    /// The works of what acted in the last step, as [`Acting`](crate::assemble::acting::Acting) names them.
+    fn works(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The work of motors with a speed in the last step.
+    fn driven_work(&self) -> f64 {
+        0.0
+    }
+
     /// What the next steps depend on beside the state.
     fn save(&mut self) -> Saved {
         Saved::default()

@@ -23,6 +23,9 @@ pub struct Summary {
     pub built: Table,
     /// The observables at the start and at the end, and their least and largest values.
     pub observables: Table,
+    /// The works of what acts beside the potential and what is left of the energy's balance, where anything
+    /// acts.
+    pub budget: Option<Table>,
     /// Steps whose contact conditions were not met as far as asked, where there are any.
     pub unsettled: Option<String>,
     /// What the files of the run leave out, where they leave out anything.
@@ -50,6 +53,7 @@ impl Summary {
             invariants: invariants(run),
             built: run.built().table(),
             observables: observables(run),
+            budget: budget(run),
             unsettled: (run.unsettled().steps > 0).then(|| unsettled(run)),
             left_out: run.contact_impulses_end().map(|end| {
                 format!(
@@ -59,6 +63,35 @@ impl Summary {
             }),
         }
     }
+}
+
+/// The energy's change, the works that made it, and what is left: the integrator's defect, and with
+/// impacts and friction what they took.
+fn budget(run: &Run) -> Option<Table> {
+    let (works, scene) = (run.works(), run.scene());
+    if works.is_empty() || scene.heat().is_some() {
+        return None;
+    }
+    let mut table =
+        Table::new([Column::exact("energy's budget"), Column::rounded("work", DIGITS, 0.0)]);
+    let energies = run.energies();
+    let change = energies.last().copied().unwrap_or_default() - energies.first().copied()?;
+    let kinetic = run.kinetic_energies().iter().copied().fold(0.0, f64::max);
+    let scale = works.iter().fold(kinetic, |scale, (_, work)| scale.max(work.abs()));
+    let left = works.iter().fold(change, |left, (_, work)| left - work);
+    for (name, work) in works {
+        table.push([name.into(), above_rounding(work, scale)]);
+    }
+    let rest = match scene.contact() {
+        Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
+        None => format!("defect of {}", scene.stepping()),
+    };
+    // Its digits depend on rounding where it is small.
+    let left =
+        if scale > 0.0 { format!("{:.0e} of the largest", left.abs() / scale) } else { "0".into() };
+    table.push([rest.into(), left.into()]);
+    table.push(["change of the energy".into(), above_rounding(change, scale)]);
+    Some(table)
 }
 
 fn unsettled(run: &Run) -> String {
@@ -306,6 +339,9 @@ impl fmt::Display for Summary {
         writeln!(f, "{}\n\n{}\n{}", self.title, self.cost, self.invariants)?;
         let notes = [&self.unsettled, &self.left_out];
         write!(f, "{}", self.observables)?;
+        if let Some(budget) = &self.budget {
+            write!(f, "\n{budget}")?;
+        }
         notes.into_iter().flatten().try_for_each(|note| f.write_str(note))
     }
 }

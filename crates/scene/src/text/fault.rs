@@ -224,11 +224,13 @@ pub enum Fault {
     #[error("{0}")]
     Shape(String),
     /// A file that is not in the scene's folder.
-    #[error("`{0}` is not in the folder of the scene's file, where meshes are looked for")]
+    #[error(
+        "`{0}` is not in the folder of the scene's file, where meshes and tables are looked for"
+    )]
     OutsideFolder(String),
-    /// A file that is no mesh.
+    /// A file beside the scene's that is no mesh or no table.
     #[error("`{file}`: {why}")]
-    MeshFile {
+    FileBeside {
         /// The file.
         file: String,
         /// What is wrong with it.
@@ -397,11 +399,11 @@ pub enum Fault {
     /// Both sides of a joint are one body.
     #[error("both sides of the joint are `{0}`")]
     JoinedToItself(String),
-    /// A hinge turns about something.
-    #[error("a hinge needs an `axis`")]
+    /// A hinge turns about something, a slider shifts along something.
+    #[error("a hinge or a slider needs an `axis`")]
     HingeAxis,
-    /// Only a hinge has an axis.
-    #[error("only a hinge has an axis")]
+    /// Only a hinge and a slider have an axis.
+    #[error("only a hinge or a slider has an axis")]
     NoHinge,
     /// Two bodies that move apart where they are joined.
     #[error("the two sides of the joint move apart at {apart} a unit of time")]
@@ -416,6 +418,74 @@ pub enum Fault {
     JointTurns {
         /// The size of what is forbidden of the difference of their angular velocities.
         turn: f64,
+    },
+    /// A load that acts on nothing that moves.
+    #[error("`{0}` is pinned, so that a load on it does nothing; [[motions]] move a pin")]
+    LoadOnPin(String),
+    /// A load that is none.
+    #[error("a load needs a `force` or a `torque`")]
+    NoLoad,
+    /// What does not turn has no torque.
+    #[error("`{0}` is a particle, which does not turn; only a body takes a `torque`")]
+    TorqueOnParticle(String),
+    /// A motor gives one of the two.
+    #[error("a motor needs a `torque` or a `speed`, and not both")]
+    TorqueOrSpeed,
+    /// A motor without a joint.
+    #[error("no joint is between these two; a motor needs a pin or a hinge there")]
+    NoJoint,
+    /// A joint that does not turn about one axis.
+    #[error("a motor turns a `pin` or a `hinge`; this joint has no one axis to turn about")]
+    MotorWithoutAxis,
+    /// Two speeds of one joint.
+    #[error("this joint already has a motor with a speed")]
+    TwoSpeeds,
+    /// Only what is pinned is moved.
+    #[error("`{0}` is not pinned; only a pinned particle moves as it is told")]
+    MotionOfFree(String),
+    /// A pin that holds more than springs.
+    #[error(
+        "`{0}` holds a rod or a solid, or has a radius; only a pinned particle that springs alone join \
+         moves as it is told"
+    )]
+    MotionOfHeld(String),
+    /// Two motions of one pin.
+    #[error("`{0}` already has a motion")]
+    TwoMotions(String),
+    /// A motion begins where the particle is.
+    #[error("the strength of a motion is {0} at the start; it must be 0, where the particle is")]
+    MotionFromElsewhere(f64),
+    /// A strength in time is told in one way.
+    #[error("a strength in time needs one of `step`, `ramp`, `sine` and `table`")]
+    NotOneStrength,
+    /// A strength in time that lacks a key.
+    #[error("a `{0}` needs `{1}`")]
+    StrengthKey(&'static str, &'static str),
+    /// A key that belongs to another kind of strength.
+    #[error("`{key}` is of a `{of}`, not of a `{kind}`")]
+    KeyOfAnother {
+        /// The key.
+        key: &'static str,
+        /// Where it belongs.
+        of: &'static str,
+        /// Where it stands.
+        kind: &'static str,
+    },
+    /// Values before and after.
+    #[error("{key} has {got} values; it needs two, before and after")]
+    TwoValues {
+        /// The key.
+        key: &'static str,
+        /// How many there are.
+        got: usize,
+    },
+    /// A ramp that ends before it begins.
+    #[error("the ramp ends at {to}, not after its start at {from}")]
+    Backwards {
+        /// When it begins.
+        from: f64,
+        /// When it ends.
+        to: f64,
     },
     /// A method that does not hold joints.
     #[error("{0} does not hold joints")]

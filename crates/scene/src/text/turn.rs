@@ -1,13 +1,15 @@
 //! What belongs to turning: a number in the plane, a vector in space.
 
 use std::fmt;
+use std::ops::Range;
 
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use crate::text::diagnostic::{Located, at};
+use crate::text::check;
+use crate::text::diagnostic::{Checked, Located, at};
 use crate::text::fault::Fault;
 use crate::text::number::{Components, Number};
 
@@ -21,11 +23,24 @@ pub(crate) enum Turn {
 impl Turn {
     /// The fault of a number where a vector belongs, or the other way round.
     pub(crate) fn wrong_kind(&self, what: &'static str, dimension: usize) -> Box<Located> {
-        let place = match self {
+        at(self.span(), Fault::Turn { what, dimension })
+    }
+
+    /// Where the text says it.
+    pub(crate) fn span(&self) -> Range<usize> {
+        match self {
             Turn::Number(number) => number.span(),
             Turn::Vector(components) => components.span(),
-        };
-        at(place, Fault::Turn { what, dimension })
+        }
+    }
+
+    /// A rotation, a rate of turn or a torque: about the third axis in the plane.
+    pub(crate) fn components(&self, what: &'static str, dimension: usize) -> Checked<[f64; 3]> {
+        match (dimension, self) {
+            (2, Turn::Number(number)) => Ok([0.0, 0.0, check::finite(what, number)?]),
+            (3, Turn::Vector(components)) => check::vector(what, 3, components),
+            _ => Err(self.wrong_kind(what, dimension)),
+        }
     }
 }
 

@@ -161,6 +161,11 @@ mod compiled {
             Rotation::exp(self.rotation.into())
         }
 
+        /// A direction of the world in the body's axes at the start.
+        pub(crate) fn in_axes(&self, direction: [f64; 3]) -> [f64; 3] {
+            self.turned().rotate_back(&direction.into()).into()
+        }
+
         /// Where a point of the body is at the start.
         pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
             let arm = self.turned().rotate(&point.into());
@@ -177,8 +182,8 @@ mod compiled {
             (None, Some(centre)) => centre,
             (None, None) => return Err(at(declared.name.span(), Fault::NoPosition(name))),
         };
-        let turn = |what, given: &Option<_>| match given {
-            Some(given) => turning(what, dimension, given),
+        let turn = |what, given: &Option<Turn>| match given {
+            Some(given) => given.components(what, dimension),
             None => Ok([0.0; 3]),
         };
         let rotation = turn("the rotation", &declared.rotation)?;
@@ -230,15 +235,6 @@ mod compiled {
         match Body::new(mass, shaped.moments) {
             Ok(_) => Ok(shaped),
             Err(error) => Err(at(shaped.place, Fault::Body(error.to_string()))),
-        }
-    }
-
-    /// A rotation or a rate of turn: a number in the plane, a vector in space.
-    fn turning(what: &'static str, dimension: usize, given: &Turn) -> Checked<[f64; 3]> {
-        match (dimension, given) {
-            (2, Turn::Number(number)) => Ok([0.0, 0.0, check::finite(what, number)?]),
-            (3, Turn::Vector(components)) => check::vector(what, 3, components),
-            _ => Err(given.wrong_kind(what, dimension)),
         }
     }
 

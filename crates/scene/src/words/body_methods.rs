@@ -20,6 +20,17 @@ impl Scene {
             _ => (false, false),
         };
         let name = || self.stepping.name().to_owned();
+        let order = match self.stepping {
+            Stepping::Bodies(method) => method.facts().order,
+            Stepping::Equal(method) => method.facts().order,
+            _ => 0,
+        };
+        if moves && self.is_driven() && order > 2 {
+            let what = "loads, motors or changing gravity to its order";
+            let instead =
+                "name a method up to order 2, such as `stormer-verlet` or `axis-rotations`";
+            return Err(Fault::MethodCannot { method: self.stepping.name(), what, instead });
+        }
         match (moves, holds || self.joints.is_empty()) {
             (false, _) => Err(Fault::MethodOfAnother(name())),
             (true, false) => Err(Fault::MethodOfJoints(name())),
@@ -36,6 +47,10 @@ impl Scene {
             _ if !self.joints.is_empty() => {
                 refused("joints and contact at once", "leave one of them out")
             }
+            _ if self.is_driven() => refused(
+                "bodies that touch under loads or changing gravity",
+                "leave one of them out",
+            ),
             (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
             | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::model::drives::Drives;
 use crate::model::elastic_body::HeatedBody;
 use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::scene::Gravity;
@@ -25,6 +26,7 @@ pub(crate) struct Draft<'a> {
     pub(crate) contact: Option<SceneContact>,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) drives: Drives,
 }
 
 /// A body with what only its declaration knows.
@@ -51,6 +53,7 @@ impl<'a> Draft<'a> {
             contact: None,
             gravity: Gravity { acceleration: None, constant: None },
             drag: None,
+            drives: Drives::default(),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::text::fault::Fault;
 use crate::text::number::{Components, Number};
 use crate::words::draft::Draft;
 use crate::words::particle_table::ParticleTable;
+use crate::words::strength::{self, StrengthDeclaration};
 use crate::words::table::{Kind, table};
 use crate::words::word::{Of, Word};
 
@@ -19,6 +20,8 @@ table! {
     pub(crate) struct UniformGravityDeclaration = "a table with an acceleration" {
         /// The acceleration of what falls.
         acceleration: Components = Kind::Vector,
+        /// How strong it is in time; 1 where it is missing.
+        strength: Option<Spanned<StrengthDeclaration>> = Kind::Strength,
     }
 
     /// Attraction between every two particles, all of which are free.
@@ -39,6 +42,9 @@ impl Word for Option<UniformGravityDeclaration> {
         if let Some(uniform) = self {
             let g = check::vector("the acceleration", draft.dimension, &uniform.acceleration)?;
             draft.gravity.acceleration = Some(g);
+            if let Some(strength) = &uniform.strength {
+                draft.drives.gravity = Some(strength::declare(draft.folder, Some(strength))?);
+            }
         }
         Ok(())
     }

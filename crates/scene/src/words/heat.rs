@@ -15,6 +15,7 @@ use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Marks, Number};
 use crate::words::draft::Draft;
 use crate::words::shape::ShapeDeclaration;
+use crate::words::strength::StrengthDeclaration;
 use crate::words::table::{Kind, table};
 use crate::words::word::{Feature, LAPLACIAN, Of, Word};
 
@@ -31,6 +32,8 @@ table! {
         warm: Option<Vec<WarmDeclaration>> = Kind::List(&Kind::Table(&WarmDeclaration::TABLE)),
         /// What is held at its temperature.
         held: Option<Vec<HeldDeclaration>> = Kind::List(&Kind::Table(&HeldDeclaration::TABLE)),
+        /// Where heat flows in.
+        sources: Option<Vec<SourceDeclaration>> = Kind::List(&Kind::Table(&SourceDeclaration::TABLE)),
         /// Names for the vertices nearest to places.
         marks: Option<Marks> = Kind::Marks,
     }
@@ -43,6 +46,18 @@ table! {
         radius: Spanned<Number> = Kind::Positive,
         /// How warm.
         temperature: Spanned<Number> = Kind::Number,
+    }
+
+    /// A place where heat flows in.
+    pub(crate) struct SourceDeclaration = "a table with `at`, `radius` and `rate`" {
+        /// Where.
+        at: Components = Kind::Vector,
+        /// How far around.
+        radius: Spanned<Number> = Kind::Positive,
+        /// How fast it is warmed there, temperature over time, where the strength is 1.
+        rate: Spanned<Number> = Kind::Number,
+        /// How strong it is in time; 1 where it is missing.
+        strength: Option<Spanned<StrengthDeclaration>> = Kind::Strength,
     }
 
     /// A part that is held.
@@ -65,10 +80,11 @@ impl Word for Option<HeatDeclaration> {
     fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
         #[cfg(feature = "laplacian")]
         if let Some(heat) = self {
-            let (body, edges, faces) =
+            let (body, sources, edges, faces) =
                 declare(&mut draft.particles, draft.dimension, draft.folder, heat)?;
             (draft.solids.edges, draft.solids.faces) = (edges, faces);
             draft.heat = Some(body);
+            draft.drives.sources = sources;
         }
         #[cfg(not(feature = "laplacian"))]
         let _ = draft;
@@ -83,7 +99,7 @@ pub(crate) use compiled::*;
 #[cfg(feature = "laplacian")]
 mod compiled {
     use super::*;
-    use crate::model::elastic_body::Heated;
+    use crate::model::drives::HeatSource;
     use std::path::Path;
 
     use crate::model::elastic_body::HeatedBody;
@@ -95,6 +111,7 @@ mod compiled {
     use crate::words::laid_shape::{mark, within};
     use crate::words::particle_table::ParticleTable;
     use crate::words::shape;
+    use crate::words::strength;
 
     /// The body that is declared, its vertices added to the roster.
     pub(crate) fn declare(
@@ -102,7 +119,7 @@ mod compiled {
         dimension: usize,
         folder: Option<&Path>,
         declared: &HeatDeclaration,
-    ) -> Checked<Heated> {
+    ) -> Checked<Declared> {
         let name = check::name(&declared.name)?;
         let shape = shape::declare(dimension, Element::Linear, folder, &declared.shape)?;
         let diffusivity = check::positive("the diffusivity", &declared.diffusivity)?;
@@ -117,12 +134,38 @@ mod compiled {
             roster.add(particle, declared.shape.span());
         }
         mark(roster, dimension, 0, &name, &shape, declared.marks.as_ref())?;
+        let sources = sources(dimension, folder, &shape, declared)?;
         let (start, held) = temperatures(dimension, &shape, declared)?;
         if held.iter().all(|&held| held) {
             return Err(at(declared.name.span(), Fault::AllHeld));
         }
         let body = HeatedBody { name, diffusivity, simplices: shape.simplices, start, held };
-        Ok((body, shape.edges, shape.faces))
+        Ok((body, sources, shape.edges, shape.faces))
+    }
+
+    /// The body, where heat flows into it, its edges and its faces.
+    type Declared = (HeatedBody, Vec<HeatSource>, Vec<[usize; 2]>, Vec<[usize; 3]>);
+
+    /// Where heat flows in: the vertices within the radius of each place.
+    fn sources(
+        dimension: usize,
+        folder: Option<&Path>,
+        shape: &Shape,
+        declared: &HeatDeclaration,
+    ) -> Checked<Vec<HeatSource>> {
+        let source = |source: &SourceDeclaration| {
+            let place = check::vector("a source", dimension, &source.at)?;
+            let radius = check::positive("the radius", &source.radius)?;
+            let rate = check::finite("the rate", &source.rate)?;
+            let rates = shape.distances(place).map(|far| if far <= radius { rate } else { 0.0 });
+            let rates: Vec<f64> = rates.collect();
+            if rate != 0.0 && rates.iter().all(|&rate| rate == 0.0) {
+                return Err(at(source.radius.span(), Fault::Nowhere));
+            }
+            let strength = strength::declare(folder, source.strength.as_ref())?;
+            Ok(HeatSource { rates, strength })
+        };
+        declared.sources.iter().flatten().map(source).collect()
     }
 
     /// The temperature of each vertex at the start, and whether it keeps it.

@@ -10,6 +10,7 @@
 
 use stationary_integrators::{Evaluation, Method};
 
+use crate::model::drives::{Drives, MotorDrive};
 use crate::model::scene::Scene;
 use crate::model::stepping::{
     ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
@@ -23,6 +24,9 @@ use crate::words::word::{CONSTRAINTS, MODAL};
 use stationary_laplacian::HeatMethod;
 #[cfg(feature = "rigid")]
 use stationary_rigid::BodyMethod;
+
+/// The order of kicks before and after a step.
+const KICKS: u32 = 2;
 
 /// What the word `integrator` may say.
 #[derive(Clone, Copy)]
@@ -129,6 +133,26 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Whether forces act on it that no potential gives.
+    pub(crate) fn is_driven(&self) -> bool {
+        let Drives { loads, motors, motions, gravity, .. } = &self.drives;
+        let torques = motors.iter().any(|motor| motor.drive == MotorDrive::Torque);
+        self.drag.is_some()
+            || !loads.is_empty()
+            || torques
+            || !motions.is_empty()
+            || gravity.is_some()
+    }
+
+    /// Whether the method takes forces that change with the place, as springs to pins that move do.
+    fn moves_pins(&self) -> bool {
+        match self.stepping {
+            Stepping::Equal(method) => method.facts().evaluation == Evaluation::Explicit,
+            Stepping::Adaptive { method, .. } => method == Adaptive::DormandPrince853,
+            _ => false,
+        }
+    }
+
     fn mode_numbers(&self, modes: usize) -> u64 {
         (self.freedoms() as u64).saturating_mul(modes as u64)
     }
@@ -151,7 +175,7 @@ impl Scene {
 
     /// An error where the scene's method cannot step its particles, or let its heat flow.
     pub(crate) fn check_particles(&self) -> Result<(), Fault> {
-        let (drag, rods) = (self.drag.is_some(), !self.rods.is_empty());
+        let (driven, rods) = (self.is_driven(), !self.rods.is_empty());
         let breaking = self.rods.iter().any(|rod| rod.strength.is_finite());
         let of_heat = match self.stepping {
             #[cfg(feature = "laplacian")]
@@ -166,7 +190,7 @@ impl Scene {
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         if let Some(contact) = &self.contact {
             return match self.stepping {
-                _ if drag || rods => refused("contact with rods or drag", "leave one of them out"),
+                _ if rods => refused("contact with rods", "leave one of them out"),
                 _ if contact.stiffness.is_some() => match self.stepping {
                     Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
                         Ok(())
@@ -179,7 +203,13 @@ impl Scene {
             };
         }
         match self.stepping {
-            _ if drag && rods => refused("rods and drag at once", "leave one of them out"),
+            _ if driven && rods && self.stepping != Stepping::Constrained(Constrained::Rattle) => {
+                refused("rods on which drag, loads or changing gravity act", "name `rattle`")
+            }
+            _ if !self.drives.motions.is_empty() && !self.moves_pins() => refused(
+                "pins that move",
+                "name `stormer-verlet`, another explicit method up to order 2, or `dormand-prince-853`",
+            ),
             Stepping::Constrained(_) if !rods => {
                 refused("a scene without rods", "name any other method")
             }
@@ -190,12 +220,13 @@ impl Scene {
                 let (what, count) = ("numbers of modes", self.mode_numbers(count));
                 Err(Fault::TooMany { what, count, limit: limits::MODE_NUMBERS })
             }
-            Stepping::LinearModes { .. } if rods || drag => {
-                refused("rods or drag", "name a method of equal steps")
+            Stepping::LinearModes { .. } if rods || driven || !self.drives.sources.is_empty() => {
+                refused("rods, drag, loads or sources", "name a method of equal steps")
             }
-            Stepping::Equal(equal) if drag && equal.newmark_weights().is_none() => {
-                refused("drag", "name `newmark`, `generalized-alpha` or an adaptive method")
-            }
+            Stepping::Equal(equal) if driven && equal.facts().order > KICKS => refused(
+                "drag, loads or changing gravity to its order",
+                "name a method up to order 2, such as `stormer-verlet`, or an adaptive method",
+            ),
             Stepping::Adaptive { method: adaptive, .. }
                 if adaptive != Adaptive::DormandPrince853
                     && self.freedoms() > limits::FULL_MATRIX_FREEDOMS =>

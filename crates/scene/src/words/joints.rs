@@ -24,13 +24,13 @@ use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
 table! {
     /// A joint, given by its place at the start.
     pub(crate) struct JointDeclaration = "a joint" {
-        /// In space ball, hinge or fixed; in the plane pin or weld.
-        kind: Spanned<String> = Kind::OneOf(&["ball", "hinge", "fixed", "pin", "weld"]),
+        /// In space ball, hinge, slider or fixed; in the plane pin, slider or weld.
+        kind: Spanned<String> = Kind::OneOf(&["ball", "hinge", "slider", "fixed", "pin", "weld"]),
         /// Two names.
         between: Spanned<Vec<Spanned<String>>> = Kind::Pair,
         /// Where it is at the start, as the world sees it.
         at: Components = Kind::Vector,
-        /// The axis of a hinge at the start, as the world sees it.
+        /// The axis of a hinge, or the direction of a slider, at the start, as the world sees it.
         axis: Option<Components> = Kind::Vector,
     }
 }
@@ -72,10 +72,14 @@ mod compiled {
     use crate::text::suggestion::shortened;
     use crate::words::bodies::WORLD;
 
-    const IN_SPACE: [(&str, JointKind); 3] =
-        [("ball", JointKind::Ball), ("hinge", JointKind::Hinge), ("fixed", JointKind::Fixed)];
-    const IN_THE_PLANE: [(&str, JointKind); 2] =
-        [("pin", JointKind::Ball), ("weld", JointKind::Fixed)];
+    const IN_SPACE: [(&str, JointKind); 4] = [
+        ("ball", JointKind::Ball),
+        ("hinge", JointKind::Hinge),
+        ("slider", JointKind::Slider),
+        ("fixed", JointKind::Fixed),
+    ];
+    const IN_THE_PLANE: [(&str, JointKind); 3] =
+        [("pin", JointKind::Ball), ("slider", JointKind::Slider), ("weld", JointKind::Fixed)];
 
     /// The joints that are declared; velocities that are not given are made to fit them.
     pub(crate) fn declare(
@@ -83,8 +87,7 @@ mod compiled {
         bodies: &mut [DeclaredBody],
         all: &[JointDeclaration],
     ) -> Checked<Vec<SceneJoint>> {
-        let by_name: HashMap<&str, usize> =
-            bodies.iter().enumerate().map(|(k, d)| (d.body.name.as_str(), k)).collect();
+        let by_name = by_name(bodies);
         let joints = all
             .iter()
             .map(|declared| joint(dimension, &by_name, declared))
@@ -93,8 +96,13 @@ mod compiled {
         for (joint, declared) in joints.iter().zip(all) {
             let [a, b] = joint.between.map(|end| velocity_at(bodies, end, joint.place));
             let speed = a.norm().max(b.norm());
-            if (a - b).norm() > VELOCITY * speed {
-                let apart = (a - b).norm();
+            let mut torn = a - b;
+            if joint.kind == JointKind::Slider {
+                let along = Vector3::from(joint.axis);
+                torn -= along * torn.dot(&along);
+            }
+            if torn.norm() > VELOCITY * speed {
+                let apart = torn.norm();
                 return Err(at(declared.at.span(), Fault::JointTorn { apart }));
             }
             if let Some(turn) = forbidden_turn(bodies, joint) {
@@ -102,6 +110,11 @@ mod compiled {
             }
         }
         Ok(joints)
+    }
+
+    /// The numbers of bodies by their names.
+    pub(crate) fn by_name(bodies: &[DeclaredBody]) -> HashMap<&str, usize> {
+        bodies.iter().enumerate().map(|(k, d)| (d.body.name.as_str(), k)).collect()
     }
 
     /// What ends may move against each other, relative to their speed: rounding of what a file says.
@@ -128,8 +141,12 @@ mod compiled {
         }
         let place = check::vector("the place of the joint", dimension, &declared.at)?;
         let axis = match (&declared.axis, kind) {
-            (Some(axis), JointKind::Hinge) => check::direction("the axis", dimension, axis)?,
-            (None, JointKind::Hinge) => return Err(at(declared.kind.span(), Fault::HingeAxis)),
+            (Some(axis), JointKind::Hinge | JointKind::Slider) => {
+                check::direction("the axis", dimension, axis)?
+            }
+            (None, JointKind::Hinge | JointKind::Slider) => {
+                return Err(at(declared.kind.span(), Fault::HingeAxis));
+            }
             (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
             (None, _) => [0.0, 0.0, 1.0],
         };
@@ -137,7 +154,10 @@ mod compiled {
     }
 
     /// The body of this name, or the world.
-    fn find(bodies: &HashMap<&str, usize>, name: &Spanned<String>) -> Checked<Option<usize>> {
+    pub(crate) fn find(
+        bodies: &HashMap<&str, usize>,
+        name: &Spanned<String>,
+    ) -> Checked<Option<usize>> {
         /// Names listed in an error; more would not help.
         const LISTED: usize = 12;
         if name.get_ref() == WORLD {
@@ -206,7 +226,7 @@ mod compiled {
         let forbidden = match joint.kind {
             JointKind::Ball => 0.0,
             JointKind::Hinge => (turn - axis * turn.dot(&axis)).norm(),
-            JointKind::Fixed => turn.norm(),
+            JointKind::Fixed | JointKind::Slider => turn.norm(),
         };
         (forbidden > VELOCITY * a.norm().max(b.norm())).then_some(forbidden)
     }

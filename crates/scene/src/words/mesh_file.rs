@@ -6,18 +6,18 @@
 //! ```
 //! Triangles all of which have z = 0 are a sheet in the plane where the scene is. Where quadratic
 //! elements are asked for, those of a file are read as they are, and straight ones get nodes halfway
-//! along their edges. Nothing outside the scene's folder is opened.
+//! along their edges.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::Vector3;
 use stationary_mesh::{Mesh, MeshError, Msh, Quadratic, Simplex, Tagged, read_msh, read_obj};
 use toml::Spanned;
 
-use crate::text::diagnostic::{Checked, Located, at};
+use crate::text::beside::{failed, found};
+use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::limits;
-use crate::text::suggestion::shortened;
 use crate::words::laid_shape::{Element, Shape, block, sheet};
 use crate::words::quadratic_shape::{curved_block, curved_sheet};
 
@@ -150,30 +150,4 @@ fn check_count(vertices: usize, file: &Spanned<String>) -> Checked<()> {
     }
     let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
     Err(at(file.span(), fault))
-}
-
-/// Where a file in the scene's folder is.
-fn found(folder: Option<&Path>, file: &Spanned<String>) -> Checked<PathBuf> {
-    let outside = || at(file.span(), Fault::OutsideFolder(shortened(file.get_ref())));
-    let name = Path::new(file.get_ref());
-    let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
-    let Some(folder) = folder.filter(|_| inside && !file.get_ref().is_empty()) else {
-        return Err(outside());
-    };
-    let path = folder.join(name);
-    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
-    let real = |path: &Path| path.canonicalize().map_err(|error| failed(file, error.to_string()));
-    if !real(&path)?.starts_with(real(folder)?) {
-        return Err(outside());
-    }
-    let bytes = path.metadata().map_err(|error| failed(file, error.to_string()))?;
-    if !bytes.is_file() || bytes.len() > limits::MESH_BYTES {
-        let why = format!("it is no file of at most {} bytes", limits::MESH_BYTES);
-        return Err(failed(file, why));
-    }
-    Ok(path)
-}
-
-fn failed(file: &Spanned<String>, why: String) -> Box<Located> {
-    at(file.span(), Fault::MeshFile { file: shortened(file.get_ref()), why })
 }

@@ -93,6 +93,11 @@ const WORDS: [(&str, Observable); 13] = [
     ("{ temperature = \"a name\" }", Observable::Temperature(0)),
 ];
 
+/// The observables that are a word alone.
+pub(crate) fn words() -> impl Iterator<Item = &'static str> {
+    WORDS.iter().map(|&(word, _)| word).filter(|word| !word.starts_with('{'))
+}
+
 /// The observables that are declared, or the usual ones.
 pub(crate) fn declare_all(
     declared: Option<&[Spanned<ObservableDeclaration>]>,

@@ -49,6 +49,8 @@ pub(crate) enum Kind {
     Vector,
     /// A number in the plane, a vector in space.
     Turn,
+    /// A number, or a table that tells one in time.
+    Strength,
     /// Numbers by name.
     Numbers,
     /// Places by name.

@@ -4,7 +4,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::words::Declaration;
-use crate::words::observables::ObservableTable;
+use crate::words::observables::{self, ObservableTable};
+use crate::words::strength::StrengthTable;
 use crate::words::table::{Key, Kind, Table};
 
 /// Every table, the scene itself first.
@@ -29,6 +30,7 @@ impl Kind {
             Kind::Table(table) => Some(table),
             Kind::List(each) => each.table(),
             Kind::Observable => Some(&ObservableTable::TABLE),
+            Kind::Strength => Some(&StrengthTable::TABLE),
             _ => None,
         }
     }
@@ -71,9 +73,14 @@ impl Kind {
             Kind::Marks => json!({ "type": "object", "additionalProperties": vector() }),
             Kind::OneOf(words) => json!({ "type": "string", "enum": words }),
             Kind::Observable => {
-                let words = Kind::OneOf(&OBSERVABLES).schema();
+                let words =
+                    json!({ "type": "string", "enum": observables::words().collect::<Vec<_>>() });
                 let table = Kind::Table(&ObservableTable::TABLE).schema();
                 json!({ "anyOf": [words, table] })
+            }
+            Kind::Strength => {
+                let table = Kind::Table(&StrengthTable::TABLE).schema();
+                json!({ "anyOf": [{ "type": "number" }, expression(), table] })
             }
             Kind::Table(table) => json!({ "$ref": format!("#/$defs/{}", table.name) }),
             Kind::List(each) => json!({ "type": "array", "items": each.schema() }),
@@ -103,12 +110,11 @@ impl Kind {
                 words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(", ")
             }
             Kind::Observable => {
-                format!(
-                    "{}, or {}",
-                    Kind::OneOf(&OBSERVABLES).words(),
-                    link(&ObservableTable::TABLE)
-                )
+                let words = observables::words().map(|word| format!("`\"{word}\"`"));
+                let words = words.collect::<Vec<_>>().join(", ");
+                format!("{words}, or {}", link(&ObservableTable::TABLE))
             }
+            Kind::Strength => format!("a number, or {}", link(&StrengthTable::TABLE)),
             Kind::Table(table) => link(table),
             Kind::List(each) => format!("a list: {}", each.words()),
         }
@@ -119,17 +125,6 @@ impl Kind {
 fn expression() -> Value {
     json!({ "type": "string", "pattern": "^=" })
 }
-
-/// The observables that are a word alone.
-const OBSERVABLES: [&str; 7] = [
-    "energy",
-    "kinetic-energy",
-    "potential-energy",
-    "linear-momentum",
-    "angular-momentum",
-    "heat",
-    "dirichlet-energy",
-];
 
 /// A table's name in the page, as prose has it.
 fn title(table: &Table) -> String {

@@ -36,6 +36,7 @@ pub(crate) enum Of {
     Attraction,
     Bodies,
     Joints,
+    Load,
     Weight,
     Heat,
 }

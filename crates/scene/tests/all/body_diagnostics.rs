@@ -82,9 +82,9 @@ fn a_joint_that_cannot_be_is_refused_where_it_says_so() {
         "a joint is between two bodies, or a body and `world`, not 1",
     );
     let axisless = joint("<<\"hinge\">>", both, "at = [0, 0, 0]");
-    refused(&format!("{two}{axisless}"), "a hinge needs an `axis`");
+    refused(&format!("{two}{axisless}"), "a hinge or a slider needs an `axis`");
     let axis = joint("\"ball\"", both, "at = [0, 0, 0]\naxis = <<[0, 0, 1]>>");
-    refused(&format!("{two}{axis}"), "only a hinge has an axis");
+    refused(&format!("{two}{axis}"), "only a hinge or a slider has an axis");
     let zero = joint("\"hinge\"", both, "at = [0, 0, 0]\naxis = <<[0, 0, 0]>>");
     refused(&format!("{two}{zero}"), "the axis is zero; a direction is not");
     let moving = format!("{two}velocity = [2, 0, 0]\n");

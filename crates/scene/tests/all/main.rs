@@ -6,6 +6,7 @@ mod body_diagnostics;
 mod built;
 mod checkpoints;
 mod diagnostics;
+mod driven;
 mod failed_runs;
 mod faces_and_walls;
 mod fields;

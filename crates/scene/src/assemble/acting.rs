@@ -1,0 +1,458 @@
+//! What acts on a scene and no potential gives: loads, motors, gravity in time, pins that move, drag.
+//!
+//! ```text
+//! p <- p + h/2 s F(t, q),    the method's own step,    p <- p + h/2 s F(t + h, q')
+//! s = 1/h int_t^(t+h) strength,       drag   p <- p/(1 + x) before,   p <- (1 - x) p after,   x = h c/2m
+//! W_k = sum of <J_k, M^-1 (p + J_k/2)>,   J_k = h/2 s F_k         the kinetic energy that each brings
+//! W   = sum of <dV/dx, dx>/2                                      of a pin that moves by dx in the step
+//! ```
+//! `F` forces (n), `p` momenta, `M` masses, `c` drag, `V` the springs that a pin that moves pulls at. The
+//! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
+//! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
+
+use stationary_calculus::{Covector, Force, Sink, Vector};
+#[cfg(feature = "elasticity")]
+use {stationary_calculus::Stencil, stationary_elasticity::Spring};
+
+use crate::assemble::vertices::Vertices;
+#[cfg(feature = "elasticity")]
+use crate::model::drives::PinMotion;
+use crate::model::drives::{Motor, MotorDrive, SceneLoad};
+use crate::model::items::RigidBody;
+use crate::model::particle::Motion;
+use crate::model::scene::Scene;
+use crate::model::strength::Strength;
+use crate::model::turned::{cross, turn_back};
+
+/// What acts on a scene, and the works of the last step.
+#[derive(Clone, Debug)]
+pub(crate) struct Acting {
+    acts: Vec<Act>,
+    /// One over the mass of each freedom.
+    inverse: Vec<f64>,
+    /// Freedoms of a particle or a body.
+    each: usize,
+    works: Vec<f64>,
+    /// The time over which a force takes the mean of a strength.
+    width: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Act {
+    name: String,
+    strength: Strength,
+    what: What,
+}
+
+#[derive(Clone, Debug)]
+enum What {
+    /// The force over the velocity of every freedom.
+    Drag(f64),
+    /// An acceleration of every freedom, which repeats.
+    Weight(Vec<f64>),
+    /// Forces on freedoms.
+    Freedoms(Vec<(usize, f64)>),
+    /// A force and a torque at a point of a body.
+    Point { body: usize, point: [f64; 3], force: [f64; 3], torque: [f64; 3] },
+    /// A spring to a pin that moves.
+    #[cfg(feature = "elasticity")]
+    Pulled { spring: Spring, first: usize, pin: PinMotion, start: [f64; 3] },
+}
+
+/// At which end of a step a kick is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    Start,
+    Finish,
+}
+
+impl Acting {
+    /// What acts on a scene, where anything does.
+    pub(crate) fn of(scene: &Scene) -> Option<Self> {
+        let mut acts = Vec::new();
+        if let Some(drag) = scene.drag {
+            let strength = Strength::constant(1.0);
+            acts.push(Act { name: "drag".to_owned(), strength, what: What::Drag(drag) });
+        }
+        if let (Some(strength), Some(g)) = (&scene.drives.gravity, scene.gravity.acceleration) {
+            let (strength, what) = (strength.clone(), What::Weight(scene.repeated(g)));
+            acts.push(Act { name: "gravity".to_owned(), strength, what });
+        }
+        acts.extend(scene.loads());
+        acts.extend(scene.motors());
+        acts.extend(scene.pulled());
+        if acts.is_empty() {
+            return None;
+        }
+        let works = vec![0.0; acts.len()];
+        let (inverse, each) = (scene.inverse_masses(), scene.freedoms_of_each());
+        Some(Acting { acts, inverse, each, works, width: 0.0 })
+    }
+
+    /// The same, where a force takes the means of strengths over this time.
+    pub(crate) fn with_width(self, width: f64) -> Self {
+        Acting { width, ..self }
+    }
+
+    /// The works of what acts in the last step.
+    pub(crate) fn works(&self) -> &[f64] {
+        &self.works
+    }
+
+    /// The energy of the springs to pins that move.
+    pub(crate) fn energy(&self, t: f64, q: &[f64]) -> f64 {
+        self.acts.iter().map(|act| act.what.energy(t, q, self.each)).sum()
+    }
+
+    /// The first time after `t` at which a strength is not smooth.
+    pub(crate) fn next_corner(&self, t: f64) -> Option<f64> {
+        self.acts.iter().filter_map(|act| act.strength.next_corner(t)).min_by(f64::total_cmp)
+    }
+
+    /// Adds the impulses of half a step.
+    pub(crate) fn kick(&mut self, end: End, (t, h): (f64, f64), q: &[f64], p: &mut [f64]) {
+        if end == End::Start {
+            self.works.fill(0.0);
+        } else {
+            self.hold_back(end, h, p);
+        }
+        let now = if end == End::Start { t } else { t + h };
+        let Acting { acts, inverse, each, works, .. } = self;
+        for (act, work) in acts.iter().zip(works) {
+            let scale = 0.5 * h * act.strength.mean(t, t + h);
+            let mut brought = 0.0;
+            act.what.forces((now, q), inverse, *each, &mut |freedom, force| {
+                let impulse = scale * force;
+                brought += impulse * inverse[freedom] * (p[freedom] + 0.5 * impulse);
+                p[freedom] += impulse;
+            });
+            *work += match act.what.pulled_along((now, q), (t, t + h), *each) {
+                Some(pulled) => 0.5 * pulled,
+                None => brought,
+            };
+        }
+        if end == End::Start {
+            self.hold_back(end, h, p);
+        }
+    }
+
+    /// Drag for half a step.
+    fn hold_back(&mut self, end: End, h: f64, p: &mut [f64]) {
+        for (act, work) in self.acts.iter().zip(&mut self.works) {
+            let What::Drag(c) = act.what else { continue };
+            for (p, inverse) in p.iter_mut().zip(&self.inverse) {
+                let x = 0.5 * h * c * inverse;
+                let after = if end == End::Start { *p / (1.0 + x) } else { *p * (1.0 - x) };
+                *work += 0.5 * inverse * (after - *p) * (after + *p);
+                *p = after;
+            }
+        }
+    }
+
+    /// Adds the power of each thing that acts along a velocity `u`, times `scale`, to the works.
+    pub(crate) fn add_powers(&mut self, scale: f64, t: f64, q: &[f64], p: &[f64], u: &[f64]) {
+        let half = 0.5 * self.width;
+        let Acting { acts, inverse, each, works, .. } = self;
+        for (act, work) in acts.iter().zip(works) {
+            let strength = act.strength.mean(t - half, t + half);
+            let power = match act.what {
+                What::Drag(c) => {
+                    -c * p.iter().zip(&*inverse).zip(u).map(|((p, w), u)| p * w * u).sum::<f64>()
+                }
+                _ => match act.what.pulling_power((t, q), *each) {
+                    Some(power) => power,
+                    None => {
+                        let mut power = 0.0;
+                        act.what.forces((t, q), inverse, *each, &mut |freedom, force| {
+                            power += strength * force * u[freedom];
+                        });
+                        power
+                    }
+                },
+            };
+            *work += scale * power;
+        }
+    }
+
+    /// Writes the velocity of a momentum.
+    pub(crate) fn velocity(&self, p: &[f64], v: &mut [f64]) {
+        v.iter_mut().zip(p).zip(&self.inverse).for_each(|((v, p), inverse)| *v = p * inverse);
+    }
+
+    /// Forgets the works of the last step.
+    pub(crate) fn begin(&mut self) {
+        self.works.fill(0.0);
+    }
+}
+
+impl What {
+    /// Tells the forces at a time and a configuration, freedom by freedom.
+    fn forces(
+        &self,
+        now: (f64, &[f64]),
+        inverse: &[f64],
+        each: usize,
+        tell: &mut dyn FnMut(usize, f64),
+    ) {
+        match self {
+            What::Drag(_) => {}
+            What::Weight(acceleration) => {
+                for (freedom, inverse) in inverse.iter().enumerate() {
+                    let a = acceleration[freedom % each];
+                    if a != 0.0 {
+                        tell(freedom, a / inverse);
+                    }
+                }
+            }
+            What::Freedoms(all) => all.iter().for_each(|&(freedom, force)| tell(freedom, force)),
+            What::Point { body, point, force, torque } => {
+                for (c, turning) in
+                    wrench(now.1, *body, each, point, force, torque).iter().enumerate()
+                {
+                    tell(each * body + c, *turning);
+                }
+            }
+            #[cfg(feature = "elasticity")]
+            What::Pulled { first, .. } => {
+                if let Some([_, pull]) = self.pull(now, each) {
+                    for (c, pull) in pull.iter().enumerate().take(each) {
+                        tell(first + c, -pull);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The differential of the energy of a spring to a pin, by the places of the pin and of what it pulls.
+    #[cfg(feature = "elasticity")]
+    fn pull(&self, (t, q): (f64, &[f64]), each: usize) -> Option<[[f64; 3]; 2]> {
+        let What::Pulled { spring, first, pin, start } = self else { return None };
+        let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+        Some(Stencil::<2, 3>::differential(spring, &ends))
+    }
+
+    #[cfg(not(feature = "elasticity"))]
+    fn pull(&self, _: (f64, &[f64]), _: usize) -> Option<[[f64; 3]; 2]> {
+        None
+    }
+
+    /// The energy of a spring to a pin.
+    fn energy(&self, t: f64, q: &[f64], each: usize) -> f64 {
+        #[cfg(feature = "elasticity")]
+        if let What::Pulled { spring, first, pin, start } = self {
+            let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+            return Stencil::<2, 3>::energy(spring, &ends);
+        }
+        let _ = (t, q, each);
+        0.0
+    }
+
+    /// The work on a spring whose pin moves through an interval, with the force of one moment.
+    fn pulled_along(&self, now: (f64, &[f64]), (from, to): (f64, f64), each: usize) -> Option<f64> {
+        let [pull, _] = self.pull(now, each)?;
+        let [a, b] = [from, to].map(|t| self.pin_at(t));
+        Some((0..3).map(|c| pull[c] * (b[c] - a[c])).sum())
+    }
+
+    /// The power on a spring whose pin moves.
+    fn pulling_power(&self, now: (f64, &[f64]), each: usize) -> Option<f64> {
+        let [pull, _] = self.pull(now, each)?;
+        #[cfg(feature = "elasticity")]
+        if let What::Pulled { pin, .. } = self {
+            return Some(pull.iter().zip(pin.velocity(now.0)).map(|(f, v)| f * v).sum());
+        }
+        Some(pull[0])
+    }
+
+    /// Where a pin is that moves.
+    fn pin_at(&self, t: f64) -> [f64; 3] {
+        #[cfg(feature = "elasticity")]
+        if let What::Pulled { pin, start, .. } = self {
+            return pin.place(*start, t);
+        }
+        let _ = t;
+        [0.0; 3]
+    }
+}
+
+/// A vector of as many components as the scene has dimensions, in space.
+#[cfg(feature = "elasticity")]
+fn in_space(x: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
+}
+
+/// A force and a torque at a point of a body, as they act on its freedoms: (F, c x R^T F + R^T m).
+fn wrench(
+    q: &[f64],
+    body: usize,
+    each: usize,
+    point: &[f64; 3],
+    force: &[f64; 3],
+    torque: &[f64; 3],
+) -> Vec<f64> {
+    if each == 3 {
+        let (sin, cos) = q[3 * body + 2].sin_cos();
+        let arm = [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]];
+        return vec![force[0], force[1], arm[0] * force[1] - arm[1] * force[0] + torque[2]];
+    }
+    let turn = std::array::from_fn(|k| q[7 * body + 3 + k]);
+    let (own, moment) = (turn_back(turn, *force), turn_back(turn, *torque));
+    let turning = cross(*point, own);
+    let turning: [f64; 3] = std::array::from_fn(|c| turning[c] + moment[c]);
+    force.iter().copied().chain(turning).collect()
+}
+
+impl Force for Acting {
+    fn dim(&self) -> usize {
+        self.inverse.len()
+    }
+
+    fn add_force(&self, t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        let half = 0.5 * self.width;
+        for act in &self.acts {
+            if let What::Drag(c) = act.what {
+                f.0.iter_mut().zip(v.0).for_each(|(f, v)| *f -= c * v);
+                continue;
+            }
+            let strength = act.strength.mean(t - half, t + half);
+            act.what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {
+                f.0[freedom] += strength * force;
+            });
+        }
+    }
+
+    fn add_damping(&self, _: f64, _: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
+        for act in &self.acts {
+            let What::Drag(c) = act.what else { continue };
+            (0..self.inverse.len()).for_each(|freedom| damping.add_symmetric(&[freedom], &[c]));
+        }
+    }
+}
+
+impl Scene {
+    /// What each work of a run is of: what acts, and the motors with a speed.
+    pub(crate) fn works_of(&self) -> Vec<String> {
+        if self.heat.is_some() {
+            return self.drives.sources.iter().map(|_| "sources".to_owned()).collect();
+        }
+        let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
+        let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
+        if self.drives.has_speeds() {
+            names.push("motors with a speed".to_owned());
+        }
+        names
+    }
+
+    /// Freedoms of a particle or a body.
+    fn freedoms_of_each(&self) -> usize {
+        match (self.bodies.is_empty(), self.dimension) {
+            (true, dimension) => dimension,
+            (false, 3) => 6,
+            (false, _) => 3,
+        }
+    }
+
+    /// A vector as it stands in the freedoms of each particle or body.
+    fn repeated(&self, x: [f64; 3]) -> Vec<f64> {
+        let each = self.freedoms_of_each();
+        (0..each).map(|c| if c < self.dimension { x[c] } else { 0.0 }).collect()
+    }
+
+    /// One over the mass of each freedom.
+    fn inverse_masses(&self) -> Vec<f64> {
+        if self.bodies.is_empty() {
+            let mass = |&particle: &usize| match self.particles[particle].motion {
+                Motion::Free { mass, .. } => mass,
+                _ => f64::INFINITY,
+            };
+            let vertices = Vertices::new(self);
+            let masses = vertices.particles[..vertices.free].iter().map(mass);
+            return masses.flat_map(|mass| vec![1.0 / mass; self.dimension]).collect();
+        }
+        let masses = |body: &RigidBody| {
+            let (m, [i, j, k]) = (body.mass, body.moments);
+            if self.dimension == 3 { vec![m, m, m, i, j, k] } else { vec![m, m, k] }
+        };
+        self.bodies.iter().flat_map(masses).map(|mass| 1.0 / mass).collect()
+    }
+
+    fn loads(&self) -> Vec<Act> {
+        let vertices = Vertices::new(self);
+        let act = |load: &SceneLoad| {
+            let particle = &self.particles[load.on];
+            let what = match particle.motion {
+                Motion::Carried { body, point } => {
+                    What::Point { body, point, force: load.force, torque: load.torque }
+                }
+                _ => {
+                    let first = self.dimension * vertices.of_particle[load.on];
+                    let force = &load.force[..self.dimension];
+                    What::Freedoms((first..).zip(force.iter().copied()).collect())
+                }
+            };
+            let name = format!("load on {}", particle.name);
+            Act { name, strength: load.strength.clone(), what }
+        };
+        self.drives.loads.iter().map(act).collect()
+    }
+
+    /// Motors with a torque: about an axis that both bodies keep.
+    fn motors(&self) -> Vec<Act> {
+        let each = self.freedoms_of_each();
+        let torques = self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Torque);
+        let act = |motor: &Motor| {
+            let joint = &self.joints[motor.joint];
+            let mut all = Vec::new();
+            for (end, sign) in joint.between.into_iter().zip([-1.0, 1.0]) {
+                let Some(body) = end else { continue };
+                if self.dimension == 2 {
+                    all.push((each * body + 2, sign));
+                    continue;
+                }
+                #[cfg(feature = "rigid")]
+                for (c, axis) in self.bodies[body].in_axes(joint.axis).into_iter().enumerate() {
+                    all.push((each * body + 3 + c, sign * axis));
+                }
+            }
+            let strength = motor.strength.clone();
+            Act { name: self.motor_named(motor), strength, what: What::Freedoms(all) }
+        };
+        torques.map(act).collect()
+    }
+
+    /// A motor, by what it joins.
+    pub(crate) fn motor_named(&self, motor: &Motor) -> String {
+        let name = |end: Option<usize>| end.map_or("world", |body| self.bodies[body].name.as_str());
+        let [a, b] = self.joints[motor.joint].between.map(name);
+        format!("motor between {a} and {b}")
+    }
+
+    /// The springs to pins that move.
+    fn pulled(&self) -> Vec<Act> {
+        #[cfg(not(feature = "elasticity"))]
+        return Vec::new();
+        #[cfg(feature = "elasticity")]
+        {
+            let mut acts = Vec::new();
+            let vertices = Vertices::new(self);
+            for link in &self.links {
+                let [a, b] = link.ends;
+                let motion = |end| self.drives.motions.iter().find(|m| m.particle == end);
+                let (pin, other) = match (motion(a), motion(b)) {
+                    (Some(pin), None) => (pin, b),
+                    (None, Some(pin)) => (pin, a),
+                    _ => continue,
+                };
+                let vertex = vertices.of_particle[other];
+                let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
+                let (true, Ok(spring)) = (vertex < vertices.free, made) else { continue };
+                let start = self.particles[pin.particle].position;
+                let first = self.dimension * vertex;
+                let what = What::Pulled { spring, first, pin: pin.clone(), start };
+                let name = format!("motion of {}", self.particles[pin.particle].name);
+                acts.push(Act { name, strength: Strength::constant(1.0), what });
+            }
+            acts
+        }
+    }
+}
