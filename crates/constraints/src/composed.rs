@@ -10,10 +10,11 @@
 //! is damped little. A failed step leaves the state. Source: Hairer, Lubich and Wanner, Geometric
 //! Numerical Integration, II.4 and V.3; Reich (1996).
 
-use stationary_calculus::{Covector, SizeError, Storage};
+use stationary_calculus::Storage;
 use stationary_integrators::{Facts, Saved, Scheme, State, StepError};
 
-use crate::rattle_core::{check_step, zeros};
+use crate::parts::Parts;
+use crate::rattle_core::check_step;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A symmetric method with the steps of a [`Scheme`].
@@ -21,9 +22,8 @@ use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 pub struct Composed<I, C> {
     integrator: I,
     scheme: Scheme,
-    parts: Vec<f64>,
-    moving: State<C>,
-    lambda: Vec<f64>,
+    shares: Vec<f64>,
+    parts: Parts<C>,
 }
 
 impl<C: Storage, I: ConstrainedIntegrator<C>> Composed<I, C> {
@@ -32,13 +32,11 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Composed<I, C> {
     /// # Errors
     /// A scheme that is not one of whole steps; storage that has not the state's size.
     pub fn new(integrator: I, scheme: Scheme, state: &State<C>) -> Result<Self, ConstraintError> {
-        let Some(parts) = scheme.steps() else {
+        let Some(shares) = scheme.steps() else {
             return Err(ConstraintError::NotOfSteps { scheme: scheme.facts().name });
         };
-        let (stored, n) = (state.q.as_ref().len(), state.p.components().len());
-        let lambda = vec![0.0; integrator.multipliers().len()];
-        let moving = State::new(zeros(stored)?, Covector(zeros(n)?));
-        Ok(Composed { integrator, scheme, parts, moving, lambda })
+        let parts = Parts::new(&integrator, state)?;
+        Ok(Composed { integrator, scheme, shares, parts })
     }
 
     /// The method.
@@ -56,28 +54,19 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> ConstrainedIntegrator<C> for Compo
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
         check_step(h)?;
-        let n = self.moving.q.as_ref().len();
-        SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
-        self.moving.clone_from(state);
-        self.lambda.fill(0.0);
+        self.parts.begin(state)?;
         let mut whole = ConstrainedReport::default();
-        for part in &self.parts {
-            let report = self.integrator.step_either_way(&mut self.moving, part * h)?;
-            whole.differentials += report.differentials;
-            whole.iterations += report.iterations;
-            whole.violation = report.violation;
-            whole.work += report.work;
-            let own = self.integrator.multipliers();
-            self.lambda.iter_mut().zip(own).for_each(|(sum, own)| *sum += part * own);
+        for &share in &self.shares {
+            let report = self.integrator.step_either_way(&mut self.parts.moving, share * h)?;
+            whole = whole.followed_by(&report);
+            self.parts.add(share, self.integrator.multipliers());
         }
-        // Parts add up to the step but for rounding.
-        self.moving.t = state.t + h;
-        std::mem::swap(state, &mut self.moving);
+        self.parts.end(state, h);
         Ok(whole)
     }
 
     fn multipliers(&self) -> &[f64] {
-        &self.lambda
+        &self.parts.lambda
     }
 
     fn save(&self) -> Saved {

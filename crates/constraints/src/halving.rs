@@ -11,10 +11,10 @@
 //! halves are taken. Only failures that shorter steps can mend are retried. No part of it is kept
 //! where one fails for good.
 
-use stationary_calculus::{Covector, SizeError, Storage};
+use stationary_calculus::Storage;
 use stationary_integrators::{EnergyBehavior, Facts, Saved, State, StepError, Symplecticity};
 
-use crate::rattle_core::zeros;
+use crate::parts::Parts;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A method whose failed steps are retried in halves.
@@ -22,8 +22,7 @@ use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 pub struct Halving<I, C> {
     integrator: I,
     most: u32,
-    moving: State<C>,
-    lambda: Vec<f64>,
+    parts: Parts<C>,
 }
 
 impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
@@ -32,10 +31,8 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
     /// # Errors
     /// Storage that has not the state's size.
     pub fn new(integrator: I, most: u32, state: &State<C>) -> Result<Self, ConstraintError> {
-        let (stored, n) = (state.q.as_ref().len(), state.p.components().len());
-        let lambda = vec![0.0; integrator.multipliers().len()];
-        let moving = State::new(zeros(stored)?, Covector(zeros(n)?));
-        Ok(Halving { integrator, most: most.min(MOST), moving, lambda })
+        let parts = Parts::new(&integrator, state)?;
+        Ok(Halving { integrator, most: most.min(MOST), parts })
     }
 
     /// The method.
@@ -43,18 +40,18 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
         &self.integrator
     }
 
-    /// Moves `moving` by a share `2^-depth` of `h`.
+    /// Moves the copy of the state by a share `2^-depth` of `h`.
     fn advance(&mut self, h: f64, depth: u32) -> Result<ConstrainedReport, ConstraintError> {
         let share = 0.5_f64.powi(depth as i32);
-        match self.integrator.step(&mut self.moving, h * share) {
+        match self.integrator.step(&mut self.parts.moving, h * share) {
             Ok(report) => {
-                let own = self.integrator.multipliers();
-                self.lambda.iter_mut().zip(own).for_each(|(sum, own)| *sum += share * own);
+                self.parts.add(share, self.integrator.multipliers());
                 Ok(report)
             }
             Err(error) if depth < self.most && is_mended_by_shorter_steps(&error) => {
                 let first = self.advance(h, depth + 1)?;
-                Ok(first.followed_by(&self.advance(h, depth + 1)?))
+                let both = first.followed_by(&self.advance(h, depth + 1)?);
+                Ok(ConstrainedReport { halvings: both.halvings + 1, ..both })
             }
             Err(error) => Err(error),
         }
@@ -86,19 +83,14 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> ConstrainedIntegrator<C> for Halvi
     }
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
-        let n = self.moving.q.as_ref().len();
-        SizeError::check("the configuration's numbers", n, state.q.as_ref().len())?;
-        self.moving.clone_from(state);
-        self.lambda.fill(0.0);
+        self.parts.begin(state)?;
         let report = self.advance(h, 0)?;
-        // Parts add up to the step but for rounding.
-        self.moving.t = state.t + h;
-        std::mem::swap(state, &mut self.moving);
+        self.parts.end(state, h);
         Ok(report)
     }
 
     fn multipliers(&self) -> &[f64] {
-        &self.lambda
+        &self.parts.lambda
     }
 
     fn save(&self) -> Saved {

@@ -74,14 +74,14 @@ pub struct ConstrainedReport {
 }
 
 impl ConstrainedReport {
-    /// The report of a halved step from those of its halves.
+    /// The report of two parts of a step, one after the other.
     pub(crate) fn followed_by(&self, second: &Self) -> Self {
         ConstrainedReport {
             differentials: self.differentials + second.differentials,
             iterations: self.iterations + second.iterations,
             violation: second.violation,
             work: self.work + second.work,
-            halvings: self.halvings + second.halvings + 1,
+            halvings: self.halvings + second.halvings,
         }
     }
 }

@@ -70,6 +70,7 @@ mod multipliers;
 mod dense;
 mod entries;
 mod elimination;
+mod products;
 mod rank_revealing;
 mod sparse_diagonal;
 #[cfg(feature = "sparse")]
@@ -88,6 +89,7 @@ mod forced;
 mod rattle_core;
 mod hamilton;
 mod rattle;
+mod parts;
 mod halving;
 mod composed;
 mod breaking;

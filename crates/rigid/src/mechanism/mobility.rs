@@ -12,6 +12,7 @@ use stationary_constraints::Constraint;
 
 use super::MechanismError;
 use super::differential::{CLEAR, full, inverse_root, rank, weights};
+use crate::JointName;
 
 /// What joints leave free at a pose.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,6 +24,17 @@ pub struct Mobility {
     /// The equations that those before them imply here: the member of the list of constraints, and the
     /// equation of it, both counted from 0.
     pub redundant: Vec<(usize, usize)>,
+}
+
+impl Mobility {
+    /// The redundant equations as messages name them: `equation 3 of joint 4 (hinge between body 2 and
+    /// the world)`. The names are those of the members of the list, by their places in it.
+    pub fn redundant_names(&self, name: impl Fn(usize) -> JointName) -> Vec<String> {
+        let told = |&(joint, equation): &(usize, usize)| {
+            format!("equation {equation} of joint {joint} ({})", name(joint))
+        };
+        self.redundant.iter().map(told).collect()
+    }
 }
 
 /// The mobility of a list of constraints at a time and a configuration.

@@ -61,6 +61,11 @@ fn a_loop_of_four_hinges_has_one_freedom_and_three_redundant_equations_of_its_la
     assert_eq!((found.freedoms, found.rank), (1, 17));
     assert!(found.redundant.iter().all(|&(joint, _)| joint == 3), "{found:?}");
     assert_eq!(found.redundant.len(), 3);
+    let names = found.redundant_names(|joint| joints[joint].name());
+    for (name, (_, equation)) in names.iter().zip(&found.redundant) {
+        let told = format!("equation {equation} of joint 3 (hinge between body 2 and the world)");
+        assert_eq!(*name, told);
+    }
     // Told without redundancy: a ball and a point on a line across.
     let line = JointKind::OnLine { axis: Vector3::y() };
     let (joints, q) = parallelogram([HINGE, HINGE, HINGE, line], 0.4);
