@@ -57,7 +57,9 @@ pub(crate) fn facing(
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
     let Manifolds { found: manifolds, one, polytopes: space } = room;
-    if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
+    if let (Some(first), Some(second), Some(wide)) =
+        (both[0].as_cuboid(), both[1].as_cuboid(), shapes[1].wide())
+    {
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
             Clipped::Faces(answer) => {
@@ -65,7 +67,7 @@ pub(crate) fn facing(
                 return answer;
             }
             Clipped::Corners => {
-                closest(both, relative, margin, one);
+                closest_of_boxes([first, second], relative, margin, one);
                 append(one, 0.0, margin, found);
             }
         }
@@ -162,6 +164,33 @@ fn closest([a, b]: [&dyn Geometry; 2], relative: &Pose, margin: f64, manifold: &
     contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, manifold);
 }
 
+/// A power of two of the size of the smaller of two boxes, m: lengths are measured by it, to the
+/// same digits, where the library compares with absolute ones.
+fn unit_of(boxes: [&Cuboid; 2]) -> f64 {
+    let size = boxes.map(|cuboid| cuboid.half_extents.max_element());
+    2_f64.powi(size[0].min(size[1]).log2().round().clamp(-500.0, 500.0) as i32)
+}
+
+fn measured(pose: &Pose, unit: f64) -> Pose {
+    Pose { translation: pose.translation / unit, ..*pose }
+}
+
+fn in_metres(manifold: &mut Manifold, unit: f64) {
+    for point in &mut manifold.points {
+        point.local_p1 *= unit;
+        point.local_p2 *= unit;
+        point.dist *= unit;
+    }
+}
+
+/// The closest points of two boxes.
+fn closest_of_boxes(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
+    let unit = unit_of(boxes);
+    let [a, b] = boxes.map(|cuboid| Cuboid::new(cuboid.half_extents / unit));
+    closest([&a, &b], &measured(relative, unit), margin / unit, manifold);
+    in_metres(manifold, unit);
+}
+
 /// What clipping the faces of two boxes against each other found.
 enum Clipped {
     /// They are farther apart than the margin.
@@ -179,9 +208,13 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     let n1 = axis.normal;
     let back = relative.inverse();
     let n2 = back.rotation * -n1;
-    let faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    let unit = unit_of(boxes);
+    let mut faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    faces.iter_mut().flat_map(|face| &mut face.vertices).for_each(|corner| *corner /= unit);
+    let [there, again] = [relative, &back].map(|pose| measured(pose, unit));
     manifold.clear();
-    PolygonalFeature::contacts(relative, &back, n1, n2, &faces[0], &faces[1], manifold, false);
+    PolygonalFeature::contacts(&there, &again, n1, n2, &faces[0], &faces[1], manifold, false);
+    in_metres(manifold, unit);
     (manifold.local_n1, manifold.local_n2) = (n1, n2);
     let size = halves[0].min_element().min(halves[1].min_element());
     if too_far(axis.separation, manifold, size) {
