@@ -22,6 +22,8 @@ mod small_steps;
 #[cfg(feature = "3d")]
 mod sizes;
 #[cfg(all(feature = "2d", feature = "3d"))]
+mod seams;
+#[cfg(all(feature = "2d", feature = "3d"))]
 mod steps;
 mod thin_sheet;
 mod time_of_impact;
