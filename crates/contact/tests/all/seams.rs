@@ -38,7 +38,7 @@ fn tiles(turn: &Rotation, random: &mut SplitMix64) -> Vec<Collider> {
         for y in ys.windows(2) {
             let half = V::new(0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0]), 0.3);
             let middle = V::new(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), -0.3);
-            let place = RigidMotion { translation: turn.rotate(&middle), rotation: turn.clone() };
+            let place = RigidMotion { translation: turn.rotate(&middle), rotation: *turn };
             tiles.push(Collider::fixed(place, Shape::cuboid(half.into()).unwrap()));
         }
     }
