@@ -10,4 +10,5 @@ pub(crate) mod box_axes;
 pub(crate) mod polytopes;
 #[cfg(feature = "3d")]
 pub(crate) mod narrow_phase;
+pub(crate) mod seams;
 pub(crate) mod detection;

@@ -15,6 +15,7 @@ use stationary_calculus::SizeError;
 use stationary_rigid::LieGroup;
 
 use crate::detect::broad_phase::BroadPhase;
+use crate::detect::seams::Seams;
 use crate::shapes::collider::check_surface;
 use crate::shapes::dimension::{Answer, Facing};
 use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension};
@@ -27,6 +28,7 @@ pub struct DetectorIn<G: Dimension> {
     bodies: usize,
     radii: Vec<f64>,
     broad: BroadPhase<G>,
+    seams: Seams,
     placed: Vec<G::Motion>,
     poses: Vec<G::Pose>,
     /// How much larger than each collider its box is, m.
@@ -90,6 +92,7 @@ impl<G: Dimension> DetectorIn<G> {
             radii: radii(&colliders, bodies),
             surfaces: BTreeMap::new(),
             broad: BroadPhase::new(&colliders),
+            seams: Seams::of(&colliders),
             placed: vec![identity; colliders.len()],
             poses: vec![G::convert(&identity); colliders.len()],
             margins: Vec::new(),
@@ -282,6 +285,7 @@ impl<G: Dimension> DetectorIn<G> {
             let [first, second] = shapes.map(G::name);
             return Err(ContactError::NoQuery { first, second });
         }
+        self.drop_at_seams(pair, &placed);
         let first = self.contacts.len();
         let size: f64 =
             pair.iter().filter_map(|&i| self.colliders[i].body()).map(|b| self.radii[b]).sum();
@@ -300,6 +304,23 @@ impl<G: Dimension> DetectorIn<G> {
         // Pairs come sorted; so do the contacts, once those of each pair are.
         self.contacts[first..].sort_by_key(|contact| contact.id);
         Ok(answer)
+    }
+
+    /// Drops what is not felt because it is at an edge between parts of one surface.
+    fn drop_at_seams(&mut self, pair: [usize; 2], placed: &[G::Motion; 2]) {
+        let Self { seams, colliders, facing, radii, .. } = self;
+        let bodies = pair.iter().filter_map(|&i| colliders[i].body());
+        let size = bodies.map(|body| radii[body]).fold(f64::INFINITY, f64::min);
+        for side in [0, 1].into_iter().filter(|&side| seams.at(pair[side])) {
+            let own = &colliders[pair[side]];
+            // From the axes of the first collider to those of this side's carrier.
+            let seen = own.place.compose(&placed[side].inverse()).compose(&placed[0]);
+            facing.retain(|facing| {
+                let outwards = facing.normal * if side == 0 { 1.0 } else { -1.0 };
+                let normal = G::turn(&seen, &outwards);
+                !seams.cover(colliders, pair, side, facing, &normal, size)
+            });
+        }
     }
 
     #[inline]

@@ -4,18 +4,19 @@
 //! s(n) = min n.x2 - max n.x1  <=  |x2 - x1|          any direction n, any point of each
 //! ```
 //! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
-//! faces of any number of corners, and on a half-space every corner counts. What is round or a
-//! surface, and hulls of very many edges, are asked of the geometry library: Gilbert-Johnson-Keerthi
-//! and expanding polytopes. Points that face each other along `n` across `s(n)` are the closest there are, by the
+//! faces of any number of corners, and both against the triangles of a surface; on a half-space every
+//! corner counts. What is round and hulls of very many edges are asked of the geometry library:
+//! Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across `s(n)` are the closest there are, by the
 //! inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
 //! difference of both.
 //!
 //! Matching faces of boxes and hulls keep their corners; those of hulls of so many edges that the
-//! library is asked, and of surfaces, may lose one for a step.
+//! library is asked may lose one for a step.
 
 use nalgebra::Vector3;
+use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::contact_manifold_pfm_pfm_shapes;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
@@ -26,6 +27,7 @@ use crate::detect::box_axes::farthest;
 use crate::detect::polytopes;
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::{Answer, Facing};
+use crate::shapes::polytope::Polytope;
 
 type Manifold = ContactManifold<(), ()>;
 
@@ -35,6 +37,7 @@ pub struct Manifolds {
     found: Vec<Manifold>,
     one: Manifold,
     polytopes: polytopes::Room,
+    triangle: Option<Polytope>,
 }
 
 /// Gaps wider than this part of a box are distances; below it the directions of closest points are
@@ -56,8 +59,10 @@ pub(crate) fn facing(
     found: &mut Vec<Facing<Vector3<f64>>>,
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
-    let Manifolds { found: manifolds, one, polytopes: space } = room;
-    if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
+    let Manifolds { found: manifolds, one, polytopes: space, triangle } = room;
+    if let (Some(first), Some(second), Some(wide)) =
+        (both[0].as_cuboid(), both[1].as_cuboid(), shapes[1].wide())
+    {
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
             Clipped::Faces(answer) => {
@@ -65,7 +70,7 @@ pub(crate) fn facing(
                 return answer;
             }
             Clipped::Corners => {
-                closest(both, relative, margin, one);
+                closest_of_boxes([first, second], relative, margin, one);
                 append(one, 0.0, margin, found);
             }
         }
@@ -75,6 +80,24 @@ pub(crate) fn facing(
         && first.edges.len() * second.edges.len() <= EDGE_PAIRS
     {
         polytopes::facing([first, second], relative, margin, space, found);
+        return Answer::Now;
+    }
+    if let Some(side) = both.iter().position(|shape| shape.as_trimesh().is_some())
+        && let (Some(mesh), Some(solid)) = (both[side].as_trimesh(), shapes[1 - side].polytope())
+        && 3 * solid.edges.len() <= EDGE_PAIRS
+    {
+        // The solid's box as the mesh sees it.
+        let place = if side == 0 { *relative } else { relative.inverse() };
+        let near = both[1 - side].compute_aabb(&place).loosened(margin);
+        let triangle = triangle.get_or_insert_with(Polytope::triangle);
+        for part in mesh.bvh().intersect_aabb(&near) {
+            let corners = mesh.triangle(part);
+            triangle.set_triangle([corners.a, corners.b, corners.c].map(from_vector));
+            let first = found.len();
+            let pair = if side == 0 { [&*triangle, solid] } else { [solid, &*triangle] };
+            polytopes::facing(pair, relative, margin, space, found);
+            found[first..].iter_mut().for_each(|facing| facing.parts[side] = part);
+        }
         return Answer::Now;
     }
     if let Some(answer) = on_plane(shapes, relative, margin, found) {
@@ -162,6 +185,33 @@ fn closest([a, b]: [&dyn Geometry; 2], relative: &Pose, margin: f64, manifold: &
     contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, manifold);
 }
 
+/// A power of two of the size of the smaller of two boxes, m: lengths are measured by it, to the
+/// same digits, where the library compares with absolute ones.
+fn unit_of(boxes: [&Cuboid; 2]) -> f64 {
+    let size = boxes.map(|cuboid| cuboid.half_extents.max_element());
+    2_f64.powi(size[0].min(size[1]).log2().round().clamp(-500.0, 500.0) as i32)
+}
+
+fn measured(pose: &Pose, unit: f64) -> Pose {
+    Pose { translation: pose.translation / unit, ..*pose }
+}
+
+fn in_metres(manifold: &mut Manifold, unit: f64) {
+    for point in &mut manifold.points {
+        point.local_p1 *= unit;
+        point.local_p2 *= unit;
+        point.dist *= unit;
+    }
+}
+
+/// The closest points of two boxes.
+fn closest_of_boxes(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
+    let unit = unit_of(boxes);
+    let [a, b] = boxes.map(|cuboid| Cuboid::new(cuboid.half_extents / unit));
+    closest([&a, &b], &measured(relative, unit), margin / unit, manifold);
+    in_metres(manifold, unit);
+}
+
 /// What clipping the faces of two boxes against each other found.
 enum Clipped {
     /// They are farther apart than the margin.
@@ -179,9 +229,13 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     let n1 = axis.normal;
     let back = relative.inverse();
     let n2 = back.rotation * -n1;
-    let faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    let unit = unit_of(boxes);
+    let mut faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
+    faces.iter_mut().flat_map(|face| &mut face.vertices).for_each(|corner| *corner /= unit);
+    let [there, again] = [relative, &back].map(|pose| measured(pose, unit));
     manifold.clear();
-    PolygonalFeature::contacts(relative, &back, n1, n2, &faces[0], &faces[1], manifold, false);
+    PolygonalFeature::contacts(&there, &again, n1, n2, &faces[0], &faces[1], manifold, false);
+    in_metres(manifold, unit);
     (manifold.local_n1, manifold.local_n2) = (n1, n2);
     let size = halves[0].min_element().min(halves[1].min_element());
     if too_far(axis.separation, manifold, size) {

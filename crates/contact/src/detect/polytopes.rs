@@ -65,6 +65,8 @@ enum Source {
 
 /// Later directions must be better by this part of the sizes, so that rounding does not choose.
 const TIE: f64 = 1e-13;
+/// Edges that fall short of supporting by more ties do not support.
+const SUPPORT: f64 = 1e4;
 /// Points outside of a face by this part of the sizes are on its border.
 const BORDER: f64 = 1e-9;
 /// Distances below this part of the sizes are rounding, and have no direction.
@@ -249,12 +251,18 @@ fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
             if length <= PARALLEL * e1.norm() * e2.norm() {
                 continue;
             }
+            // Of the edge of a triangle both sides are outside, and arcs do not say whether it
+            // supports along a direction.
+            let flat = n1 == -n2 || m1 == -m2;
             let n = across * ((n1 + n2).dot(&across).signum() / length);
-            let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
-            if here > so_far + tie {
-                so_far = take(n, Source::Edges(one, other));
-                if so_far > margin {
-                    return None;
+            for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
+                let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
+                let supports = || !flat || separation(&n) > here - SUPPORT * tie;
+                if here > so_far + tie && supports() {
+                    so_far = take(n, Source::Edges(one, other));
+                    if so_far > margin {
+                        return None;
+                    }
                 }
             }
         }

@@ -192,6 +192,18 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     #[doc(hidden)]
     fn closest(shapes: [&Self::Shape; 2], poses: [&Self::Pose; 2]) -> Option<(Self::Vector, bool)>;
 
+    /// Whether a shape is several parts with edges between them.
+    #[doc(hidden)]
+    fn has_parts(shape: &Self::Shape) -> bool;
+
+    /// A point amid a part of a shape, axes of the shape.
+    #[doc(hidden)]
+    fn middle(shape: &Self::Shape, part: u32) -> Self::Vector;
+
+    /// The point of a shape that is closest to a point, which it is where the shape holds it.
+    #[doc(hidden)]
+    fn nearest(shape: &Self::Shape, point: &Self::Vector) -> Self::Vector;
+
     /// Appends where two shapes face each other across at most `margin`.
     #[doc(hidden)]
     fn face(

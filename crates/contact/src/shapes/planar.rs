@@ -204,6 +204,25 @@ impl Dimension for Planar {
         Some((apart, both.iter().all(convex)))
     }
 
+    fn has_parts(shape: &PlanarShape) -> bool {
+        shape.convex_pieces().len() > 1
+    }
+
+    fn middle(shape: &PlanarShape, part: u32) -> Vector2<f64> {
+        planar_convert::from_vector(match shape.convex_pieces().get(part as usize) {
+            Some(piece) => {
+                let corners = piece.points();
+                corners.iter().sum::<parry2d_f64::math::Vector>() / corners.len() as f64
+            }
+            None => shape.geometry().compute_local_aabb().center(),
+        })
+    }
+
+    fn nearest(shape: &PlanarShape, point: &Vector2<f64>) -> Vector2<f64> {
+        let there = shape.geometry().project_local_point(planar_convert::vector(point), true);
+        planar_convert::from_vector(there.point)
+    }
+
     fn face(
         shapes: [&PlanarShape; 2],
         poses: [&Pose; 2],

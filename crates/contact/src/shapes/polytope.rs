@@ -135,6 +135,29 @@ impl Polytope {
         Some(Polytope { corners, faces, loops, edges, size })
     }
 
+    /// A triangle: two faces that look away from each other.
+    pub(crate) fn triangle() -> Self {
+        let face = |k: usize| Face { normal: Vector3::zeros(), first: 3 * k, count: 3 };
+        let edge = |corners: [usize; 2]| Edge { corners, faces: [0, 1] };
+        Polytope {
+            corners: vec![Vector3::zeros(); 3],
+            faces: vec![face(0), face(1)],
+            loops: vec![0, 1, 2, 0, 2, 1],
+            edges: vec![edge([0, 1]), edge([1, 2]), edge([0, 2])],
+            size: 0.0,
+        }
+    }
+
+    /// Moves the corners of a triangle.
+    pub(crate) fn set_triangle(&mut self, corners: [Vector3<f64>; 3]) {
+        let [a, b, c] = corners;
+        let middle = (a + b + c) / 3.0;
+        self.corners.copy_from_slice(&corners);
+        self.size = corners.map(|corner| (corner - middle).norm()).into_iter().fold(0.0, f64::max);
+        let normal = ((b - a) / self.size).cross(&((c - a) / self.size)).normalize();
+        (self.faces[0].normal, self.faces[1].normal) = (normal, -normal);
+    }
+
     /// The corners of a face.
     pub(crate) fn around(&self, face: usize) -> &[usize] {
         let Face { first, count, .. } = self.faces[face];

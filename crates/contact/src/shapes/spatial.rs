@@ -236,6 +236,22 @@ impl Dimension for Spatial {
         Some((apart, both.iter().all(convex)))
     }
 
+    fn has_parts(shape: &Shape) -> bool {
+        shape.geometry().as_composite_shape().is_some()
+    }
+
+    fn middle(shape: &Shape, part: u32) -> Vector3<f64> {
+        convert::from_vector(match shape.geometry().as_trimesh() {
+            Some(mesh) => mesh.triangle(part).center(),
+            None => shape.geometry().compute_local_aabb().center(),
+        })
+    }
+
+    fn nearest(shape: &Shape, point: &Vector3<f64>) -> Vector3<f64> {
+        let there = shape.geometry().project_local_point(convert::vector(point), true);
+        convert::from_vector(there.point)
+    }
+
     fn face(
         shapes: [&Shape; 2],
         poses: [&Pose; 2],

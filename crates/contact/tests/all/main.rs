@@ -20,6 +20,10 @@ mod rigid_time_of_impact;
 mod rough_impacts;
 #[cfg(feature = "2d")]
 mod small_steps;
+#[cfg(feature = "3d")]
+mod sizes;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod seams;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod steps;
 mod thin_sheet;

@@ -173,10 +173,10 @@ fn a_cube_given_as_a_hull_rests_on_a_box_by_four_corners_whatever_rounding_does(
 }
 
 /// Runs one solid of 1 kg for two seconds and gives its largest energy and the last, over the first.
-fn energies(points: &[V], pose: RigidMotion, below: Collider) -> [f64; 3] {
+fn energies(points: &[V], pose: RigidMotion, spin: V, below: Collider) -> [f64; 3] {
     const G: f64 = 10.0;
     let metric = BodyMetric::<Poses>::new(vec![Body::new(1.0, [0.1, 0.1, 0.12]).unwrap()]);
-    let still = BodyMotion { pose, velocity: V::zeros(), angular_velocity: V::new(0.1, 0.2, 0.3) };
+    let still = BodyMotion { pose, velocity: V::zeros(), angular_velocity: spin };
     let mut state = metric.state(&[still]).unwrap();
     let masses = vec![PointMass { mass: 1.0, point: V::zeros() }];
     let weight = Weight { gravity: -V::z() * G, masses, space: Poses };
@@ -211,11 +211,37 @@ fn prisms_given_as_hulls_gain_no_energy_beyond_a_step_and_fall_through_nothing()
             let points = prism(sides, 0.5, 0.4);
             for rotation in [lying(), Rotation::identity()] {
                 let pose = RigidMotion { translation: V::z() * 0.5, rotation };
-                let [start, most, end] = energies(&points, pose, below());
+                let [start, most, end] = energies(&points, pose, V::new(0.1, 0.2, 0.3), below());
                 // A step of free fall is worth G^2 h^2/2 = 5e-3 J.
                 assert!(most <= start + 5e-3, "{sides} sides: {start} J, then {most} J");
                 assert!(end > 0.0, "{sides} sides fell through: {end} J");
             }
         }
+    }
+}
+
+#[test]
+fn sixty_drops_of_a_cube_given_as_a_hull_come_to_rest_and_gain_no_energy() {
+    let floor = || Collider::fixed(RigidMotion::identity(), Shape::half_space(V::z()).unwrap());
+    let table = || {
+        let place = RigidMotion { translation: -V::z(), rotation: Rotation::identity() };
+        Collider::fixed(place, Shape::cuboid([3.0, 3.0, 1.0]).unwrap())
+    };
+    let mut random = SplitMix64::new(24);
+    for k in 0..60 {
+        let tilt = random_vector(&mut random) * [0.0, 1e-16, 1e-12, 1e-8][k % 4];
+        let yaw = Rotation::exp(V::z() * (3.0 * random.symmetric()));
+        let translation = V::new(
+            random.symmetric(),
+            random.symmetric(),
+            0.5 + [0.0, 0.2][k / 4 % 2] * (1.0 + random.symmetric()),
+        );
+        let pose = RigidMotion { translation, rotation: Rotation::exp(tilt).compose(&yaw) };
+        let below = if k % 2 == 0 { table() } else { floor() };
+        let [start, most, end] = energies(&cube(0.5), pose, V::zeros(), below);
+        // A step of free fall is worth G^2 h^2/2 = 5e-3 J.
+        assert!(most <= start + 5e-3, "drop {k}: {start} J, then {most} J");
+        // At rest its centre is half an edge high.
+        assert!((end - 5.0).abs() < 1e-2, "drop {k} ends with {end} J");
     }
 }
