@@ -24,7 +24,7 @@ rods = [{ between = ["hook", "bob"] }]
 [parameters]
 g = 9.81
 L = 1
-a = 0.01
+a = 0.001
 m = 1
 "#;
 
@@ -61,10 +61,10 @@ fn the_period_of_a_pendulum_is_read_off_the_table() {
     for row in &rows[1..] {
         let [length, end, largest]: [f64; 3] =
             [row[0], row[1], row[2]].map(|cell| cell.parse().unwrap());
-        // x(t) = x(0) cos(2 pi t / T), and T = 2 pi sqrt(L/g) (1 + a^2 / 16).
+        // x(t) = x(0) cos(2 pi t / T) and T = 2 pi sqrt(L/g), both to a^2.
         let period = std::f64::consts::TAU * 0.4 / (end / largest).acos();
-        let known = std::f64::consts::TAU * (length / 9.81).sqrt() * (1.0 + 1e-4 / 16.0);
-        assert!((period / known - 1.0).abs() < 2e-5, "L = {length}: {period} for {known}");
+        let known = std::f64::consts::TAU * (length / 9.81).sqrt();
+        assert!((period / known - 1.0).abs() < 5e-6, "L = {length}: {period} for {known}");
     }
 }
 
@@ -93,7 +93,7 @@ fn shares_join_into_the_files_of_the_whole_bit_for_bit() {
     // What failed is named in the table and on the chart.
     let table = fs::read_to_string(root.join("whole/sweep.csv")).unwrap();
     let failed = cells(&table)[1].last().unwrap().to_owned();
-    assert!(failed.len() > 10, "{table}");
+    assert!(!failed.is_empty(), "{table}");
     let chart = fs::read_to_string(root.join("whole/sweep.svg")).unwrap();
     assert!(chart.contains("failed\nL: 0\n"), "{chart}");
 
@@ -101,6 +101,15 @@ fn shares_join_into_the_files_of_the_whole_bit_for_bit() {
     assert_eq!(missing, "no share has run 4: shares are missing");
     let twice = [folders.clone(), folders[..1].to_vec()].concat();
     assert!(merge(&twice, &root.join("out")).unwrap_err().to_string().starts_with("share 1/4"));
+    let text = fs::read_to_string(folders[3].join("sweep.toml")).unwrap();
+    for (sound, broken) in
+        [("run = 3\n", "run = 4\n"), ("of = 4", "of = 0"), ("run = 7\n", "run = 3\n")]
+    {
+        assert!(text.contains(sound), "{sound}: {text}");
+        fs::write(folders[3].join("sweep.toml"), text.replace(sound, broken)).unwrap();
+        let said = merge(&folders[3..], &root.join("out")).unwrap_err().to_string();
+        assert!(said.contains("no share of this kind"), "{broken}: {said}");
+    }
     let other = Family::read(&root.join("pendulum.toml"), &set, None).unwrap();
     shard(&other, Shard { share: 4, of: 4 }, &folders[3], Progress::Hidden).unwrap();
     let different = merge(&folders, &root.join("out")).unwrap_err().to_string();
@@ -115,12 +124,9 @@ fn what_is_no_sweep_is_refused_before_anything_runs() {
     let refused = |set: &[&str], observable| {
         Family::read(&file, &ranges(set), observable).unwrap_err().to_string()
     };
-    let unknown = "the scene has no parameter `M`; did you mean `m`?\n  --set M=1:2:3\n        ^";
     let said = refused(&["L=0.1:1:3", "M=1:2:3"], None);
-    assert!(
-        said == unknown || said.starts_with("the scene has no parameter `M`; the file"),
-        "{said}"
-    );
+    assert!(said.starts_with("the scene has no parameter `M`; did you mean `"), "{said}");
+    assert!(said.ends_with("`?\n  --set M=1:2:3\n        ^"), "{said}");
     assert!(refused(&["L=1", "L=2:3:4"], None).starts_with("`L` is given twice\n  --set L=2:3:4"));
     assert!(refused(&["L=1"], Some("enrgy")).contains("energy"));
     let lost = refused(&["L=1"], Some("position=bib"));

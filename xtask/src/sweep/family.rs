@@ -71,8 +71,7 @@ impl Family {
             return Err(SweepError::Nothing);
         }
         let counts: Vec<usize> = ranges.iter().map(|range| range.count).collect();
-        let runs = counts.iter().try_fold(1_usize, |runs, &count| runs.checked_mul(count));
-        if runs.is_none_or(|runs| runs > MOST_RUNS) {
+        if !are_few(&counts) {
             return Err(SweepError::TooMany { counts });
         }
         Scene::read(file)?;
@@ -98,6 +97,12 @@ impl Family {
             headings: headings(&scene),
             axes: ranges.iter().map(axis).collect(),
         })
+    }
+
+    /// Whether it has runs and columns, and not too many of them, as one that was read has.
+    pub(super) fn is_sound(&self) -> bool {
+        let counts: Vec<usize> = self.axes.iter().map(|axis| axis.values.len()).collect();
+        !self.headings.is_empty() && !counts.is_empty() && !counts.contains(&0) && are_few(&counts)
     }
 
     /// How many runs it has.
@@ -142,6 +147,12 @@ impl Family {
         let run = scene.run().map_err(first_line)?;
         (0..columns).map(|column| seen(&run, column)).collect()
     }
+}
+
+/// Whether so many values of each parameter make at most [`MOST_RUNS`] runs.
+fn are_few(counts: &[usize]) -> bool {
+    let runs = counts.iter().try_fold(1_usize, |runs, &count| runs.checked_mul(count));
+    runs.is_some_and(|runs| runs <= MOST_RUNS)
 }
 
 fn seen(run: &Run, column: usize) -> Result<Seen, String> {

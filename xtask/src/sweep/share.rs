@@ -34,6 +34,24 @@ impl Shared for Stored {
     }
 }
 
+impl Stored {
+    /// Whether its rows are runs of the share and have what the family's have: the file is not trusted.
+    fn is_sound(&self) -> bool {
+        let (Shard { share, of }, own) = (self.shard, &self.family);
+        let of_share = |row: &Row| {
+            let columns = row.result.as_ref().map_or(own.headings.len(), Vec::len);
+            row.run % of == share - 1 && row.run < own.runs() && columns == own.headings.len()
+        };
+        let mut runs: Vec<usize> = self.rows.iter().map(|row| row.run).collect();
+        runs.sort_unstable();
+        runs.dedup();
+        (1..=of).contains(&share)
+            && own.is_sound()
+            && self.rows.iter().all(of_share)
+            && runs.len() == self.rows.len()
+    }
+}
+
 /// Whether a folder has a share of a sweep.
 pub fn is_share(folder: &Path) -> bool {
     folder.join(FILE).is_file()
@@ -63,14 +81,16 @@ pub fn shard(
 /// [`MergeError`]; nothing is written unless every run of the sweep is in one share.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Vec<Row>, MergeError> {
     let mut shares = gather::<Stored>(folders)?;
+    if let Some((path, _)) = shares.iter().find(|(_, share)| !share.is_sound()) {
+        let reason = "its runs are not those of its sweep".to_owned();
+        return Err(MergeError::NoShare { path: path.clone(), reason });
+    }
     let mut rows: Vec<Row> =
         shares.iter_mut().flat_map(|(_, share)| std::mem::take(&mut share.rows)).collect();
     rows.sort_by_key(|row| row.run);
     let family = &shares[0].1.family;
-    for run in 0..family.runs() {
-        if rows.get(run).is_none_or(|row| row.run != run) {
-            return Err(MergeError::Missing(format!("run {}", run + 1)));
-        }
+    if let Some(run) = (0..family.runs()).find(|&run| rows.get(run).is_none_or(|r| r.run != run)) {
+        return Err(MergeError::Missing(format!("run {}", run + 1)));
     }
     show::write(family, &rows, &Folder::open(out)?)?;
     Ok(rows)

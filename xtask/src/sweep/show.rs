@@ -78,7 +78,11 @@ fn chart(family: &Family, rows: &[Row]) -> Chart {
                 let words = [component.as_str(), *part, of_choice.as_str()];
                 let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
                 let rows = rows.iter().filter(|row| row.run % choices == choice);
-                let series = series(family, rows, &words.join(" "), |seen| of(&seen[column]));
+                let mut series = series(family, rows, &words.join(" "), |seen| of(&seen[column]));
+                // A run that failed is one cross, not one on each of its curves.
+                if column > 0 || *part != PARTS[0].0 {
+                    series.failures.clear();
+                }
                 lines = lines.with(if curves > MOST_NAMED { series.as_rest() } else { series });
             }
         }
@@ -107,6 +111,7 @@ fn series<'r>(
 /// `M = 2, k = 3`
 fn others(family: &Family, choice: usize) -> String {
     let values = family.values(choice).into_iter().zip(&family.axes).skip(1);
+    let values = values.filter(|(_, axis)| axis.values.len() > 1);
     let words = values.map(|(value, axis)| format!("{} = {value}", axis.name));
     words.collect::<Vec<_>>().join(", ")
 }
