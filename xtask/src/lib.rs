@@ -1,6 +1,7 @@
 //! The project's tools, run as `cargo xtask <task>`: what is measured, what is allowed, what it costs.
 //!
 //! - [`report`]: runs the studies and writes the page that shows them; [`studies`] is a folder a crate.
+//! - [`sweep`]: runs the family of a scene, one table and one chart.
 //! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
 //!
 //! The checks of the house, in a folder of their own:
@@ -22,6 +23,7 @@ pub mod choosing;
 pub mod report;
 pub mod studies;
 pub mod study;
+pub mod sweep;
 
 mod house;
 mod timing;

@@ -20,6 +20,7 @@ use xtask::report::{
 };
 use xtask::studies::{METHODS, STUDIES, scene};
 use xtask::study::{Entry, Size};
+use xtask::sweep;
 
 /// The project's tools.
 #[derive(Parser)]
@@ -33,7 +34,9 @@ struct Arguments {
 enum Task {
     /// Runs the studies and writes the page, the numbers and the charts.
     Report(Report),
-    /// Joins the shares of a report that were run with `report --shard`.
+    /// Runs a scene for many values of its parameters, and leaves one table and one chart.
+    Sweep(Sweep),
+    /// Joins the shares of a report or of a sweep that were run with `--shard`.
     Merge {
         /// The folders of all shares.
         #[arg(required = true)]
@@ -106,6 +109,29 @@ struct Report {
     quiet: bool,
 }
 
+#[derive(clap::Args)]
+struct Sweep {
+    /// The scene, a TOML file with `[parameters]`.
+    file: PathBuf,
+    /// The values of a parameter, such as L=0.1:1.0:10 for ten of them, or L=0.4; may be given for
+    /// several. The chart is against the first.
+    #[arg(long, value_name = "NAME=FROM:TO:COUNT", required = true)]
+    set: Vec<sweep::Range>,
+    /// What to read off, as `choose` calls it: energy, position=bob; the first observable of the
+    /// file by default.
+    #[arg(long, value_name = "NAME")]
+    observable: Option<String>,
+    /// Runs a share of the family, such as 3/8, for `merge` to join.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Where to write.
+    #[arg(long, value_name = "DIR", default_value = "target/sweep")]
+    out: PathBuf,
+    /// Says nothing but what failed.
+    #[arg(long)]
+    quiet: bool,
+}
+
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
@@ -118,6 +144,7 @@ fn main() -> ExitCode {
     }
     let done = match task {
         Task::Report(arguments) => run_report(&arguments),
+        Task::Sweep(arguments) => run_sweep(&arguments),
         Task::Merge { dirs, out, quiet } => run_merge(&dirs, &out, quiet),
         Task::Stationary(command) => command.run(),
         Task::Trials(arguments) => run_trials(&arguments),
@@ -170,8 +197,41 @@ fn run_studies(arguments: &Report, studies: &[Entry<'_>]) -> Result<ExitCode, Fa
 }
 
 fn run_merge(dirs: &[PathBuf], out: &Path, quiet: bool) -> Result<ExitCode, Failure> {
+    let of_sweeps = dirs.iter().filter(|dir| sweep::is_share(dir)).count();
+    if of_sweeps > 0 {
+        let reports = dirs.iter().find(|dir| dir.join("shard.toml").is_file());
+        if let Some(dir) = reports {
+            let dir = dir.display();
+            return Err(
+                format!("{dir} has a share of a report, and others those of a sweep").into()
+            );
+        }
+        return Ok(swept(&sweep::merge(dirs, out)?, &out.join("sweep.csv"), quiet));
+    }
     let outcomes = merge(dirs, STUDIES, METHODS, out)?;
     Ok(reported(&outcomes, &out.join("index.html"), quiet))
+}
+
+fn run_sweep(arguments: &Sweep) -> Result<ExitCode, Failure> {
+    let Sweep { file, set, observable, shard, out, quiet } = arguments;
+    let family = sweep::Family::read(file, set, observable.as_deref())?;
+    let progress = if *quiet { Progress::Hidden } else { Progress::Shown };
+    let (rows, written) = match *shard {
+        Some(shard) => (sweep::shard(&family, shard, out, progress)?, "sweep.toml"),
+        None => (sweep::sweep(&family, out, progress)?, "sweep.csv"),
+    };
+    Ok(swept(&rows, &out.join(written), *quiet))
+}
+
+/// A run that failed is told, and no failure of the sweep unless all of them did.
+fn swept(rows: &[sweep::Row], written: &Path, quiet: bool) -> ExitCode {
+    let failures = sweep::failures(rows);
+    if !quiet {
+        println!("{} runs, {} failed\n{}", rows.len(), failures.len(), written.display());
+    }
+    let none_ran = !rows.is_empty() && failures.len() == rows.len();
+    let verdict = verdict(failures.into_iter());
+    if none_ran { verdict } else { ExitCode::SUCCESS }
 }
 
 fn reported(outcomes: &[Outcome<'_>], written: &Path, quiet: bool) -> ExitCode {

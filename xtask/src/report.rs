@@ -21,10 +21,13 @@ use std::time::Duration;
 use stationary_chart::{ChartError, Layout, Medium, Styles};
 
 use crate::study::{Entry, Size, Study, StudyError};
-use files::Folder;
+pub(crate) use csv::csv;
+pub(crate) use files::Folder;
 pub use machine::Machine;
 use measure::measure;
+pub(crate) use measure::{bar, side_by_side};
 pub use merge::{MergeError, merge};
+pub(crate) use merge::{Shared, gather};
 pub use shard::{Shard, ShardError, shard};
 pub(crate) use summary::aligned;
 pub use summary::{catalogue, summary};
@@ -167,7 +170,7 @@ fn write(
     let names: Vec<Vec<String>> = charts.map(|chart| chart.names()).collect();
     let styles = Styles::assign(&plan.methods, &names);
     for study in outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()) {
-        folder.write(&format!("{}.csv", study.id), &csv::csv(&study.table))?;
+        folder.write(&format!("{}.csv", study.id), &csv(&study.table))?;
         for (i, chart) in study.charts.iter().enumerate() {
             let file = chart_file(study.id, i);
             match chart.svg(Layout::Wide, Medium::File, &styles, &study.conclusion) {

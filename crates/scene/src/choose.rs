@@ -44,6 +44,7 @@ pub use emit::{emit, emitted};
 pub use error::ChooseError;
 pub use ladder::SceneLadder;
 pub use model::{Model, Simplification};
+pub use observable::asked;
 use stationary_choose::{MOMENTS, QuestionError};
 
 use crate::model::scene::Scene;

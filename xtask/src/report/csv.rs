@@ -3,7 +3,7 @@
 use stationary_measure::{Cell, Table};
 
 /// The table, its column names first.
-pub(super) fn csv(table: &Table) -> String {
+pub(crate) fn csv(table: &Table) -> String {
     let names = table.columns().iter().map(|column| quoted(&column.name)).collect::<Vec<_>>();
     let mut text = names.join(",") + "\r\n";
     for row in table.rows() {

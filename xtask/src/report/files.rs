@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use super::ReportError;
 
 /// A folder that can be written to.
-pub(super) struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     /// Makes the folder where it is missing and proves that a file can be written, so that minutes
     /// of measuring are not lost to a folder that cannot be used.
-    pub(super) fn open(path: &Path) -> Result<Self, ReportError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, ReportError> {
         fs::create_dir_all(path).map_err(unwritable(path))?;
         let folder = Folder(path.to_owned());
         let probe = path.join(".probe");
@@ -20,7 +20,7 @@ impl Folder {
     }
 
     /// Writes beside the file and moves it into place, so that a reader never sees half a file.
-    pub(super) fn write(&self, name: &str, content: &str) -> Result<(), ReportError> {
+    pub(crate) fn write(&self, name: &str, content: &str) -> Result<(), ReportError> {
         let (path, draft) = (self.0.join(name), self.0.join(format!(".{name}.draft")));
         fs::write(&draft, content).map_err(unwritable(&path))?;
         fs::rename(&draft, &path).map_err(unwritable(&path))

@@ -4,6 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
+
 use super::files::Folder;
 use super::shard::{FILE, Stored, StoredOutcome};
 use super::{Machine, Outcome, Plan, Progress, ReportError, Shard, select, write};
@@ -24,7 +26,7 @@ pub enum MergeError {
         source: io::Error,
     },
     /// A file is no share, or a share of another version of the tools.
-    #[error("{}: no share of a report: {reason}", path.display())]
+    #[error("{}: no share of this kind: {reason}", path.display())]
     NoShare {
         /// The file.
         path: PathBuf,
@@ -51,8 +53,8 @@ pub enum MergeError {
         /// The earlier file.
         first: PathBuf,
     },
-    /// A study that no share has.
-    #[error("no share has the study `{0}`: shares are missing")]
+    /// A study, or a run, that no share has.
+    #[error("no share has {0}: shares are missing")]
     Missing(String),
     /// The report cannot be written.
     #[error(transparent)]
@@ -70,27 +72,8 @@ pub fn merge<'a>(
     methods: &[&'static str],
     out: &Path,
 ) -> Result<Vec<Outcome<'a>>, MergeError> {
-    let shares = folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
-    let Some(((first, share), others)) = shares.split_first() else {
-        return Err(MergeError::Nothing);
-    };
-    let mut seen = vec![(share.shard, first)];
-    for (path, other) in others {
-        let differ = [
-            (other.shard.of != share.shard.of, "another number of shares"),
-            (other.size != share.size, "other horizons"),
-            (other.ids != share.ids, "other studies"),
-        ];
-        if let Some((_, what)) = differ.into_iter().find(|(differs, _)| *differs) {
-            return Err(MergeError::Different { path: path.clone(), first: first.clone(), what });
-        }
-        if let Some((shard, first)) = seen.iter().find(|(shard, _)| *shard == other.shard) {
-            let (path, first) = (path.clone(), (*first).clone());
-            return Err(MergeError::Twice { shard: *shard, path, first });
-        }
-        seen.push((other.shard, path));
-    }
-    let (size, ids) = (share.size, share.ids.clone());
+    let shares = gather::<Stored>(folders)?;
+    let (size, ids) = (shares[0].1.size, shares[0].1.ids.clone());
     let machine = joined(shares.iter().map(|(_, share)| &share.machine));
     let mut stored: Vec<StoredOutcome> =
         shares.into_iter().flat_map(|(_, share)| share.outcomes).collect();
@@ -98,7 +81,8 @@ pub fn merge<'a>(
     let mut outcomes = Vec::new();
     for entry in &entries {
         let place = stored.iter().position(|outcome| outcome.id == entry.id);
-        let place = place.ok_or_else(|| MergeError::Missing(entry.id.to_owned()))?;
+        let place =
+            place.ok_or_else(|| MergeError::Missing(format!("the study `{}`", entry.id)))?;
         outcomes.push(stored.swap_remove(place).outcome(*entry));
     }
     let (methods, out) = (methods.to_vec(), out.to_owned());
@@ -107,8 +91,56 @@ pub fn merge<'a>(
     Ok(outcomes)
 }
 
-fn read(folder: &Path) -> Result<(PathBuf, Stored), MergeError> {
-    let path = folder.join(FILE);
+/// What a share leaves in its folder: of a report, or of a sweep.
+pub(crate) trait Shared: DeserializeOwned {
+    /// The name of its file.
+    const FILE: &'static str;
+
+    /// Which share it is.
+    fn shard(&self) -> Shard;
+
+    /// What keeps it from being joined with the first share.
+    fn differs(&self, first: &Self) -> Option<&'static str>;
+}
+
+impl Shared for Stored {
+    const FILE: &'static str = FILE;
+
+    fn shard(&self) -> Shard {
+        self.shard
+    }
+
+    fn differs(&self, first: &Self) -> Option<&'static str> {
+        let differ =
+            [(self.size != first.size, "other horizons"), (self.ids != first.ids, "other studies")];
+        differ.into_iter().find(|(differs, _)| *differs).map(|(_, what)| what)
+    }
+}
+
+/// The shares in these folders, at least one, which are parts of one whole and each another.
+pub(crate) fn gather<S: Shared>(folders: &[PathBuf]) -> Result<Vec<(PathBuf, S)>, MergeError> {
+    let shares = folders.iter().map(|folder| read(folder)).collect::<Result<Vec<(_, S)>, _>>()?;
+    let Some(((first, share), others)) = shares.split_first() else {
+        return Err(MergeError::Nothing);
+    };
+    let mut seen = vec![(share.shard(), first)];
+    for (path, other) in others {
+        let shard = other.shard();
+        let count = (shard.of != share.shard().of).then_some("another number of shares");
+        if let Some(what) = count.or_else(|| other.differs(share)) {
+            return Err(MergeError::Different { path: path.clone(), first: first.clone(), what });
+        }
+        if let Some((_, first)) = seen.iter().find(|(other, _)| *other == shard) {
+            let (path, first) = (path.clone(), (*first).clone());
+            return Err(MergeError::Twice { shard, path, first });
+        }
+        seen.push((shard, path));
+    }
+    Ok(shares)
+}
+
+fn read<S: Shared>(folder: &Path) -> Result<(PathBuf, S), MergeError> {
+    let path = folder.join(S::FILE);
     let text = fs::read_to_string(&path)
         .map_err(|source| MergeError::Unreadable { path: path.clone(), source })?;
     match toml::from_str(&text) {
@@ -214,7 +246,7 @@ mod tests {
         assert!(none.starts_with("cannot read "), "{none}");
         fs::write(folders[1].join(FILE), "a = ").unwrap();
         let broken = refused(&folders);
-        assert!(broken.contains("no share of a report"), "{broken}");
+        assert!(broken.contains("no share of this kind"), "{broken}");
         assert!(!out.exists());
         fs::remove_dir_all(&root).unwrap();
     }
