@@ -10,7 +10,9 @@ fn run(name: &str) -> (String, PathBuf) {
     let scenes = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../crates/scene/scenes");
     let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let summary = run_scene(&scenes.join(format!("{name}.toml")), &out, Progress::Hidden);
-    (summary.expect("a scene that runs").to_string(), out)
+    let summary = summary.expect("a scene that runs");
+    assert_eq!(summary.broken_claims, 0, "{summary}");
+    (summary.to_string(), out)
 }
 
 #[test]

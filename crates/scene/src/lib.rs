@@ -40,6 +40,7 @@
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
 //! | `observables` | `"energy"`, `"kinetic-energy"`, `"potential-energy"`, `"linear-momentum"`, `"angular-momentum"`, `{ position = NAME }`, `{ velocity = NAME }`, `{ distance = [NAME, NAME] }`, `{ tension = [NAME, NAME] }`, `{ angular_velocity = NAME }`; of heat `"heat"`, `"dirichlet-energy"`, `{ temperature = NAME }` | energy and momenta where it is missing |
 //! | `view` | a vector to the eye | for the picture of a scene in space |
+//! | `[[claims]]` | `of` and `component`, or an `event`; `what`, `at`, `is`, `within`, `source` | sentences about the run that it checks |
 //! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
@@ -65,6 +66,10 @@
 //! A `strength` is a number or one of `{ step = [0, 1], at = 2 }`, `{ ramp = [0, 1], from = 0, to = 2 }`,
 //! `{ sine = 1, frequency = 50 }` and `{ table = "load.csv" }`, times and values in a file beside the scene's.
 //! The summary closes the energy's budget with the works of all that acts.
+//!
+//! A claim is `of` one of the observables, with the `component` of a vector: its `value` `at` a sample's time or
+//! at the end, its `least` or `largest` is a number; its `rise`, `drift` or `relative-drift` is nothing; or an
+//! `event` has a time. Each has a band and a `source`. [`Run::claims`] says which hold.
 //!
 //! A `shape` has a `kind` with its `size` and its `cells`, or is what a `file` beside the scene's holds:
 //! the surface of an OBJ file, or the tetrahedra of Gmsh's MSH file, or its triangles where it has no
@@ -180,6 +185,7 @@ mod model {
     pub(crate) mod elastic_body;
     pub(crate) mod units;
     pub(crate) mod observable;
+    pub(crate) mod claim;
     pub(crate) mod timing;
     pub(crate) mod stepping;
     pub(crate) mod scene;
@@ -219,6 +225,7 @@ mod assemble {
 mod run {
     pub(crate) mod scene_run;
     pub(crate) mod samples;
+    pub(crate) mod claims;
     pub(crate) mod contact_impulses;
     pub(crate) mod checkpoint;
     pub(crate) mod error;
@@ -276,6 +283,7 @@ pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
 pub use model::body_shape::BodyShape;
 pub use model::built::Built;
+pub use model::claim::{Claim, Event, Measured, Scale};
 pub use model::drives::{Drives, HeatSource, Motor, MotorDrive, PinMotion, SceneLoad};
 pub use model::elastic_body::{ElasticBody, ElasticMaterial, HeatedBody};
 pub use model::items::{
@@ -290,6 +298,7 @@ pub use model::strength::{Pieces, Strength};
 pub use model::timing::Timing;
 pub use model::units::Units;
 pub use run::checkpoint::{Checkpoint, CheckpointError};
+pub use run::claims::{Answer, Verdict};
 pub use run::contact_impulses::{ContactImpulse, ContactSide};
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;

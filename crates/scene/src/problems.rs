@@ -73,6 +73,8 @@ pub fn spring_net(rows: u32, columns: u32) -> Result<SceneProblem<3>, ProblemErr
 pub fn spring_net_scene(rows: u32, columns: u32) -> Result<Scene, SceneError> {
     Scene::parse_changed("spring-net.toml", SPRING_NET, |declared| {
         declared.observables = None;
+        // They are about the net of the file.
+        declared.claims.clear();
         let larger = (u64::from(rows) * u64::from(columns)).div_ceil(20 * 20);
         if let Some(every) = &mut declared.sample_every {
             every.get_mut().0 *= larger;

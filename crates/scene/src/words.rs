@@ -8,6 +8,7 @@ pub(crate) mod body_methods;
 #[cfg(feature = "rigid")]
 pub(crate) mod body_shape;
 pub(crate) mod chains;
+pub(crate) mod claims;
 pub(crate) mod contact;
 pub(crate) mod draft;
 pub(crate) mod drag;
@@ -47,6 +48,7 @@ use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Count, Number};
 use crate::words::bodies::BodyDeclaration;
 use crate::words::chains::ChainDeclaration;
+use crate::words::claims::ClaimDeclaration;
 use crate::words::contact::ContactDeclaration;
 use crate::words::draft::Draft;
 use crate::words::drag::DragDeclaration;
@@ -138,6 +140,9 @@ table! {
         /// Pinned particles that move as they are told.
         #[serde(default)]
         motions: Vec<MotionDeclaration> = Kind::List(&Kind::Table(&MotionDeclaration::TABLE)),
+        /// What it says of its own run, checked at the end.
+        #[serde(default)]
+        claims: Vec<ClaimDeclaration> = Kind::List(&Kind::Table(&ClaimDeclaration::TABLE)),
     }
 }
 

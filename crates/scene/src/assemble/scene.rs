@@ -16,7 +16,7 @@ use crate::text::{check, limits, source};
 use crate::words::draft::Draft;
 use crate::words::particle_table::ParticleTable;
 use crate::words::word::Of;
-use crate::words::{Declaration, integrator, observables, units};
+use crate::words::{Declaration, claims, integrator, observables, units};
 
 impl Scene {
     /// The scene that a text describes. `name` stands in errors where a file's name would, and for
@@ -124,12 +124,14 @@ pub(crate) fn assemble(
     declared.declare(&mut draft)?;
     check_that_something_moves(declared, &draft.particles)?;
     let observables = observables::declare_all(declared.observables.as_deref(), &draft)?;
+    let timing = timing(declared)?;
+    let claims = claims::declare_all(&declared.claims, &draft, &observables, timing)?;
     let scene = Scene {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
         units: units::declare(&declared.units)?,
         stepping,
-        timing: timing(declared)?,
+        timing,
         gravity: draft.gravity,
         drag: draft.drag,
         drives: draft.drives,
@@ -147,6 +149,7 @@ pub(crate) fn assemble(
         faces: draft.solids.faces,
         observables,
         view: view(declared, dimension)?,
+        claims,
     };
     scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
     #[cfg(feature = "contact")]

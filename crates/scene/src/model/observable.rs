@@ -43,6 +43,19 @@ pub enum Observable {
 }
 
 impl Observable {
+    /// How many numbers it is.
+    pub(crate) fn columns(self, dimension: usize) -> usize {
+        match (self, dimension) {
+            (
+                Observable::LinearMomentum | Observable::Position(_) | Observable::Velocity(_),
+                dimension,
+            ) => dimension,
+            (Observable::AngularMomentum, 1) => 0,
+            (Observable::AngularMomentum | Observable::AngularVelocity(_), 3) => 3,
+            _ => 1,
+        }
+    }
+
     /// Whether it is an observable of scenes of heat, which have no other.
     pub(crate) fn of_heat(self) -> bool {
         matches!(self, Observable::Heat | Observable::DirichletEnergy | Observable::Temperature(_))

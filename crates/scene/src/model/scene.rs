@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::model::claim::Claim;
 use crate::model::drives::Drives;
 use crate::model::elastic_body::{ElasticBody, HeatedBody};
 use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
@@ -39,6 +40,9 @@ pub struct Scene {
     pub(crate) faces: Vec<[usize; 3]>,
     pub(crate) observables: Vec<Observable>,
     pub(crate) view: [f64; 3],
+    /// They change no number, and are no part of what a checkpoint is of.
+    #[serde(skip)]
+    pub(crate) claims: Vec<Claim>,
 }
 
 /// The gravity of a scene, where it has one.
@@ -146,6 +150,11 @@ impl Scene {
     /// What a run writes down besides the positions.
     pub fn observables(&self) -> &[Observable] {
         &self.observables
+    }
+
+    /// What it says of its own run.
+    pub fn claims(&self) -> &[Claim] {
+        &self.claims
     }
 
     /// The number of its freedoms, of which joints take some.

@@ -6,8 +6,10 @@ use std::fmt;
 use stationary_integrators::Evaluation;
 use stationary_measure::{Cell, Column, Table};
 
+use crate::model::claim::{Event, Measured, Scale};
 use crate::model::observable::Observable;
 use crate::model::particle::Motion;
+use crate::run::claims::Verdict;
 use crate::run::samples::Run;
 use crate::text::limits;
 
@@ -26,6 +28,10 @@ pub struct Summary {
     /// The works of what acts beside the potential and what is left of the energy's balance, where anything
     /// acts.
     pub budget: Option<Table>,
+    /// The scene's claims with what was measured, where it makes any.
+    pub claims: Option<Table>,
+    /// How many of the claims do not hold.
+    pub broken_claims: usize,
     /// Steps whose contact conditions were not met as far as asked, where there are any.
     pub unsettled: Option<String>,
     /// What the files of the run leave out, where they leave out anything.
@@ -54,6 +60,12 @@ impl Summary {
             built: run.built().table(),
             observables: observables(run),
             budget: budget(run),
+            claims: claims(run),
+            broken_claims: run
+                .claims()
+                .iter()
+                .filter(|answer| answer.verdict == Verdict::DoesNotHold)
+                .count(),
             unsettled: (run.unsettled().steps > 0).then(|| unsettled(run)),
             left_out: run.contact_impulses_end().map(|end| {
                 format!(
@@ -91,6 +103,81 @@ fn budget(run: &Run) -> Option<Table> {
         if scale > 0.0 { format!("{:.0e} of the largest", left.abs() / scale) } else { "0".into() };
     table.push([rest.into(), left.into()]);
     table.push(["change of the energy".into(), above_rounding(change, scale)]);
+    Some(table)
+}
+
+/// Each claim with what the run says of it.
+fn claims(run: &Run) -> Option<Table> {
+    let answers = run.claims();
+    if answers.is_empty() {
+        return None;
+    }
+    let mut table = Table::new([
+        Column::exact("claim"),
+        Column::rounded("said", DIGITS + 1, 0.0),
+        Column::rounded("within", 2, 0.0),
+        Column::rounded("measured", DIGITS, 0.0),
+        Column::exact("verdict"),
+        Column::exact("source"),
+    ]);
+    let (headings, unit) = (run.headings(), &run.scene().units().time);
+    let size = |column: usize| {
+        let all = (0..run.times().len()).map(|i| run.observed(i)[column].abs());
+        all.fold(0.0, f64::max)
+    };
+    for answer in answers {
+        let claim = answer.claim;
+        let (what, scale) = match &claim.of {
+            &Measured::Value { column, time } => {
+                (format!("{} at {time} {unit}", headings[column]), size(column))
+            }
+            &Measured::Least { column } => (format!("least {}", headings[column]), size(column)),
+            &Measured::Largest { column } => {
+                (format!("largest {}", headings[column]), size(column))
+            }
+            &Measured::Rise { column } => (format!("rise of {}", headings[column]), size(column)),
+            Measured::Drift { columns, over } => {
+                let name = headings.get(columns.start).map_or("", String::as_str);
+                let name = if columns.len() > 1 {
+                    name.replacen(" x [", " [", 1)
+                } else {
+                    name.to_owned()
+                };
+                match over {
+                    Scale::One => {
+                        (format!("drift of {name}"), columns.clone().map(size).fold(0.0, f64::max))
+                    }
+                    _ => (format!("relative drift of {name}"), 1.0),
+                }
+            }
+            Measured::Time(Event::FirstImpact) => (format!("first impact [{unit}]"), claim.until),
+            Measured::Time(Event::FirstBreak) => {
+                (format!("first rod breaks [{unit}]"), claim.until)
+            }
+        };
+        let scale = scale.max(claim.is.abs());
+        let measured = match answer.measured {
+            // Where nothing is claimed, what is far within the band may be rounding alone.
+            Some(measured) if claim.is == 0.0 && measured.abs() < claim.within / 100.0 => {
+                format!("<{:.0e}", claim.within / 100.0).into()
+            }
+            Some(measured) => above_rounding(measured, scale),
+            None => "".into(),
+        };
+        let verdict = match answer.verdict {
+            Verdict::Holds => "holds",
+            Verdict::DoesNotHold => "does not hold",
+            Verdict::NotReached => "not reached",
+        };
+        table.push([
+            what.into(),
+            claim.is.into(),
+            claim.within.into(),
+            measured,
+            verdict.into(),
+            claim.source.as_str().into(),
+        ]);
+    }
     Some(table)
 }
 
@@ -341,6 +428,9 @@ impl fmt::Display for Summary {
         write!(f, "{}", self.observables)?;
         if let Some(budget) = &self.budget {
             write!(f, "\n{budget}")?;
+        }
+        if let Some(claims) = &self.claims {
+            write!(f, "\n{claims}")?;
         }
         notes.into_iter().flatten().try_for_each(|note| f.write_str(note))
     }

@@ -103,19 +103,25 @@ pub(crate) fn declare_all(
     declared: Option<&[Spanned<ObservableDeclaration>]>,
     draft: &Draft<'_>,
 ) -> Checked<Vec<Observable>> {
-    let (of_heat, roster, rods) = (draft.heat.is_some(), &draft.particles, &draft.rods);
-    let Some(all) = declared else {
-        return Ok(if of_heat { USUAL_OF_HEAT.to_vec() } else { USUAL.to_vec() });
-    };
-    let one = |declared: &Spanned<ObservableDeclaration>| {
-        let observable = declare(roster, rods, declared)?;
-        if observable.of_heat() != of_heat {
-            let scenes = if of_heat { "heat scenes" } else { "scenes without heat" };
-            return Err(at(declared.span(), Fault::ObservableOfAnother(scenes)));
-        }
-        Ok(observable)
-    };
-    all.iter().map(one).collect()
+    match declared {
+        Some(all) => all.iter().map(|declared| declare_one(declared, draft)).collect(),
+        None if draft.heat.is_some() => Ok(USUAL_OF_HEAT.to_vec()),
+        None => Ok(USUAL.to_vec()),
+    }
+}
+
+/// An observable that is one of this kind of scene.
+pub(crate) fn declare_one(
+    declared: &Spanned<ObservableDeclaration>,
+    draft: &Draft<'_>,
+) -> Checked<Observable> {
+    let of_heat = draft.heat.is_some();
+    let observable = declare(&draft.particles, &draft.rods, declared)?;
+    if observable.of_heat() != of_heat {
+        let scenes = if of_heat { "heat scenes" } else { "scenes without heat" };
+        return Err(at(declared.span(), Fault::ObservableOfAnother(scenes)));
+    }
+    Ok(observable)
 }
 
 /// The observable that is declared.

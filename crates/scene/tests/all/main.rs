@@ -5,6 +5,7 @@ mod bodies;
 mod body_diagnostics;
 mod built;
 mod checkpoints;
+mod claims;
 mod diagnostics;
 mod driven;
 mod failed_runs;

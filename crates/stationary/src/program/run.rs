@@ -13,6 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::program::failed;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -82,7 +83,15 @@ impl Run {
         if !self.quiet {
             println!("{}\n{}\n{}", ending.summary, ending.summary.built, self.out.display());
         }
-        let Some(step) = ending.stopped else { return Ok(ExitCode::SUCCESS) };
+        let Some(step) = ending.stopped else {
+            return Ok(match ending.summary.broken_claims {
+                0 => ExitCode::SUCCESS,
+                1 => failed("a claim of the scene does not hold; the summary says which"),
+                n => {
+                    failed(&format!("{n} claims of the scene do not hold; the summary says which"))
+                }
+            });
+        };
         eprintln!("stopped after step {step}; the same command with --resume goes on");
         Ok(ExitCode::from(INTERRUPTED))
     }

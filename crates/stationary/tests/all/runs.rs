@@ -71,3 +71,29 @@ fn a_checkpoint_that_does_not_fit_is_named_and_left_where_it_is() {
     assert!(error.to_string().contains("the checkpoint is damaged"), "{error}");
     assert!(path.exists());
 }
+
+#[test]
+fn a_scene_whose_claim_does_not_hold_ends_with_status_1_and_says_so() {
+    let out = folder("claims");
+    fs::create_dir_all(&out).unwrap();
+    let file = out.join("stone.toml");
+    for (within, code) in [("1e-9", Some(0)), ("0", Some(1))] {
+        let text = format!(
+            "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
+             observables = [{{ position = \"stone\" }}]\n\
+             particles = [{{ name = \"stone\", mass = 1, position = [0], velocity = [2] }}]\n\
+             claims = [{{ of = {{ position = \"stone\" }}, what = \"drift\", within = 3, source = \"v t\" }},\n\
+             {{ of = {{ position = \"stone\" }}, is = 2.0000000001, within = {within}, source = \"v t\" }}]\n"
+        );
+        fs::write(&file, text).unwrap();
+        let ran = std::process::Command::new(env!("CARGO_BIN_EXE_stationary"))
+            .args(["run", file.to_str().unwrap(), "--out", out.to_str().unwrap()])
+            .output()
+            .unwrap();
+        let (said, told) =
+            (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+        assert_eq!(ran.status.code(), code, "{said}{told}");
+        assert_eq!(said.contains("does not hold"), code == Some(1), "{said}");
+        assert_eq!(told.contains("a claim of the scene does not hold"), code == Some(1), "{told}");
+    }
+}
