@@ -503,7 +503,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError> {
-        let [finest, enough] = self.settled(contacts, h);
+        let [finest, enough, still] = self.settled(contacts, h);
         let f = G::FREEDOMS;
         let Memory { v, increment, states, bias, impulses, islands, resting, solver, .. } =
             &mut self.memory;
@@ -532,7 +532,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let settled = if members.len() > LARGE { enough } else { finest };
             let off = match resting.off(members, guessed, settled) {
                 Some(off) => {
-                    let stands = bodies.iter().all(|&body| resting.stands(body, settled));
+                    let stands =
+                        bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
                     for &body in bodies {
                         let velocity =
                             if stands { resting.before(body) } else { resting.after(body) };
@@ -573,8 +574,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
     }
 
     /// The change of velocity that counts as settled in small islands and in large ones, m/s: such
-    /// changes leave a residual within the tolerance.
-    fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> [f64; 2] {
+    /// changes leave a residual within the tolerance. And that by which what stands may be off from
+    /// rest: a part of the velocity increment, however loose the tolerance, or weight would be lost.
+    fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> [f64; 3] {
         let Memory { v, increment, .. } = &self.memory;
         let fastest = |v: &[f64]| {
             let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
@@ -584,10 +586,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let farthest = points.fold(0.0_f64, |m, point| m.max(G::dot(&point, &point))).sqrt();
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h);
         let gain = fastest(&increment.0);
-        [FINE_TOLERANCE, TOLERANCE].map(|part| {
-            let asked = self.tolerance.unwrap_or(part * gain);
-            rounding.max(asked / AMPLIFICATION)
-        })
+        let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
+        let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
+        [or_asked(FINE_TOLERANCE), or_asked(TOLERANCE), within(TOLERANCE * gain)]
     }
 
     /// Energies, and what is left of each gap at the end of the step.
