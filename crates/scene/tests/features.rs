@@ -135,5 +135,14 @@ fn the_planets_need_no_feature_and_have_the_same_digits_with_all_of_them() {
     angular momentum z [solar mass au^2/day]  5.595e-5      5.595e-5    5.595e-5   5.595e-5
     distance sun to jupiter [au]              5.407e0       4.974e0     4.951e0    5.407e0
     distance sun to pluto [au]                2.980e1       3.024e1     2.980e1    3.024e1
+
+    claim                                                     said      within  measured  verdict      source
+    relative drift of energy [solar mass au^2/day^2]          0.0000e0  8.0e-6            not reached  nothing takes energy: it is conserved, and the method keeps it to its order, here (h w)^2 of Jupiter
+    relative drift of linear momentum [solar mass au/day]     0.0000e0  1.0e-9            not reached  Newton's third law
+    relative drift of angular momentum [solar mass au^2/day]  0.0000e0  1.0e-9            not reached  central forces; the method keeps it exactly
+    least distance sun to jupiter [au]                        4.9503e0  2.0e-2            not reached  Kepler: a (1 - e) of the almanac, but for Saturn's pull
+    largest distance sun to jupiter [au]                      5.4549e0  2.0e-2            not reached  Kepler: a (1 + e) of the almanac, but for Saturn's pull
+    least distance sun to pluto [au]                          2.9657e1  1.5e-1            not reached  Kepler: a (1 - e) of the almanac
+    largest distance sun to pluto [au]                        4.9303e1  1.5e-1            not reached  Kepler: a (1 + e) of the almanac
     ");
 }

@@ -66,6 +66,23 @@ fn one_changed(text: &str, change: &Change) -> String {
     }
 }
 
+/// The text without what it claims: the claims are about the observables that it had, at times that its own
+/// steps meet. What is not understood so stays, and its reader will say why.
+pub fn without_claims(text: &str) -> String {
+    let mut inside = false;
+    let kept: String = text
+        .split_inclusive('\n')
+        .filter(|line| {
+            if line.trim_start().starts_with('[') {
+                inside = line.trim_start().starts_with("[[claims]]");
+            }
+            !inside
+        })
+        .collect();
+    let kept = changed(&kept, &[Change::without("claims")]);
+    if toml::from_str::<Keys>(&kept).is_ok() { kept } else { text.to_owned() }
+}
+
 /// The text with lines of comment above a key of the whole scene, or at its top.
 pub fn commented(text: &str, key: &str, comment: &str) -> String {
     let keys = toml::from_str::<Keys>(text).unwrap_or_default();
@@ -117,6 +134,13 @@ mod tests {
     fn a_key_that_is_left_out_takes_its_lines_with_it() {
         let text = changed(TEXT, &[Change::without("observables"), Change::without("title")]);
         assert_eq!(text, "# why\nstep = 10 # days\n[units]\ntime = \"d\"\n");
+    }
+
+    #[test]
+    fn claims_are_left_out_and_what_follows_them_stays() {
+        let text = "step = 1\n[[claims]]\nof = \"energy\"\n# why\n[[claims]]\nwithin = 1\n[units]\nx = 1\n";
+        assert_eq!(without_claims(text), "step = 1\n[units]\nx = 1\n");
+        assert_eq!(without_claims("claims = [\n{ within = 1 }]\nstep = 1\n"), "step = 1\n");
     }
 
     #[test]

@@ -10,17 +10,18 @@ use stationary_choose::Scale;
 use toml::Value;
 
 use super::ChooseError;
-use super::declaration::{Change, changed};
+use super::declaration::{Change, changed, without_claims};
 use crate::model::observable::Observable;
 use crate::model::scene::Scene;
 
-/// The scene's text, asked for this observable only.
+/// The scene's text, asked for this observable only: what it claims of others is left out.
 ///
 /// # Errors
 /// [`ChooseError::Observable`] with what the scene says to it, and [`ChooseError::NoNumbers`].
 pub fn asked(name: &str, text: &str, observable: &str) -> Result<String, ChooseError> {
     let declared = declared(observable);
-    let text = changed(text, &[Change::to("observables", format!("[{declared}]"))]);
+    let text = without_claims(text);
+    let text = changed(&text, &[Change::to("observables", format!("[{declared}]"))]);
     let scene = Scene::parse_at(name, &text).map_err(|error| ChooseError::Observable {
         asked: observable.to_owned(),
         reason: error.to_string(),
