@@ -6,8 +6,8 @@
 //! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
 //! faces of any number of corners, and both against the triangles of a surface; on a half-space every
 //! corner counts. What is round and hulls of very many edges are asked of the geometry library:
-//! Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across `s(n)` are the closest there are, by the
-//! inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
+//! Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across
+//! `s(n)` are the closest there are, by the inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
 //! difference of both.

@@ -182,11 +182,9 @@ pub(crate) fn facing(
             let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
             if inside(&x1, ends[0]) && inside(&x2, ends[1]) {
                 least = axis.separation;
-                let name = |edge: Edge| {
-                    PackedFeatureId::edge((edge.corners[0] * 1024 + edge.corners[1]) as u32).0
-                };
+                let names = [one, other].map(|edge| edge_name(edge.corners));
                 // Along nearly parallel edges the place is rounding, across them it is not.
-                append([name(one), name(other)], x2 - n * least, x2, n, least);
+                append(names, x2 - n * least, x2, n, least);
             }
             let faces = [a.facing(&n, TIE * size), b.facing(&-n, TIE * size)];
             let tilt = a.normals[faces[0]].dot(&n);
@@ -270,6 +268,16 @@ fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
     Some(best)
 }
 
+/// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is
+/// looked at here has 2^15 corners (`narrow_phase.rs`).
+fn edge_name(corners: [usize; 2]) -> u32 {
+    PackedFeatureId::edge(pair_name(corners)).0
+}
+
+fn pair_name([from, to]: [usize; 2]) -> u32 {
+    ((from << 15) | to) as u32
+}
+
 /// Whether the arcs between two pairs of normals cross on the sphere, or nearly.
 fn arcs_cross([a, b]: [V; 2], [c, d]: [V; 2]) -> bool {
     let (ab, cd) = (b.cross(&a), d.cross(&c));
@@ -330,7 +338,7 @@ fn bound(
                         [PackedFeatureId::edge(from as u32).0, PackedFeatureId::edge(side).0]
                     }
                     Side::Bound(before) => {
-                        [PackedFeatureId::vertex(before * 1024 + from as u32).0, back]
+                        [PackedFeatureId::vertex(pair_name([before as usize, from])).0, back]
                     }
                 };
                 let side = if inside { Side::Bound(from as u32) } else { here.side };
@@ -375,7 +383,7 @@ fn for_each_corner_and_edge([a, b]: [Seen<'_>; 2], mut visit: impl FnMut([V; 2],
         match t {
             0.0 => PackedFeatureId::vertex(from as u32).0,
             1.0 => PackedFeatureId::vertex(to as u32).0,
-            _ => PackedFeatureId::edge((from * 1024 + to) as u32).0,
+            _ => edge_name(edge.corners),
         }
     };
     let nearest = |seen: &Seen<'_>, edge: &Edge, x: &V| {
