@@ -70,13 +70,15 @@ impl Run {
         let column = |column: usize| (0..samples).map(move |i| self.observed(i)[column]);
         let rows = || (0..samples).map(|i| self.observed(i));
         match what {
-            &Measured::Least { column: c } => column(c).fold(f64::INFINITY, f64::min),
-            &Measured::Largest { column: c } => column(c).fold(f64::NEG_INFINITY, f64::max),
+            &Measured::Least { column: c } => {
+                -column(c).map(|x| -x).fold(f64::NEG_INFINITY, larger)
+            }
+            &Measured::Largest { column: c } => column(c).fold(f64::NEG_INFINITY, larger),
             &Measured::Rise { column: c } => {
                 let mut least = f64::INFINITY;
                 column(c).fold(0.0, |rise: f64, now| {
                     least = least.min(now);
-                    rise.max(now - least)
+                    larger(rise, now - least)
                 })
             }
             Measured::Drift { columns, over } => {
@@ -87,7 +89,7 @@ impl Run {
                 };
                 let size =
                     |row: &[f64]| row[columns.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
-                let drift = rows().map(away).fold(0.0, f64::max);
+                let drift = rows().map(away).fold(0.0, larger);
                 let scale = match over {
                     Scale::One => 1.0,
                     Scale::KineticEnergy => {
@@ -102,4 +104,9 @@ impl Run {
             Measured::Value { .. } | Measured::Time(_) => f64::NAN,
         }
     }
+}
+
+/// The larger number, or the one that is none.
+fn larger(most: f64, x: f64) -> f64 {
+    if most.is_nan() || x <= most { most } else { x }
 }
