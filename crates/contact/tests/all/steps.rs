@@ -151,3 +151,18 @@ fn a_step_beyond_the_residual_limit_fails_and_leaves_the_state() {
         assert!(matches!(world.with_residual_limit(bad), Err(ContactError::Settling(_))));
     }
 }
+
+#[test]
+fn however_loose_the_tolerance_what_moves_near_the_floor_keeps_its_weight() {
+    let h = 1e-4;
+    for tolerance in [1e-6, 1.0, 100.0] {
+        let (world, mut state) = boxes(&[[0.0, 0.5 + 1e-6]], G, 0.5);
+        let mut world = world.with_tolerance(tolerance).unwrap();
+        state.p.0[1] = 0.2;
+        for step in 1..=100 {
+            world.step(&mut state, h).unwrap();
+            let fallen = 0.2 - G * h * f64::from(step);
+            assert!((state.p.0[1] - fallen).abs() < 1e-12, "{tolerance} {step}: {:?}", state.p.0);
+        }
+    }
+}
