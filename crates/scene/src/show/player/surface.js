@@ -47,19 +47,21 @@ const fill = (gl, made, numbers) => {
 // Numbers of a corner: its place, its value and its hue.
 const CORNER = 5;
 
-// WebGL, with smooth edges where a graphics card draws: a processor takes twice the time for them.
+// WebGL, and whether a graphics card draws. Where a processor does, edges are not smooth, which would take
+// twice the time, and what plays has half as many pixels each way.
 const granted = () => {
   const trial = document.createElement("canvas").getContext("webgl2");
-  if (!trial) return null;
+  if (!trial) return {};
   const told = trial.getExtension("WEBGL_debug_renderer_info");
   const drawnBy = told ? trial.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
   trial.getExtension("WEBGL_lose_context")?.loseContext();
-  return sheet.getContext("webgl2", { stencil: true, antialias: !/swiftshader|llvmpipe|basic render/i.test(drawnBy) });
+  const card = !/swiftshader|llvmpipe|basic render/i.test(drawnBy);
+  return { gl: sheet.getContext("webgl2", { stencil: true, antialias: card }), card };
 };
 
 // What draws the surface, or nothing where there is no WebGL or no surface.
 const opened = () => {
-  const gl = SOLID ? granted() : null;
+  const { gl, card } = SOLID ? granted() : {};
   if (!gl) return null;
   const [faces, lines, round] = [FACES, LINES, BALLS].map((sources) => program(gl, sources));
   if (!faces || !lines || !round) return null;
@@ -73,7 +75,7 @@ const opened = () => {
     redraw();
   });
   return {
-    gl, faces, lines, round,
+    gl, card, faces, lines, round,
     corners: new Float32Array(CORNER * 3 * (motion.faces.length / 4)),
     shape: mesh(gl, faces, { corner: 4, tint: 1 }),
     strokes: mesh(gl, lines, { start: 3, end: 3 }),
@@ -186,8 +188,10 @@ const drawRound = () => {
 };
 
 const drawSurface = () => {
-  const { gl } = surface;
-  if (sheet.width !== canvas.width || sheet.height !== canvas.height) [sheet.width, sheet.height] = [canvas.width, canvas.height];
+  const { gl, card } = surface;
+  const share = now.playing && !card ? 0.5 : 1;
+  const [width, height] = [canvas.width, canvas.height].map((pixels) => Math.max(1, Math.round(share * pixels)));
+  if (sheet.width !== width || sheet.height !== height) [sheet.width, sheet.height] = [width, height];
   gl.viewport(0, 0, sheet.width, sheet.height);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
