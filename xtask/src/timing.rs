@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 /// Below this a clock does not resolve a call well; the call is repeated inside one measurement.
 const RESOLVED: Duration = Duration::from_millis(1);
 const RUNS: usize = 5;
-/// A call that takes longer is run less often.
+/// A call that takes longer is run less often, and one that takes much longer once.
 const LONG: Duration = Duration::from_millis(50);
 const LONG_RUNS: usize = 3;
+const LONGEST: Duration = Duration::from_millis(200);
 
 /// Wall time of one call, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +22,13 @@ pub struct Wall {
 }
 
 /// Times `call`: one warm-up, then the median of five runs. Of a call longer than a twentieth of a
-/// second there are three runs and no warm-up: what is long is disturbed less. A call shorter than a
-/// millisecond is repeated within a run, and its share is reported.
+/// second there are three runs and no warm-up, and longer than a fifth of a second a single one: what is
+/// long is disturbed less. A call shorter than a millisecond is repeated within a run, and its share is
+/// reported.
 pub fn median_wall(mut call: impl FnMut()) -> Wall {
     let first = elapsed(1, &mut call);
     let (mut walls, runs, repeats) = match first {
+        longest if longest > LONGEST => (vec![longest.as_secs_f64()], 1, 1),
         long if long > LONG => (vec![first.as_secs_f64()], LONG_RUNS, 1),
         _ => (Vec::new(), RUNS, repeats_to_resolve(&mut call)),
     };

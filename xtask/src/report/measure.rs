@@ -24,9 +24,11 @@ pub(super) fn measure<'a>(plan: &Plan<'a>) -> Vec<Outcome<'a>> {
         bar.inc(1);
         (place, Outcome { entry, wall: start.elapsed(), result })
     };
-    let (alone, others): (Vec<usize>, Vec<usize>) =
+    let (alone, mut others): (Vec<usize>, Vec<usize>) =
         places.partition(|&place| plan.entries[place].kind == Kind::WorkPrecision);
     let mut outcomes: Vec<_> = alone.into_iter().map(one).collect();
+    // The longest stand last in the list: begun last, one core would wait for them.
+    others.reverse();
     outcomes.extend(side_by_side(&others, one));
     bar.finish_and_clear();
     outcomes.sort_by_key(|&(place, _)| place);
