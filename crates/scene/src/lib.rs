@@ -176,6 +176,7 @@ mod text {
 
 mod model {
     pub(crate) mod particle;
+    pub(crate) mod contact_side;
     pub(crate) mod items;
     pub(crate) mod strength;
     pub(crate) mod turned;
@@ -284,10 +285,11 @@ pub use assemble::system::{ScenePotential, SceneProblem};
 pub use model::body_shape::BodyShape;
 pub use model::built::Built;
 pub use model::claim::{Claim, Event, Measured, Scale};
+pub use model::contact_side::ContactSide;
 pub use model::drives::{Drives, HeatSource, Motor, MotorDrive, PinMotion, SceneLoad};
 pub use model::elastic_body::{ElasticBody, ElasticMaterial, HeatedBody};
 pub use model::items::{
-    JointKind, Link, RigidBody, Rod, SceneBall, SceneContact, SceneJoint, SceneWall,
+    JointKind, Link, RigidBody, Rod, SceneBall, SceneContact, SceneJoint, ScenePair, SceneWall,
 };
 pub use model::observable::Observable;
 pub use model::particle::{Motion, Particle};
@@ -299,7 +301,7 @@ pub use model::timing::Timing;
 pub use model::units::Units;
 pub use run::checkpoint::{Checkpoint, CheckpointError};
 pub use run::claims::{Answer, Verdict};
-pub use run::contact_impulses::{ContactImpulse, ContactSide};
+pub use run::contact_impulses::ContactImpulse;
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};

@@ -9,7 +9,7 @@
 //! remembers; steps of many bodies keep some of them elsewhere, and say what they keep. They come
 //! sorted by their identifiers. Source: notes 11.1.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use stationary_calculus::SizeError;
 use stationary_rigid::LieGroup;
@@ -25,6 +25,8 @@ pub struct DetectorIn<G: Dimension> {
     colliders: Vec<ColliderIn<G>>,
     /// Restitution and friction of pairs that have their own.
     surfaces: BTreeMap<[usize; 2], [f64; 2]>,
+    /// Pairs that pass through each other.
+    passing: BTreeSet<[usize; 2]>,
     bodies: usize,
     radii: Vec<f64>,
     broad: BroadPhase<G>,
@@ -91,6 +93,7 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(DetectorIn {
             radii: radii(&colliders, bodies),
             surfaces: BTreeMap::new(),
+            passing: BTreeSet::new(),
             broad: BroadPhase::new(&colliders),
             seams: Seams::of(&colliders),
             placed: vec![identity; colliders.len()],
@@ -116,14 +119,30 @@ impl<G: Dimension> DetectorIn<G> {
         restitution: f64,
         friction: f64,
     ) -> Result<Self, ContactError> {
+        let pair = self.pair(colliders)?;
+        check_surface(colliders[0], restitution, friction)?;
+        self.surfaces.insert(pair, [restitution, friction]);
+        Ok(self)
+    }
+
+    /// The same, but that two colliders pass through each other.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a collider that is not there.
+    pub fn without_pair(mut self, colliders: [usize; 2]) -> Result<Self, ContactError> {
+        let pair = self.pair(colliders)?;
+        self.passing.insert(pair);
+        Ok(self)
+    }
+
+    /// A pair in its order.
+    fn pair(&self, colliders: [usize; 2]) -> Result<[usize; 2], ContactError> {
         let there = self.colliders.len();
         if let Some(&got) = colliders.iter().find(|&&collider| collider >= there) {
             return Err(SizeError { what: "a collider of a pair", expected: there, got }.into());
         }
-        check_surface(colliders[0], restitution, friction)?;
         let [a, b] = colliders;
-        self.surfaces.insert([a.min(b), a.max(b)], [restitution, friction]);
-        Ok(self)
+        Ok([a.min(b), a.max(b)])
     }
 
     /// The colliders.
@@ -183,6 +202,9 @@ impl<G: Dimension> DetectorIn<G> {
         self.margins.extend(self.colliders.iter().map(|collider| reach(collider.body())));
         let (placed, poses) = (&self.placed, &self.poses);
         self.broad.pairs(&self.colliders, placed, poses, &self.margins, &mut self.pairs);
+        if !self.passing.is_empty() {
+            self.pairs.retain(|&(a, b)| !self.passing.contains(&[a.min(b), a.max(b)]));
+        }
         Ok(())
     }
 

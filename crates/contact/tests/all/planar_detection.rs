@@ -201,6 +201,7 @@ fn a_pair_of_surfaces_may_have_its_own_restitution_and_friction() {
     assert!(c == 0.2 && (mu - 0.4).abs() < 1e-15);
     assert_eq!(of(plain().with_pair([1, 0], 0.9, 0.0).unwrap()), (0.9, 0.0));
     assert!(matches!(plain().with_pair([0, 2], 0.9, 0.0), Err(ContactError::Size(_))));
+    assert!(matches!(plain().without_pair([2, 0]), Err(ContactError::Size(_))));
     let refused = plain().with_pair([0, 1], 1.1, 0.0).unwrap_err();
     assert!(matches!(refused, ContactError::Restitution { .. }));
     assert_eq!(on(1).carrier, Carrier::Body(1));

@@ -143,9 +143,8 @@ impl Experiment for SceneLadder {
 
 /// Whether nothing in a scene takes energy, so that a true motion keeps it.
 fn keeps_energy(scene: &Scene) -> bool {
-    let elastic = scene.contact().is_none_or(|contact| {
-        contact.stiffness.is_some() || contact.restitution == 1.0 && contact.friction == 0.0
-    });
+    let elastic =
+        scene.contact().is_none_or(|contact| contact.stiffness.is_some() || contact.is_elastic());
     let breaking = scene.rods().iter().any(|rod| rod.strength.is_finite());
     scene.heat().is_none()
         && scene.drag().is_none()

@@ -6,6 +6,7 @@
 use serde::Serialize;
 
 use crate::model::body_shape::BodyShape;
+use crate::model::contact_side::ContactSide;
 #[cfg(feature = "contact")]
 use stationary_contact::{ImpactLaw, When};
 #[cfg(feature = "elasticity")]
@@ -97,11 +98,37 @@ pub struct SceneContact {
     pub walls: Vec<SceneWall>,
     /// Balls that nothing enters and nothing moves.
     pub balls: Vec<SceneBall>,
+    /// Pairs that touch in a way of their own.
+    pub pairs: Vec<ScenePair>,
+}
+
+impl SceneContact {
+    /// Whether an impact gives back all that it took, and nothing rubs.
+    pub fn is_elastic(&self) -> bool {
+        let elastic = |restitution: f64, friction: f64| restitution == 1.0 && friction == 0.0;
+        let pair = |pair: &ScenePair| !pair.meets || elastic(pair.restitution, pair.friction);
+        elastic(self.restitution, self.friction) && self.pairs.iter().all(pair)
+    }
+}
+
+/// How two bodies, or a body and what is fixed, touch, where it is not as all others do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ScenePair {
+    /// The two.
+    pub of: [ContactSide; 2],
+    /// Separating over approaching speed, 0 to 1.
+    pub restitution: f64,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+    /// Whether they touch at all, or pass through each other.
+    pub meets: bool,
 }
 
 /// A half-space that nothing enters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneWall {
+    /// Its name, where it has one.
+    pub name: Option<String>,
     /// Points to the side that is free, of length one.
     pub normal: [f64; 3],
     /// How far the wall is from the origin along it.
@@ -109,8 +136,10 @@ pub struct SceneWall {
 }
 
 /// A ball that nothing enters and nothing moves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneBall {
+    /// Its name, where it has one.
+    pub name: Option<String>,
     /// Where it is.
     pub centre: [f64; 3],
     /// Its radius.

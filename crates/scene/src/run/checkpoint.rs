@@ -24,8 +24,9 @@ use bytes::{Fnv, Reader, Writer};
 use stationary_integrators::{AdaptiveError, Cost, Saved, State, StepError};
 
 use crate::assemble::error::AssemblyError;
+use crate::model::contact_side::ContactSide;
 use crate::model::scene::{Scene, numbers_of_a_body};
-use crate::run::contact_impulses::{ContactImpulse, ContactRows, ContactSide};
+use crate::run::contact_impulses::{ContactImpulse, ContactRows};
 use crate::run::samples::{BrokenRod, Impacts, Samples, Unsettled};
 use crate::text::file_error::WriteError;
 use crate::text::limits;

@@ -8,35 +8,24 @@
 //! velocity, world axes), friction included; what does not move stands first. The sum of all `J` on a
 //! body is what contact changed its momentum by.
 
+use crate::model::contact_side::ContactSide;
 use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
 use crate::text::limits;
 
-/// What takes part in a contact. What does not move comes first in the order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ContactSide {
-    /// A wall of [`SceneContact`](crate::SceneContact), by its place there.
-    Wall(usize),
-    /// A ball of [`SceneContact`](crate::SceneContact), by its place there.
-    Ball(usize),
-    /// A particle that is pinned, by its place in [`Scene::particles`].
-    Pin(usize),
-    /// A body, by its place in [`Scene::bodies`].
-    Body(usize),
-    /// A particle that moves, by its place in [`Scene::particles`].
-    Particle(usize),
-}
-
 impl ContactSide {
-    fn moves(self) -> bool {
-        matches!(self, ContactSide::Body(_) | ContactSide::Particle(_))
-    }
-
-    /// Its name; walls and balls are counted from 1.
+    /// Its name; walls and balls that have none are counted from 1.
     pub fn name(self, scene: &Scene) -> String {
+        let contact = scene.contact.as_ref();
         match self {
-            ContactSide::Wall(wall) => format!("wall {}", wall + 1),
-            ContactSide::Ball(ball) => format!("ball {}", ball + 1),
+            ContactSide::Wall(wall) => {
+                let own = contact.and_then(|contact| contact.walls.get(wall)?.name.clone());
+                own.unwrap_or_else(|| format!("wall {}", wall + 1))
+            }
+            ContactSide::Ball(ball) => {
+                let own = contact.and_then(|contact| contact.balls.get(ball)?.name.clone());
+                own.unwrap_or_else(|| format!("ball {}", ball + 1))
+            }
             ContactSide::Body(body) => scene.bodies()[body].name.clone(),
             ContactSide::Pin(particle) | ContactSide::Particle(particle) => {
                 scene.particles()[particle].name.clone()
@@ -44,31 +33,8 @@ impl ContactSide {
         }
     }
 
-    /// Its kind and its place, as a checkpoint writes them.
-    pub(crate) fn numbers(self) -> (u64, usize) {
-        match self {
-            ContactSide::Wall(place) => (0, place),
-            ContactSide::Ball(place) => (1, place),
-            ContactSide::Pin(place) => (2, place),
-            ContactSide::Body(place) => (3, place),
-            ContactSide::Particle(place) => (4, place),
-        }
-    }
-
-    /// The side of this kind and place.
-    pub(crate) fn of_numbers(kind: u64, place: usize) -> Option<Self> {
-        let kinds: [fn(usize) -> ContactSide; 5] = [
-            ContactSide::Wall,
-            ContactSide::Ball,
-            ContactSide::Pin,
-            ContactSide::Body,
-            ContactSide::Particle,
-        ];
-        kinds.get(usize::try_from(kind).ok()?).map(|side| side(place))
-    }
-
     /// Whether the scene has it.
-    fn is_in(self, scene: &Scene) -> bool {
+    pub(crate) fn is_in(self, scene: &Scene) -> bool {
         let of_contact =
             |count: fn(&SceneContact) -> usize| scene.contact.as_ref().map_or(0, count);
         let (place, count) = match self {
@@ -80,14 +46,6 @@ impl ContactSide {
             }
         };
         place < count
-    }
-
-    /// The particle at its middle, where it moves: a body's is its centre.
-    pub(crate) fn middle(self) -> Option<usize> {
-        match self {
-            ContactSide::Body(index) | ContactSide::Particle(index) => Some(index),
-            _ => None,
-        }
     }
 }
 

@@ -8,9 +8,10 @@ use crate::assemble::error::AssemblyError;
 use crate::assemble::system::{ScenePotential, SceneProblem};
 use crate::assemble::vertices::Vertices;
 use crate::model::built::Built;
+use crate::model::contact_side::ContactSide;
 use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
-use crate::run::contact_impulses::{ContactSide, Push};
+use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 

@@ -1,7 +1,7 @@
 //! Bodies that touch: their shapes, walls and fixed balls, and the steps with impacts and friction.
 //!
-//! All surfaces are alike: two bodies, and a body and what is fixed, have the scene's restitution and
-//! friction.
+//! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
+//! pair, or pass through each other.
 
 use nalgebra::{Vector2, Vector3};
 use stationary_calculus::Potential;
@@ -16,10 +16,11 @@ use crate::assemble::body_system::{PlanarSystem, SpatialSystem};
 use crate::assemble::error::AssemblyError;
 use crate::model::body_shape::BodyShape;
 use crate::model::built::Built;
+use crate::model::contact_side::ContactSide;
 use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
-use crate::run::contact_impulses::{ContactSide, Push};
+use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 
@@ -33,7 +34,7 @@ pub(crate) fn in_space<'a>(
     initial: &State<Vec<f64>>,
 ) -> Made<'a> {
     let colliders = scene.colliders(contact)?;
-    let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
+    let detector = detector(&colliders, contact, scene.bodies.len(), &initial.q)?;
     let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
@@ -46,7 +47,7 @@ pub(crate) fn in_the_plane<'a>(
     initial: &State<Vec<f64>>,
 ) -> Made<'a> {
     let colliders = scene.planar_colliders(contact)?;
-    let detector = detector(&colliders, scene.bodies.len(), &initial.q)?;
+    let detector = detector(&colliders, contact, scene.bodies.len(), &initial.q)?;
     let touching = World::new(system.clone(), detector)?.with_law(contact.law);
     Ok(Box::new(Touching { touching, colliders: Colliders::of(&colliders, contact) }))
 }
@@ -69,6 +70,17 @@ impl Colliders {
     fn of<G: Dimension>(all: &[ColliderIn<G>], contact: &SceneContact) -> Self {
         let walls = contact.walls.len();
         Colliders { all: all.len(), fixed: walls + contact.balls.len(), walls }
+    }
+
+    /// The collider of what takes part in contacts; a body that is only moments has none.
+    fn of_side<G: Dimension>(self, side: ContactSide, all: &[ColliderIn<G>]) -> Option<usize> {
+        let fixed = all.len() - self.fixed;
+        match side {
+            ContactSide::Body(body) => all.iter().position(|other| other.body() == Some(body)),
+            ContactSide::Wall(wall) => Some(fixed + wall),
+            ContactSide::Ball(ball) => Some(fixed + self.walls + ball),
+            ContactSide::Pin(_) | ContactSide::Particle(_) => None,
+        }
     }
 
     /// What takes part in a contact.
@@ -136,10 +148,20 @@ const ROUNDING: f64 = 1e-9;
 /// A detector of contacts, which there are none of at the start but by touching.
 fn detector<G: Dimension>(
     colliders: &[ColliderIn<G>],
+    contact: &SceneContact,
     bodies: usize,
     q: &[f64],
 ) -> Result<DetectorIn<G>, ContactError> {
     let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
+    let all = Colliders::of(colliders, contact);
+    for pair in &contact.pairs {
+        let [a, b] = pair.of.map(|side| all.of_side(side, colliders));
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        detector = match pair.meets {
+            true => detector.with_pair([a, b], pair.restitution, pair.friction)?,
+            false => detector.without_pair([a, b])?,
+        };
+    }
     let mut largest = 0.0_f64;
     for body in 0..bodies {
         largest = largest.max(detector.radius(body)?);

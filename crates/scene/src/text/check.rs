@@ -28,6 +28,14 @@ pub(crate) fn positive(what: &'static str, number: &Spanned<Number>) -> Checked<
     Err(at(number.span(), Fault::NotPositive { what, value }))
 }
 
+/// A finite number that is not negative.
+pub(crate) fn not_negative(what: &'static str, number: &Spanned<Number>) -> Checked<f64> {
+    match finite(what, number)? {
+        value if value >= 0.0 => Ok(value),
+        value => Err(at(number.span(), Fault::Negative { what, value })),
+    }
+}
+
 /// A finite vector of the scene's dimension, as a vector in space.
 pub(crate) fn vector(
     what: &'static str,
@@ -95,10 +103,36 @@ pub(crate) fn word<T: Copy>(
     if let Some(&(_, meaning)) = all.iter().find(|(name, _)| *name == word) {
         return Ok(meaning);
     }
-    let words = all.iter().map(|&(name, _)| name);
+    Err(at(span, unknown(kind, word, all.iter().map(|&(name, _)| name), all.len())))
+}
+
+/// Names listed in an error; more would not help.
+pub(crate) const LISTED: usize = 12;
+
+/// What the name stands for.
+pub(crate) fn named<T: Copy>(
+    kind: &'static str,
+    name: &Spanned<String>,
+    all: &[(&str, T)],
+) -> Checked<T> {
+    let word = name.get_ref();
+    if let Some(&(_, meaning)) = all.iter().find(|(other, _)| other == word) {
+        return Ok(meaning);
+    }
+    Err(at(name.span(), unknown(kind, word, all.iter().map(|&(name, _)| name), LISTED)))
+}
+
+/// A word that is none of these, which are listed if they are no more than so many.
+pub(crate) fn unknown<'a>(
+    kind: &'static str,
+    word: &str,
+    words: impl Iterator<Item = &'a str> + Clone,
+    listed: usize,
+) -> Fault {
     let nearest = nearest(word, words.clone()).map(str::to_owned);
-    let allowed = words.map(str::to_owned).collect();
-    Err(at(span, Fault::UnknownWord { kind, word: shortened(word), nearest, allowed }))
+    let few = words.clone().nth(listed).is_none();
+    let allowed = words.filter(|_| few).map(str::to_owned).collect();
+    Fault::UnknownWord { kind, word: shortened(word), nearest, allowed }
 }
 
 /// A name that can stand in a heading without quotes, and cannot be taken for a net's vertex.

@@ -280,12 +280,41 @@ pub enum Fault {
     /// An observable of another kind of scene.
     #[error("this observable is not available in {0}")]
     ObservableOfAnother(&'static str),
+    /// A number below zero.
+    #[error("{what} is {value}; it must not be negative")]
+    Negative {
+        /// What has this value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+    },
     /// A coefficient of restitution out of its range.
     #[error("the restitution is {0}; it must be between 0 and 1")]
     Restitution(f64),
     /// Particles do not turn, and have no friction here.
     #[error("particles have no friction; only bodies do")]
     FrictionOfParticles,
+    /// Particles are all alike where they touch.
+    #[error("`pairs` applies to bodies only")]
+    PairsOfParticles,
+    /// A pair is two things.
+    #[error("a pair is two bodies, or a body and a wall or ball that has a name, not {0}")]
+    PairEnds(usize),
+    /// A pair that never touches.
+    #[error("these two never touch: a pair has two different things, and one of them moves")]
+    PairNeverMeets,
+    /// Two declarations of one pair.
+    #[error("there is already a pair of these two")]
+    DuplicatePair,
+    /// A pair like all others.
+    #[error("a pair has a `restitution` or a `friction` of its own, or `meet = false`")]
+    PairSaysNothing,
+    /// A surface where nothing touches.
+    #[error("what passes through each other has no restitution and no friction")]
+    SurfaceOfNoContact,
+    /// Two things that touch, of one name.
+    #[error("there is already a body, a wall or a ball called `{0}`")]
+    DuplicateSurface(String),
     /// Bodies are given their impulses before a step.
     #[error("`when` applies to particles only")]
     WhenOfBodies,

@@ -27,10 +27,14 @@ table! {
         walls: Option<Vec<WallDeclaration>> = Kind::List(&Kind::Table(&WallDeclaration::TABLE)),
         /// Balls that nothing enters and nothing moves.
         balls: Option<Vec<FixedBallDeclaration>> = Kind::List(&Kind::Table(&FixedBallDeclaration::TABLE)),
+        /// Bodies, or a body and what is fixed, that touch in a way of their own.
+        pairs: Option<Vec<PairDeclaration>> = Kind::List(&Kind::Table(&PairDeclaration::TABLE)),
     }
 
     /// A wall.
     pub(crate) struct WallDeclaration = "a wall with `normal` and `at`" {
+        /// Its name, by which pairs and tables call it.
+        name: Option<Spanned<String>> = Kind::Name,
         /// The direction to the free side.
         normal: Components = Kind::Vector,
         /// A point of it.
@@ -39,10 +43,24 @@ table! {
 
     /// A ball that stays.
     pub(crate) struct FixedBallDeclaration = "a fixed ball with `at` and `radius`" {
+        /// Its name, by which pairs and tables call it.
+        name: Option<Spanned<String>> = Kind::Name,
         /// Its centre.
         at: Components = Kind::Vector,
         /// Its radius.
         radius: Spanned<Number> = Kind::Positive,
+    }
+
+    /// How two things touch, where it is not as all others do.
+    pub(crate) struct PairDeclaration = "two names and how they touch" {
+        /// Two bodies, or a body and a wall or fixed ball that has a name.
+        of: Spanned<Vec<Spanned<String>>> = Kind::Pair,
+        /// Separating over approaching speed; that of all others where it is missing.
+        restitution: Option<Spanned<Number>> = Kind::Share,
+        /// Coulomb's coefficient; that of all others where it is missing.
+        friction: Option<Spanned<Number>> = Kind::NotNegative,
+        /// `false` where they pass through each other.
+        meet: Option<Spanned<bool>> = Kind::Flag,
     }
 }
 
@@ -70,8 +88,9 @@ impl ContactDeclaration {
         let wall = self.walls.iter().flatten().next().map(|wall| wall.normal.span());
         let ball = self.balls.iter().flatten().next().map(|ball| ball.at.span());
         let word = self.law.as_ref().or(self.when.as_ref()).map(|word| word.span());
+        let pair = self.pairs.iter().flatten().next().map(|pair| pair.of.span());
         let number = self.restitution.as_ref().or(self.friction.as_ref()).map(|n| n.span());
-        number.or(word).or(wall).or(ball)
+        number.or(word).or(wall).or(ball).or(pair)
     }
 }
 
@@ -82,7 +101,8 @@ pub(crate) use compiled::*;
 #[cfg(feature = "contact")]
 mod compiled {
     use super::*;
-    use crate::model::items::{SceneBall, SceneContact, SceneWall};
+    use crate::model::contact_side::ContactSide;
+    use crate::model::items::{SceneBall, SceneContact, ScenePair, SceneWall};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
     use crate::text::fault::Fault;
@@ -94,18 +114,10 @@ mod compiled {
         draft: &Draft<'_>,
     ) -> Checked<SceneContact> {
         let (dimension, of_bodies) = (draft.dimension, !draft.bodies.is_empty());
-        let ContactDeclaration { restitution, friction, law, when, walls, balls, .. } = contact;
+        let ContactDeclaration { restitution, friction, law, when, walls, balls, pairs, .. } =
+            contact;
         let stiffness = stiffness(draft, contact)?;
-        let restitution = match restitution {
-            Some(given) => {
-                let value = check::finite("the restitution", given)?;
-                if !(0.0..=1.0).contains(&value) {
-                    return Err(at(given.span(), Fault::Restitution(value)));
-                }
-                value
-            }
-            None => 0.0,
-        };
+        let restitution = share(restitution.as_ref())?.unwrap_or(0.0);
         let friction = match friction {
             Some(given) if !of_bodies => {
                 return Err(at(given.span(), Fault::FrictionOfParticles));
@@ -135,15 +147,96 @@ mod compiled {
             let normal = check::direction("the normal", dimension, &wall.normal)?;
             let place = check::vector("the wall's place", dimension, &wall.at)?;
             let offset = normal.iter().zip(&place).map(|(n, x)| n * x).sum();
-            Ok(SceneWall { normal, offset })
+            let name = wall.name.as_ref().map(check::name).transpose()?;
+            Ok(SceneWall { name, normal, offset })
         });
         let walls = walls.collect::<Checked<_>>()?;
         let balls = balls.iter().flatten().map(|ball| {
             let centre = check::vector("the ball's place", dimension, &ball.at)?;
-            Ok(SceneBall { centre, radius: check::positive("the radius", &ball.radius)? })
+            let name = ball.name.as_ref().map(check::name).transpose()?;
+            Ok(SceneBall { name, centre, radius: check::positive("the radius", &ball.radius)? })
         });
         let balls = balls.collect::<Checked<_>>()?;
-        Ok(SceneContact { restitution, friction, law, when, stiffness, walls, balls })
+        let pairs = pairs.as_deref().unwrap_or_default();
+        if let Some(first) = pairs.first().filter(|_| !of_bodies) {
+            return Err(at(first.of.span(), Fault::PairsOfParticles));
+        }
+        let named = by_name(draft, contact)?;
+        let pairs = declare_pairs(pairs, &named, [restitution, friction])?;
+        Ok(SceneContact { restitution, friction, law, when, stiffness, walls, balls, pairs })
+    }
+
+    /// A coefficient of restitution, where one is given.
+    fn share(given: Option<&Spanned<Number>>) -> Checked<Option<f64>> {
+        let Some(given) = given else { return Ok(None) };
+        let value = check::finite("the restitution", given)?;
+        if !(0.0..=1.0).contains(&value) {
+            return Err(at(given.span(), Fault::Restitution(value)));
+        }
+        Ok(Some(value))
+    }
+
+    /// Bodies, walls and fixed balls by their names, in the scene's order.
+    fn by_name<'a>(
+        draft: &'a Draft<'_>,
+        contact: &'a ContactDeclaration,
+    ) -> Checked<Vec<(&'a str, ContactSide)>> {
+        let bodies = draft.bodies.iter().enumerate();
+        let mut named: Vec<(&str, ContactSide)> =
+            bodies.map(|(k, d)| (d.body.name.as_str(), ContactSide::Body(k))).collect();
+        let walls = contact.walls.iter().flatten().enumerate();
+        let walls = walls.map(|(k, wall)| (&wall.name, ContactSide::Wall(k)));
+        let balls = contact.balls.iter().flatten().enumerate();
+        let balls = balls.map(|(k, ball)| (&ball.name, ContactSide::Ball(k)));
+        for (name, side) in walls.chain(balls) {
+            let Some(name) = name else { continue };
+            if named.iter().any(|(other, _)| other == name.get_ref()) {
+                return Err(at(name.span(), Fault::DuplicateSurface(name.get_ref().clone())));
+            }
+            named.push((name.get_ref(), side));
+        }
+        Ok(named)
+    }
+
+    /// Pairs, with the restitution and friction of all others where they have none of their own.
+    fn declare_pairs(
+        declared: &[PairDeclaration],
+        named: &[(&str, ContactSide)],
+        [restitution, friction]: [f64; 2],
+    ) -> Checked<Vec<ScenePair>> {
+        let mut pairs: Vec<ScenePair> = Vec::with_capacity(declared.len());
+        for pair in declared {
+            let place = pair.of.span();
+            let names = pair.of.get_ref();
+            let [a, b] = names.as_slice() else {
+                return Err(at(place, Fault::PairEnds(names.len())));
+            };
+            let find = |name| check::named("body, wall or ball", name, named);
+            let of = [find(a)?, find(b)?];
+            if of[0] == of[1] || !of.iter().any(|side| side.moves()) {
+                return Err(at(place, Fault::PairNeverMeets));
+            }
+            let same = |other: &ScenePair| other.of == of || other.of == [of[1], of[0]];
+            if pairs.iter().any(same) {
+                return Err(at(place, Fault::DuplicatePair));
+            }
+            let own = share(pair.restitution.as_ref())?;
+            let rubs = pair.friction.as_ref().map(|f| check::not_negative("the friction", f));
+            let rubs = rubs.transpose()?;
+            let meets = pair.meet.as_ref().is_none_or(|meet| *meet.get_ref());
+            match (meets, own.or(rubs)) {
+                (true, None) => return Err(at(place, Fault::PairSaysNothing)),
+                (false, Some(_)) => return Err(at(place, Fault::SurfaceOfNoContact)),
+                _ => {}
+            }
+            pairs.push(ScenePair {
+                of,
+                restitution: own.unwrap_or(restitution),
+                friction: rubs.unwrap_or(friction),
+                meets,
+            });
+        }
+        Ok(pairs)
     }
 
     /// The stiffness that is declared, where nothing is that only impulses have.

@@ -68,8 +68,6 @@ mod compiled {
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
     use crate::text::fault::Fault;
-    use crate::text::suggestion::nearest;
-    use crate::text::suggestion::shortened;
     use crate::words::bodies::WORLD;
 
     const IN_SPACE: [(&str, JointKind); 4] = [
@@ -158,8 +156,6 @@ mod compiled {
         bodies: &HashMap<&str, usize>,
         name: &Spanned<String>,
     ) -> Checked<Option<usize>> {
-        /// Names listed in an error; more would not help.
-        const LISTED: usize = 12;
         if name.get_ref() == WORLD {
             return Ok(None);
         }
@@ -169,14 +165,8 @@ mod compiled {
         let mut names: Vec<(&str, usize)> =
             bodies.iter().map(|(&name, &index)| (name, index)).collect();
         names.sort_by_key(|&(_, index)| index);
-        let names = || names.iter().map(|&(name, _)| name).chain([WORLD]);
-        let few = if bodies.len() < LISTED { bodies.len() + 1 } else { 0 };
-        let fault = Fault::UnknownWord {
-            kind: "body",
-            word: shortened(name.get_ref()),
-            nearest: nearest(name.get_ref(), names()).map(str::to_owned),
-            allowed: names().take(few).map(str::to_owned).collect(),
-        };
+        let names = names.iter().map(|&(name, _)| name).chain([WORLD]);
+        let fault = check::unknown("body", name.get_ref(), names, check::LISTED);
         Err(at(name.span(), fault))
     }
 

@@ -6,9 +6,9 @@ use std::ops::Range;
 use toml::Spanned;
 
 use crate::model::particle::Particle;
+use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::text::suggestion::{nearest, shortened};
 
 /// The particles of a scene in order, found by name, and the place of each in the text.
 #[derive(Debug, Default)]
@@ -46,20 +46,11 @@ impl ParticleTable {
 
     /// The particle of this name.
     pub(crate) fn find(&self, name: &Spanned<String>) -> Checked<usize> {
-        /// Names listed in an error; more would not help.
-        const LISTED: usize = 12;
         if let Some(&index) = self.by_name.get(name.get_ref()) {
             return Ok(index);
         }
         let names = self.particles.iter().map(|particle| particle.name.as_str());
-        let nearest = nearest(name.get_ref(), names.clone()).map(str::to_owned);
-        let few = if names.len() <= LISTED { names.len() } else { 0 };
-        let fault = Fault::UnknownWord {
-            kind: "particle",
-            word: shortened(name.get_ref()),
-            nearest,
-            allowed: names.take(few).map(str::to_owned).collect(),
-        };
+        let fault = check::unknown("particle", name.get_ref(), names, check::LISTED);
         Err(at(name.span(), fault))
     }
 

@@ -14,6 +14,7 @@ mod fields;
 mod files;
 mod heat;
 mod output;
+mod pairs;
 mod parameters;
 mod quadratic;
 mod runs;
