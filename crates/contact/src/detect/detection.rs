@@ -153,6 +153,19 @@ impl<G: Dimension> DetectorIn<G> {
         self.radii[body]
     }
 
+    /// Other pairs near each other by which the surface of one collider of a pair faces the other.
+    pub(crate) fn beside(&self, pair: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+        let same = |one: usize, other: usize| one != other && self.seams.join(one, other);
+        let beside = move |a: usize, b: usize| {
+            let [first, second] = pair;
+            (a == first && same(b, second))
+                || (b == first && same(a, second))
+                || (a == second && same(b, first))
+                || (b == second && same(a, first))
+        };
+        self.pairs.iter().filter(move |&&(a, b)| beside(a, b)).map(|&(a, b)| [a, b])
+    }
+
     /// The pairs of colliders that the last broad phase could not rule out.
     pub fn candidates(&self) -> &[(usize, usize)] {
         &self.pairs
