@@ -91,6 +91,12 @@ pub enum ContactError {
         /// The shape.
         shape: &'static str,
     },
+    /// A part of a mesh starts on another part, on neither side of it.
+    #[error("parts of the mesh with the vertices {vertices:?} start at distance 0 and meet")]
+    Touching {
+        /// A vertex and those of a triangle, or those of two edges.
+        vertices: [usize; 4],
+    },
     /// A triangle names a vertex that the mesh does not have.
     #[error("triangle {triangle} names vertex {vertex} of {vertices}")]
     NoSuchVertex {
