@@ -119,6 +119,8 @@ pub use world::SpatialWorld;
 #[cfg(feature = "2d")]
 pub use world::masonry::Arch;
 #[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::painleve::Painleve;
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub use world::push_apart::push_apart;
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use world::report::WorldReport;

@@ -35,6 +35,7 @@ pub(crate) mod warm_start;
 pub(crate) mod clearance;
 pub(crate) mod contact_cache;
 pub(crate) mod resting;
+pub(crate) mod painleve;
 pub(crate) mod push_apart;
 #[cfg(feature = "2d")]
 pub(crate) mod masonry;
@@ -51,6 +52,7 @@ use crate::solve::islands::Islands;
 use crate::solve::sweeps::AMPLIFICATION;
 use crate::world::clearance::{StepMotion, has_contacts};
 use crate::world::contact_cache::ContactCache;
+use crate::world::painleve::{Painleve, painleve};
 use crate::world::resting::{Guessed, Resting};
 use crate::world::warm_start::WarmStart;
 use crate::{
@@ -448,6 +450,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if !contacts.is_empty() {
             let [_, settled] = self.rest(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
+            report.painleve = self.painleve(contacts);
             self.lift(contacts, settled, h)?;
         }
         Ok(report)
@@ -631,6 +634,14 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 }
             }
         }
+    }
+
+    /// The contact that slides in Painleve's paradox, if one does.
+    fn painleve(&self, contacts: &[ContactIn<G>]) -> Option<Painleve> {
+        let Memory { states, impulses, hits, start, .. } = &self.memory;
+        let along = |i: usize| G::dot(&(impulses[i] + hits[i]), &contacts[i].normal);
+        let radius = |body: usize| self.detector.radius_of(body);
+        painleve(contacts, |i| along(i) > 0.0, states, radius, &start.0)
     }
 
     /// Velocities of positions that lift what overlaps.
