@@ -23,6 +23,16 @@ pub enum ContactError {
         /// Its coefficient.
         value: f64,
     },
+    /// A length of rolling or torsional friction.
+    #[error(
+        "the rolling friction of colliders {colliders:?} is {length} m; it is finite and at least 0"
+    )]
+    Rolling {
+        /// The pair.
+        colliders: [usize; 2],
+        /// The length, m.
+        length: f64,
+    },
     /// No impulse moves what is immovable on both sides.
     #[error("contact {contact} is between two things that no impulse moves")]
     Immovable {

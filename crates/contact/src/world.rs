@@ -49,6 +49,7 @@ use crate::solve::body_state::{BodyState, speed};
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
 use crate::solve::islands::Islands;
+use crate::solve::rolling::{ContactMoments, TURNS};
 use crate::solve::sweeps::AMPLIFICATION;
 use crate::world::clearance::{StepMotion, has_contacts};
 use crate::world::contact_cache::ContactCache;
@@ -161,6 +162,10 @@ struct Memory<G: Dimension> {
     hits: Vec<G::Vector>,
     islands: Islands,
     resting: Resting<G>,
+    moments: ContactMoments<G>,
+    /// Velocities before any impulse, and their increment, without moments.
+    free: Vector<Vec<f64>>,
+    weight: Vector<Vec<f64>>,
     solver: G::Solver,
     next: State<Vec<f64>>,
 }
@@ -198,6 +203,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
             hits: Vec::new(),
             islands: Islands::default(),
             resting: Resting::default(),
+            moments: ContactMoments::default(),
+            free: zeros(),
+            weight: zeros(),
             solver: G::Solver::default(),
             next: State::default(),
         };
@@ -448,7 +456,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         impulses.clear();
         impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
         if !contacts.is_empty() {
-            let [_, settled] = self.rest(contacts, q, h, &mut report)?;
+            let [_, settled] = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
             report.painleve = self.painleve(contacts);
             self.lift(contacts, settled, h)?;
@@ -493,6 +501,51 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
         }
         Ok(())
+    }
+
+    /// Resting contact and friction by turns with moments, where any pair has them.
+    fn rest_rolling(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        h: f64,
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        if !self.memory.moments.start(contacts, &self.detector) {
+            return self.rest(contacts, q, h, report);
+        }
+        let Memory { v, increment, free, weight, .. } = &mut self.memory;
+        free.copy_from(v.view());
+        weight.copy_from(increment.view());
+        let start = *report;
+        let mut turn = 0;
+        loop {
+            let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
+            v.copy_from(free.view());
+            increment.copy_from(weight.view());
+            moments.add(contacts, states, &mut v.0);
+            moments.add(contacts, states, &mut increment.0);
+            let (relaxed, solved) = (report.relaxed, report.solved);
+            *report = WorldReport { relaxed, solved, ..start };
+            let [finest, enough] = self.rest(contacts, q, h, report)?;
+            let Memory { v, before, increment, weight, moments, states, impulses, .. } =
+                &mut self.memory;
+            let settled = if contacts.len() > LARGE { enough } else { finest };
+            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
+            let taken = moments.energy(contacts, states, [&before.0, &v.0]);
+            let fits = off <= AMPLIFICATION * settled;
+            // Where the last turn would give energy, one without moments follows, which does not.
+            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
+                increment.copy_from(weight.view());
+                report.settled &= fits;
+                report.coulomb = report.coulomb.max(off);
+                report.friction_energy += taken.friction;
+                report.work += taken.work;
+                return Ok([finest, enough]);
+            }
+            turn += 1;
+            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
+        }
     }
 
     /// Resting contact and friction; says what counts as settled, m/s.

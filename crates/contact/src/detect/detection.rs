@@ -25,6 +25,8 @@ pub struct DetectorIn<G: Dimension> {
     colliders: Vec<ColliderIn<G>>,
     /// Restitution and friction of pairs that have their own.
     surfaces: BTreeMap<[usize; 2], [f64; 2]>,
+    /// Lengths of rolling and of torsional friction of pairs that have them, m.
+    rolling: BTreeMap<[usize; 2], [f64; 2]>,
     bodies: usize,
     radii: Vec<f64>,
     broad: BroadPhase<G>,
@@ -91,6 +93,7 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(DetectorIn {
             radii: radii(&colliders, bodies),
             surfaces: BTreeMap::new(),
+            rolling: BTreeMap::new(),
             broad: BroadPhase::new(&colliders),
             seams: Seams::of(&colliders),
             placed: vec![identity; colliders.len()],
@@ -124,6 +127,36 @@ impl<G: Dimension> DetectorIn<G> {
         let [a, b] = colliders;
         self.surfaces.insert([a.min(b), a.max(b)], [restitution, friction]);
         Ok(self)
+    }
+
+    /// The same with rolling and torsional friction of a pair of colliders: moments up to these
+    /// lengths (m) times the normal impulse, across the normal and along it.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::Rolling`] for a length
+    /// that is negative or not finite.
+    pub fn with_rolling(
+        mut self,
+        colliders: [usize; 2],
+        rolling: f64,
+        torsion: f64,
+    ) -> Result<Self, ContactError> {
+        let there = self.colliders.len();
+        if let Some(&got) = colliders.iter().find(|&&collider| collider >= there) {
+            return Err(SizeError { what: "a collider of a pair", expected: there, got }.into());
+        }
+        let bad = |length: &f64| !(*length >= 0.0 && length.is_finite());
+        if let Some(&length) = [rolling, torsion].iter().find(|length| bad(length)) {
+            return Err(ContactError::Rolling { colliders, length });
+        }
+        let [a, b] = colliders;
+        self.rolling.insert([a.min(b), a.max(b)], [rolling, torsion]);
+        Ok(self)
+    }
+
+    /// The lengths of rolling and of torsional friction of a pair, m.
+    pub(crate) fn rolling(&self, pair: [usize; 2]) -> Option<[f64; 2]> {
+        self.rolling.get(&pair).copied()
     }
 
     /// The colliders.

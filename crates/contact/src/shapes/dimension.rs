@@ -115,6 +115,12 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     /// How fast the end of an arm moves by a spin, world axes.
     fn swing(spin: &Self::Spin, arm: &Self::Vector) -> Self::Vector;
 
+    /// The parts of a spin across a normal and along it: rolling, and torsion, which the plane has not.
+    fn parts_of_spin(spin: &Self::Spin, normal: &Self::Vector) -> [Self::Spin; 2];
+
+    /// The inner product of spins.
+    fn along_spin(a: &Self::Spin, b: &Self::Spin) -> f64;
+
     /// The length of a spin.
     fn spin_speed(spin: &Self::Spin) -> f64;
 

@@ -114,6 +114,16 @@ impl Dimension for Planar {
     }
 
     #[inline]
+    fn parts_of_spin(spin: &f64, _: &Vector2<f64>) -> [f64; 2] {
+        [*spin, 0.0]
+    }
+
+    #[inline]
+    fn along_spin(a: &f64, b: &f64) -> f64 {
+        a * b
+    }
+
+    #[inline]
     fn spin_speed(spin: &f64) -> f64 {
         spin.abs()
     }

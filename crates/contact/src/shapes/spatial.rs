@@ -120,6 +120,17 @@ impl Dimension for Spatial {
     }
 
     #[inline]
+    fn parts_of_spin(spin: &Vector3<f64>, normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let torsion = normal * normal.dot(spin);
+        [spin - torsion, torsion]
+    }
+
+    #[inline]
+    fn along_spin(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        a.dot(b)
+    }
+
+    #[inline]
     fn spin_speed(spin: &Vector3<f64>) -> f64 {
         spin.norm()
     }

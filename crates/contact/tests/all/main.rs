@@ -19,6 +19,8 @@ mod resuming;
 mod rigid_time_of_impact;
 #[cfg(feature = "2d")]
 mod rough_impacts;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod rolling;
 #[cfg(feature = "2d")]
 mod small_steps;
 #[cfg(feature = "3d")]
