@@ -23,6 +23,16 @@ pub enum ContactError {
         /// Its coefficient.
         value: f64,
     },
+    /// A length of rolling or torsional friction.
+    #[error(
+        "the rolling friction of colliders {colliders:?} is {length} m; it is finite and at least 0"
+    )]
+    Rolling {
+        /// The pair.
+        colliders: [usize; 2],
+        /// The length, m.
+        length: f64,
+    },
     /// No impulse moves what is immovable on both sides.
     #[error("contact {contact} is between two things that no impulse moves")]
     Immovable {
@@ -90,6 +100,12 @@ pub enum ContactError {
     Flat {
         /// The shape.
         shape: &'static str,
+    },
+    /// A part of a mesh starts on another part, on neither side of it.
+    #[error("parts of the mesh with the vertices {vertices:?} start at distance 0 and meet")]
+    Touching {
+        /// A vertex and those of a triangle, or those of two edges.
+        vertices: [usize; 4],
     },
     /// A triangle names a vertex that the mesh does not have.
     #[error("triangle {triangle} names vertex {vertex} of {vertices}")]

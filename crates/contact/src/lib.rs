@@ -99,10 +99,18 @@ pub use when::impacting::{GapImpulses, Impacting, ImpactingReport, REST, When};
 pub use when::mesh_filter::{FilterReport, MeshFilter};
 pub use when::moving::{Closeness, Hit, Moving};
 pub use when::penalty::OneSidedPenalty;
+#[cfg(feature = "2d")]
+pub use when::rigid_path::PlanarPath;
 #[cfg(feature = "3d")]
 pub use when::rigid_path::RigidPath;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use when::rigid_path::RigidPathIn;
+#[cfg(feature = "2d")]
+pub use when::rigid_time_of_impact::PlanarHit;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use when::rigid_time_of_impact::{MoverIn, RigidHitIn, rigid_bodies_meet};
 #[cfg(feature = "3d")]
-pub use when::rigid_time_of_impact::{Mover, RigidHit, rigid_bodies_meet, rigid_bodies_that_meet};
+pub use when::rigid_time_of_impact::{RigidHit, rigid_bodies_that_meet};
 pub use when::time_of_impact::{edge_meets_edge, particle_meets_triangle};
 #[cfg(feature = "2d")]
 pub use world::PlanarWorld;
@@ -110,6 +118,8 @@ pub use world::PlanarWorld;
 pub use world::SpatialWorld;
 #[cfg(feature = "2d")]
 pub use world::masonry::Arch;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::painleve::Painleve;
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use world::push_apart::push_apart;
 #[cfg(any(feature = "2d", feature = "3d"))]

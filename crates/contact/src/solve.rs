@@ -6,6 +6,7 @@ pub(crate) mod friction;
 pub(crate) mod islands;
 pub(crate) mod block_cholesky;
 pub(crate) mod proximal;
+pub(crate) mod rolling;
 pub(crate) mod sweeps;
 pub(crate) mod unsettled_parts;
 pub(crate) mod exact_projection;

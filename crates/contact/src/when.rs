@@ -3,9 +3,9 @@
 pub(crate) mod moving;
 pub(crate) mod time_of_impact;
 pub(crate) mod swept_boxes;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rigid_path;
-#[cfg(feature = "3d")]
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rigid_time_of_impact;
 pub(crate) mod mesh_filter;
 pub(crate) mod gaps;

@@ -35,13 +35,13 @@ pub(crate) mod warm_start;
 pub(crate) mod clearance;
 pub(crate) mod contact_cache;
 pub(crate) mod resting;
+pub(crate) mod painleve;
 pub(crate) mod push_apart;
 #[cfg(feature = "2d")]
 pub(crate) mod masonry;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
-use stationary_rigid::LieGroup;
 
 use crate::error::{check_finite, check_time};
 use crate::impact::rounds::ImpactRounds;
@@ -49,14 +49,16 @@ use crate::solve::body_state::{BodyState, speed};
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
 use crate::solve::islands::Islands;
+use crate::solve::rolling::{ContactMoments, TURNS};
 use crate::solve::sweeps::AMPLIFICATION;
-use crate::world::clearance::{Mover, closing_speed, may_meet};
+use crate::world::clearance::{StepMotion, has_contacts};
 use crate::world::contact_cache::ContactCache;
+use crate::world::painleve::{Painleve, painleve};
 use crate::world::resting::{Guessed, Resting};
 use crate::world::warm_start::WarmStart;
 use crate::{
-    ColliderIn, ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw,
-    InverseMass, WorldReport, gap_rows,
+    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw, InverseMass,
+    WorldReport, gap_rows,
 };
 
 /// Bodies under a potential, in the plane or in space.
@@ -141,9 +143,11 @@ struct Memory<G: Dimension> {
     dv: Covector<Vec<f64>>,
     /// How far each body moves in the step, m.
     reach: Vec<f64>,
-    /// Colliders that pass each other with clearance, and those that do not although they seemed to.
-    passing: Vec<[usize; 2]>,
+    /// Contacts of colliders that pass each other with clearance, and colliders that do not although
+    /// they seemed to.
+    passing: Vec<ContactIn<G>>,
     meeting: Vec<[usize; 2]>,
+    parts: [Vec<u32>; 2],
     scales: Vec<G::Velocity>,
     states: Vec<BodyState<G>>,
     /// Velocities of bodies in world axes: after the step, and the mean with those before.
@@ -158,6 +162,10 @@ struct Memory<G: Dimension> {
     hits: Vec<G::Vector>,
     islands: Islands,
     resting: Resting<G>,
+    moments: ContactMoments<G>,
+    /// Velocities before any impulse, and their increment, without moments.
+    free: Vector<Vec<f64>>,
+    weight: Vector<Vec<f64>>,
     solver: G::Solver,
     next: State<Vec<f64>>,
 }
@@ -183,6 +191,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             reach: Vec::new(),
             passing: Vec::new(),
             meeting: Vec::new(),
+            parts: Default::default(),
             scales: G::scales(system.metric()),
             states: Vec::new(),
             after: Vec::new(),
@@ -194,6 +203,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
             hits: Vec::new(),
             islands: Islands::default(),
             resting: Resting::default(),
+            moments: ContactMoments::default(),
+            free: zeros(),
+            weight: zeros(),
             solver: G::Solver::default(),
             next: State::default(),
         };
@@ -327,9 +339,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.memory.meeting.clear();
         let mut round = 1;
         let mut report = loop {
-            let report = self.solve_round(state, h)?;
+            let mut report = self.solve_round(state, h, round)?;
             let missed = self.widen_reach(h) | self.find_meeting(&state.q, h);
             if round == ROUNDS || !missed {
+                report.settled &= !missed;
                 break report;
             }
             round += 1;
@@ -355,6 +368,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         &mut self,
         state: &State<Vec<f64>>,
         h: f64,
+        round: usize,
     ) -> Result<WorldReport, ContactError> {
         let Memory { start, v, scales, states, reach, .. } = &mut self.memory;
         v.copy_from(start.view());
@@ -367,7 +381,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         contacts.retain(|contact| {
             contact.bodies.iter().flatten().any(|&body| self.memory.states[body].moves())
         });
-        self.drop_passing(&mut contacts, &state.q, h);
+        self.memory.passing.clear();
+        // What is left to the last round is not dropped: nothing would tell whether it meets.
+        if round < ROUNDS {
+            self.drop_passing(&mut contacts, &state.q, h);
+        }
         let solved = self.solve(&contacts, &state.q, h);
         self.kept.put_back(contacts);
         solved
@@ -375,51 +393,40 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// Drops the contacts of pairs that move far in the step and pass each other with clearance.
     fn drop_passing(&mut self, contacts: &mut Vec<ContactIn<G>>, q: &[f64], h: f64) {
-        let Memory { start, increment, passing, meeting, reach, .. } = &mut self.memory;
-        passing.clear();
-        let colliders = self.detector.colliders();
-        let mut last = None;
-        for contact in contacts.iter() {
-            let pair = contact.id.colliders.map(|collider| collider as usize);
-            if last == Some(pair) {
-                continue;
-            }
-            last = Some(pair);
-            let bodies = || contact.bodies.into_iter().flatten();
+        let Memory { start, increment, passing, meeting, parts, reach, .. } = &mut self.memory;
+        let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
+        let detector = &self.detector;
+        let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
+        for of_pair in contacts.chunk_by(ContactIn::same_pair) {
+            let pair = of_pair[0].id.pair();
+            let bodies = || of_pair[0].bodies.into_iter().flatten();
             let far = bodies().map(|body| FAR * self.detector.radius_of(body));
             let far = far.fold(f64::INFINITY, f64::min);
-            if bodies().map(|body| reach[body]).sum::<f64>() <= far {
-                continue;
-            }
-            let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
-            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
-            let pairs = contacts.iter().filter(|other| other.id.colliders == contact.id.colliders);
-            let clear = h * closing_speed(&movers) > far
+            let clear = bodies().map(|body| reach[body]).sum::<f64>() > far
+                && motion.closing(pair) > far
                 && !meeting.contains(&pair)
-                && pairs.fold(f64::INFINITY, |least, contact| least.min(contact.gap)) > 0.0
-                && !may_meet(&movers, h);
+                && of_pair.iter().all(|contact| contact.gap > 0.0)
+                && !motion.meets(of_pair, parts);
             if clear {
-                passing.push(pair);
+                passing.extend_from_slice(of_pair);
             }
         }
         if !passing.is_empty() {
-            contacts.retain(|contact| {
-                let pair = contact.id.colliders.map(|collider| collider as usize);
-                passing.binary_search(&pair).is_err()
-            });
+            contacts.retain(|contact| !has_contacts(passing, contact.id.pair()));
         }
     }
 
     /// Finds pairs that seemed to pass each other and meet with the velocities of now; says whether
     /// there are any.
     fn find_meeting(&mut self, q: &[f64], h: f64) -> bool {
-        let Memory { v, passing, meeting, .. } = &mut self.memory;
-        let (colliders, before) = (self.detector.colliders(), meeting.len());
-        for &pair in passing.iter() {
-            let velocity = |freedom: usize| v.0[freedom];
-            let movers = pair.map(|i| mover(&colliders[i], q, velocity, &self.detector));
-            if may_meet(&movers, h) {
-                meeting.push(pair);
+        let Memory { v, passing, meeting, parts, .. } = &mut self.memory;
+        let velocity = |freedom: usize| v.0[freedom];
+        let (detector, contacts) = (&self.detector, self.kept.found());
+        let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
+        let before = meeting.len();
+        for of_pair in passing.chunk_by(ContactIn::same_pair) {
+            if motion.meets(of_pair, parts) {
+                meeting.push(of_pair[0].id.pair());
             }
         }
         meeting.len() > before
@@ -449,8 +456,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         impulses.clear();
         impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
         if !contacts.is_empty() {
-            let [_, settled] = self.rest(contacts, q, h, &mut report)?;
+            let [_, settled] = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
+            report.painleve = self.painleve(contacts);
             self.lift(contacts, settled, h)?;
         }
         Ok(report)
@@ -493,6 +501,51 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
         }
         Ok(())
+    }
+
+    /// Resting contact and friction by turns with moments, where any pair has them.
+    fn rest_rolling(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        h: f64,
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        if !self.memory.moments.start(contacts, &self.detector) {
+            return self.rest(contacts, q, h, report);
+        }
+        let Memory { v, increment, free, weight, .. } = &mut self.memory;
+        free.copy_from(v.view());
+        weight.copy_from(increment.view());
+        let start = *report;
+        let mut turn = 0;
+        loop {
+            let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
+            v.copy_from(free.view());
+            increment.copy_from(weight.view());
+            moments.add(contacts, states, &mut v.0);
+            moments.add(contacts, states, &mut increment.0);
+            let (relaxed, solved) = (report.relaxed, report.solved);
+            *report = WorldReport { relaxed, solved, ..start };
+            let [finest, enough] = self.rest(contacts, q, h, report)?;
+            let Memory { v, before, increment, weight, moments, states, impulses, .. } =
+                &mut self.memory;
+            let settled = if contacts.len() > LARGE { enough } else { finest };
+            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
+            let taken = moments.energy(contacts, states, [&before.0, &v.0]);
+            let fits = off <= AMPLIFICATION * settled;
+            // Where the last turn would give energy, one without moments follows, which does not.
+            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
+                increment.copy_from(weight.view());
+                report.settled &= fits;
+                report.coulomb = report.coulomb.max(off);
+                report.friction_energy += taken.friction;
+                report.work += taken.work;
+                return Ok([finest, enough]);
+            }
+            turn += 1;
+            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
+        }
     }
 
     /// Resting contact and friction; says what counts as settled, m/s.
@@ -636,6 +689,14 @@ impl<G: Dimension, P: Potential> World<G, P> {
         }
     }
 
+    /// The contact that slides in Painleve's paradox, if one does.
+    fn painleve(&self, contacts: &[ContactIn<G>]) -> Option<Painleve> {
+        let Memory { states, impulses, hits, start, .. } = &self.memory;
+        let along = |i: usize| G::dot(&(impulses[i] + hits[i]), &contacts[i].normal);
+        let radius = |body: usize| self.detector.radius_of(body);
+        painleve(contacts, |i| along(i) > 0.0, states, radius, &start.0)
+    }
+
     /// Velocities of positions that lift what overlaps.
     fn lift(
         &mut self,
@@ -736,21 +797,3 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
 /// The part of the worst approach to which lifting is settled.
 const LIFT_TOLERANCE: f64 = 1e-2;
-
-/// A collider, and how its body moves with these velocities.
-fn mover<'a, G: Dimension>(
-    collider: &'a ColliderIn<G>,
-    q: &[f64],
-    of: impl Fn(usize) -> f64,
-    detector: &DetectorIn<G>,
-) -> Mover<'a, G> {
-    let mut velocity = G::Velocity::default();
-    let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
-    if let Some(body) = collider.body() {
-        (pose, radius) = (G::pose(q, body), detector.radius_of(body));
-        for (k, v) in velocity.as_mut().iter_mut().enumerate() {
-            *v = of(G::FREEDOMS * body + k);
-        }
-    }
-    Mover { collider, pose, velocity, radius }
-}

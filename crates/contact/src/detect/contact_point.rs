@@ -23,6 +23,13 @@ pub struct ContactId {
     pub features: [u32; 2],
 }
 
+impl ContactId {
+    /// The two colliders.
+    pub(crate) fn pair(&self) -> [usize; 2] {
+        self.colliders.map(|collider| collider as usize)
+    }
+}
+
 /// Two points that face each other across a gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactIn<G: Dimension> {
@@ -52,6 +59,11 @@ pub type ContactPoint = ContactIn<crate::Spatial>;
 pub type PlanarContactPoint = ContactIn<crate::Planar>;
 
 impl<G: Dimension> ContactIn<G> {
+    /// Whether both are between the same colliders.
+    pub(crate) fn same_pair(&self, other: &Self) -> bool {
+        self.id.colliders == other.id.colliders
+    }
+
     /// Appends the differential of the gap at the poses `q`.
     pub fn push_row(&self, q: &[f64], rows: &mut ContactRows) {
         self.push_along(q, &self.normal, rows);

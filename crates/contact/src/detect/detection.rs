@@ -27,6 +27,8 @@ pub struct DetectorIn<G: Dimension> {
     surfaces: BTreeMap<[usize; 2], [f64; 2]>,
     /// Pairs that pass through each other.
     passing: BTreeSet<[usize; 2]>,
+    /// Lengths of rolling and of torsional friction of pairs that have them, m.
+    rolling: BTreeMap<[usize; 2], [f64; 2]>,
     bodies: usize,
     radii: Vec<f64>,
     broad: BroadPhase<G>,
@@ -94,6 +96,7 @@ impl<G: Dimension> DetectorIn<G> {
             radii: radii(&colliders, bodies),
             surfaces: BTreeMap::new(),
             passing: BTreeSet::new(),
+            rolling: BTreeMap::new(),
             broad: BroadPhase::new(&colliders),
             seams: Seams::of(&colliders),
             placed: vec![identity; colliders.len()],
@@ -145,6 +148,32 @@ impl<G: Dimension> DetectorIn<G> {
         Ok([a.min(b), a.max(b)])
     }
 
+    /// The same with rolling and torsional friction of a pair of colliders: moments up to these
+    /// lengths (m) times the normal impulse, across the normal and along it.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::Rolling`] for a length
+    /// that is negative or not finite.
+    pub fn with_rolling(
+        mut self,
+        colliders: [usize; 2],
+        rolling: f64,
+        torsion: f64,
+    ) -> Result<Self, ContactError> {
+        let pair = self.pair(colliders)?;
+        let bad = |length: &f64| !(*length >= 0.0 && length.is_finite());
+        if let Some(&length) = [rolling, torsion].iter().find(|length| bad(length)) {
+            return Err(ContactError::Rolling { colliders, length });
+        }
+        self.rolling.insert(pair, [rolling, torsion]);
+        Ok(self)
+    }
+
+    /// The lengths of rolling and of torsional friction of a pair, m.
+    pub(crate) fn rolling(&self, pair: [usize; 2]) -> Option<[f64; 2]> {
+        self.rolling.get(&pair).copied()
+    }
+
     /// The colliders.
     pub fn colliders(&self) -> &[ColliderIn<G>] {
         &self.colliders
@@ -170,6 +199,19 @@ impl<G: Dimension> DetectorIn<G> {
     #[inline]
     pub(crate) fn radius_of(&self, body: usize) -> f64 {
         self.radii[body]
+    }
+
+    /// Other pairs near each other by which the surface of one collider of a pair faces the other.
+    pub(crate) fn beside(&self, pair: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+        let same = |one: usize, other: usize| one != other && self.seams.join(one, other);
+        let beside = move |a: usize, b: usize| {
+            let [first, second] = pair;
+            (a == first && same(b, second))
+                || (b == first && same(a, second))
+                || (a == second && same(b, first))
+                || (b == second && same(a, first))
+        };
+        self.pairs.iter().filter(move |&&(a, b)| beside(a, b)).map(|&(a, b)| [a, b])
     }
 
     /// The pairs of colliders that the last broad phase could not rule out.

@@ -1,7 +1,7 @@
 //! Seams: edges between parts of one surface, at which nothing can catch.
 //!
 //! ```text
-//! x = p + e n,     |x - q| < (1 - 1e-9) e          p is not the closest point of what the carrier holds
+//! x = p + e n,     |x - q| < e,   q != p           p is not the closest point of what the carrier holds
 //! ```
 //! `p` a contact point on one part and `n` its normal, away from that part; `q` the point of all
 //! parts that the same carrier holds that is closest to `x`; `e` a small part of the other body's
@@ -25,12 +25,21 @@ const PROBE: f64 = 1e-4;
 const INSIDE: f64 = 1e-3;
 /// Distances that are shorter by this part are shorter.
 const SHORTER: f64 = 1e-9;
+/// Roundings of a distance, in units of the coordinates of its ends: what they may hide is not shorter.
+const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+/// A normal that is turned by more than this, radians, leans: out of an edge, or from a face.
+const LEANS: f64 = 1e-6;
 /// Overlaps below this part of the size, and distances between neighbours, are rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// The colliders next to each on the same carrier; itself among them where it has parts.
+/// Colliders that share a surface.
 #[derive(Debug)]
-pub(crate) struct Seams(Vec<Vec<usize>>);
+pub(crate) struct Seams {
+    /// Those next to each on the same carrier; itself among them where it has parts.
+    next: Vec<Vec<usize>>,
+    /// The least of those that hang together with each.
+    surface: Vec<usize>,
+}
 
 impl Seams {
     pub(crate) fn of<G: Dimension>(colliders: &[ColliderIn<G>]) -> Self {
@@ -56,12 +65,25 @@ impl Seams {
             });
         }
         next.iter_mut().for_each(|next| next.sort_unstable());
-        Seams(next)
+        let mut surface: Vec<usize> = (0..next.len()).collect();
+        for first in 0..next.len() {
+            let mut open = if surface[first] == first { vec![first] } else { Vec::new() };
+            while let Some(here) = open.pop() {
+                open.extend(next[here].iter().copied().filter(|&there| surface[there] > first));
+                next[here].iter().for_each(|&there| surface[there] = surface[there].min(first));
+            }
+        }
+        Seams { next, surface }
     }
 
     /// Whether a collider has neighbours or parts at all.
     pub(crate) fn at(&self, collider: usize) -> bool {
-        !self.0[collider].is_empty()
+        !self.next[collider].is_empty()
+    }
+
+    /// Whether two colliders are parts of one surface.
+    pub(crate) fn join(&self, one: usize, other: usize) -> bool {
+        self.surface[one] == self.surface[other]
     }
 
     /// Whether what two colliders face each other with is a neighbour's of the one on a side, for
@@ -78,10 +100,17 @@ impl Seams {
         let (own, part) = (&colliders[pair[side]], facing.parts[side]);
         // In the axes of the carrier.
         let point = G::apply(&own.place, &facing.points[side]);
+        let far = length::<G>(&point);
+        let probe = |point: &G::Vector| *point + *normal * (PROBE * size);
+        let (shorter, rounding) = ((1.0 - SHORTER) * PROBE * size, ROUNDINGS * far);
         let covered = |point: &G::Vector| {
-            let probe = *point + *normal * (PROBE * size);
-            self.0[pair[side]].iter().any(|&other| {
-                distance::<G>(&colliders[other], &probe) < (1.0 - SHORTER) * PROBE * size
+            let seen = probe(point);
+            self.next[pair[side]].iter().any(|&other| {
+                let nearest = nearest::<G>(&colliders[other], &seen);
+                let (off, away) =
+                    (length::<G>(&(nearest - seen)), length::<G>(&(nearest - *point)));
+                let leans = off < PROBE * size && away > LEANS * PROBE * size + rounding;
+                leans || off < shorter - rounding
             })
         };
         if facing.gap < -ROUNDING * size || !covered(&point) {
@@ -90,19 +119,29 @@ impl Seams {
         let middle = G::apply(&own.place, &G::middle(&own.shape, part));
         let inwards = middle - point;
         let along = inwards - *normal * G::dot(&inwards, normal);
-        let length = G::dot(&along, &along).sqrt();
-        if length < INSIDE * size {
+        let width = length::<G>(&along);
+        if width < INSIDE * size {
             return true;
         }
-        let inside = point + along * (INSIDE * size / length);
-        let on_face = distance::<G>(own, &inside) < SHORTER * size;
+        let inside = point + along * (INSIDE * size / width);
+        // What a normal that leans out of an edge is turned from lies in front of its own shape.
+        let on_face = distance::<G>(own, &inside) < SHORTER * size + rounding
+            && distance::<G>(own, &probe(&inside)) > (1.0 - LEANS) * PROBE * size - rounding;
         !on_face || covered(&inside)
     }
 }
 
 /// How far a point is from a collider, in the axes of the carrier.
 fn distance<G: Dimension>(collider: &ColliderIn<G>, point: &G::Vector) -> f64 {
-    let place = collider.place.inverse();
-    let apart = G::nearest(&collider.shape, &G::apply(&place, point)) - G::apply(&place, point);
-    G::dot(&apart, &apart).sqrt()
+    length::<G>(&(nearest::<G>(collider, point) - *point))
+}
+
+/// The point of a collider that is closest to a point, in the axes of the carrier.
+fn nearest<G: Dimension>(collider: &ColliderIn<G>, point: &G::Vector) -> G::Vector {
+    let there = G::nearest(&collider.shape, &G::apply(&collider.place.inverse(), point));
+    G::apply(&collider.place, &there)
+}
+
+fn length<G: Dimension>(v: &G::Vector) -> f64 {
+    G::dot(v, v).sqrt()
 }

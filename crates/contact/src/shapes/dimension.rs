@@ -115,6 +115,12 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     /// How fast the end of an arm moves by a spin, world axes.
     fn swing(spin: &Self::Spin, arm: &Self::Vector) -> Self::Vector;
 
+    /// The parts of a spin across a normal and along it: rolling, and torsion, which the plane has not.
+    fn parts_of_spin(spin: &Self::Spin, normal: &Self::Vector) -> [Self::Spin; 2];
+
+    /// The inner product of spins.
+    fn along_spin(a: &Self::Spin, b: &Self::Spin) -> f64;
+
     /// The length of a spin.
     fn spin_speed(spin: &Self::Spin) -> f64;
 
@@ -187,10 +193,27 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     #[doc(hidden)]
     fn walked(motion: &Self::Motion, velocity: &Self::Velocity, time: f64) -> Self::Motion;
 
-    /// From a point of the first shape to the closest of the second, zero where they overlap, and
-    /// whether both are convex; none where there is no query.
+    /// The closest points of two convex parts of shapes, world axes, where they are apart and there is
+    /// a query.
     #[doc(hidden)]
-    fn closest(shapes: [&Self::Shape; 2], poses: [&Self::Pose; 2]) -> Option<(Self::Vector, bool)>;
+    fn closest(
+        shapes: [&Self::Shape; 2],
+        parts: [u32; 2],
+        poses: [&Self::Pose; 2],
+    ) -> Option<[Self::Vector; 2]>;
+
+    /// How far a convex part of a shape reaches along a direction of its axes, of any length.
+    #[doc(hidden)]
+    fn farthest(shape: &Self::Shape, part: u32, direction: &Self::Vector) -> f64;
+
+    /// Writes the numbers of the convex parts of a shape that may reach into a box of its axes.
+    #[doc(hidden)]
+    fn parts_within(
+        shape: &Self::Shape,
+        low: &Self::Vector,
+        high: &Self::Vector,
+        parts: &mut Vec<u32>,
+    );
 
     /// Whether a shape is several parts with edges between them.
     #[doc(hidden)]
@@ -246,6 +269,15 @@ impl<V> Facing<V> {
         let colliders = colliders.map(|c| c as u32);
         ContactId { colliders, parts: self.parts, features: self.features }
     }
+}
+
+/// Directions that differ from a half-space's normal by less are the normal: rotations round.
+const SAME_DIRECTION: f64 = 64.0 * f64::EPSILON;
+
+/// How far a half-space through the origin reaches along a direction that differs by so much from
+/// its normal.
+pub(crate) fn farthest_of_plane(length: f64, differs: f64) -> f64 {
+    if length == 0.0 || differs <= SAME_DIRECTION { 0.0 } else { f64::INFINITY }
 }
 
 pub(crate) mod sealed {

@@ -13,7 +13,7 @@ use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
 use crate::detect::planar_narrow_phase::{Manifolds, facing};
 use crate::error::check_finite;
-use crate::shapes::dimension::{Answer, Facing, sealed::Sealed};
+use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
 use crate::shapes::planar_convert;
 use crate::solve::island_solver::IslandSolver;
 use crate::{ContactError, Dimension, PlanarShape};
@@ -114,6 +114,16 @@ impl Dimension for Planar {
     }
 
     #[inline]
+    fn parts_of_spin(spin: &f64, _: &Vector2<f64>) -> [f64; 2] {
+        [*spin, 0.0]
+    }
+
+    #[inline]
+    fn along_spin(a: &f64, b: &f64) -> f64 {
+        a * b
+    }
+
+    #[inline]
     fn spin_speed(spin: &f64) -> f64 {
         spin.abs()
     }
@@ -188,20 +198,42 @@ impl Dimension for Planar {
         }
     }
 
-    fn closest(shapes: [&PlanarShape; 2], poses: [&Pose; 2]) -> Option<(Vector2<f64>, bool)> {
+    fn closest(
+        shapes: [&PlanarShape; 2],
+        parts: [u32; 2],
+        poses: [&Pose; 2],
+    ) -> Option<[Vector2<f64>; 2]> {
         use parry2d_f64::query::{ClosestPoints, closest_points};
-        let both = shapes.map(|shape| &**shape.geometry());
-        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
-        let apart = match found {
-            ClosestPoints::WithinMargin(first, second) => {
-                planar_convert::from_vector(second - first)
+        let [a, b] = [0, 1].map(|k| part(shapes[k], parts[k]));
+        match closest_points(poses[0], a, poses[1], b, f64::MAX) {
+            Ok(ClosestPoints::WithinMargin(first, second)) => {
+                Some([first, second].map(planar_convert::from_vector))
             }
-            _ => Vector2::zeros(),
-        };
-        let convex = |shape: &&dyn parry2d_f64::shape::Shape| {
-            shape.is_convex() || shape.as_halfspace().is_some()
-        };
-        Some((apart, both.iter().all(convex)))
+            _ => None,
+        }
+    }
+
+    fn farthest(shape: &PlanarShape, number: u32, direction: &Vector2<f64>) -> f64 {
+        if let Some(normal) = shape.plane() {
+            return farthest_of_plane(direction.norm(), (direction.normalize() - normal).norm());
+        }
+        let (part, along) = (part(shape, number), planar_convert::vector(direction));
+        match (part.as_ball(), part.as_support_map()) {
+            (Some(ball), _) => ball.radius * direction.norm(),
+            (None, Some(map)) => map.local_support_point(along).dot(along),
+            (None, None) => f64::INFINITY,
+        }
+    }
+
+    fn parts_within(
+        shape: &PlanarShape,
+        _low: &Vector2<f64>,
+        _high: &Vector2<f64>,
+        parts: &mut Vec<u32>,
+    ) {
+        // Polygons have few.
+        parts.clear();
+        parts.extend(0..shape.convex_pieces().len().max(1) as u32);
     }
 
     fn has_parts(shape: &PlanarShape) -> bool {
@@ -231,5 +263,13 @@ impl Dimension for Planar {
         found: &mut Vec<Facing<Vector2<f64>>>,
     ) -> Answer {
         facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+    }
+}
+
+/// A convex part of a shape, as the geometry library has it.
+fn part(shape: &PlanarShape, number: u32) -> &dyn parry2d_f64::shape::Shape {
+    match shape.convex_pieces().get(number as usize) {
+        Some(piece) => piece,
+        None => &**shape.geometry(),
     }
 }

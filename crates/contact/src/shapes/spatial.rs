@@ -7,6 +7,7 @@
 //! their angular momentum.
 
 use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Pose;
 use stationary_rigid::{
     Body, BodyMetric, BodySpace, ConstantVelocity, FreeRotation, LieGroup, Poses, RigidMotion,
@@ -16,7 +17,7 @@ use stationary_rigid::{
 use crate::detect::narrow_phase::{Manifolds, facing};
 use crate::error::check_finite;
 use crate::shapes::convert;
-use crate::shapes::dimension::{Answer, Facing, sealed::Sealed};
+use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
 use crate::solve::island_solver::IslandSolver;
 use crate::{ContactError, Dimension, Shape};
 
@@ -116,6 +117,17 @@ impl Dimension for Spatial {
     #[inline]
     fn swing(spin: &Vector3<f64>, arm: &Vector3<f64>) -> Vector3<f64> {
         spin.cross(arm)
+    }
+
+    #[inline]
+    fn parts_of_spin(spin: &Vector3<f64>, normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let torsion = normal * normal.dot(spin);
+        [spin - torsion, torsion]
+    }
+
+    #[inline]
+    fn along_spin(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        a.dot(b)
     }
 
     #[inline]
@@ -222,18 +234,44 @@ impl Dimension for Spatial {
         }
     }
 
-    fn closest(shapes: [&Shape; 2], poses: [&Pose; 2]) -> Option<(Vector3<f64>, bool)> {
+    fn closest(
+        shapes: [&Shape; 2],
+        parts: [u32; 2],
+        poses: [&Pose; 2],
+    ) -> Option<[Vector3<f64>; 2]> {
         use parry3d_f64::query::{ClosestPoints, closest_points};
-        let both = shapes.map(|shape| &**shape.geometry());
-        let found = closest_points(poses[0], both[0], poses[1], both[1], f64::MAX).ok()?;
-        let apart = match found {
-            ClosestPoints::WithinMargin(first, second) => convert::from_vector(second - first),
-            _ => Vector3::zeros(),
-        };
-        let convex = |shape: &&dyn parry3d_f64::shape::Shape| {
-            shape.is_convex() || shape.as_halfspace().is_some()
-        };
-        Some((apart, both.iter().all(convex)))
+        let found = with_part(shapes[0], parts[0], |a| {
+            with_part(shapes[1], parts[1], |b| closest_points(poses[0], a, poses[1], b, f64::MAX))
+        });
+        match found {
+            Ok(ClosestPoints::WithinMargin(first, second)) => {
+                Some([first, second].map(convert::from_vector))
+            }
+            _ => None,
+        }
+    }
+
+    fn farthest(shape: &Shape, part: u32, direction: &Vector3<f64>) -> f64 {
+        if let Some(normal) = shape.plane() {
+            return farthest_of_plane(direction.norm(), (direction.normalize() - normal).norm());
+        }
+        let along = convert::vector(direction);
+        with_part(shape, part, |part| match (part.as_ball(), part.as_support_map()) {
+            (Some(ball), _) => ball.radius * direction.norm(),
+            (None, Some(map)) => map.local_support_point(along).dot(along),
+            (None, None) => f64::INFINITY,
+        })
+    }
+
+    fn parts_within(shape: &Shape, low: &Vector3<f64>, high: &Vector3<f64>, parts: &mut Vec<u32>) {
+        parts.clear();
+        match shape.geometry().as_trimesh() {
+            Some(mesh) => {
+                let within = Aabb::new(convert::vector(low), convert::vector(high));
+                parts.extend(mesh.bvh().intersect_aabb(&within));
+            }
+            None => parts.push(0),
+        }
     }
 
     fn has_parts(shape: &Shape) -> bool {
@@ -260,5 +298,17 @@ impl Dimension for Spatial {
         found: &mut Vec<Facing<Vector3<f64>>>,
     ) -> Answer {
         facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+    }
+}
+
+/// A convex part of a shape, as the geometry library has it.
+fn with_part<T>(
+    shape: &Shape,
+    part: u32,
+    see: impl FnOnce(&dyn parry3d_f64::shape::Shape) -> T,
+) -> T {
+    match shape.geometry().as_trimesh() {
+        Some(mesh) => see(&mesh.triangle(part)),
+        None => see(&**shape.geometry()),
     }
 }

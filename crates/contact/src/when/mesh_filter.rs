@@ -55,6 +55,9 @@ pub struct FilterReport {
 /// Rounds of projections before what meets moves as one.
 const ROUNDS: usize = 20;
 
+/// Distances below this part of the coordinates are none: they have no side.
+const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+
 /// Two places that meet: four vertices with weights, and the direction across.
 struct Meeting {
     vertices: [usize; 4],
@@ -109,6 +112,7 @@ impl MeshFilter {
     ///
     /// # Errors
     /// [`ContactError::Step`] unless `h` is positive and finite; [`ContactError::Size`];
+    /// [`ContactError::Touching`] where what meets starts at distance 0, so that no side is its own;
     /// [`ContactError::NonFinite`] and [`ContactError::Tolerance`], as of
     /// [`particle_meets_triangle`] for what comes near; [`ContactError::Immovable`] for a meeting
     /// along which nothing can move; [`ContactError::NotConverged`]. The velocities are then as
@@ -179,7 +183,7 @@ impl MeshFilter {
                 let weights = [1.0, u + v - 1.0, -u, -v];
                 let [x, y, z] = triangle.map(|corner| corner.at(hit.time));
                 let across = (y - x).cross(&(z - x));
-                found.push(Meeting::new([p, a, b, c], weights, across, &corners));
+                found.push(Meeting::new([p, a, b, c], weights, across, &corners)?);
             }
         }
         for (i, j) in overlapping(&edges, &edges).into_iter().filter(|(i, j)| i < j) {
@@ -193,7 +197,7 @@ impl MeshFilter {
                 let weights = [1.0 - u, u, v - 1.0, -v];
                 let [first, second] =
                     [first, second].map(|[from, to]| to.at(hit.time) - from.at(hit.time));
-                found.push(Meeting::new([a, b, c, d], weights, first.cross(&second), &corners));
+                found.push(Meeting::new([a, b, c, d], weights, first.cross(&second), &corners)?);
             }
         }
         Ok(found)
@@ -270,19 +274,22 @@ impl MeshFilter {
 }
 
 impl Meeting {
-    /// A meeting across a direction, which is turned to the side on which it starts.
+    /// A meeting across a direction, which is turned to the side on which it starts; an error where
+    /// that is on neither.
     fn new(
         vertices: [usize; 4],
         weights: [f64; 4],
         across: Vector3<f64>,
         corners: &[Moving],
-    ) -> Self {
-        let apart = vertices.iter().zip(&weights).map(|(&i, w)| corners[i].start * *w);
-        let start: Vector3<f64> = apart.sum();
+    ) -> Result<Self, ContactError> {
+        let places = vertices.map(|vertex| corners[vertex].start);
+        let start: Vector3<f64> = places.iter().zip(&weights).map(|(x, w)| x * *w).sum();
+        let rounding = ROUNDINGS * places.iter().fold(0.0, |most: f64, x| most.max(x.amax()));
         let across = match across.try_normalize(0.0) {
-            Some(n) if n.dot(&start) != 0.0 => n * n.dot(&start).signum(),
-            _ => start.try_normalize(0.0).unwrap_or_else(Vector3::z),
+            Some(n) if n.dot(&start).abs() > rounding => n * n.dot(&start).signum(),
+            _ if start.norm() > rounding => start.normalize(),
+            _ => return Err(ContactError::Touching { vertices }),
         };
-        Meeting { vertices, weights, across }
+        Ok(Meeting { vertices, weights, across })
     }
 }

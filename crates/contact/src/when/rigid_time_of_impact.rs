@@ -4,9 +4,9 @@
 //! s(n, t) = min n.x2(t) - max n.x1(t)  <=  distance at t                     any direction n
 //! s(n, t + d) >= min(s(n, t), min n.(x2 + d x2') - max n.(x1 + d x1')) - d^2/2 (k1 + k2)
 //! ```
-//! `x1 x2` points of two convex shapes, `x'` their velocities at t, `k` bounds on their
-//! accelerations (see [`RigidPath`]). A minimum over points of functions that are linear in `d` is
-//! concave, so that its ends bound it; both ends are farthest points of the shapes, along `m` and
+//! `x1 x2` points of two convex parts, `x'` their velocities at t, `k` bounds on their
+//! accelerations (see [`RigidPathIn`]). A minimum over points of functions that are linear in `d` is
+//! concave, so that its ends bound it; both ends are farthest points of the parts, along `m` and
 //! along `m + d m x w`, where `m` is `n` in body axes and `w` the turn. From the direction of the
 //! closest points at t, this proves an interval free, from its end the next one: conservative
 //! advancement, of second order, so that what slides past at a distance e takes steps of order
@@ -14,110 +14,189 @@
 //! suggest a direction, and no hit is announced unless two points of the shapes are that close. The
 //! library's own cast along such motions proves nothing: it passes over some meetings.
 //!
+//! A shape that is not convex is its convex parts, each pair on its own; a half-space suggests its
+//! own normal, and must not turn.
+//!
 //! No hit: the distance exceeds `thickness` at all times. A hit: it is at most `thickness +
-//! tolerance` at [`RigidHit::time`], and exceeds `thickness` before. Source: notes 11.1; Mirtich
-//! 1996 (conservative advancement).
+//! tolerance` at [`RigidHitIn::time`], and exceeds `thickness` before. A world asks here whether what
+//! moves far in a step passes with clearance. Source: notes 11.1; Mirtich 1996 (conservative
+//! advancement).
 
-use nalgebra::Vector3;
-use parry3d_f64::query::{ClosestPoints, closest_points};
-use stationary_rigid::RigidMotion;
+use stationary_rigid::LieGroup;
 
-use crate::shapes::convert::{from_vector, pose, vector};
+#[cfg(feature = "3d")]
 use crate::when::swept_boxes::{SweptBox, overlapping};
-use crate::{Closeness, ContactError, RigidPath, Shape};
+use crate::{Closeness, ContactError, Dimension, RigidPathIn};
+#[cfg(feature = "3d")]
+use crate::{Moving, RigidPath, Shape, Spatial};
 
 /// When two rigid bodies meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidHit {
+pub struct RigidHitIn<G: Dimension> {
     /// The fraction of the motion before which they are proved apart.
     pub time: f64,
     /// From the first to the second, of length 1, world axes; zero where they overlap.
-    pub normal: Vector3<f64>,
+    pub normal: G::Vector,
     /// A point of each, no farther apart than promised, world axes.
-    pub points: [Vector3<f64>; 2],
+    pub points: [G::Vector; 2],
     /// Intervals proved free.
     pub intervals: usize,
-    /// Whether the distance at [`RigidHit::time`] is as promised. Where the search hit its bound it
+    /// Whether the distance at [`RigidHitIn::time`] is as promised. Where the search hit its bound it
     /// is not known; that they are apart before still is.
     pub settled: bool,
 }
 
-/// A shape with the origin of the body that carries it, and its path.
-pub type Mover<'a> = (&'a Shape, &'a RigidPath);
+/// When two rigid bodies of space meet.
+#[cfg(feature = "3d")]
+pub type RigidHit = RigidHitIn<Spatial>;
+/// When two rigid bodies of the plane meet.
+#[cfg(feature = "2d")]
+pub type PlanarHit = RigidHitIn<crate::Planar>;
+
+/// A shape with the centre of the body that carries it, and its path.
+pub type MoverIn<'a, G> = (&'a <G as Dimension>::Shape, &'a RigidPathIn<G>);
 
 /// Intervals after which what is left counts as a hit.
 const INTERVALS: usize = 20_000;
 /// Roundings of a coordinate of a moved point, in units of the largest: products with a rotation
 /// and a direction, and the rotation's own.
 const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
+/// What a tolerance is larger than, in such roundings.
+const LEAST_TOLERANCE: f64 = 4.0;
 /// A free interval is found within this part of the longest that could be proved.
 const GROWTH: f64 = 1.25;
 
-struct Body<'a> {
-    shape: &'a Shape,
-    path: &'a RigidPath,
+/// A shape at a place of a body that moves.
+pub(crate) struct Swept<'a, G: Dimension> {
+    shape: &'a G::Shape,
+    place: &'a G::Motion,
+    path: &'a RigidPathIn<G>,
+    /// Of a ball about the body's centre that holds the shape; what has no end and does not turn
+    /// needs none.
     radius: f64,
-    acceleration: f64,
+    turns: bool,
 }
 
-impl<'a> Body<'a> {
-    fn new((shape, path): Mover<'a>) -> Result<Self, ContactError> {
-        if !shape.is_bounded_and_convex() {
-            return Err(ContactError::NoQuery { first: "a moving body", second: shape.name() });
-        }
-        let radius = shape.radius();
-        Ok(Body { shape, path, radius, acceleration: path.acceleration(radius) })
+impl<'a, G: Dimension> Swept<'a, G> {
+    pub(crate) fn new(shape: &'a G::Shape, place: &'a G::Motion, path: &'a RigidPathIn<G>) -> Self {
+        let turns = G::spin_speed(path.turn()) > 0.0;
+        let radius = match (G::plane(shape), turns) {
+            (None, _) => G::reach(shape, place),
+            (Some(_), false) => 0.0,
+            (Some(_), true) => f64::INFINITY,
+        };
+        Swept { shape, place, path, radius, turns }
     }
 
-    /// How far the body reaches along a direction of the world, if every point went on as it moves
-    /// at this pose for a time.
-    fn farthest(&self, at: &RigidMotion, n: &Vector3<f64>, later: f64) -> f64 {
-        let m = at.rotation.rotate_back(n);
-        let bent = m + m.cross(self.path.turn()) * later;
-        n.dot(&at.translation) + later * self.path.origin_along(at, n) + self.shape.farthest(&bent)
+    fn largest(&self) -> f64 {
+        self.path.largest() + self.radius
+    }
+
+    /// How far a part reaches along a direction of the world, if every point went on as it moves at
+    /// this pose for a time.
+    fn farthest(&self, part: u32, at: &G::Motion, n: &G::Vector, later: f64) -> f64 {
+        let m = G::rotate_back(&G::frame(at), n);
+        let bent = m - G::swing(self.path.turn(), &m) * later;
+        let centre = G::translation(at) + *self.path.way() * later;
+        let own = G::rotate_back(&G::frame(self.place), &bent);
+        G::dot(n, &centre)
+            + G::dot(&bent, &G::translation(self.place))
+            + G::farthest(self.shape, part, &own)
+    }
+
+    /// Its convex parts that come near the other one on the way.
+    fn parts_near(&self, other: &Self, room: f64, parts: &mut Vec<u32>) {
+        let reach = other.radius + room;
+        let whole =
+            if self.turns || G::plane(other.shape).is_some() { f64::INFINITY } else { reach };
+        let seen = self.path.at(0.0).compose(self.place).inverse();
+        let start = G::translation(&other.path.at(0.0));
+        let way = *other.path.way() - *self.path.way();
+        let ends = [G::apply(&seen, &start), G::apply(&seen, &(start + way))];
+        let (mut low, mut high) = (ends[0], ends[0]);
+        for k in 0..G::TRANSLATION {
+            low[k] = ends[0][k].min(ends[1][k]) - whole;
+            high[k] = ends[0][k].max(ends[1][k]) + whole;
+        }
+        G::parts_within(self.shape, &low, &high, parts);
     }
 }
 
 /// When two rigid bodies come within the thickness of each other.
 ///
 /// # Errors
-/// Shapes that are not bounded and convex, and tolerances below rounding.
-pub fn rigid_bodies_meet(
-    first: Mover<'_>,
-    second: Mover<'_>,
+/// [`ContactError::NoQuery`] for a half-space that turns and for two half-spaces;
+/// [`ContactError::Tolerance`] below rounding; [`ContactError::Thickness`].
+pub fn rigid_bodies_meet<G: Dimension>(
+    first: MoverIn<'_, G>,
+    second: MoverIn<'_, G>,
     close: Closeness,
-) -> Result<Option<RigidHit>, ContactError> {
-    let bodies = [Body::new(first)?, Body::new(second)?];
-    let size = |body: &Body<'_>| body.path.largest() + body.radius;
-    let rounding = ROUNDINGS * bodies.iter().map(size).fold(0.0, f64::max);
-    close.check(4.0 * rounding)?;
-    Ok(advance(&bodies, close, rounding))
+) -> Result<Option<RigidHitIn<G>>, ContactError> {
+    let here = G::Motion::identity();
+    let bodies = [first, second].map(|(shape, path)| Swept::<G>::new(shape, &here, path));
+    let planes = bodies.iter().filter(|body| G::plane(body.shape).is_some()).count();
+    if planes == 2 || bodies.iter().any(|body| body.radius.is_infinite()) {
+        let [first, second] = [0, 1].map(|k| G::name(bodies[k].shape));
+        return Err(ContactError::NoQuery { first, second });
+    }
+    close.check(LEAST_TOLERANCE * rounding(&bodies))?;
+    Ok(meet(&bodies, close, INTERVALS, &mut Default::default()))
 }
 
-fn advance(bodies: &[Body<'_>; 2], close: Closeness, rounding: f64) -> Option<RigidHit> {
+fn rounding<G: Dimension>(bodies: &[Swept<G>; 2]) -> f64 {
+    ROUNDINGS * bodies.iter().map(Swept::largest).fold(0.0, f64::max)
+}
+
+/// The first meeting of any two convex parts; a hit where the tolerance is below rounding.
+pub(crate) fn meet<G: Dimension>(
+    bodies: &[Swept<G>; 2],
+    close: Closeness,
+    most: usize,
+    parts: &mut [Vec<u32>; 2],
+) -> Option<RigidHitIn<G>> {
+    let [a, b] = bodies;
+    let room = close.thickness + close.tolerance;
+    let [of_a, of_b] = parts;
+    a.parts_near(b, room, of_a);
+    b.parts_near(a, room, of_b);
+    let pairs = of_a.iter().flat_map(|&i| of_b.iter().map(move |&j| [i, j]));
+    let hits = pairs.filter_map(|parts| advance(bodies, parts, close, most));
+    hits.min_by(|one, other| one.time.total_cmp(&other.time))
+}
+
+fn advance<G: Dimension>(
+    bodies: &[Swept<G>; 2],
+    parts: [u32; 2],
+    close: Closeness,
+    most: usize,
+) -> Option<RigidHitIn<G>> {
     let Closeness { thickness, tolerance } = close;
+    let rounding = rounding(bodies);
+    let bend: f64 = bodies.iter().map(|body| 0.5 * body.path.acceleration(body.radius)).sum();
+    let nowhere = G::Vector::default();
     let (mut time, mut last) = (0.0_f64, 1.0_f64);
-    for intervals in 0..INTERVALS {
+    for intervals in 0..most {
         let poses = [0, 1].map(|k| bodies[k].path.at(time));
         let hit =
-            |points, normal, settled| Some(RigidHit { time, normal, points, intervals, settled });
-        let [x1, x2] = match closest(bodies, &poses) {
-            Some(points) => points,
-            None => return hit(poses.map(|pose| pose.translation), Vector3::zeros(), true),
+            |points, normal, settled| Some(RigidHitIn { time, normal, points, intervals, settled });
+        let Some([x1, x2]) = closest(bodies, parts, &poses) else {
+            return hit(poses.map(|pose| G::translation(&pose)), nowhere, true);
         };
-        let Some(n) = (x2 - x1).try_normalize(0.0) else {
-            return hit([x1, x2], Vector3::zeros(), true);
-        };
-        if (x2 - x1).norm() <= thickness + 0.5 * tolerance {
+        let apart = x2 - x1;
+        let distance = G::dot(&apart, &apart).sqrt();
+        if !(distance > 0.0 && distance.is_finite()) {
+            return hit([x1, x2], nowhere, true);
+        }
+        let n = direction(bodies, &poses).unwrap_or(apart * distance.recip());
+        if distance <= thickness + 0.5 * tolerance {
             return hit([x1, x2], n, true);
         }
         let separation = |later| {
-            let [far, near] =
-                [(0, n), (1, -n)].map(|(k, n)| bodies[k].farthest(&poses[k], &n, later));
-            -near - far - rounding
+            let far = bodies[0].farthest(parts[0], &poses[0], &n, later);
+            let near = -bodies[1].farthest(parts[1], &poses[1], &(n * -1.0), later);
+            near - far - rounding
         };
         let now = separation(0.0);
-        let bend = 0.5 * (bodies[0].acceleration + bodies[1].acceleration);
         let free = |d: f64| now.min(separation(d)) - bend * d * d > thickness;
         let left = 1.0 - time;
         if free(left) {
@@ -131,9 +210,18 @@ fn advance(bodies: &[Body<'_>; 2], close: Closeness, rounding: f64) -> Option<Ri
         time += step;
     }
     let poses = [0, 1].map(|k| bodies[k].path.at(time));
-    let points = closest(bodies, &poses).unwrap_or(poses.map(|pose| pose.translation));
-    let normal = Vector3::zeros();
-    Some(RigidHit { time, normal, points, intervals: INTERVALS, settled: false })
+    let points = closest(bodies, parts, &poses);
+    let points = points.unwrap_or(poses.map(|pose| G::translation(&pose)));
+    Some(RigidHitIn { time, normal: nowhere, points, intervals: most, settled: false })
+}
+
+/// From the first to the second along the normal of the one that is a half-space.
+fn direction<G: Dimension>(bodies: &[Swept<G>; 2], poses: &[G::Motion; 2]) -> Option<G::Vector> {
+    (0..2).find_map(|k| {
+        let normal = G::plane(bodies[k].shape)?;
+        let seen = G::turn(&poses[k], &G::turn(bodies[k].place, &normal));
+        Some(if k == 0 { seen } else { seen * -1.0 })
+    })
 }
 
 /// About the longest step of which a test holds, not longer than `most`.
@@ -153,37 +241,47 @@ fn longest(free: impl Fn(f64) -> bool, most: f64) -> Option<f64> {
     Some(step)
 }
 
-/// The closest points of two bodies, world axes; none where they overlap.
-fn closest(bodies: &[Body<'_>; 2], poses: &[RigidMotion; 2]) -> Option<[Vector3<f64>; 2]> {
+/// The closest points of two parts, world axes; none where they overlap.
+fn closest<G: Dimension>(
+    bodies: &[Swept<G>; 2],
+    parts: [u32; 2],
+    poses: &[G::Motion; 2],
+) -> Option<[G::Vector; 2]> {
     // Seen from the first body, so that nothing is lost far from the origin.
-    let origin = poses[0].translation;
-    let seen = poses.map(|at| pose(&RigidMotion { translation: at.translation - origin, ..at }));
-    let [a, b] = [0, 1].map(|k| &**bodies[k].shape.geometry());
-    match closest_points(&seen[0], a, &seen[1], b, f64::MAX) {
-        Ok(ClosestPoints::WithinMargin(x1, x2)) => Some([x1, x2].map(|x| from_vector(x) + origin)),
-        _ => None,
-    }
+    let seen = G::relative(&poses[0], &poses[1]);
+    let seen = [G::convert(bodies[0].place), G::convert(&seen.compose(bodies[1].place))];
+    let points = G::closest([bodies[0].shape, bodies[1].shape], parts, [&seen[0], &seen[1]])?;
+    Some(points.map(|point| G::apply(&poses[0], &point)))
 }
 
 /// Every pair of moving bodies that meets, by number, sorted.
 ///
 /// Pairs whose paths keep them apart by boxes are not looked at: each box holds the ball about the
-/// body's origin all the way.
+/// body's centre all the way.
 ///
 /// # Errors
-/// [`ContactError::Tolerance`] and [`ContactError::Thickness`]; the others of
-/// [`rigid_bodies_meet`] for pairs that come near each other.
+/// [`ContactError::NoQuery`] for a shape without end; [`ContactError::Tolerance`] and
+/// [`ContactError::Thickness`]; the others of [`rigid_bodies_meet`] for pairs that come near each
+/// other.
+#[cfg(feature = "3d")]
 pub fn rigid_bodies_that_meet(
-    movers: &[Mover<'_>],
+    movers: &[MoverIn<'_, Spatial>],
     close: Closeness,
 ) -> Result<Vec<([usize; 2], RigidHit)>, ContactError> {
     close.check(0.0)?;
-    let boxed = |(shape, path): &Mover<'_>| {
-        let (chord, stray) = path.chord();
+    let boxed = |&(shape, path): &(&Shape, &RigidPath)| {
+        let start = path.at(0.0);
+        let chord = Moving { start: start.translation, end: path.at(1.0).translation };
         let room = 0.5 * close.thickness + close.tolerance;
-        SweptBox::of(&[chord], shape.radius() + stray + room)
+        match shape.plane() {
+            Some(_) => Err(ContactError::NoQuery { first: "a moving body", second: shape.name() }),
+            None => {
+                let reach = Spatial::reach(shape, &LieGroup::identity());
+                Ok(SweptBox::of(&[chord], reach + room))
+            }
+        }
     };
-    let boxes: Vec<_> = movers.iter().map(boxed).collect();
+    let boxes: Vec<_> = movers.iter().map(boxed).collect::<Result<_, _>>()?;
     let mut hits = Vec::new();
     for (i, j) in overlapping(&boxes, &boxes).into_iter().filter(|(i, j)| i < j) {
         if let Some(hit) = rigid_bodies_meet(movers[i], movers[j], close)? {
@@ -191,28 +289,4 @@ pub fn rigid_bodies_that_meet(
         }
     }
     Ok(hits)
-}
-
-impl Shape {
-    /// Whether it has a farthest point in every direction, and is the hull of those.
-    pub(crate) fn is_bounded_and_convex(&self) -> bool {
-        self.geometry().as_support_map().is_some()
-    }
-
-    /// How far it reaches along a direction of its own axes, of any length.
-    pub(crate) fn farthest(&self, direction: &Vector3<f64>) -> f64 {
-        let d = vector(direction);
-        self.geometry().as_support_map().map_or(f64::INFINITY, |map| {
-            match self.geometry().as_ball() {
-                Some(ball) => ball.radius * direction.norm(),
-                None => map.local_support_point(d).dot(d),
-            }
-        })
-    }
-
-    /// The radius of a ball about the origin that holds it.
-    pub(crate) fn radius(&self) -> f64 {
-        let ball = self.geometry().compute_local_bounding_sphere();
-        from_vector(ball.center).norm() + ball.radius
-    }
 }

@@ -1,81 +1,108 @@
 //! Pairs that pass each other with clearance: proved apart all the way, and so without contact.
 //!
-//! ```text
-//! d(t + dt) >= d(t) - L dt,   L = max(0, -n.(v2 - v1)) + r1 |w1| + r2 |w2|
-//! ```
-//! `d` the distance of two convex shapes (m) and `n` from the one to the other where they are closest,
-//! `v w` velocities of their bodies (m/s, rad/s), `r` the radii of balls about the bodies' centres that
-//! hold them: along `n` alone they stay that far apart (conservative advancement). For other shapes
-//! `|v2 - v1|` takes the place of the first term. A gap that is linear over the step takes what flies
-//! past for what hits; where bodies move far in a step, the distances on the way decide. What comes
-//! nearer than a small part of the bodies, and what is not decided at the bound, meets. Source: notes
-//! 11.1; Mirtich 1996.
+//! A gap that is linear over the step takes what flies past for what hits; where bodies move far in
+//! a step, [`crate::rigid_bodies_meet`] decides whether they meet on the way. What comes nearer than
+//! a small part of the bodies, and what is not decided at the bound, meets. So does what has contacts
+//! that stand for another part of the same surface: for one whose own were dropped at a seam, and for
+//! one that is level with them, where a body that lands on both is held by all of them. Source: notes
+//! 11.1.
 
 use stationary_rigid::LieGroup;
 
-use crate::{ColliderIn, Dimension};
+use crate::when::rigid_time_of_impact::{Swept, meet};
+use crate::{Closeness, ColliderIn, ContactIn, DetectorIn, Dimension, RigidPathIn};
 
-/// Distances looked at before two bodies count as meeting.
-const LOOKS: usize = 100;
-/// Distances below this part of the smaller radius are none.
+/// Intervals looked at before two bodies count as meeting.
+const INTERVALS: usize = 100;
+/// Distances below this part of the smaller radius are none, and faces of one surface whose heights
+/// differ by less are level.
 const CLOSE: f64 = 1e-6;
 
-/// A shape, and how its body moves: its velocity as it is stored, and its radius.
-pub(crate) struct Mover<'a, G: Dimension> {
-    pub(crate) collider: &'a ColliderIn<G>,
-    pub(crate) pose: G::Motion,
-    pub(crate) velocity: G::Velocity,
-    pub(crate) radius: f64,
+/// How bodies move in a step, and what they face.
+pub(crate) struct StepMotion<'a, G: Dimension> {
+    pub(crate) detector: &'a DetectorIn<G>,
+    /// Sorted by their colliders.
+    pub(crate) contacts: &'a [ContactIn<G>],
+    pub(crate) q: &'a [f64],
+    /// Of each freedom.
+    pub(crate) velocity: &'a dyn Fn(usize) -> f64,
+    pub(crate) h: f64,
 }
 
-impl<G: Dimension> Mover<'_, G> {
-    fn at(&self, time: f64) -> G::Pose {
-        G::convert(&G::walked(&self.pose, &self.velocity, time).compose(&self.collider.place))
+/// A shape, and how its body moves in the step.
+struct Mover<'a, G: Dimension> {
+    collider: &'a ColliderIn<G>,
+    path: RigidPathIn<G>,
+    radius: f64,
+}
+
+impl<'a, G: Dimension> StepMotion<'a, G> {
+    /// How far any two points of the bodies of two colliders approach at most, m.
+    pub(crate) fn closing(&self, pair: [usize; 2]) -> f64 {
+        let movers = pair.map(|collider| self.mover(collider));
+        let apart = *movers[1].path.way() - *movers[0].path.way();
+        let turns = movers.iter().map(|mover| mover.radius * G::spin_speed(mover.path.turn()));
+        G::dot(&apart, &apart).sqrt() + turns.sum::<f64>()
+    }
+
+    /// Whether the colliders of these contacts may meet, or another part of the surface of one meets
+    /// the other while these contacts stand for it.
+    pub(crate) fn meets(&self, of_pair: &[ContactIn<G>], parts: &mut [Vec<u32>; 2]) -> bool {
+        let pair = of_pair[0].id.pair();
+        self.may_meet(pair, parts)
+            || self.detector.beside(pair).any(|other| {
+                (!has_contacts(self.contacts, other) || self.is_level(of_pair, other))
+                    && self.may_meet(other, parts)
+            })
+    }
+
+    fn mover(&self, collider: usize) -> Mover<'a, G> {
+        let collider = &self.detector.colliders()[collider];
+        let mut velocity = G::Velocity::default();
+        let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
+        if let Some(body) = collider.body() {
+            (pose, radius) = (G::pose(self.q, body), self.detector.radius_of(body));
+            for (k, v) in velocity.as_mut().iter_mut().enumerate() {
+                *v = (self.velocity)(G::FREEDOMS * body + k);
+            }
+        }
+        Mover { collider, path: RigidPathIn::of(pose, &velocity, self.h), radius }
+    }
+
+    fn may_meet(&self, pair: [usize; 2], parts: &mut [Vec<u32>; 2]) -> bool {
+        let movers = pair.map(|collider| self.mover(collider));
+        let radius = movers.iter().map(|mover| mover.radius).filter(|&radius| radius > 0.0);
+        let tolerance = CLOSE * radius.fold(f64::INFINITY, f64::min);
+        let bodies = [0, 1].map(|k| {
+            let Mover { collider, path, .. } = &movers[k];
+            Swept::new(&collider.shape, &collider.place, path)
+        });
+        meet(&bodies, Closeness { thickness: 0.0, tolerance }, INTERVALS, parts).is_some()
+    }
+
+    /// Whether the collider by which another pair differs from that of some contacts reaches to the
+    /// plane of one of them.
+    fn is_level(&self, of_pair: &[ContactIn<G>], other: [usize; 2]) -> bool {
+        let pair = of_pair[0].id.pair();
+        let side = usize::from(other.contains(&pair[0]));
+        let Mover { collider, path, .. } = self.mover(other[usize::from(pair.contains(&other[0]))]);
+        if G::has_parts(&collider.shape) {
+            return true;
+        }
+        let seen = path.at(0.0).compose(&collider.place);
+        of_pair.iter().any(|contact| {
+            let outwards = contact.normal * if side == 0 { 1.0 } else { -1.0 };
+            let along = G::rotate_back(&G::frame(&seen), &outwards);
+            let reach = G::farthest(&collider.shape, 0, &along);
+            let height = G::dot(&outwards, &(contact.points[side] - G::translation(&seen)));
+            let radii =
+                contact.bodies.into_iter().flatten().map(|body| self.detector.radius_of(body));
+            (reach - height).abs() < CLOSE * radii.fold(f64::INFINITY, f64::min)
+        })
     }
 }
 
-/// Whether two shapes may meet within `h` seconds.
-pub(crate) fn may_meet<G: Dimension>(movers: &[Mover<G>; 2], h: f64) -> bool {
-    let radius = movers.iter().map(|mover| mover.radius).filter(|&radius| radius > 0.0);
-    let close = CLOSE * radius.fold(f64::INFINITY, f64::min);
-    let shapes = [&movers[0].collider.shape, &movers[1].collider.shape];
-    let (along, turning) = closing(movers);
-    let mut time = 0.0;
-    for _ in 0..LOOKS {
-        let poses = [movers[0].at(time), movers[1].at(time)];
-        let Some((apart, convex)) = G::closest(shapes, [&poses[0], &poses[1]]) else {
-            return true;
-        };
-        let distance = G::dot(&apart, &apart).sqrt();
-        if distance <= close || distance.is_nan() {
-            return true;
-        }
-        let speed = match convex {
-            true => (-G::dot(&apart, &along) / distance).max(0.0),
-            false => G::dot(&along, &along).sqrt(),
-        };
-        time += (distance - 0.5 * close) / (speed + turning);
-        if time >= h {
-            return false;
-        }
-    }
-    true
-}
-
-/// How fast any two points of two bodies approach at most, m/s.
-pub(crate) fn closing_speed<G: Dimension>(movers: &[Mover<G>; 2]) -> f64 {
-    let (along, turning) = closing(movers);
-    G::dot(&along, &along).sqrt() + turning
-}
-
-/// How fast the second centre leaves the first, and how fast points turn about both at most.
-fn closing<G: Dimension>(movers: &[Mover<G>; 2]) -> (G::Vector, f64) {
-    let [a, b] = [0, 1].map(|k| movers[k].velocity.as_ref());
-    let mut along = G::Vector::default();
-    (0..G::TRANSLATION).for_each(|k| along[k] = b[k] - a[k]);
-    let turning = movers.iter().map(|mover| {
-        let spin = &mover.velocity.as_ref()[G::TRANSLATION..];
-        mover.radius * spin.iter().map(|w| w * w).sum::<f64>().sqrt()
-    });
-    (along, turning.sum())
+/// Whether some of these contacts, which are sorted, are of a pair of colliders.
+pub(crate) fn has_contacts<G: Dimension>(contacts: &[ContactIn<G>], pair: [usize; 2]) -> bool {
+    contacts.binary_search_by_key(&pair, |contact| contact.id.pair()).is_ok()
 }

@@ -9,6 +9,8 @@
 //! velocities before and after it. Lifting out of overlap moves positions alone, and so what it
 //! gives is potential energy.
 
+use crate::Painleve;
+
 /// What a step of a world took and left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldReport {
@@ -30,6 +32,8 @@ pub struct WorldReport {
     pub residual: f64,
     /// How far Coulomb's law is from being met, m/s; of what rests, at most.
     pub coulomb: f64,
+    /// A contact for which no force obeys Coulomb's law, or several do: it jams with an impulse.
+    pub painleve: Option<Painleve>,
     /// The deepest overlap that the step started with, m.
     pub overlap: f64,
     /// The work that obstacles did on the other bodies, J.

@@ -1,6 +1,7 @@
 //! What holds of `stationary-contact`, in one binary: what is generic is compiled once.
 
-#[cfg(feature = "3d")]
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod clearance;
 mod detection;
 mod exact_friction;
 mod impact_laws;
@@ -14,10 +15,12 @@ mod polytopes;
 mod push_apart;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod resuming;
-#[cfg(feature = "3d")]
+#[cfg(all(feature = "2d", feature = "3d"))]
 mod rigid_time_of_impact;
 #[cfg(feature = "2d")]
 mod rough_impacts;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod rolling;
 #[cfg(feature = "2d")]
 mod small_steps;
 #[cfg(feature = "3d")]

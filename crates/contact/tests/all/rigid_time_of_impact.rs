@@ -1,12 +1,12 @@
 //! Times of impact of rigid bodies against dense sampling of their distance.
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{Vector2, Vector3};
 use stationary_contact::{
-    Closeness, Collider, ContactError, Detector, RigidHit, RigidPath, Shape, rigid_bodies_meet,
-    rigid_bodies_that_meet,
+    Closeness, Collider, ContactError, Detector, PlanarPath, PlanarShape, RigidHit, RigidPath,
+    Shape, rigid_bodies_meet, rigid_bodies_that_meet,
 };
 use stationary_measure::SplitMix64;
-use stationary_rigid::{LieGroup, RigidMotion, Rotation};
+use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation, RigidMotion, Rotation};
 
 fn vector(random: &mut SplitMix64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| random.symmetric())
@@ -29,11 +29,7 @@ fn path(random: &mut SplitMix64, turn: f64) -> RigidPath {
     let start = RigidMotion { translation: vector(random) * 1.5, rotation };
     // Towards the middle, and beyond it.
     let (way, turn) = (vector(random) - start.translation * 1.5, vector(random) * turn);
-    if random.symmetric() > 0.0 {
-        return RigidPath::straight(start, way, turn).unwrap();
-    }
-    let way = rotation.rotate_back(&way);
-    RigidPath::screw(start, Vector6::new(way.x, way.y, way.z, turn.x, turn.y, turn.z)).unwrap()
+    RigidPath::straight(start, way, turn).unwrap()
 }
 
 /// The distance of two shapes along their paths; negative where they overlap.
@@ -159,9 +155,10 @@ fn a_rod_that_sweeps_round_hits_what_stands_beside_it_although_both_ends_of_the_
     // The line at 0.05 m in front of the rod's axis meets the ball of 0.1 m at 0.8 sin a = 0.15.
     let angle = std::f64::consts::FRAC_PI_2 - (0.15_f64 / 0.8).asin();
     assert!((hit.time * std::f64::consts::PI - angle).abs() < 1e-5, "{hit:?}");
-    let stepped = RigidPath::screw(
+    let stepped = RigidPath::straight(
         RigidMotion::identity(),
-        Vector6::new(0.0, 0.0, 1.0, 0.0, 0.0, std::f64::consts::PI),
+        Vector3::z(),
+        Vector3::z() * std::f64::consts::PI,
     );
     let paths = [stepped.unwrap(), paths[1]];
     let rod = Shape::cuboid([1.0, 0.05, 0.05]).unwrap();
@@ -179,8 +176,7 @@ fn the_swept_broad_phase_misses_no_pair() {
     let paths: Vec<_> = (0..40)
         .map(|_| {
             let (v, w) = (vector(&mut random), vector(&mut random) * 3.0);
-            let twist = Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z);
-            RigidPath::screw(start(&mut random), twist).unwrap()
+            RigidPath::straight(start(&mut random), v, w).unwrap()
         })
         .collect();
     let movers: Vec<_> = shapes.iter().zip(&paths).collect();
@@ -199,6 +195,62 @@ fn the_swept_broad_phase_misses_no_pair() {
 }
 
 #[test]
+fn a_disc_meets_planes_and_polygons_that_are_not_convex_when_the_closed_form_says() {
+    let disc = PlanarShape::disc(0.5).unwrap();
+    let floor = PlanarShape::half_plane(Vector2::new(0.6, 0.8)).unwrap();
+    let corners = [[-2.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [1.0, 1.0], [-2.0, 1.0]];
+    let bracket = PlanarShape::polygon(&corners.map(Vector2::from)).unwrap();
+    let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
+    let still = |x, y, angle| {
+        let rotation = PlanarRotation::exp(angle);
+        PlanarPath::still(PlanarMotion { translation: Vector2::new(x, y), rotation }).unwrap()
+    };
+    let thrown = |from: [f64; 2], way: [f64; 2], turn: f64| {
+        let start = PlanarMotion { translation: from.into(), rotation: PlanarRotation::exp(0.3) };
+        PlanarPath::straight(start, way.into(), turn).unwrap()
+    };
+    let time = |ground: &PlanarShape, at: &PlanarPath, path: &PlanarPath| {
+        let hit = rigid_bodies_meet((ground, at), (&disc, path), close).unwrap();
+        hit.map(|hit| hit.time)
+    };
+    for turn in [0.0, 3.0] {
+        // The half-plane is level once turned back by its slope, and 1 m up.
+        let slope = 0.6_f64.atan2(0.8);
+        let hit = time(&floor, &still(0.0, 1.0, slope), &thrown([3.0, 3.5], [9.0, -4.0], turn));
+        assert!((hit.unwrap() - 0.5).abs() < TOLERANCE, "{hit:?}");
+        let parallel = thrown([-300.0, 1.5 + 1e-3], [600.0, 0.0], turn);
+        assert_eq!(time(&floor, &still(0.0, 1.0, slope), &parallel), None);
+        // Into the inner corner of the bracket: its wall at x = 1 is the first.
+        let hit = time(&bracket, &still(0.0, 0.0, 0.0), &thrown([-1.0, 1.501], [3.0, 0.0], turn));
+        assert!((hit.unwrap() - 0.5).abs() < TOLERANCE, "{hit:?}");
+        let above = thrown([-300.0, 2.501], [600.0, 0.0], turn);
+        assert_eq!(time(&bracket, &still(0.0, 0.0, 0.0), &above), None);
+    }
+}
+
+#[test]
+fn a_ball_over_a_mesh_meets_the_triangle_that_rises_in_its_way() {
+    let corners = [[-9.0, -1.0, 0.0], [9.0, -1.0, 0.0], [9.0, 1.0, 0.0], [-9.0, 1.0, 0.0]];
+    let fin = [[2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 1.0]];
+    let vertices: Vec<_> = corners.iter().chain(&fin).map(|&v| Vector3::from(v)).collect();
+    let mesh = Shape::mesh(&vertices, &[[0, 1, 2], [0, 2, 3], [4, 5, 6]]).unwrap();
+    let rotation = Rotation::exp(Vector3::new(0.3, -0.2, 0.5));
+    let at = |x: f64, z: f64| Vector3::new(x, 0.0, z);
+    let ground = RigidPath::still(RigidMotion { translation: Vector3::zeros(), rotation }).unwrap();
+    let ball = Shape::ball(0.25).unwrap();
+    let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
+    let time = |from: Vector3<f64>, way: Vector3<f64>| {
+        let start = RigidMotion { translation: rotation.rotate(&from), rotation };
+        let path = RigidPath::straight(start, rotation.rotate(&way), Vector3::x() * 2.0).unwrap();
+        rigid_bodies_meet((&ball, &path), (&mesh, &ground), close).unwrap().map(|hit| hit.time)
+    };
+    let hit = time(at(-2.25, 0.251), at(8.0, 0.0));
+    assert!((hit.unwrap() - 0.5).abs() < TOLERANCE, "{hit:?}");
+    assert_eq!(time(at(-2.25, 1.251), at(8.0, 0.0)), None);
+    assert_eq!(time(at(2.26, 0.251), at(5.0, 0.0)), None);
+}
+
+#[test]
 fn paths_that_are_none_and_shapes_without_a_hull_are_refused_by_name() {
     let nowhere = Vector3::repeat(f64::NAN);
     let path = RigidPath::straight(RigidMotion::identity(), nowhere, Vector3::zeros());
@@ -206,7 +258,12 @@ fn paths_that_are_none_and_shapes_without_a_hull_are_refused_by_name() {
     let (ball, plane) = (Shape::ball(1.0).unwrap(), Shape::half_space(Vector3::z()).unwrap());
     let still = RigidPath::still(RigidMotion::identity()).unwrap();
     let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
-    let refused = rigid_bodies_meet((&ball, &still), (&plane, &still), close);
+    let turning = RigidPath::straight(RigidMotion::identity(), Vector3::zeros(), Vector3::x());
+    let refused = rigid_bodies_meet((&ball, &still), (&plane, &turning.unwrap()), close);
+    assert!(matches!(refused, Err(ContactError::NoQuery { .. })));
+    let refused = rigid_bodies_meet((&plane, &still), (&plane, &still), close);
+    assert!(matches!(refused, Err(ContactError::NoQuery { .. })));
+    let refused = rigid_bodies_that_meet(&[(&ball, &still), (&plane, &still)], close);
     assert!(matches!(refused, Err(ContactError::NoQuery { .. })));
     let fine = Closeness { tolerance: 1e-16, ..close };
     let refused = rigid_bodies_meet((&ball, &still), (&ball, &still), fine);

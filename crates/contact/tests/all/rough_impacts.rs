@@ -2,7 +2,9 @@
 
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System};
-use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld, World};
+use stationary_contact::{
+    Painleve, PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld, World, WorldReport,
+};
 use stationary_integrators::State;
 use stationary_measure::SplitMix64;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
@@ -188,4 +190,62 @@ fn painleves_rod_jams_with_an_impulse_in_the_cone_and_no_energy_gained() {
         let smooth = 1.3 * approach / normal_gives;
         assert!(normal > 1.2 * smooth, "{normal} {smooth}");
     }
+}
+
+/// A rod that leans on its end and slides on a floor, with a weight or without, after a step of 1e-6 s.
+fn sliding_rod(angle: f64, mu: f64, slip: f64, c: f64, gravity: f64) -> (Vec<f64>, WorldReport) {
+    let metric = DiagonalMetric::new(vec![1.0, 1.0, INERTIA]).unwrap();
+    let weight = PlanarWeight { gravity: Vector2::y() * -gravity, masses: vec![1.0] };
+    let floor = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let shape = PlanarShape::cuboid(HALF).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, shape).with_restitution(c).with_friction(mu),
+        PlanarCollider::fixed(PlanarMotion::identity(), floor).with_friction(mu),
+    ];
+    let detector = PlanarDetector::new(colliders, 1).unwrap();
+    let mut world: PlanarWorld<PlanarWeight> =
+        World::new(System::new(metric, weight).unwrap(), detector).unwrap();
+    let (arm, _) = rod(angle);
+    let fall = if gravity > 0.0 { 0.0 } else { 0.1 };
+    let mut state = State::new(vec![0.0, -arm[1], -angle], Covector(vec![slip, -fall, 0.0]));
+    let report = world.step(&mut state, 1e-6).unwrap();
+    let (normal, friction) = world.touches().fold((0.0, 0.0), |(normal, friction), touch| {
+        (normal + touch.impact + touch.normal, friction - touch.friction.x)
+    });
+    assert!(friction.abs() <= mu * normal * (1.0 + 1e-9), "{friction} {normal}");
+    let work = 1e-6 * gravity * (fall + state.p.0[1].abs());
+    let before = kinetic(&[slip, -fall, 0.0]);
+    assert!(kinetic(&state.p.0) <= (before + work) * (1.0 + 1e-9), "{:?} {before}", state.p.0);
+    (state.p.0, report)
+}
+
+/// The critical friction of a configuration is `W_nn/W_nt`: at it and beyond the report names the
+/// paradox, below and for the other way of sliding it does not.
+#[test]
+fn the_report_names_painleves_paradox_at_and_beyond_the_critical_friction_and_not_below() {
+    for angle in [0.8, 1.0, 1.2] {
+        let (_, [normal_gives, _, couples]) = rod(angle);
+        let critical = normal_gives / couples;
+        for (c, gravity) in [(0.0, 0.0), (0.3, 0.0), (0.0, 9.81), (0.3, 9.81)] {
+            for (part, named) in
+                [(0.5, false), (1.0 - 1e-6, false), (1.0, true), (1.0 + 1e-6, true), (2.0, true)]
+            {
+                let mu = part * critical;
+                let (after, report) = sliding_rod(angle, mu, 2.0, c, gravity);
+                let found = report.painleve;
+                assert_eq!(found.is_some(), named, "{angle} {c} {gravity} {part}: {report:?}");
+                let expected = normal_gives - mu * couples;
+                let off = |found: Painleve| (found.compliance - expected).abs();
+                assert!(found.is_none_or(|found| off(found) < 1e-9), "{found:?} {expected}");
+                // It jams: the end is stopped by an impulse, whatever presses it.
+                let slip = after[0] - rod(angle).0[1] * after[2] / INERTIA;
+                assert!(part < 1.5 || slip.abs() < 1e-6, "{angle} {c} {gravity} {part}: {slip}");
+                let (_, other) = sliding_rod(angle, mu, -2.0, c, gravity);
+                assert_eq!(other.painleve, None, "the other way");
+            }
+        }
+    }
+    let mut world = over_floor(PlanarShape::cuboid([0.5; 2]).unwrap(), 1.0 / 6.0, 0.0, 1.0);
+    let mut state = State::new(vec![0.0, 0.5, 0.0], Covector(vec![5.0, -1.0, 0.0]));
+    assert_eq!(world.step(&mut state, 1e-6).unwrap().painleve, None);
 }

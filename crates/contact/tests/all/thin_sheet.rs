@@ -174,3 +174,25 @@ fn meshes_that_make_no_sense_are_refused_by_name() {
         assert!(matches!(error, ContactError::Step(_)), "{error}");
     }
 }
+
+/// A corner in the plane of a triangle has no side on which to stay; what is never met may lie there.
+#[test]
+fn what_starts_at_distance_0_is_refused_by_its_vertices_and_the_velocities_stay() {
+    let filter = MeshFilter::new(vec![1.0; 4], vec![false; 4], vec![[1, 2, 3]], 1e-9).unwrap();
+    let corner = |x: f64, z: f64| [x, 0.2, z, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    for speed in [2.0, -2.0, 1e-3] {
+        let mut v = [0.0; 12];
+        v[2] = speed;
+        let before = v;
+        let error = filter.filter(&corner(0.2, 0.0), 0.1, Vector(&mut v)).unwrap_err();
+        assert!(matches!(error, ContactError::Touching { vertices: [0, 1, 2, 3] }), "{error}");
+        assert_eq!(v, before);
+        assert_eq!(filter.filter(&corner(1.2, 0.0), 0.1, Vector(&mut v)).unwrap().contacts, 0);
+    }
+    for height in [1e-12, -1e-12] {
+        let (q, mut v) = (corner(0.2, height), [0.0; 12]);
+        v[2] = -2.0 * height.signum();
+        filter.filter(&q, 0.1, Vector(&mut v)).unwrap();
+        assert!((height + 0.1 * (v[2] - v[5])) * height > 0.0, "{height} {v:?}");
+    }
+}

@@ -251,6 +251,7 @@ fn filters(draw: &mut Draw) -> Verdict {
     v[2] = -2.0;
     match filter.filter(&q, h, Vector(&mut v)) {
         Ok(_) if !(h > 0.0 && h.is_finite()) => Verdict::wrong("a step that is none"),
+        Ok(_) if above == 0.0 => Verdict::wrong("a corner on the triangle that it meets"),
         Ok(_) if v.iter().any(|v| !v.is_finite()) => Verdict::wrong("not finite"),
         Ok(_) => Verdict::due(),
         Err(_) => Verdict::due(),
