@@ -95,6 +95,12 @@ pub trait Constraint {
     fn scale(&self, _row: usize) -> Scale {
         Scale::default()
     }
+
+    /// How a message names what equation `row` holds, as "hinge between body 1 and the world"; `None` where
+    /// the number of the equation must do.
+    fn describe(&self, _row: usize) -> Option<String> {
+        None
+    }
 }
 
 /// A constraint that says of itself that it reads the configurations of the space S. Where the space
@@ -165,5 +171,9 @@ impl<K: Constraint> Constraint for &K {
 
     fn scale(&self, row: usize) -> Scale {
         K::scale(self, row)
+    }
+
+    fn describe(&self, row: usize) -> Option<String> {
+        K::describe(self, row)
     }
 }

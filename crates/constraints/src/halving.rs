@@ -67,6 +67,7 @@ fn is_mended_by_shorter_steps(error: &ConstraintError) -> bool {
         error,
         ConstraintError::NotConverged { .. }
             | ConstraintError::Diverged { .. }
+            | ConstraintError::SingularPosition { .. }
             | ConstraintError::Step(StepError::Newton(_))
     )
 }

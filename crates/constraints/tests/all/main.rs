@@ -9,4 +9,5 @@ mod many;
 mod multipliers;
 mod no_allocation;
 mod reduced;
+mod singular;
 mod ways;
