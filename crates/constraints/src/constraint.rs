@@ -109,6 +109,14 @@ pub trait ConstraintOn<S>: Constraint {}
 
 impl<S, K: ConstraintOn<S>> ConstraintOn<S> for &K {}
 
+/// An equation of a constraint as a message names it: its number, and what it holds where that has a name.
+pub fn equation_name(constraint: &impl Constraint, row: usize) -> String {
+    match constraint.describe(row) {
+        Some(name) => format!("equation {row} ({name})"),
+        None => format!("equation {row}"),
+    }
+}
+
 /// An error where a configuration has fewer numbers than a constraint reads.
 ///
 /// # Errors

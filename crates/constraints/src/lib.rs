@@ -92,15 +92,18 @@ mod hamilton;
 mod rattle;
 mod parts;
 mod halving;
+mod adaptive;
 mod composed;
 mod breaking;
 pub mod problems;
 
+pub use adaptive::{Adaptive, AdaptiveReport, StepTolerance};
 pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
 pub use composed::Composed;
 pub use constraint::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
+    equation_name,
 };
 pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{Dense, DenseMultipliers, SmallVec};

@@ -20,7 +20,7 @@ use stationary_integrators::{State, StepError};
 
 use crate::feasible::{Flight, Scales, rounding};
 use crate::secants::Secants;
-use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
+use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver, equation_name};
 
 /// More iterations than this are too long a step, or equations that contradict each other. A step at the
 /// bound that [`Rattle`](crate::Rattle) states may gain no more than a tenth in each.
@@ -260,6 +260,7 @@ where
             ConstraintError::NotConverged { .. }
                 | ConstraintError::Diverged { .. }
                 | ConstraintError::Dependent { .. }
+                | ConstraintError::Step(StepError::Newton(_))
         );
         let begun = (self.here.solver.regularity(), self.here.solver.redundant());
         if of_iterations && self.passage.is_singular(begun.0) {
@@ -328,10 +329,7 @@ where
 
     #[cold]
     fn position(&self, ratio: f64, rows: Vec<usize>) -> ConstraintError {
-        let named = |&row: &usize| match self.constraint.describe(row) {
-            Some(name) => format!("equation {row} ({name})"),
-            None => format!("equation {row}"),
-        };
+        let named = |&row: &usize| equation_name(&self.constraint, row);
         let names = rows.iter().map(named).collect::<Vec<_>>().join(", ");
         ConstraintError::SingularPosition { ratio, rows, names }
     }

@@ -1,5 +1,6 @@
 //! What holds of `stationary-constraints`, in one binary: what is generic is compiled once.
 
+mod adaptive;
 mod bad_input;
 mod curved;
 mod facts;

@@ -2,8 +2,8 @@
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Dense, Linear, Rattle, Redundancy, Rod, Rods, Solver,
-    SparseDiagonal,
+    Adaptive, ConstrainedIntegrator, ConstraintError, Dense, Linear, Rattle, Redundancy, Rod, Rods,
+    Solver, SparseDiagonal, StepTolerance,
 };
 use stationary_integrators::{State, UniformGravity};
 
@@ -182,5 +182,27 @@ fn a_start_in_a_singular_position_is_named_where_equations_may_depend_on_each_ot
         let error = rattle.step(&mut moved, h).unwrap_err();
         assert!(matches!(error, ConstraintError::SingularPosition { .. }), "{h}: {error}");
         assert_eq!(moved, state);
+    }
+}
+
+#[test]
+fn adaptive_steps_lead_a_parallelogram_through_every_flat_position() {
+    let (system, rods) = parallelogram();
+    for absolute in [1e-4, 1e-6] {
+        let mut state = State::new([0.0, -1.0, 0.7, -1.0], Covector([3.0, 0.0, 9.0, 0.0]));
+        let sparse = SparseDiagonal(Redundancy::Refuse);
+        let rattle = Rattle::new(&system, &rods, &state, sparse).unwrap();
+        let tolerance = StepTolerance { absolute, relative: 0.0 };
+        let mut method = Adaptive::new(rattle, tolerance, 0.01, &state).unwrap();
+        let (mut turned, mut before) = (0.0, -std::f64::consts::FRAC_PI_2);
+        while state.t < 20.0 {
+            method.advance(&mut state, 20.0).unwrap();
+            let [x, y, other, _] = state.q;
+            assert!((other - x - 0.7).abs() < 1e-6, "at {}", state.t);
+            let angle = y.atan2(x);
+            turned += (angle - before).rem_euclid(2.0 * std::f64::consts::PI);
+            before = angle;
+        }
+        assert!(turned > 8.0 * 2.0 * std::f64::consts::PI, "{turned}");
     }
 }
