@@ -95,6 +95,12 @@ pub trait Constraint {
     fn scale(&self, _row: usize) -> Scale {
         Scale::default()
     }
+
+    /// How a message names what equation `row` holds, as "hinge between body 1 and the world"; `None` where
+    /// the number of the equation must do.
+    fn describe(&self, _row: usize) -> Option<String> {
+        None
+    }
 }
 
 /// A constraint that says of itself that it reads the configurations of the space S. Where the space
@@ -102,6 +108,14 @@ pub trait Constraint {
 pub trait ConstraintOn<S>: Constraint {}
 
 impl<S, K: ConstraintOn<S>> ConstraintOn<S> for &K {}
+
+/// An equation of a constraint as a message names it: its number, and what it holds where that has a name.
+pub fn equation_name(constraint: &impl Constraint, row: usize) -> String {
+    match constraint.describe(row) {
+        Some(name) => format!("equation {row} ({name})"),
+        None => format!("equation {row}"),
+    }
+}
 
 /// An error where a configuration has fewer numbers than a constraint reads.
 ///
@@ -165,5 +179,9 @@ impl<K: Constraint> Constraint for &K {
 
     fn scale(&self, row: usize) -> Scale {
         K::scale(self, row)
+    }
+
+    fn describe(&self, row: usize) -> Option<String> {
+        K::describe(self, row)
     }
 }

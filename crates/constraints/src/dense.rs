@@ -199,6 +199,16 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
         Some(self.regularity)
     }
 
+    fn redundant(&self) -> usize {
+        self.inverse_square.iter().take(self.count).filter(|&&inverse| inverse == 0.0).count()
+    }
+
+    fn weakest(&self) -> Option<(usize, f64)> {
+        let smallest =
+            (0..self.count).min_by(|&i, &j| self.length(i).total_cmp(&self.length(j)))?;
+        Some((self.most_involved(smallest), self.regularity))
+    }
+
     fn add_pulled_back(&self, scale: f64, lambda: &[f64], mut p: Covector<&mut [f64]>) {
         for (row, lambda) in self.rows.iter().zip(lambda).take(self.count) {
             p.add_scaled(scale * lambda, row.view());
@@ -266,6 +276,12 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
         if square < 0.0 { 0.0 } else { square.sqrt() }
     }
 
+    /// The equation with the largest part in a turned row.
+    fn most_involved(&self, turned: usize) -> usize {
+        let part = |row: &usize| self.rotation[turned][*row].abs();
+        (0..self.count).max_by(|a, b| part(a).total_cmp(&part(b))).unwrap_or(0)
+    }
+
     /// Judges the singular values.
     fn examine(&mut self) -> Result<(), ConstraintError> {
         let mut sigma = [0.0; M];
@@ -283,8 +299,7 @@ impl<C: Storage, const M: usize> DenseMultipliers<C, M> {
             && self.regularity < DEPENDENT
             && self.redundancy == Redundancy::Refuse
         {
-            let part = |row: &usize| self.rotation[i][*row].abs();
-            let row = (0..self.count).max_by(|a, b| part(a).total_cmp(&part(b))).unwrap_or(0);
+            let row = self.most_involved(i);
             return Err(ConstraintError::Singular { ratio: self.regularity, row });
         }
         for (inverse, sigma) in self.inverse_square.iter_mut().zip(sigma) {

@@ -161,6 +161,20 @@ pub enum ConstraintError {
         /// The equation with the largest part in the dependence, counted from 0.
         row: usize,
     },
+    /// A step begins, ends or passes too close to a position where the linkage may go on in several ways.
+    #[error(
+        "the step begins or ends too close to a singular position{}, where dependent equations are: {names}; \
+         take steps that end farther from it",
+        if *ratio > 0.0 { format!(" ({ratio:e} of a regular one)") } else { String::new() }
+    )]
+    SingularPosition {
+        /// How far the weakest equation is from depending on others, relative to a normal one.
+        ratio: f64,
+        /// The equations that depend on each other there, or the one at which it was noticed.
+        rows: Vec<usize>,
+        /// The same with their names, as [`Constraint::describe`](crate::Constraint::describe) has them.
+        names: String,
+    },
     /// Reduced coordinates do not determine the places' velocities, nor these the coordinates'
     /// rates.
     #[error(

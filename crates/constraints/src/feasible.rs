@@ -100,6 +100,16 @@ impl Scales {
         if f64::is_finite(sum) { largest } else { f64::NAN }
     }
 
+    /// Makes distances of values.
+    pub(crate) fn scale(&self, g: &mut [f64]) {
+        g.iter_mut().zip(&self.inverse_slope).for_each(|(g, slope)| *g *= slope);
+    }
+
+    /// Makes values of distances, times a factor.
+    pub(crate) fn unscale(&self, g: &mut [f64], factor: f64) {
+        g.iter_mut().zip(&self.inverse_slope).for_each(|(g, slope)| *g *= factor / slope);
+    }
+
     /// The worst of the values g.
     pub(crate) fn worst(&self, g: &[f64]) -> Result<Worst, ConstraintError> {
         let distance = self.distance(g);

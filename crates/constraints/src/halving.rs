@@ -15,6 +15,7 @@ use stationary_calculus::Storage;
 use stationary_integrators::{EnergyBehavior, Facts, Saved, State, StepError, Symplecticity};
 
 use crate::parts::Parts;
+use crate::rattle_core::check_step;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A method whose failed steps are retried in halves.
@@ -43,7 +44,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
     /// Moves the copy of the state by a share `2^-depth` of `h`.
     fn advance(&mut self, h: f64, depth: u32) -> Result<ConstrainedReport, ConstraintError> {
         let share = 0.5_f64.powi(depth as i32);
-        match self.integrator.step(&mut self.parts.moving, h * share) {
+        match self.integrator.step_either_way(&mut self.parts.moving, h * share) {
             Ok(report) => {
                 self.parts.add(share, self.integrator.multipliers());
                 Ok(report)
@@ -62,11 +63,12 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> Halving<I, C> {
 const MOST: u32 = 40;
 
 /// Whether a failure is one of a step that is too long.
-fn is_mended_by_shorter_steps(error: &ConstraintError) -> bool {
+pub(crate) fn is_mended_by_shorter_steps(error: &ConstraintError) -> bool {
     matches!(
         error,
         ConstraintError::NotConverged { .. }
             | ConstraintError::Diverged { .. }
+            | ConstraintError::SingularPosition { .. }
             | ConstraintError::Step(StepError::Newton(_))
     )
 }
@@ -83,6 +85,15 @@ impl<C: Storage, I: ConstrainedIntegrator<C>> ConstrainedIntegrator<C> for Halvi
     }
 
     fn step(&mut self, state: &mut State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
+        check_step(h)?;
+        self.step_either_way(state, h)
+    }
+
+    fn step_either_way(
+        &mut self,
+        state: &mut State<C>,
+        h: f64,
+    ) -> Result<ConstrainedReport, ConstraintError> {
         self.parts.begin(state)?;
         let report = self.advance(h, 0)?;
         self.parts.end(state, h);

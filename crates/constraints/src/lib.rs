@@ -49,8 +49,8 @@
 //! not feasible is an error that says by how much, and [`Projection`] mends it on request. A step
 //! allocates nothing, and a failed one leaves the state as it was.
 //!
-//! What the examination of rank cannot see: it is made at each accepted configuration, and between two
-//! of them a linkage may pass through a singular one unseen. [`Dense`] and [`SparseDiagonal`] tell a row
+//! The rank is examined at each accepted configuration. A linkage passes a singular one between two of them, or the
+//! step is an error that names the equations which depend on each other there. [`Dense`] and [`SparseDiagonal`] tell a row
 //! that depends on others from one that is independent by a part in 1e7 of its size, or say that they
 //! cannot; `SparseGeneral` sees what makes its matrix singular to working precision. The crate states
 //! inequalities and solves none; it knows nothing of contact or files.
@@ -86,20 +86,24 @@ mod critical_point;
 mod free_motion;
 mod force_kicks;
 mod forced;
+mod secants;
 mod rattle_core;
 mod hamilton;
 mod rattle;
 mod parts;
 mod halving;
+mod adaptive;
 mod composed;
 mod breaking;
 pub mod problems;
 
+pub use adaptive::{Adaptive, AdaptiveReport, StepTolerance};
 pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
 pub use composed::Composed;
 pub use constraint::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
+    equation_name,
 };
 pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{Dense, DenseMultipliers, SmallVec};

@@ -55,8 +55,20 @@ pub trait Multipliers: Clone {
     ) -> Result<(), ConstraintError>;
 
     /// The smallest over the largest singular value of J M^-1/2 in reference scales, where it was
-    /// prepared last; `None` of a solver that does not know.
+    /// prepared last, or of a solver of many equations the smallest distance of an independent one from those eliminated
+    /// before it, relative to a normal row; `None` of a solver that does not know.
     fn regularity(&self) -> Option<f64> {
+        None
+    }
+
+    /// How many equations depend on others, where it was prepared last; 0 of a solver that refuses them.
+    fn redundant(&self) -> usize {
+        0
+    }
+
+    /// The equation that is nearest to depending on others, or does, and its distance from them relative to a
+    /// normal row; `None` of a solver that does not know.
+    fn weakest(&self) -> Option<(usize, f64)> {
         None
     }
 

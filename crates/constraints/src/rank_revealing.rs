@@ -71,6 +71,8 @@ pub(crate) struct RankRevealing {
     products: Vec<f64>,
     /// The equations that depend on those eliminated before them.
     pub(crate) dependent: Vec<Dependent>,
+    /// The row that is closest to dependent and is not, by the square of its distance over its threshold.
+    pub(crate) weakest: (u32, f64),
     /// How many rows are so close to dependent that they were measured, and are not.
     pub(crate) close: usize,
 }
@@ -90,6 +92,7 @@ impl RankRevealing {
             weights: zeros.clone(),
             products: zeros,
             dependent: Vec::with_capacity(count),
+            weakest: (0, f64::INFINITY),
             close: 0,
             elimination,
         }
@@ -121,6 +124,7 @@ impl RankRevealing {
         let count = self.inverse.len();
         self.dependent.clear();
         self.close = 0;
+        self.weakest = (0, f64::INFINITY);
         self.ends.copy_from_slice(&self.elimination.column_starts[..count]);
         for place in 0..count {
             let diagonal = self.values[self.factor.len() + place];
@@ -129,11 +133,13 @@ impl RankRevealing {
             let threshold = thresholds[equation as usize];
             if pivot > SUSPICIOUS * diagonal && pivot > 4.0 * threshold * threshold {
                 self.inverse[place] = pivot.sqrt().recip();
+                self.weaken(equation, pivot, threshold);
                 continue;
             }
             let distance = self.distance(place, rows, threshold)?;
             if distance > threshold {
                 self.inverse[place] = distance.recip();
+                self.weaken(equation, distance * distance, threshold);
                 self.close += 1;
             } else {
                 self.inverse[place] = 0.0;
@@ -141,6 +147,14 @@ impl RankRevealing {
             }
         }
         Ok(())
+    }
+
+    #[inline]
+    fn weaken(&mut self, equation: u32, square: f64, threshold: f64) {
+        let ratio = square / (threshold * threshold);
+        if ratio < self.weakest.1 {
+            self.weakest = (equation, ratio);
+        }
     }
 
     /// Writes the row of L at a place; the square of its diagonal entry.

@@ -24,7 +24,12 @@
 //! heavy ones swings with a frequency like `sqrt(mu)`, which the step must resolve: beyond the bound by
 //! a few times there is no solution for any solver to find, and the step is an error. The bound is
 //! measured, not proved; [`Halving`](crate::Halving) retries such a step in halves where that is asked
-//! for. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
+//! for.
+//!
+//! A linkage passes a singular position, where it may go on in more than one way, in a step that begins before and ends beyond
+//! it: inertia decides. A step that begins or ends too close for that is
+//! [`SingularPosition`](ConstraintError::SingularPosition), which names the equations: it tells so by the impulses
+//! at both ends, which of one motion are alike. Source: Andersen (1983); Leimkuhler and Reich (2004), 7.2;
 //! notes 6.5.
 
 use stationary_calculus::{Flat, Metric, Potential, Space, Storage, System};
@@ -182,6 +187,7 @@ where
         core.arrive(h)?;
         core.kick_there(0.5 * h);
         core.hold_velocity()?;
+        core.check_passage()?;
         work += core.work_there()?;
         core.finish(state, h)?;
         let impulses = self.start.as_ref().iter().zip(core.impulse.as_ref());

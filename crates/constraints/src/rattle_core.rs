@@ -19,7 +19,8 @@ use stationary_calculus::{
 use stationary_integrators::{State, StepError};
 
 use crate::feasible::{Flight, Scales, rounding};
-use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
+use crate::secants::Secants;
+use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver, equation_name};
 
 /// More iterations than this are too long a step, or equations that contradict each other. A step at the
 /// bound that [`Rattle`](crate::Rattle) states may gain no more than a tenth in each.
@@ -27,6 +28,56 @@ const ITERATIONS: u32 = 240;
 
 /// Solves for a velocity that stays, at most.
 const SOLVES: u32 = 3;
+
+/// Iterations without gain after which learned moves have done what they can.
+const PATIENCE: u32 = 6;
+/// How often a move that makes values grow is shortened to a quarter.
+const TRIES: u32 = 8;
+/// A place less regular than this part of the most regular one is near a singular position.
+const NEAR: f64 = 0.2;
+/// The same where iterations failed: otherwise the step was too long.
+const SINGULAR: f64 = 0.05;
+/// The same where a step may have ended without iterations that showed it.
+const CLOSE: f64 = 1e-3;
+/// Impulses at both ends of a step that differ by more than this part of their sum are not of one motion,
+/// unless they are less than the second part of the momentum.
+const UNLIKE: f64 = 0.2;
+const SLIGHT: f64 = 1e-6;
+/// An equation with more than this part of the largest share is involved in a dependence.
+const INVOLVED: f64 = 0.1;
+
+/// What tells whether a step passes a singular position on its branch.
+#[derive(Clone, Debug)]
+struct Passage<C> {
+    /// Whether the iterations of the last drift had to learn.
+    slow: bool,
+    /// The largest regularity that was seen.
+    typical: f64,
+    /// Momenta before the impulses at the start and at the end of a step.
+    before: Covector<C>,
+    after: Covector<C>,
+}
+
+impl<C: Storage> Passage<C> {
+    fn new(n: usize) -> Result<Self, ConstraintError> {
+        let (before, after) = (Covector(zeros(n)?), Covector(zeros(n)?));
+        Ok(Passage { slow: false, typical: 0.0, before, after })
+    }
+
+    fn see(&mut self, regularity: Option<f64>) {
+        self.typical = self.typical.max(regularity.unwrap_or(0.0));
+    }
+
+    fn is_singular(&self, regularity: Option<f64>) -> bool {
+        regularity.is_some_and(|regularity| regularity < SINGULAR * self.typical)
+    }
+
+    /// Whether a regularity is that of a place near a singular position; where it is not known, it
+    /// may be.
+    fn is_near(&self, regularity: Option<f64>) -> bool {
+        regularity.is_none_or(|regularity| regularity < NEAR * self.typical)
+    }
+}
 
 /// A configuration with what is known there.
 #[derive(Clone, Debug)]
@@ -48,6 +99,8 @@ pub(crate) struct RattleCore<'s, M, P, S, K, C, X: Multipliers, F> {
     here: Place<C, X>,
     there: Place<C, X>,
     g: X::Numbers,
+    secants: Secants<X::Numbers>,
+    passage: Passage<C>,
     displacement: Vector<C>,
     /// The momentum at the start of a drift, with the impulses so far.
     before: Covector<C>,
@@ -133,6 +186,8 @@ where
             there: place.clone(),
             here: place,
             g: numbers.clone(),
+            secants: Secants::new(&numbers),
+            passage: Passage::new(n)?,
             displacement: Vector(zeros(n)?),
             before: Covector(zeros(n)?),
             next: State::new(zeros(stored)?, Covector(zeros(n)?)),
@@ -140,6 +195,7 @@ where
             differentials: 0,
         };
         core.begin(state)?;
+        core.passage.see(core.here.solver.regularity());
         core.check_velocity(state)?;
         Ok(core)
     }
@@ -195,15 +251,106 @@ where
     /// Drifts for the time h, with an impulse before it that makes the new configuration feasible;
     /// the iterations that were needed, and what is left of the violation.
     pub(crate) fn hold_configuration(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
+        let error = match self.iterate(h) {
+            Err(error) => error,
+            held => return held,
+        };
+        let of_iterations = matches!(
+            error,
+            ConstraintError::NotConverged { .. }
+                | ConstraintError::Diverged { .. }
+                | ConstraintError::Dependent { .. }
+                | ConstraintError::Step(StepError::Newton(_))
+        );
+        let begun = (self.here.solver.regularity(), self.here.solver.redundant());
+        if of_iterations && self.passage.is_singular(begun.0) {
+            return Err(self.nearby_position());
+        }
+        // Of a start that is singular itself nothing regular was seen so far.
+        if of_iterations && begun.1 > 0 && self.examine(self.here.t + h, None).is_ok() {
+            let row = self.here.solver.weakest().map_or(0, |(row, _)| row);
+            if self.there.solver.redundant() < begun.1 {
+                return Err(self.position(0.0, vec![row]));
+            }
+        }
+        Err(error)
+    }
+
+    /// An error where a step that begins or ends near a singular position was turned there: its impulses at both
+    /// ends are not those of one motion.
+    pub(crate) fn check_passage(&mut self) -> Result<(), ConstraintError> {
+        let (here, there) = (self.here.solver.regularity(), self.there.solver.regularity());
+        let close = there.is_some_and(|there| there < CLOSE * self.passage.typical);
+        let near = self.passage.is_near(here) || self.passage.is_near(there);
+        if !(close || self.passage.slow && near) {
+            return Ok(());
+        }
+        let RattleCore { passage, before, next, system, displacement: room, .. } = self;
+        let metric = system.metric();
+        let mut size = |p: &Covector<C>| {
+            metric.sharp(p.view(), room.view_mut());
+            p.apply(room).abs().sqrt()
+        };
+        let whole = size(&next.p);
+        passage.before.add_scaled(-1.0, before.view());
+        passage.after.add_scaled(-1.0, next.p.view());
+        let both = size(&passage.before) + size(&passage.after);
+        passage.before.add_scaled(-1.0, passage.after.view());
+        if size(&passage.before) <= UNLIKE * both + SLIGHT * whole {
+            return Ok(());
+        }
+        Err(self.nearby_position())
+    }
+
+    /// The singular position near which a step begins or ends, with the equations that depend on each other there.
+    #[cold]
+    fn nearby_position(&mut self) -> ConstraintError {
+        let RattleCore { here, g, scales, .. } = self;
+        let g = g.as_mut();
+        let (row, ratio) = here.solver.weakest().unwrap_or((0, f64::NAN));
+        let mut rows = vec![row];
+        g.fill(0.0);
+        if let Some(g) = g.get_mut(row) {
+            *g = 1.0;
+        }
+        // Two inverse iterations from the weakest equation.
+        let found = (0..2).all(|_| {
+            let size = g.iter().fold(0.0_f64, |size, g| size.max(g.abs()));
+            g.iter_mut().for_each(|g| *g /= size);
+            here.solver.solve(g).is_ok()
+        });
+        if found && g.iter().all(|g| g.is_finite()) {
+            scales.unscale(g, 1.0);
+            let most = g.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
+            rows = (0..g.len()).filter(|&row| g[row].abs() > INVOLVED * most).collect();
+        }
+        self.position(ratio, rows)
+    }
+
+    #[cold]
+    fn position(&self, ratio: f64, rows: Vec<usize>) -> ConstraintError {
+        let named = |&row: &usize| equation_name(&self.constraint, row);
+        let names = rows.iter().map(named).collect::<Vec<_>>().join(", ");
+        ConstraintError::SingularPosition { ratio, rows, names }
+    }
+
+    fn iterate(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
         let t = self.here.t + h;
         let q0 = &self.here.q;
         let State { q, p, .. } = &mut self.next;
         let (metric, space) = (self.system.metric(), self.system.space());
         let (g, impulse, before) = (self.g.as_mut(), self.impulse.as_mut(), &mut self.before);
+        let secants = &mut self.secants;
         before.copy_from(p.view());
+        self.passage.before.copy_from(p.view());
         impulse.fill(0.0);
-        let mut iterations = 0;
-        let mut last = f64::INFINITY;
+        secants.forget();
+        let (mut iterations, mut tries, mut stale) = (0, 0, 0);
+        let (mut last, mut best) = (f64::INFINITY, f64::INFINITY);
+        let mut learning = false;
+        let regularity = self.here.solver.regularity();
+        // Near a singular position places matter that values hardly show.
+        let thorough = regularity.is_some_and(|r| r < f64::max(CLOSE, NEAR * self.passage.typical));
         let mut flight = Flight::default();
         let eps = rounding(q0.as_ref());
         loop {
@@ -217,11 +364,19 @@ where
             if distance.is_nan() && iterations == 0 {
                 return Err(ConstraintError::NonFinite { what: "constraint", index: 0 });
             }
-            flight.check(&self.scales, g, self.here.solver.regularity())?;
+            flight.check(&self.scales, g, regularity)?;
             let feasible = self.scales.worst(g)?.excess <= eps;
-            let stands_still = distance > 0.5 * last || iterations == ITERATIONS;
-            if distance <= 0.25 * eps || (feasible && stands_still) {
+            let stands_still = distance > 0.5 * last;
+            (best, stale) = if distance < 0.5 * best { (distance, 0) } else { (best, stale + 1) };
+            let done = iterations == ITERATIONS
+                || if learning {
+                    stale >= PATIENCE && distance <= 2.0 * best
+                } else {
+                    stands_still && !thorough
+                };
+            if distance <= 0.25 * eps || (feasible && done) {
                 self.here.solver.share(impulse)?;
+                self.passage.slow = learning;
                 return Ok((iterations, self.scales.largest_relative(g)));
             }
             if iterations == ITERATIONS {
@@ -229,19 +384,52 @@ where
                 let (violation, _) = self.scales.relative(row, g, q.as_ref());
                 return Err(ConstraintError::NotConverged { iterations, row, violation });
             }
-            last = distance;
-            let per_time = h.recip();
-            g.iter_mut().for_each(|g| *g *= per_time);
-            self.here.solver.solve(g)?;
-            self.here.solver.add_pulled_back(-1.0, g, before.view_mut());
-            impulse.iter_mut().zip(&*g).for_each(|(sum, delta)| *sum += delta);
             iterations += 1;
+            if learning && distance > 2.0 * last && tries < TRIES {
+                // Three quarters of the move are taken back.
+                tries += 1;
+                let moved = secants.last.as_mut();
+                moved.iter_mut().for_each(|x| *x *= 0.75);
+                self.here.solver.add_pulled_back(1.0, moved, before.view_mut());
+                impulse.iter_mut().zip(&*moved).for_each(|(sum, part)| *sum -= part);
+                moved.iter_mut().for_each(|x| *x /= 3.0);
+                continue;
+            }
+            self.scales.scale(g);
+            learning |= stands_still && iterations > 1;
+            if learning {
+                secants.learn(g);
+            }
+            (last, tries) = (distance, 0);
+            secants.reduce(g);
+            self.scales.unscale(g, h.recip());
+            self.here.solver.solve(g)?;
+            let moved = secants.last.as_mut();
+            moved.iter_mut().zip(&*g).for_each(|(moved, step)| *moved += step);
+            self.here.solver.add_pulled_back(-1.0, moved, before.view_mut());
+            impulse.iter_mut().zip(&*moved).for_each(|(sum, delta)| *sum += delta);
         }
     }
 
-    /// Evaluates everything where the drift has led, and examines the rank there.
+    /// Evaluates everything where the drift has led, and examines the rank there: what was independent where
+    /// the step began and is dependent here, or the other way, is a singular position.
     pub(crate) fn arrive(&mut self, h: f64) -> Result<(), ConstraintError> {
-        self.examine(self.here.t + h, None)
+        if let Err(error) = self.examine(self.here.t + h, None) {
+            return Err(match error {
+                ConstraintError::Singular { ratio, row }
+                | ConstraintError::RankUnclear { row, distance: ratio, .. } => {
+                    self.position(ratio, vec![row])
+                }
+                error => error,
+            });
+        }
+        let (here, there) = (self.here.solver.redundant(), self.there.solver.redundant());
+        if here == there {
+            return Ok(());
+        }
+        let place = if here > there { &self.here } else { &self.there };
+        let row = place.solver.weakest().map_or(0, |(row, _)| row);
+        Err(self.position(0.0, vec![row]))
     }
 
     /// Evaluates everything at a configuration, or at the next one.
@@ -264,6 +452,7 @@ where
         let (p, there) = (&mut self.next.p, &mut self.there);
         let (impulse, g) = (self.impulse.as_mut(), self.g.as_mut());
         impulse.fill(0.0);
+        self.passage.after.copy_from(p.view());
         // Once is enough but where masses differ by much: there roundings of one solve are removed by
         // another. Where equations share their force, what no force removes is an error.
         for solves in 0..=SOLVES {
@@ -300,6 +489,7 @@ where
         check_time(state.t + h)?;
         self.next.t = state.t + h;
         std::mem::swap(state, &mut self.next);
+        self.passage.see(self.there.solver.regularity());
         if self.there.known && self.there.q == state.q {
             std::mem::swap(&mut self.here, &mut self.there);
         }

@@ -223,6 +223,15 @@ impl<const D: usize> Constraint for Rods<D> {
         let Some(&Rod { length, .. }) = self.rods.get(row) else { return Scale::default() };
         Scale { slope: 2.0 * length, length }
     }
+
+    fn describe(&self, row: usize) -> Option<String> {
+        let [one, other] = self.rods.get(row)?.ends;
+        let name = |vertex: usize| match vertex.checked_sub(self.free) {
+            Some(hook) => format!("hook {hook}"),
+            None => format!("vertex {vertex}"),
+        };
+        Some(format!("rod between {} and {}", name(one), name(other)))
+    }
 }
 
 #[cfg(test)]

@@ -105,6 +105,18 @@ macro_rules! set_of_constraints {
                 let _ = row;
                 Scale::default()
             }
+
+            fn describe(&self, row: usize) -> Option<String> {
+                let mut row = row;
+                $(
+                    if row < self.$index.count() {
+                        return self.$index.describe(row);
+                    }
+                    row -= self.$index.count();
+                )+
+                let _ = row;
+                None
+            }
         }
     };
 }
@@ -182,6 +194,19 @@ impl<K: Constraint> Constraint for Vec<K> {
             row -= member.count();
         }
         Scale::default()
+    }
+
+    /// The member's name, with the equation's number in it and the member's in the list.
+    fn describe(&self, row: usize) -> Option<String> {
+        let mut row = row;
+        for (member, constraint) in self.iter().enumerate() {
+            if row < constraint.count() {
+                let name = constraint.describe(row)?;
+                return Some(format!("equation {row} of constraint {member}, {name}"));
+            }
+            row -= constraint.count();
+        }
+        None
     }
 }
 

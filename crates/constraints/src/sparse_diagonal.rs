@@ -286,6 +286,21 @@ impl Multipliers for DiagonalMultipliers {
         Ok(())
     }
 
+    fn regularity(&self) -> Option<f64> {
+        Some((DEPENDENT * self.factor.weakest.1.sqrt()).min(1.0))
+    }
+
+    fn redundant(&self) -> usize {
+        self.dependent()
+    }
+
+    fn weakest(&self) -> Option<(usize, f64)> {
+        match self.factor.dependent.first() {
+            Some(dependent) => Some((dependent.equation as usize, 0.0)),
+            None => Some((self.factor.weakest.0 as usize, self.regularity()?)),
+        }
+    }
+
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
         check_solve(self.prepared, self.count, b)?;
         if !self.factor.dependent.is_empty() {

@@ -246,4 +246,8 @@ impl Constraint for PlanarJoint {
         let arm = self.ends.iter().map(reach).fold(0.0, f64::max);
         self.rows.get(row).map_or_else(Scale::default, |row| row.scale(arm))
     }
+
+    fn describe(&self, _row: usize) -> Option<String> {
+        Some(self.name().to_string())
+    }
 }

@@ -42,7 +42,7 @@
 //!
 //! Reading order: errors; twists, wrenches and inertias; [`JointKind`](crate::JointKind); [`Tree`] and its builder;
 //! [`TreeMotion`] with its kinematics; [`TreeForces`]; inverse and forward dynamics, the mass
-//! matrix, energy and momenta; [`TreeLoops`], which close loops by a few rows; then [`TreeField`] for
+//! matrix, energy and momenta; [`TreeLoops`], which close loops by a few rows; [`TreeDrive`], by which a joint follows a schedule; then [`TreeField`] for
 //! the adaptive methods and [`TreeVariational`], the fixed step of open trees. Source: Featherstone,
 //! Rigid Body Dynamics Algorithms (2008), chapters 4 to 8; notes 9.5 for the step.
 
@@ -59,6 +59,7 @@ mod forward_dynamics;
 mod mass_matrix;
 mod invariants;
 mod loops;
+mod prescribed;
 mod field;
 mod bilinear;
 mod driven;
@@ -70,4 +71,5 @@ pub use field::TreeField;
 pub use forces::TreeForces;
 pub use loops::TreeLoops;
 pub use motion::TreeMotion;
+pub use prescribed::TreeDrive;
 pub use variational::TreeVariational;

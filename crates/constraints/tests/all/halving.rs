@@ -2,10 +2,10 @@
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_constraints::{
-    ConstrainedIntegrator, ConstraintError, Dense, Halving, Projection, Rattle, Redundancy, Rod,
-    Rods,
+    Composed, ConstrainedIntegrator, ConstraintError, Dense, Halving, Projection, Rattle,
+    Redundancy, Rod, Rods,
 };
-use stationary_integrators::{State, Symplecticity, UniformGravity};
+use stationary_integrators::{Scheme, State, Symplecticity, UniformGravity};
 
 type Problem = System<DiagonalMetric<[f64; 4]>, UniformGravity<2>>;
 
@@ -109,4 +109,21 @@ fn a_projection_between_masses_that_differ_by_a_billion_settles_or_is_refused() 
         }
     }
     assert!(settled > 100, "{settled}");
+}
+
+#[test]
+fn halves_go_back_in_time_too_so_that_composed_steps_may_be_halved() {
+    let (system, rods, initial) = double(1e3);
+    let rattle = Rattle::new(&system, rods, &initial, FEW).unwrap();
+    let alone = Composed::new(rattle.clone(), Scheme::Suzuki4, &initial).unwrap();
+    assert!(failure(&mut alone.clone(), &initial, 0.05).is_some());
+    let halving = Halving::new(rattle, 20, &initial).unwrap();
+    let mut method = Composed::new(halving, Scheme::Suzuki4, &initial).unwrap();
+    let (mut state, mut halved) = (initial.clone(), 0);
+    for _ in 0..40 {
+        let report = method.step(&mut state, 0.05).unwrap();
+        assert!(report.violation < 1e-12);
+        halved += report.halvings;
+    }
+    assert!(halved > 0);
 }

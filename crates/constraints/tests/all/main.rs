@@ -1,5 +1,6 @@
 //! What holds of `stationary-constraints`, in one binary: what is generic is compiled once.
 
+mod adaptive;
 mod bad_input;
 mod curved;
 mod facts;
@@ -9,4 +10,5 @@ mod many;
 mod multipliers;
 mod no_allocation;
 mod reduced;
+mod singular;
 mod ways;

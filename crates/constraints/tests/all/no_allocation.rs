@@ -4,8 +4,8 @@ use allocation_counter::measure;
 use stationary_calculus::Storage;
 use stationary_constraints::problems::{RodProblem, four_bar, pendulum, square};
 use stationary_constraints::{
-    ConstrainedHamilton, ConstrainedIntegrator, Dense, Rattle, Redundancy, SparseDiagonal,
-    StepAndProject,
+    Adaptive, ConstrainedHamilton, ConstrainedIntegrator, Dense, Rattle, Redundancy,
+    SparseDiagonal, StepAndProject, StepTolerance,
 };
 use stationary_integrators::{State, StormerVerlet};
 
@@ -44,6 +44,26 @@ fn no_method_allocates_in_a_step() {
     let few = Dense::<3>(Redundancy::Refuse);
     let mut rattle = Rattle::new(&system, rods, &initial, few).unwrap();
     assert_eq!(allocations(&mut rattle, &initial, 0.01), 0);
+}
+
+#[test]
+fn adaptive_steps_and_output_between_them_do_not_allocate() {
+    let RodProblem { system, rods, initial } = square(2, 1.0, [0.1, 0.2]).unwrap();
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
+    let rattle = Rattle::new(&system, rods, &initial, shared).unwrap();
+    let tolerance = StepTolerance { absolute: 1e-6, relative: 0.0 };
+    let mut method = Adaptive::new(rattle, tolerance, 0.01, &initial).unwrap();
+    let (mut state, mut between) = (initial.clone(), initial.clone());
+    let mut forces = vec![0.0; method.integrator().multipliers().len()];
+    let mut steps = |count: u32| {
+        for _ in 0..count {
+            let step = method.advance(&mut state, 100.0).unwrap();
+            let t = step.from + 0.6 * (step.to - step.from);
+            method.at(t, &mut between, &mut forces).unwrap();
+        }
+    };
+    steps(2);
+    assert_eq!(measure(|| steps(10)).count_total, 0);
 }
 
 #[cfg(feature = "sparse")]

@@ -122,4 +122,8 @@ impl<S: BodySpace> Constraint for Joint<S> {
             None => Scale::default(),
         }
     }
+
+    fn describe(&self, _row: usize) -> Option<String> {
+        Some(self.name().to_string())
+    }
 }

@@ -66,15 +66,16 @@ impl<S: BodySpace, T: Schedule> Drive<S, T> {
         ends: [JointEnd; 2],
         schedule: T,
     ) -> Result<Self, RigidError> {
-        let kind = match along {
-            Along::Turn => "turning drive",
-            Along::Shift => "shifting drive",
-        };
-        let joint = JointName { kind, bodies: ends.map(|end| end.body) };
+        let joint = JointName { kind: along.drive(), bodies: ends.map(|end| end.body) };
         let fault = |fault| RigidError::Joint { joint, fault };
         JointEnd::check_pair(&ends, bodies).map_err(fault)?;
         let row = Row::coordinate(&unit(axis).map_err(fault)?, along, &ends);
         Ok(Drive { bodies, along, ends, row, schedule, space })
+    }
+
+    /// How a message names it.
+    pub fn name(&self) -> JointName {
+        JointName { kind: self.along.drive(), bodies: self.ends.map(|end| end.body) }
     }
 
     /// The rate that the schedule has at a time, radians or metres a second.
@@ -129,6 +130,10 @@ impl<S: BodySpace, T: Schedule> Constraint for Drive<S, T> {
         check_values(1, rate)?;
         rate[0] = -self.speed(t);
         Ok(())
+    }
+
+    fn describe(&self, _row: usize) -> Option<String> {
+        Some(self.name().to_string())
     }
 
     fn scale(&self, _row: usize) -> Scale {

@@ -74,6 +74,16 @@ pub enum JointFault {
     /// The rotation of a frame whose quaternion has not length 1.
     #[error("the rotation of its frame has a quaternion of length {0}; it must be 1")]
     NotUnit(f64),
+    /// A freedom that a schedule cannot prescribe.
+    #[error(
+        "freedom {freedom} has no coordinate of its own: {freedoms} of this joint have, counted from 0"
+    )]
+    NotDriven {
+        /// The freedom.
+        freedom: usize,
+        /// How many freedoms have.
+        freedoms: usize,
+    },
     /// A kind that is told by its equations alone.
     #[error("nothing hangs by it: it closes a loop between bodies that hang by other joints")]
     RowsOnly,

@@ -44,6 +44,16 @@ pub enum Along {
     Shift,
 }
 
+impl Along {
+    /// How a message names what drives it.
+    pub(crate) fn drive(self) -> &'static str {
+        match self {
+            Along::Turn => "turning drive",
+            Along::Shift => "shifting drive",
+        }
+    }
+}
+
 use JointKind::{
     Ball, Cylinder, Free, Hinge, OnCircle, OnLine, Planar, Rod, Screw, Slider, Universal, Weld,
 };

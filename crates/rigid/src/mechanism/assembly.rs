@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{Metric, Space, Vector};
-use stationary_constraints::Constraint;
+use stationary_constraints::{Constraint, equation_name};
 
 use super::MechanismError;
 use super::differential::{full, inverse_root, weights};
@@ -71,8 +71,8 @@ pub fn assemble(
         let size = a.norm();
         let slope = a.tr_mul(&g);
         if slope.norm() <= LEVEL * size * g.norm() {
-            let (row, gap) = worst(&g);
-            return Err(MechanismError::NotAssembled { row, gap });
+            let (row, name, gap) = worst(constraint, &g);
+            return Err(MechanismError::NotAssembled { row, name, gap });
         }
         let mut matrix = &a * a.transpose();
         for k in 0..count {
@@ -92,15 +92,16 @@ pub fn assemble(
             _ => damping *= 10.0,
         }
         if damping > 1e15 {
-            let (row, gap) = worst(&g);
-            return Err(MechanismError::NotAssembled { row, gap });
+            let (row, name, gap) = worst(constraint, &g);
+            return Err(MechanismError::NotAssembled { row, name, gap });
         }
     }
-    let (row, gap) = worst(&g);
-    Err(MechanismError::TooFar { iterations: ITERATIONS, row, gap })
+    let (row, name, gap) = worst(constraint, &g);
+    Err(MechanismError::TooFar { iterations: ITERATIONS, row, name, gap })
 }
 
-fn worst(g: &DVector<f64>) -> (usize, f64) {
+/// The equation that is open most, its name and by how much.
+fn worst(constraint: &impl Constraint, g: &DVector<f64>) -> (usize, String, f64) {
     let row = g.iamax();
-    (row, g[row].abs())
+    (row, equation_name(constraint, row), g[row].abs())
 }

@@ -17,21 +17,25 @@ pub enum MechanismError {
     },
     /// No closed pose near the guess.
     #[error(
-        "no closed pose near the guess: equation {row} stays open by {gap:e}, where no motion closes all"
+        "no closed pose near the guess: {name} stays open by {gap:e}, where no motion closes all"
     )]
     NotAssembled {
         /// The equation that is open most, counted from 0.
         row: usize,
+        /// The same with the name of its joint.
+        name: String,
         /// By how much, metres or radians.
         gap: f64,
     },
     /// The iterations reached their bound on the way to a closed pose.
-    #[error("no closed pose after {iterations} iterations: equation {row} is open by {gap:e}")]
+    #[error("no closed pose after {iterations} iterations: {name} is open by {gap:e}")]
     TooFar {
         /// How many there were.
         iterations: u32,
         /// The equation that is open most, counted from 0.
         row: usize,
+        /// The same with the name of its joint.
+        name: String,
         /// By how much, metres or radians.
         gap: f64,
     },

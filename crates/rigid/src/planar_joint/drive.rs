@@ -13,7 +13,7 @@ use stationary_constraints::{
 };
 
 use super::PlanarEnd;
-use crate::{JointFault, JointName, RigidError, Schedule};
+use crate::{Along, JointFault, JointName, RigidError, Schedule};
 
 /// A turn of the second end against the first that follows a schedule.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,13 +29,18 @@ impl<T: Schedule> PlanarDrive<T> {
     /// # Errors
     /// [`RigidError::Joint`] names the drive and what is wrong with it.
     pub fn new(bodies: usize, ends: [PlanarEnd; 2], schedule: T) -> Result<Self, RigidError> {
-        let joint = JointName { kind: "turning drive", bodies: ends.map(|end| end.body) };
+        let joint = JointName { kind: Along::Turn.drive(), bodies: ends.map(|end| end.body) };
         let fault = |fault| RigidError::Joint { joint, fault };
         ends.iter().try_for_each(|end| end.check(bodies)).map_err(fault)?;
         if ends[0].body == ends[1].body {
             return Err(fault(JointFault::ToItself));
         }
         Ok(PlanarDrive { bodies, ends, schedule })
+    }
+
+    /// How a message names it.
+    pub fn name(&self) -> JointName {
+        JointName { kind: Along::Turn.drive(), bodies: self.ends.map(|end| end.body) }
     }
 
     /// The rate that the schedule has at a time, radians a second.
@@ -92,5 +97,9 @@ impl<T: Schedule> Constraint for PlanarDrive<T> {
         check_values(1, rate)?;
         rate[0] = -self.speed(t);
         Ok(())
+    }
+
+    fn describe(&self, _row: usize) -> Option<String> {
+        Some(self.name().to_string())
     }
 }

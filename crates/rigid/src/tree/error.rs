@@ -112,6 +112,12 @@ pub enum TreeError {
         /// Its value.
         value: f64,
     },
+    /// Two schedules for one speed.
+    #[error("speed {speed} is driven twice; a coordinate follows one schedule")]
+    DrivenTwice {
+        /// The speed, counted from 0.
+        speed: usize,
+    },
     /// A body that is not there.
     #[error("there is no body {body}: the tree has {bodies}, counted from 0")]
     NoSuchBody {

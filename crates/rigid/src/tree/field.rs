@@ -13,6 +13,7 @@
 use std::cell::RefCell;
 use std::fmt;
 
+use stationary_calculus::SizeError;
 use stationary_integrators::VectorField;
 
 use super::builder::Tree;
@@ -20,6 +21,7 @@ use super::error::TreeError;
 use super::forces::TreeForces;
 use super::loops::TreeLoops;
 use super::motion::TreeMotion;
+use super::prescribed::TreeDrive;
 
 /// What adds to the forces at a time and a motion: nothing.
 pub(super) type Idle = fn(f64, &TreeMotion, &mut TreeForces);
@@ -29,6 +31,9 @@ struct Room {
     motion: TreeMotion,
     forces: TreeForces,
     loops: Option<TreeLoops>,
+    /// Where the drives lead, and the force of each.
+    prescribed: [Vec<f64>; 2],
+    holding: Vec<f64>,
 }
 
 /// A tree under forces, as a field of its coordinates and speeds.
@@ -36,6 +41,7 @@ pub struct TreeField<D = Idle> {
     tree: Tree,
     constant: TreeForces,
     drive: Option<D>,
+    schedules: Vec<TreeDrive>,
     room: RefCell<Room>,
 }
 
@@ -68,17 +74,47 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
     fn accelerate(&self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), TreeError> {
         let (q, v) = y.split_at(self.tree.coordinates());
         let (rates, accelerations) = f.split_at_mut(self.tree.coordinates());
-        let Room { motion, forces, loops } = &mut *self.room.borrow_mut();
+        let Room { motion, forces, loops, prescribed, holding } = &mut *self.room.borrow_mut();
+        let [own_q, own_v] = prescribed;
+        let (q, v) = if self.schedules.is_empty() {
+            (q, v)
+        } else {
+            own_q.copy_from_slice(q);
+            own_v.copy_from_slice(v);
+            for drive in &self.schedules {
+                [own_q[drive.coordinate], own_v[drive.speed], _] = drive.motion(t);
+            }
+            (&own_q[..], &own_v[..])
+        };
         motion.place(q, v)?;
         self.tree.write_rates(q, v, rates);
         if let Some(drive) = &self.drive {
             forces.clone_from(&self.constant);
             drive(t, motion, forces);
         }
+        for drive in &self.schedules {
+            motion.accelerate_along(drive.speed, drive.motion(t)[2]);
+        }
         match loops {
             None => motion.forward_dynamics(forces, accelerations),
             Some(loops) => loops.forward_dynamics(motion, forces, accelerations),
+        }?;
+        for (force, drive) in holding.iter_mut().zip(&self.schedules) {
+            *force = std::mem::replace(&mut accelerations[drive.speed], drive.motion(t)[2]);
         }
+        Ok(())
+    }
+
+    /// Writes the force of each prescribed motion at a time and a state: N, or N m.
+    ///
+    /// # Errors
+    /// Room for another number of forces; a state without a finite acceleration.
+    pub fn drive_forces(&self, t: f64, y: &[f64], forces: &mut [f64]) -> Result<(), TreeError> {
+        SizeError::check("the drives' forces", self.schedules.len(), forces.len())?;
+        SizeError::check("the state's numbers", self.dim(), y.len())?;
+        self.accelerate(t, y, &mut vec![0.0; y.len()])?;
+        forces.copy_from_slice(&self.room.borrow().holding);
+        Ok(())
     }
 }
 
@@ -86,14 +122,36 @@ impl<D> TreeField<D> {
     fn with(tree: Tree, constant: TreeForces, drive: Option<D>) -> Result<Self, TreeError> {
         constant.check(&tree)?;
         let (motion, forces) = (TreeMotion::new(tree.clone()), constant.clone());
-        let room = RefCell::new(Room { motion, forces, loops: None });
-        Ok(TreeField { tree, constant, drive, room })
+        let prescribed = [vec![0.0; tree.coordinates()], vec![0.0; tree.speeds()]];
+        let room = Room { motion, forces, loops: None, prescribed, holding: Vec::new() };
+        Ok(TreeField { tree, constant, drive, schedules: Vec::new(), room: RefCell::new(room) })
     }
 
     /// The same tree with its loops held closed, as far as accelerations do: see [`TreeLoops::close`].
     pub fn closed(self, loops: TreeLoops) -> Self {
         self.room.borrow_mut().loops = Some(loops);
         self
+    }
+
+    /// The same tree where joints follow schedules, whatever force it takes. Of their coordinates and speeds in a
+    /// state only the rates are used: they are where the schedules are.
+    ///
+    /// # Errors
+    /// Drives of another tree, or two of one speed: [`TreeError::DrivenTwice`].
+    pub fn prescribed(mut self, drives: Vec<TreeDrive>) -> Result<Self, TreeError> {
+        let speeds = self.tree.speeds();
+        let room = self.room.get_mut();
+        room.motion.held.clear();
+        for drive in &drives {
+            SizeError::check("the tree's speeds", speeds, speeds.max(drive.speed + 1))?;
+            if room.motion.held.contains(&drive.speed) {
+                return Err(TreeError::DrivenTwice { speed: drive.speed });
+            }
+            room.motion.held.push(drive.speed);
+        }
+        room.holding = vec![0.0; drives.len()];
+        self.schedules = drives;
+        Ok(self)
     }
 
     /// The tree.

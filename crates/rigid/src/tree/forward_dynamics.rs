@@ -94,12 +94,16 @@ impl TreeMotion {
                 let s = &self.columns[k];
                 let lever = inertia.times(s);
                 let pivot = lever.along(s);
+                self.levers[k] = lever;
+                if !self.held.is_empty() && self.held.contains(&k) {
+                    self.inverses[k] = 0.0;
+                    continue;
+                }
                 if pivot.is_nan() || pivot <= ROUNDING * self.inertias[body].bound(s) {
                     let freedom = k - link.speeds.start;
                     let joining = self.tree.joining(body);
                     return Err(TreeError::Singular { joining, freedom, inertia: pivot });
                 }
-                self.levers[k] = lever;
                 self.inverses[k] = 1.0 / pivot;
                 inertia.give_way(&lever, self.inverses[k]);
             }
@@ -113,7 +117,7 @@ impl TreeMotion {
     }
 
     /// Solves for the accelerations under the bodies' bias forces, which it sums, joint forces and
-    /// biases of acceleration.
+    /// biases of acceleration. In the place of a speed that is held stands the force that holds it.
     pub(super) fn solve(
         &mut self,
         joint_forces: &[f64],
@@ -140,7 +144,12 @@ impl TreeMotion {
                 None => Twist::zero(),
             } + bias(placed);
             for k in link.speeds.clone() {
-                acceleration[k] = (self.rest[k] - self.levers[k].along(&a)) * self.inverses[k];
+                let free = self.rest[k] - self.levers[k].along(&a);
+                if self.inverses[k] == 0.0 {
+                    acceleration[k] = -free;
+                    continue;
+                }
+                acceleration[k] = free * self.inverses[k];
                 a += self.columns[k] * acceleration[k];
             }
             self.accelerations[body] = a;

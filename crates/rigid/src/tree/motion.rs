@@ -57,6 +57,8 @@ pub struct TreeMotion {
     pub(super) inverses: Vec<f64>,
     /// The joint force that is left for it.
     pub(super) rest: Vec<f64>,
+    /// Speeds that give no way, whatever the forces.
+    pub(super) held: Vec<usize>,
 }
 
 impl TreeMotion {
@@ -81,6 +83,7 @@ impl TreeMotion {
             levers: vec![SpatialForce::zero(); f],
             inverses: vec![0.0; f],
             rest: vec![0.0; f],
+            held: Vec::new(),
             tree,
         };
         let q = motion.tree.rest();

@@ -1,12 +1,12 @@
 //! Mechanisms that stand still: mobility, assembly, forces at an instant, small swings.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Potential, System, assert_derivatives};
+use stationary_calculus::{Covector, Potential, System, assert_derivatives};
 use stationary_constraints::{
     Composed, ConstrainedIntegrator, Constraint, ConstraintError, Forced, Rattle, Redundancy,
     SparseDiagonal,
 };
-use stationary_integrators::Scheme;
+use stationary_integrators::{Scheme, State};
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
     Along, Body, BodyForces, BodyMetric, BodyMotion, BoundRow, ConstantVelocity, Drive,
@@ -87,6 +87,21 @@ fn a_parallelogram_is_freer_where_it_lies_flat_and_near_there_its_rank_is_named_
 }
 
 #[test]
+fn a_step_from_where_a_parallelogram_lies_flat_names_the_position_and_its_hinge() {
+    let system = bodies(3);
+    let (joints, q) = parallelogram([HINGE; 4], std::f64::consts::FRAC_PI_2);
+    let state = State::new(q, Covector(vec![0.0; 18]));
+    let shared = SparseDiagonal(Redundancy::LeastNorm);
+    let motion = FreeBodies(ConstantVelocity);
+    let mut rattle = Rattle::along(motion, &system, &joints, &state, shared).unwrap();
+    let mut moved = state.clone();
+    let error = rattle.step(&mut moved, 0.01).unwrap_err();
+    let ConstraintError::SingularPosition { names, .. } = &error else { panic!("{error}") };
+    assert!(names.contains("constraint ") && names.contains("hinge between"), "{names}");
+    assert_eq!(moved, state);
+}
+
+#[test]
 fn bennett_s_linkage_moves_although_counting_says_that_it_does_not() {
     // Four skew hinges: links a, b with twists alpha, beta, and a sin beta = b sin alpha.
     let (a, alpha, beta) = (1.0_f64, 0.6_f64, 1.1_f64);
@@ -161,6 +176,9 @@ fn a_four_bar_is_assembled_from_a_rough_guess_and_one_that_cannot_close_is_refus
     );
     let open = [&joints[..3], &[far]].concat();
     let error = assemble(system.metric(), &Poses, &open, 0.0, &guess).unwrap_err();
+    assert!(
+        error.to_string().contains("of constraint ") && error.to_string().contains("hinge between")
+    );
     let MechanismError::NotAssembled { gap, .. } = error else { panic!("{error}") };
     assert!(gap > 0.1 && gap < 1.0, "{gap}");
     let error = assemble(system.metric(), &Poses, &joints, 0.0, &guess[..20]).unwrap_err();

@@ -9,6 +9,7 @@ mod joints;
 mod lie_maps;
 mod linkage;
 mod mass_properties;
+mod singular_positions;
 
 use crate::Kind;
 
@@ -16,6 +17,7 @@ use crate::Kind;
 pub const KINDS: &[Kind] = &[
     joints::KIND,
     driven::KIND,
+    singular_positions::KIND,
     lie_maps::KIND,
     mass_properties::KIND,
     free_top::KIND,

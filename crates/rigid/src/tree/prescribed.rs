@@ -1,0 +1,96 @@
+//! Prescribed motion of a joint: a coordinate that follows a schedule, and the force that it takes.
+//!
+//! ```text
+//! q_k = s(t),   v_k = s.(t),   v._k = s..(t)
+//! I  <- I  (held: it gives no way),    f_k = s_k^T (I A + b) - tau_k
+//! ```
+//! `A` what the body accelerates with, `I` and `b` the inertia and the force of the branch, `f_k` the force of the drive
+//! beyond the joint's other ones: N of a shift, N m of a turn. The other joints move as the
+//! equations of motion say, under what the drive's motion does to them: hybrid dynamics, in one pass
+//! each way. A motor of given speed is a [`Steady`](crate::Steady) schedule. Its power is `f_k s.`.
+//! In full coordinates it is [`Drive`](crate::Drive). Source: Featherstone 2008, 9.2.
+
+use std::fmt;
+use std::rc::Rc;
+
+use stationary_calculus::{Vector, directional_derivative, second_differential};
+
+use super::builder::Tree;
+use super::error::TreeError;
+use super::motion::TreeMotion;
+use crate::{JointFault, Schedule};
+
+impl TreeMotion {
+    /// Adds the acceleration of a held speed to what its body accelerates by itself, until the tree is placed
+    /// again.
+    pub(super) fn accelerate_along(&mut self, speed: usize, acceleration: f64) {
+        let column = self.columns[speed];
+        let body = self.tree.links.iter().position(|link| link.speeds.contains(&speed));
+        if let Some(body) = body {
+            self.placed[body].bias += column * acceleration;
+        }
+    }
+}
+
+/// A coordinate of a tree's joint that follows a schedule.
+#[derive(Clone)]
+pub struct TreeDrive {
+    pub(super) coordinate: usize,
+    pub(super) speed: usize,
+    /// Coordinate, speed and acceleration at a time.
+    moves: Rc<dyn Fn(f64) -> [f64; 3]>,
+}
+
+impl fmt::Debug for TreeDrive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TreeDrive { coordinate, speed, .. } = self;
+        f.debug_struct("TreeDrive")
+            .field("coordinate", coordinate)
+            .field("speed", speed)
+            .finish_non_exhaustive()
+    }
+}
+
+impl TreeDrive {
+    /// The drive of a freedom, counted from 0, of the joint by which a body hangs.
+    ///
+    /// # Errors
+    /// [`TreeError::NoSuchBody`]; [`TreeError::Joint`] for a freedom that the joint does not have, or one of
+    /// a ball or a free joint, whose coordinates are none of its own.
+    pub fn new(
+        tree: &Tree,
+        body: usize,
+        freedom: usize,
+        schedule: impl Schedule + 'static,
+    ) -> Result<Self, TreeError> {
+        let (coordinates, speeds) = (tree.coordinates_of(body)?, tree.speeds_of(body)?);
+        let own = if coordinates.len() == speeds.len() { speeds.len() } else { 0 };
+        if freedom >= own {
+            let fault = JointFault::NotDriven { freedom, freedoms: own };
+            return Err(TreeError::Joint { joining: tree.joining(body), fault });
+        }
+        let moves = move |t: f64| {
+            let one = Vector([1.0]);
+            [
+                schedule.at(t),
+                directional_derivative(|[t]| schedule.at(t), [t], one),
+                second_differential(|[t]| schedule.at(t), [t], one, one),
+            ]
+        };
+        Ok(TreeDrive {
+            coordinate: coordinates.start + freedom,
+            speed: speeds.start + freedom,
+            moves: Rc::new(moves),
+        })
+    }
+
+    /// The coordinate, its speed and its acceleration at a time: of a turn radians, of a shift metres.
+    pub fn motion(&self, t: f64) -> [f64; 3] {
+        (self.moves)(t)
+    }
+
+    /// Where its coordinate and its speed stand among those of the tree.
+    pub fn places(&self) -> [usize; 2] {
+        [self.coordinate, self.speed]
+    }
+}
