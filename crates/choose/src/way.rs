@@ -13,10 +13,10 @@
 use std::sync::Arc;
 
 use crate::grid::{Grid, Within};
-use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
 use crate::look::{Look, apart};
 use crate::measured::{Course, distance};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 use crate::verify::told;
 
@@ -57,10 +57,10 @@ const OF_MODES: u32 = 4;
 
 impl Grid {
     /// A grid that looks into every step of a run.
-    pub fn of(lab: &Lab<'_>, at: At) -> Grid {
-        match lab.family(at.family).kind {
+    pub fn of(runs: &MeasuredRuns<'_>, at: At) -> Grid {
+        match runs.family(at.family).kind {
             Kind::EqualSteps => Grid::Equal { halvings: at.rung as u32 },
-            Kind::OwnSteps => Grid::Accepted(at),
+            Kind::Adaptive => Grid::Accepted(at),
             Kind::Modes => Grid::Equal { halvings: OF_MODES },
         }
     }
@@ -68,14 +68,14 @@ impl Grid {
 
 impl Way {
     /// Into every step.
-    pub fn all(lab: &Lab<'_>, at: At) -> Self {
-        Way { grids: vec![(Grid::of(lab, at), Within::Parts)], foretold: None }
+    pub fn all(runs: &MeasuredRuns<'_>, at: At) -> Self {
+        Way { grids: vec![(Grid::of(runs, at), Within::Parts)], foretold: None }
     }
 
     /// Into every step of a run of some hundreds, at many moments of each: what is another motion may be
     /// wrong for a small part of a step.
-    pub fn closely(lab: &Lab<'_>, at: At) -> Option<Self> {
-        let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+    pub fn closely(runs: &MeasuredRuns<'_>, at: At) -> Option<Self> {
+        let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let grids = vec![(Grid::Closely { halvings }, Within::Parts)];
         (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
     }
@@ -83,21 +83,21 @@ impl Way {
     /// Into some steps; nothing where what is between the ends of the others is not known, or known to be
     /// too far off, or these are few.
     pub fn some(
-        lab: &mut Lab<'_>,
+        runs: &mut MeasuredRuns<'_>,
         reference: &Reference,
         at: At,
         (least, allowed): (f64, f64),
     ) -> Option<Self> {
-        let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+        let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let most = least / NOTHING;
-        let between = between(lab, reference, at, allowed).filter(|between| *between <= most)?;
-        let track = lab.seen(at)?.track.clone()?;
+        let between = between(runs, reference, at, allowed).filter(|between| *between <= most)?;
+        let track = runs.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
         let parts = (MOMENTS << sampled) as usize;
         let ends = (Grid::Equal { halvings: sampled }, Within::Ends);
-        let (own, _) = lab.read(at, (&ends.0, ends.1), 0.0)?;
-        let (truth, _) = told(lab, reference, (&ends.0, ends.1), least, Lab::read)?;
+        let (own, _) = runs.read(at, (&ends.0, ends.1), 0.0)?;
+        let (truth, _) = told(runs, reference, (&ends.0, ends.1), least, MeasuredRuns::read)?;
         let errors: Vec<Vec<f64>> = own.values.iter().zip(&truth.values).map(off).collect();
         let sizes: Vec<f64> = errors.iter().map(|error| size(error)).collect();
         let bounds: Vec<f64> = (0..parts)
@@ -128,11 +128,11 @@ impl Way {
     }
 
     /// The largest error that steps may have which were not looked into, by those that were.
-    pub fn foretold(&self, lab: &mut Lab<'_>, own: &Look, truth: &Look) -> f64 {
+    pub fn foretold(&self, runs: &mut MeasuredRuns<'_>, own: &Look, truth: &Look) -> f64 {
         let Some(known) = &self.foretold else { return 0.0 };
-        let horizon = lab.ladder().horizon;
+        let horizon = runs.ladder().horizon;
         let parts = known.bounds.len();
-        let times = self.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
+        let times = self.grids.iter().filter_map(|(grid, within)| runs.moments(grid, *within));
         let times: Vec<f64> = times.flat_map(|moments| moments.times.clone()).collect();
         let rows = own.values.iter().zip(&truth.values).skip(1);
         let ratio = times.iter().zip(rows).map(|(t, (own, truth))| {
@@ -173,11 +173,17 @@ impl Way {
 
 /// The largest error of a run at the moments of every step, by polynomials through the ends of its steps, and
 /// how far these may be off; nothing where they do not tell that.
-fn between(lab: &mut Lab<'_>, reference: &Reference, at: At, allowed: f64) -> Option<f64> {
-    let grid = Grid::of(lab, at);
-    let moments = lab.moments(&grid, Within::Parts)?;
-    let own = lab.seen(at)?.track.as_ref()?.read(&moments.times);
-    let (truth, off) = told(lab, reference, (&grid, Within::Parts), allowed, Lab::read_off)?;
+fn between(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    allowed: f64,
+) -> Option<f64> {
+    let grid = Grid::of(runs, at);
+    let moments = runs.moments(&grid, Within::Parts)?;
+    let own = runs.seen(at)?.track.as_ref()?.read(&moments.times);
+    let (truth, off) =
+        told(runs, reference, (&grid, Within::Parts), allowed, MeasuredRuns::read_off)?;
     Some(apart(&own.look.values, &truth.values) + own.off + off)
 }
 
