@@ -13,8 +13,8 @@ use std::time::Duration;
 
 use stationary_choose::Kind as SettingKind;
 use stationary_choose::{
-    Answer, At, Doubt, Experiment, Failure, Judgement, MOMENTS, MeasuredRuns, QuestionError, Row,
-    Verdict as Said, answer,
+    Answer, At, Doubt, Experiment, Failure, Judgement, MOMENTS, MeasuredRuns, Moments,
+    QuestionError, Row, Verdict as Said, answer,
 };
 use stationary_scene::choose::{Change, ChooseError, Question, SceneLadder, changed, scene_ladder};
 use stationary_scene::{Checkpoint, Control, Observer, Progress, Scene};
@@ -29,17 +29,17 @@ pub const KINDS: &[Kind] = &[Kind {
     rule: "a choice without a warning whose observable is farther from the truth than the tolerance \
            times the scale that it states, at the end of a step or at five parts of it; \
            a run rejected for wrong physics or for its error that keeps to half of the tolerance, \
-           and whose energy is right, at forty parts of its steps; refused where a run of a sixtieth of the work that the question \
-           may take keeps to the tolerance, else apart, as is a contact that leads elsewhere itself",
+           and whose energy is right, at these parts and wherever the chooser may look; refused where a \
+           run of a sixtieth of the work that the question may take keeps to the tolerance, else apart, as \
+           is a contact that leads elsewhere itself",
     in_tests: 50,
     trial,
 }];
 
 /// Parts of a step, none of which the chooser looks at.
 const PARTS: [f64; 5] = [0.118, 0.317, 0.5, 0.618, 0.871];
-/// So many parts, evenly, of a run that was rejected: as many as the chooser looks at where it looks most
-/// closely, for a step may err in a small part of it alone.
-const CLOSELY: u64 = 40;
+/// Halvings of the horizon's twentieths from which on the chooser looks at the same parts of each step.
+const EVERY_STEP: u32 = 3;
 /// Moments within steps that are looked at; of more steps every so manieth.
 const INSIDE: u64 = 20_000;
 /// Readings of a run that chooses its own steps.
@@ -230,7 +230,7 @@ fn rejected(ladder: &SceneLadder, answer: &Answer, promised: f64, family: &str) 
                 && row.word() == "misses it"
     };
     let judged = |row: &Row| {
-        // As it was run, and read off at least as often as the chooser did.
+        // As it was run, and read off wherever the chooser may have.
         let error = closely_judged(ladder, row.at, promised).ok()?;
         let error = error.max(as_run(ladder, row.at, promised).ok()?);
         if error > 0.5 * promised || energy_is_off(ladder, row.at) {
@@ -276,10 +276,17 @@ fn judged(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
     compared(&ladder.written().text, &ladder.text(at), kind, promised)
 }
 
-/// The same at many parts of each step.
+/// The same at all parts of a step at which the chooser may look, too: a step may err in a small part of it
+/// alone, as that in which a block stops.
 fn closely_judged(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
     let kind = ladder.ladder().families[at.family].kind;
-    let parts: Vec<f64> = (0..CLOSELY).map(|k| (k as f64 + 0.5) / CLOSELY as f64).collect();
+    let every = [Moments::equal(EVERY_STEP, 1.0), Moments::closely(0, 1.0)];
+    let first = every.iter().flat_map(|moments| {
+        let parts = (moments.times.len() / (moments.within + 1)) as f64;
+        moments.times[..moments.within].iter().map(move |t| t * parts)
+    });
+    let mut parts: Vec<f64> = first.chain(PARTS).collect();
+    parts.sort_by(f64::total_cmp);
     off(&ladder.written().text, &way(&ladder.text(at), kind, &parts)?, promised)
 }
 
