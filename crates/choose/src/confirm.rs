@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use stationary_integrators::Evaluation;
 
 use crate::ladder::{At, Family, Kind, MOMENTS};
-use crate::ladder_search::{Judgement, family_class, judge, rungs_to_go};
+use crate::ladder_search::{Judgement, family_class, judge, likely_rungs};
 use crate::measured::{Failure, Foresight, StopRule};
 use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
@@ -43,8 +43,9 @@ pub fn confirmed(
     families: &[usize],
 ) -> Confirmed {
     let agrees = |runs: &MeasuredRuns<'_>, at: At| {
-        let said = judge(runs, reference, tolerance, at);
-        matches!(said, Some(Judgement::Meets(_)))
+        let course = runs.seen(at).and_then(|run| run.whole());
+        let off = course.and_then(|course| reference.error(course).ok());
+        off.is_some_and(|off| off.max(runs.way(at).unwrap_or(0.0)) <= tolerance)
     };
     let run: Vec<At> = runs.used().map(|(at, _)| at).collect();
     let others = run.into_iter().filter(|at| {
@@ -158,7 +159,7 @@ pub fn next_rung(
         Some(at) => match judge(runs, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
                 let error = at_the_end(runs, at, error).min(SMALL);
-                at.rung + rungs_to_go(runs.family(family), tolerance, error)
+                at.rung + likely_rungs(runs.family(family), tolerance, error)
             }
             _ => at.rung + 1,
         },

@@ -86,6 +86,7 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
             horizon,
             time: "s".to_owned(),
             keeps_energy: false,
+            is_smooth: false,
             is_constrained: false,
             asks: None,
             families,

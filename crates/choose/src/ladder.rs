@@ -134,6 +134,9 @@ pub struct Ladder {
     pub time: String,
     /// Whether a true motion keeps the energy.
     pub keeps_energy: bool,
+    /// Whether nothing happens at once, such as an impact: what is looked into in some steps tells of the
+    /// others.
+    pub is_smooth: bool,
     /// Whether constraints are held: then all methods solve the same equations, whatever their order.
     pub is_constrained: bool,
     /// The family of adaptive steps of which the tolerance to set is asked beside, cheap or not.

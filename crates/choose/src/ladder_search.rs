@@ -67,6 +67,8 @@ const BELOW: usize = 6;
 const SAME: f64 = 1.1;
 /// An error above this says little of the next rung's.
 const SATURATED: f64 = 0.3;
+/// The part of a rung by which an error may be smaller than its power tells.
+const NEARLY: f64 = 0.25;
 /// How often the reference is refined for a rung that is too close to tell.
 const REFINEMENTS: u32 = 1;
 /// Beyond so many tolerances a model's error is no matter of luck with a step.
@@ -121,6 +123,19 @@ pub fn rungs_to_go(family: &Family, tolerance: f64, error: f64) -> usize {
         Kind::Modes => return 2,
     };
     ((error / tolerance).log10() / per_rung).ceil().max(1.0) as usize
+}
+
+/// Rungs that are left if the error shrinks by the power that is known, or nearly so.
+pub fn likely_rungs(family: &Family, tolerance: f64, error: f64) -> usize {
+    if error > SATURATED || error <= tolerance {
+        return 1;
+    }
+    let per_rung = match family.kind {
+        Kind::EqualSteps => f64::from(family.order) * 2_f64.log10(),
+        Kind::Adaptive => 1.0,
+        Kind::Modes => return 2,
+    };
+    ((error / tolerance).log10() / per_rung - NEARLY).ceil().max(1.0) as usize
 }
 
 /// What families have in common that likely fail and do well together.

@@ -56,6 +56,7 @@ mod reference;
 mod ladder_search;
 mod way;
 mod verify;
+mod closer;
 mod confirm;
 mod refinement;
 mod search;

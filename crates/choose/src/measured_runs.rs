@@ -160,6 +160,9 @@ impl<'e> MeasuredRuns<'e> {
                 Grid::Equal { halvings } => Moments::equal(*halvings, horizon),
                 Grid::Closely { halvings } => Moments::closely(*halvings, horizon),
                 Grid::Some { halvings, parts } => Moments::some(*halvings, parts, horizon),
+                Grid::SomeClosely { halvings, parts } => {
+                    Moments::some_closely(*halvings, parts, horizon)
+                }
                 Grid::Accepted(at) => {
                     let ends = self.used.get(at).filter(|run| run.end == End::Whole)?;
                     let ends = &ends.accepted;

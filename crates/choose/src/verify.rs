@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use crate::closer::{CLOSELY_BETWEEN, largest};
 use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
@@ -112,7 +113,7 @@ const NEAR: f64 = 0.1;
 /// Runs of other kinds that are looked at where the first is too far between the moments.
 const FINER: usize = 12;
 /// How much larger an error may be between two moments.
-const BETWEEN: f64 = 1.05;
+pub const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
 const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
@@ -277,6 +278,9 @@ pub fn verify(
     {
         return finding;
     }
+    if let Some(error) = beyond(runs, reference, at, tolerance) {
+        return Finding::Beyond(error);
+    }
     let all = Way::all(runs, at);
     let mut finding = verify_on(runs, reference, (at, &all), tolerance, families);
     if let Some(Finding::Holds(seen)) = &finding
@@ -286,6 +290,25 @@ pub fn verify(
         finding = verify_on(runs, reference, (at, &closely), tolerance, families);
     }
     finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// The error of a run where it is certainly too large by what is known of it at no cost: at the ends of its
+/// steps, and where polynomials tell it, within them.
+fn beyond(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+) -> Option<f64> {
+    let (grid, allowed) = (Grid::of(runs, at), allowed(reference, tolerance));
+    let scale = reference.course.scale;
+    [Within::Ends, Within::Parts].into_iter().find_map(|within| {
+        let (own, off) = runs.read_off(at, (&grid, within), allowed)?;
+        let read = MeasuredRuns::read_off;
+        let (truth, other) = told(runs, reference, (&grid, within), allowed, read)?;
+        let error = (apart(&own.values, &truth.values) - off - other) / scale;
+        (error - reference.uncertainty > tolerance).then_some(error)
+    })
 }
 
 /// Looks at a choice at the moments of a way; nothing where these do not tell.
@@ -316,10 +339,19 @@ fn verify_on(
     if uncertainty > BARELY * tolerance {
         return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
-    let error = apart(&own.values, &truth.values) / scale;
+    let mut error = apart(&own.values, &truth.values) / scale;
     // What is sampled may be larger in between.
-    if BETWEEN * error + uncertainty > tolerance {
-        return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
+    let mut most = BETWEEN * error;
+    if most + uncertainty > tolerance && error + uncertainty <= tolerance {
+        runs.turn_to(Purpose::WithinChoice);
+        let looks = ((&own, &truth), (error * scale, allowed));
+        if let Some(largest) = largest(runs, reference, (at, way), looks.0, looks.1) {
+            error = largest / scale;
+            most = CLOSELY_BETWEEN * error;
+        }
+    }
+    if most + uncertainty > tolerance {
+        return Some(Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))));
     }
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
     let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))

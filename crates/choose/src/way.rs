@@ -34,9 +34,17 @@ struct Foretold {
     looked: Vec<bool>,
     /// The least bound that is taken for one.
     least: f64,
-    /// The largest error at three moments of every step, by polynomials through the ends of steps, and
-    /// how far these may be off.
-    between: f64,
+    /// What is known between the ends of all steps.
+    between: Between,
+}
+
+/// What polynomials through the ends of steps tell of what lies between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Between {
+    /// The largest error at three moments of every step, and how far these may be off.
+    Resolved(f64),
+    /// Nothing: a period has few steps. Nothing happens at once either, so that one step errs as its like.
+    Unresolved,
 }
 
 /// One of so many parts is looked into, and so many at least; half of them where errors are the largest.
@@ -48,8 +56,10 @@ const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
 /// Steps of a run that can be looked into closely.
 const CLOSELY: u64 = 640;
-/// How much larger an error may be than those of other steps foretell.
+/// How much larger an error may be than those of other steps foretell: where polynomials tell it too, and where
+/// they do not.
 const MARGIN: f64 = 1.25;
+const MARGIN_UNRESOLVED: f64 = 2.0;
 /// The part of the tolerance below which an error is nothing.
 const NOTHING: f64 = 0.01;
 /// The parts of the horizon in which modes are looked at, as steps are.
@@ -90,7 +100,11 @@ impl Way {
     ) -> Option<Self> {
         let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let most = least / NOTHING;
-        let between = between(runs, reference, at, allowed).filter(|between| *between <= most)?;
+        let between = match between(runs, reference, at, allowed) {
+            Some(between) if between <= most => Between::Resolved(between),
+            None if runs.ladder().is_smooth => Between::Unresolved,
+            _ => return None,
+        };
         let track = runs.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
@@ -127,13 +141,18 @@ impl Way {
         self.foretold.is_none()
     }
 
+    /// The moments of all its grids, one after the other.
+    pub fn times(&self, runs: &mut MeasuredRuns<'_>) -> Vec<f64> {
+        let times = self.grids.iter().filter_map(|(grid, within)| runs.moments(grid, *within));
+        times.flat_map(|moments| moments.times.clone()).collect()
+    }
+
     /// The largest error that steps may have which were not looked into, by those that were.
     pub fn foretold(&self, runs: &mut MeasuredRuns<'_>, own: &Look, truth: &Look) -> f64 {
         let Some(known) = &self.foretold else { return 0.0 };
         let horizon = runs.ladder().horizon;
         let parts = known.bounds.len();
-        let times = self.grids.iter().filter_map(|(grid, within)| runs.moments(grid, *within));
-        let times: Vec<f64> = times.flat_map(|moments| moments.times.clone()).collect();
+        let times = self.times(runs);
         let rows = own.values.iter().zip(&truth.values).skip(1);
         let ratio = times.iter().zip(rows).map(|(t, (own, truth))| {
             let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
@@ -141,12 +160,20 @@ impl Way {
         });
         let ratio = ratio.fold(1.0, f64::max);
         let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
-        MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
+        let margin = match known.between {
+            Between::Resolved(_) => MARGIN,
+            Between::Unresolved => MARGIN_UNRESOLVED,
+        };
+        margin * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
     }
 
-    /// The largest error between the ends of steps, where not every one is looked into.
+    /// The largest error between the ends of steps, where not every one is looked into and polynomials tell
+    /// it.
     pub fn between(&self) -> f64 {
-        self.foretold.as_ref().map_or(0.0, |known| known.between)
+        match self.foretold.as_ref().map(|known| known.between) {
+            Some(Between::Resolved(most)) => most,
+            _ => 0.0,
+        }
     }
 
     /// How often its equal parts are halved twentieths of the horizon; none of other steps.
@@ -155,7 +182,8 @@ impl Way {
             Some((grid, _)) => match grid {
                 Grid::Equal { halvings }
                 | Grid::Closely { halvings }
-                | Grid::Some { halvings, .. } => *halvings,
+                | Grid::Some { halvings, .. }
+                | Grid::SomeClosely { halvings, .. } => *halvings,
                 Grid::Accepted(_) => 0,
             },
             None => 0,

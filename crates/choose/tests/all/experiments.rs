@@ -55,6 +55,7 @@ fn made(fault: Fault) -> Made {
             horizon: 2.0,
             time: "s".to_owned(),
             keeps_energy: false,
+            is_smooth: true,
             is_constrained: false,
             asks: None,
             families,

@@ -84,6 +84,7 @@ impl SceneLadder {
             horizon: scene.timing().horizon(),
             time: scene.units().time.clone(),
             keeps_energy: keeps_energy(scene),
+            is_smooth: is_smooth(scene),
             is_constrained: !scene.rods().is_empty(),
             asks,
             families,
@@ -146,12 +147,21 @@ fn keeps_energy(scene: &Scene) -> bool {
     let elastic = scene.contact().is_none_or(|contact| {
         contact.stiffness.is_some() || contact.restitution == 1.0 && contact.friction == 0.0
     });
-    let breaking = scene.rods().iter().any(|rod| rod.strength.is_finite());
     scene.heat().is_none()
         && scene.drag().is_none()
+        && scene.drives().is_empty()
         && elastic
-        && !breaking
+        && !breaks(scene)
         && !matches!(scene.stepping(), Stepping::Heat(_))
+}
+
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
+fn is_smooth(scene: &Scene) -> bool {
+    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
+}
+
+fn breaks(scene: &Scene) -> bool {
+    scene.rods().iter().any(|rod| rod.strength.is_finite())
 }
 
 fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Setting>) -> Family {
