@@ -113,10 +113,7 @@ impl Moments {
 
     /// Of some of them.
     pub fn some(halvings: u32, some: &[u64], horizon: f64) -> Self {
-        match MOMENTS << halvings <= FEW {
-            true => Moments::of_some(halvings, some, horizon, &golden::<OF_LONG>()),
-            false => Moments::of_some(halvings, some, horizon, &PARTS),
-        }
+        Moments::of_some(halvings, some, horizon, &PARTS)
     }
 
     /// Of some of them, at many moments of each.

@@ -75,6 +75,9 @@ const REFINEMENTS: u32 = 1;
 const CLEAR: f64 = 1.25;
 /// Families that come to no solution of a step speak for others of their class.
 const FAILURES: u32 = 2;
+/// Families that project back to what is held, and only come to other motions, before the others are passed
+/// over.
+const STRAYS: u32 = 3;
 /// A rung that is so much cheaper than the choice is worth any refinement of the reference, and one
 /// that is not is worth so many runs of itself.
 const MUCH: f64 = 1.5;
@@ -132,7 +135,7 @@ pub fn likely_rungs(family: &Family, tolerance: f64, error: f64) -> usize {
     }
     let per_rung = match family.kind {
         Kind::EqualSteps => f64::from(family.order) * 2_f64.log10(),
-        Kind::Adaptive => 1.0,
+        Kind::Adaptive => 1.25,
         Kind::Modes => return 2,
     };
     ((error / tolerance).log10() / per_rung - NEARLY).ceil().max(1.0) as usize
@@ -197,8 +200,10 @@ impl<'a, 'e> LadderSearch<'a, 'e> {
         });
         let mut hopeless: BTreeMap<FamilyClass, bool> = BTreeMap::new();
         let mut failed: BTreeMap<FamilyClass, u32> = BTreeMap::new();
+        let projected = self.projected();
+        let mut strays = 0;
         for family in others {
-            let of = family_class(self.runs.family(family));
+            let of = self.class(family);
             if hopeless.get(&of).copied().unwrap_or(false) || self.lost.contains(&of.model) {
                 continue;
             }
@@ -208,6 +213,13 @@ impl<'a, 'e> LadderSearch<'a, 'e> {
             if *failures >= FAILURES {
                 hopeless.insert(of, true);
                 continue;
+            }
+            if projected.contains(&family) {
+                strays += u32::from(self.only_stray(family));
+                if strays >= STRAYS {
+                    hopeless.extend(projected.iter().map(|&other| (self.class(other), true)));
+                    continue;
+                }
             }
             // At high orders the constants differ by more than the orders.
             let far = self.is_far(family) || self.is_over_limit(family);
@@ -219,6 +231,10 @@ impl<'a, 'e> LadderSearch<'a, 'e> {
         }
         self.answer_own_tolerance();
         self.settle()
+    }
+
+    fn class(&self, family: usize) -> FamilyClass {
+        family_class(self.runs.family(family))
     }
 
     /// What names a tolerance asks which one to name, cheap or not.

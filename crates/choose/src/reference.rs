@@ -122,7 +122,11 @@ impl Making {
         };
         let far = self.uncertainty().min(SATURATED) / enough;
         // Where nothing is known yet, the next one may do.
-        let rungs = if self.is_known(runs) { far.ln() / f64::ln(shrinks) } else { 1.0 };
+        let rungs = if self.is_known(runs) && self.uncertainty() <= BEYOND {
+            far.ln() / f64::ln(shrinks)
+        } else {
+            1.0
+        };
         Some((0..rungs.ceil().max(1.0) as i32).map(|rung| next * f64::powi(grows, rung)).sum())
     }
 

@@ -108,7 +108,7 @@ const SAME_SCALE: f64 = 1.01;
 /// it is never asked for more than a part of the scale. Energy alone does not do: one that is kept to a
 /// part of its largest value, in a close encounter, is lost against the others.
 const NEAR_KEPT: f64 = 1.0;
-const NEAR_CLOSED: f64 = 10.0;
+const NEAR_CLOSED: f64 = 100.0;
 const NEAR: f64 = 0.1;
 /// Runs of other kinds that are looked at where the first is too far between the moments.
 const FINER: usize = 12;
@@ -117,6 +117,9 @@ pub const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
 const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
+/// How far below the tolerance the error of another motion must be in some of its steps, so that the others are
+/// not looked into as closely.
+const SURELY: f64 = 4.0;
 /// Places that are off by this part of the largest way are those of another motion.
 const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
@@ -287,9 +290,27 @@ pub fn verify(
         && seen.places.is_some_and(is_another)
         && let Some(closely) = Way::closely(runs, at)
     {
-        finding = verify_on(runs, reference, (at, &closely), tolerance, families);
+        let some = some_closely(runs, reference, (at, &all), tolerance);
+        let held = some.and_then(|some| {
+            verify_on(runs, reference, (at, &some), tolerance, families).filter(|finding| {
+                matches!(finding, Finding::Holds(seen) if SURELY * seen.error <= tolerance)
+            })
+        });
+        finding = held.or_else(|| verify_on(runs, reference, (at, &closely), tolerance, families));
     }
     finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Some of the steps of a run that was looked into everywhere.
+fn some_closely(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    (at, all): (At, &Way),
+    tolerance: f64,
+) -> Option<Way> {
+    let own = own_on(runs, at, all)?;
+    let (truth, _) = whole_way(runs, reference, all, allowed(reference, tolerance))?;
+    Way::some_closely(runs, at, (&own, &truth))
 }
 
 /// The error of a run where it is certainly too large by what is known of it at no cost: at the ends of its

@@ -49,17 +49,18 @@ enum Between {
 
 /// One of so many parts is looked into, and so many at least; half of them where errors are the largest.
 const ONE_OF: usize = 16;
+const ONE_OF_UNRESOLVED: usize = 8;
 const AT_LEAST: usize = 12;
 /// So few do where all errors are below that part of the tolerance; and all that are above this one.
 const FEW: usize = 6;
 const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
+/// One of so many steps of another motion is looked into closely at first.
+const ONE_OF_ANOTHER: usize = 4;
 /// Steps of a run that can be looked into closely.
 const CLOSELY: u64 = 640;
-/// How much larger an error may be than those of other steps foretell: where polynomials tell it too, and where
-/// they do not.
+/// How much larger an error may be than those of other steps foretell.
 const MARGIN: f64 = 1.25;
-const MARGIN_UNRESOLVED: f64 = 2.0;
 /// The part of the tolerance below which an error is nothing.
 const NOTHING: f64 = 0.01;
 /// The parts of the horizon in which modes are looked at, as steps are.
@@ -88,6 +89,29 @@ impl Way {
         let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let grids = vec![(Grid::Closely { halvings }, Within::Parts)];
         (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
+    }
+
+    /// The same, into some of its steps: half of them those where the error is the largest by a look into all,
+    /// the others spread evenly.
+    pub fn some_closely(
+        runs: &mut MeasuredRuns<'_>,
+        at: At,
+        (own, truth): (&Look, &Look),
+    ) -> Option<Self> {
+        let all = Way::all(runs, at);
+        let Way { grids, .. } = Way::closely(runs, at)?;
+        let Some((Grid::Closely { halvings }, _)) = grids.first() else { return None };
+        let (horizon, parts) = (runs.ladder().horizon, (MOMENTS << halvings) as usize);
+        let mut errors = vec![0.0_f64; parts];
+        let rows = own.values.iter().zip(&truth.values).skip(1);
+        for (t, (own, truth)) in all.times(runs).iter().zip(rows) {
+            let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
+            errors[part] = errors[part].max(distance(own, truth));
+        }
+        let looked = looked(&errors, parts / ONE_OF_ANOTHER);
+        let steps = (0..parts as u64).filter(|&part| looked[part as usize]).collect();
+        let grid = Grid::SomeClosely { halvings: *halvings, parts: steps };
+        Some(Way { grids: vec![(grid, Within::Parts)], foretold: None })
     }
 
     /// Into some steps; nothing where what is between the ends of the others is not known, or known to be
@@ -123,7 +147,10 @@ impl Way {
         // What is far below the tolerance needs few witnesses.
         let at_least = if bounds.iter().all(|&bound| bound < FAR * most) { FEW } else { AT_LEAST };
         let large = bounds.iter().filter(|&&bound| bound > LARGE * most).count();
-        let count = at_least.max(parts / ONE_OF).max(2 * large);
+        let count = match between {
+            Between::Resolved(_) => at_least.max(parts / ONE_OF).max(2 * large),
+            Between::Unresolved => at_least.max(parts / ONE_OF_UNRESOLVED),
+        };
         if 2 * count > 3 * parts / 2 {
             return None;
         }
@@ -158,13 +185,14 @@ impl Way {
             let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
             distance(own, truth) / known.bounds[part].max(known.least)
         });
-        let ratio = ratio.fold(1.0, f64::max);
-        let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
-        let margin = match known.between {
-            Between::Resolved(_) => MARGIN,
-            Between::Unresolved => MARGIN_UNRESOLVED,
+        // Errors that swing as fast as there are steps have bounds far above them.
+        let least = match known.between {
+            Between::Resolved(_) => 1.0,
+            Between::Unresolved => 0.0,
         };
-        margin * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
+        let ratio = ratio.fold(least, f64::max);
+        let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
+        MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
     }
 
     /// The largest error between the ends of steps, where not every one is looked into and polynomials tell

@@ -40,6 +40,26 @@ impl LadderSearch<'_, '_> {
                 .all(|(at, _)| matches!(self.said(at), Judgement::Failed(Failure::NotConverged(_))))
     }
 
+    /// The families that take steps without what is held and project back to it: their errors are those of the
+    /// projection, whatever their order.
+    pub(super) fn projected(&self) -> Vec<usize> {
+        let ladder = self.runs.ladder();
+        let projects = |family: &usize| {
+            let family = &ladder.families[*family];
+            ladder.is_constrained
+                && !family.holds_constraints
+                && family.kind == Kind::EqualSteps
+                && family.model == 0
+        };
+        (0..ladder.families.len()).filter(projects).collect()
+    }
+
+    /// Whether a family was tried, and every rung of it comes to another motion or to none.
+    pub(super) fn only_stray(&self, family: usize) -> bool {
+        let mut own = self.runs.used().filter(|(at, _)| at.family == family).peekable();
+        own.peek().is_some() && own.all(|(at, _)| matches!(self.said(at), Judgement::Failed(_)))
+    }
+
     /// Whether a family that solves equations was tried and every rung of it is too dear.
     pub(super) fn is_over_limit(&self, family: usize) -> bool {
         let solves = family_class(self.runs.family(family)).solves;
