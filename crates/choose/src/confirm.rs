@@ -34,8 +34,6 @@ pub const PATIENCE: u64 = 10;
 
 /// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
-/// So is one of equal steps where the reference chooses its own.
-const UNLIKE: u64 = 2;
 
 /// Looks for a run of another family near the reference, and makes one where there is none.
 pub fn confirmed(
@@ -90,13 +88,7 @@ pub fn confirmed(
                 matches!(judge(runs, reference, tolerance, run), Some(Judgement::Misses(_)))
             })
         };
-        let own = runs.family(reference.family).kind;
-        // Where steps are best chosen on the way, equal ones are many.
-        let unlike = |at: At| own == Kind::Adaptive && runs.family(at.family).kind != own;
-        let dear = |at: At| {
-            let factor = |doubt: bool, factor: u64| if doubt { factor } else { 1 };
-            runs.predicted(at) * factor(unlikely(at), UNLIKELY) * factor(unlike(at), UNLIKE)
-        };
+        let dear = |at: At| runs.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
         let cheapest = next.min_by_key(|&at| (dear(at) + so_far(runs, at.family), at));
         let leading = others.iter().filter_map(|&family| lead(runs, reference, tolerance, family));
         let tried = |family: usize| {
@@ -203,8 +195,7 @@ fn lead(
     let is_low = own.kind == Kind::EqualSteps && LEADING.contains(&own.order);
     let (rung, error) = errors.last().filter(|(_, error)| is_low && *error < SMALL)?;
     let halvings = (error / tolerance.sqrt()).log2() / f64::from(own.order);
-    // What is nearer than it need be leads there from coarser runs.
-    let coarsest = (rung as i64 + halvings.ceil() as i64).max(0) as usize;
+    let coarsest = rung + halvings.ceil().max(0.0) as usize;
     let at = |rung: usize| At { family, rung };
     let whole = |at: At| runs.seen(at).is_some_and(|run| run.whole().is_some());
     let three = (coarsest..coarsest + 3).map(at);

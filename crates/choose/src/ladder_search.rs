@@ -135,7 +135,7 @@ pub fn likely_rungs(family: &Family, tolerance: f64, error: f64) -> usize {
     }
     let per_rung = match family.kind {
         Kind::EqualSteps => f64::from(family.order) * 2_f64.log10(),
-        Kind::Adaptive => 1.25,
+        Kind::Adaptive => 1.0,
         Kind::Modes => return 2,
     };
     ((error / tolerance).log10() / per_rung - NEARLY).ceil().max(1.0) as usize

@@ -46,6 +46,20 @@ pub struct Seen {
     pub other: Option<(At, f64)>,
 }
 
+impl Seen {
+    /// The same, and what was seen in another look.
+    fn and(self, other: Seen) -> Seen {
+        let larger = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b));
+        Seen {
+            moments: self.moments + other.moments,
+            error: self.error.max(other.error),
+            energy: larger(self.energy, other.energy),
+            places: larger(self.places, other.places),
+            ..self
+        }
+    }
+}
+
 /// Why a reference is not trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
@@ -285,31 +299,51 @@ pub fn verify(
         return Finding::Beyond(error);
     }
     let all = Way::all(runs, at);
-    let mut finding = verify_on(runs, reference, (at, &all), tolerance, families);
-    if let Some(Finding::Holds(seen)) = &finding
-        && seen.places.is_some_and(is_another)
-        && let Some(closely) = Way::closely(runs, at)
-    {
-        let some = some_closely(runs, reference, (at, &all), tolerance);
-        let held = some.and_then(|some| {
-            verify_on(runs, reference, (at, &some), tolerance, families).filter(|finding| {
-                matches!(finding, Finding::Holds(seen) if SURELY * seen.error <= tolerance)
-            })
-        });
-        finding = held.or_else(|| verify_on(runs, reference, (at, &closely), tolerance, families));
-    }
+    let finding = verify_on(runs, reference, (at, &all), tolerance, families);
+    let finding = match finding {
+        Some(Finding::Holds(seen)) if seen.places.is_some_and(is_another) => {
+            verify_closely(runs, reference, (at, seen), tolerance, families)
+        }
+        other => other,
+    };
     finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Looks closely at a run of another motion that holds by a look into every step: into some of these where its
+/// error is far below the tolerance, else into all.
+fn verify_closely(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    (at, seen): (At, Seen),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<Finding> {
+    let Some(closely) = Way::closely(runs, at) else { return Some(Finding::Holds(seen)) };
+    if let Some(some) = some_closely(runs, reference, at, tolerance) {
+        match verify_on(runs, reference, (at, &some), tolerance, families) {
+            Some(Finding::Holds(closer)) => {
+                let both = seen.and(closer);
+                if SURELY * both.error <= tolerance {
+                    return Some(Finding::Holds(both));
+                }
+            }
+            Some(Finding::Beyond(error)) => return Some(Finding::Beyond(error)),
+            _ => {}
+        }
+    }
+    verify_on(runs, reference, (at, &closely), tolerance, families)
 }
 
 /// Some of the steps of a run that was looked into everywhere.
 fn some_closely(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
-    (at, all): (At, &Way),
+    at: At,
     tolerance: f64,
 ) -> Option<Way> {
-    let own = own_on(runs, at, all)?;
-    let (truth, _) = whole_way(runs, reference, all, allowed(reference, tolerance))?;
+    let all = Way::all(runs, at);
+    let own = own_on(runs, at, &all)?;
+    let (truth, _) = whole_way(runs, reference, &all, allowed(reference, tolerance))?;
     Way::some_closely(runs, at, (&own, &truth))
 }
 

@@ -61,6 +61,8 @@ const ONE_OF_ANOTHER: usize = 4;
 const CLOSELY: u64 = 640;
 /// How much larger an error may be than those of other steps foretell.
 const MARGIN: f64 = 1.25;
+/// What polynomials may be off by, in what may be lost by reading a reference off.
+const UNRESOLVED: f64 = 5.0;
 /// The part of the tolerance below which an error is nothing.
 const NOTHING: f64 = 0.01;
 /// The parts of the horizon in which modes are looked at, as steps are.
@@ -124,11 +126,10 @@ impl Way {
     ) -> Option<Self> {
         let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let most = least / NOTHING;
-        let between = match between(runs, reference, at, allowed) {
-            Some(between) if between <= most => Between::Resolved(between),
-            None if runs.ladder().is_smooth => Between::Unresolved,
-            _ => return None,
-        };
+        let between = between(runs, reference, at, allowed).filter(|between| match between {
+            Between::Resolved(largest) => *largest <= most,
+            Between::Unresolved => runs.ladder().is_smooth,
+        })?;
         let track = runs.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
@@ -227,20 +228,24 @@ impl Way {
     }
 }
 
-/// The largest error of a run at the moments of every step, by polynomials through the ends of its steps, and
-/// how far these may be off; nothing where they do not tell that.
+/// What polynomials through the ends of a run's steps tell of its error between them; nothing where those of the
+/// reference do not.
 fn between(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     at: At,
     allowed: f64,
-) -> Option<f64> {
+) -> Option<Between> {
     let grid = Grid::of(runs, at);
     let moments = runs.moments(&grid, Within::Parts)?;
     let own = runs.seen(at)?.track.as_ref()?.read(&moments.times);
-    let (truth, off) =
-        told(runs, reference, (&grid, Within::Parts), allowed, MeasuredRuns::read_off)?;
-    Some(apart(&own.look.values, &truth.values) + own.off + off)
+    let read = MeasuredRuns::read_off;
+    let Some((truth, off)) = told(runs, reference, (&grid, Within::Parts), allowed, read) else {
+        return Some(Between::Unresolved);
+    };
+    let largest = apart(&own.look.values, &truth.values) + own.off + off;
+    let resolves = own.off <= UNRESOLVED * allowed;
+    Some(if resolves { Between::Resolved(largest) } else { Between::Unresolved })
 }
 
 /// What is no error, in the observable's unit.
