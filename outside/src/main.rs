@@ -3,7 +3,7 @@
 use std::{error::Error, time::Duration};
 
 use stationary::calculus::{Covector, DiagonalMetric, Potential, Sink, System};
-use stationary::choose::{Lab, Motion, answer, picture};
+use stationary::choose::{MeasuredRuns, Motion, answer, picture};
 use stationary::integrators::State;
 
 struct Track; // V(q) = q^4 / 4 - q^2 / 2, joules
@@ -23,8 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let system = System::new(DiagonalMetric::new([1.0])?, Track)?;
     let start = State::new(vec![0.1], Covector(vec![0.0]));
     let motion = Motion::new(&system, start, 20.0, |state| vec![state.q[0]])?;
-    let mut lab = Lab::new(&motion, Duration::from_secs(60))?;
-    let answer = answer(&mut lab, 1e-3)?;
+    let mut runs = MeasuredRuns::new(&motion, Duration::from_secs(60))?;
+    let answer = answer(&mut runs, 1e-3)?;
     println!("{answer}");
     std::fs::write("choice.svg", picture(&answer)?)?;
     Ok(())
@@ -42,16 +42,16 @@ mod tests {
         let start = State::new(vec![0.1], Covector(vec![0.0]));
         let motion = Motion::new(&system, start, 20.0, |state| vec![state.q[0]]).unwrap();
         for tolerance in [1e-2, 1e-3, 1e-4] {
-            let mut lab = Lab::new(&motion, Duration::from_secs(600)).unwrap();
-            let answer = answer(&mut lab, tolerance).unwrap();
+            let mut runs = MeasuredRuns::new(&motion, Duration::from_secs(600)).unwrap();
+            let answer = answer(&mut runs, tolerance).unwrap();
             let Verdict::Chosen(chosen) = answer.verdict else { panic!("{answer}") };
             let work = answer.choice().unwrap().work;
-            lab.forget();
-            let families = preferred(&lab, 1e-3 * tolerance);
-            let truth = refer(&mut lab, &families, 1e-3 * tolerance).unwrap();
-            assert!(way_error(&mut lab, &truth, chosen, tolerance).unwrap() <= tolerance);
+            runs.forget();
+            let families = preferred(&runs, 1e-3 * tolerance);
+            let truth = refer(&mut runs, &families, 1e-3 * tolerance).unwrap();
+            assert!(way_error(&mut runs, &truth, chosen, tolerance).unwrap() <= tolerance);
             let all: Vec<usize> = (0..motion.ladder().families.len()).collect();
-            let best = exhaustive(&mut lab, &all, &truth, 0.9 * tolerance, work);
+            let best = exhaustive(&mut runs, &all, &truth, 0.9 * tolerance, work);
             assert!(best.is_none_or(|best| work as f64 <= 1.1 * best.work as f64), "{answer}");
         }
     }

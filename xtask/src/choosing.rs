@@ -11,10 +11,10 @@ mod truth;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use stationary_choose::Kind as Setting;
+use stationary_choose::Kind as SettingKind;
 use stationary_choose::{
-    Answer, At, Doubt, Experiment, Failure, Judgement, Lab, MOMENTS, QuestionError, Row,
-    Verdict as Said, answer,
+    Answer, At, Doubt, Experiment, Failure, Judgement, MOMENTS, MeasuredRuns, Moments,
+    QuestionError, Row, Verdict as Said, answer,
 };
 use stationary_scene::choose::{Change, ChooseError, Question, SceneLadder, changed, scene_ladder};
 use stationary_scene::{Checkpoint, Control, Observer, Progress, Scene};
@@ -29,16 +29,19 @@ pub const KINDS: &[Kind] = &[Kind {
     rule: "a choice without a warning whose observable is farther from the truth than the tolerance \
            times the scale that it states, at the end of a step or at five parts of it; \
            a run rejected for wrong physics or for its error that keeps to half of the tolerance, \
-           and whose energy is right; refused where a run of a sixtieth of the work that the question \
-           may take keeps to the tolerance, else apart, as is a contact that leads elsewhere itself",
+           and whose energy is right, at these parts and wherever the chooser may look; refused where a \
+           run of a sixtieth of the work that the question may take keeps to the tolerance, else apart, as \
+           is a contact that leads elsewhere itself",
     in_tests: 50,
     trial,
 }];
 
 /// Parts of a step, none of which the chooser looks at.
 const PARTS: [f64; 5] = [0.118, 0.317, 0.5, 0.618, 0.871];
-/// Steps whose insides are looked at; of more steps every so manieth.
-const INSIDE: u64 = 4000;
+/// Halvings of the horizon's twentieths from which on the chooser looks at the same parts of each step.
+const EVERY_STEP: u32 = 3;
+/// Moments within steps that are looked at; of more steps every so manieth.
+const INSIDE: u64 = 20_000;
 /// Readings of a run that chooses its own steps.
 const READINGS: u64 = 4000;
 /// Counted work that a question may take.
@@ -63,8 +66,8 @@ pub fn posed(draw: &mut Draw) -> (Asked, Result<SceneLadder, ChooseError>) {
 }
 
 /// The ladder with nothing measured, and the work that a question may take.
-pub fn laboratory(ladder: &SceneLadder) -> Result<Lab<'_>, QuestionError> {
-    Ok(Lab::new(ladder, BUDGET)?.bounded(MOST_WORK))
+pub fn bounded_runs(ladder: &SceneLadder) -> Result<MeasuredRuns<'_>, QuestionError> {
+    Ok(MeasuredRuns::new(ladder, BUDGET)?.bounded(MOST_WORK))
 }
 
 fn trial(draw: &mut Draw) -> Verdict {
@@ -73,20 +76,20 @@ fn trial(draw: &mut Draw) -> Verdict {
         Ok(ladder) => ladder,
         Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
     };
-    let answered = laboratory(&ladder)
-        .and_then(|mut lab| answer(&mut lab, asked.tolerance).map(|answer| (answer, lab)));
-    let (answer, mut lab) = match answered {
+    let answered = bounded_runs(&ladder)
+        .and_then(|mut runs| answer(&mut runs, asked.tolerance).map(|answer| (answer, runs)));
+    let (answer, mut runs) = match answered {
         Ok(answered) => answered,
         Err(error) => return Verdict::refused(format!("{}: {error}", asked.family)),
     };
     let family = asked.family;
-    let refused = |lab: &mut Lab<'_>, why: &str| refused((lab, &ladder), &asked, why);
+    let refused = |runs: &mut MeasuredRuns<'_>, why: &str| refused((runs, &ladder), &asked, why);
     let row = match answer.verdict {
         Said::Chosen(at) => at,
-        Said::Unconfirmed(_) => return refused(&mut lab, "not confirmed"),
-        Said::NoneMeets => return refused(&mut lab, "none meets"),
-        Said::Uncertain => return refused(&mut lab, "uncertain"),
-        Said::Doubtful(doubt) => return refused(&mut lab, word(doubt)),
+        Said::Unconfirmed(_) => return refused(&mut runs, "not confirmed"),
+        Said::NoneMeets => return refused(&mut runs, "none meets"),
+        Said::Uncertain => return refused(&mut runs, "uncertain"),
+        Said::Doubtful(doubt) => return refused(&mut runs, word(doubt)),
         Said::Still if is_still(&ladder) => return Verdict::due(),
         Said::Still => return Verdict::wrong(format!("{family}: it moves, and is said not to")),
     };
@@ -101,8 +104,8 @@ fn trial(draw: &mut Draw) -> Verdict {
             ));
         }
         Ok(error) => {
-            let name = &lab.family(row.family).name;
-            let setting = lab.family(row.family).rungs[row.rung].setting;
+            let name = &runs.family(row.family).name;
+            let setting = runs.family(row.family).rungs[row.rung].setting;
             Verdict::of(error, promised, &format!("{family} by {name} at {setting:.3e}"))
         }
         Err(why) => return Verdict::not_judged(format!("{family}: {why}")),
@@ -114,14 +117,18 @@ fn trial(draw: &mut Draw) -> Verdict {
 }
 
 /// A refusal: was there a choice? Where things overlap at the start, there is no motion to choose for.
-fn refused((lab, ladder): (&mut Lab<'_>, &SceneLadder), asked: &Asked, why: &str) -> Verdict {
+fn refused(
+    (runs, ladder): (&mut MeasuredRuns<'_>, &SceneLadder),
+    asked: &Asked,
+    why: &str,
+) -> Verdict {
     let family = asked.family;
     if let Err(error) = ladder.written().scene.run()
         && error.to_string().contains("overlap")
     {
         return Verdict::apart(format!("{family}: it starts overlapping"));
     }
-    match existed((lab, ladder), asked.tolerance) {
+    match existed((runs, ladder), asked.tolerance) {
         Ok(Some(name)) => Verdict::refused(format!("{family}: {why}, though {name} does")),
         Ok(None) => Verdict::apart(format!("{family}: {why}, and no choice exists")),
         Err(unknown) => Verdict::not_judged(format!("{family}: {why}; {unknown}")),
@@ -132,7 +139,7 @@ fn refused((lab, ladder): (&mut Lab<'_>, &SceneLadder), asked: &Asked, why: &str
 /// was to be expected; every setting of each is tried, and the first few that do at the moments are looked
 /// at along their way.
 fn existed(
-    (lab, ladder): (&mut Lab<'_>, &SceneLadder),
+    (runs, ladder): (&mut MeasuredRuns<'_>, &SceneLadder),
     tolerance: f64,
 ) -> Result<Option<String>, String> {
     let scene = ladder.written().scene.clone();
@@ -140,17 +147,17 @@ fn existed(
     let times: Vec<f64> = (1..=MOMENTS).map(|k| k as f64 * horizon / MOMENTS as f64).collect();
     let known = truth::truth(&scene, &times)?;
     let mut looked = 0;
-    for family in 0..lab.ladder().families.len() {
-        if !lab.family(family).converges() {
+    for family in 0..runs.ladder().families.len() {
+        if !runs.family(family).converges() {
             continue;
         }
-        for rung in 0..lab.family(family).rungs.len() {
+        for rung in 0..runs.family(family).rungs.len() {
             let at = At { family, rung };
-            if looked >= WITNESSES || lab.family(family).rungs[rung].least_work > EXPECTED {
+            if looked >= WITNESSES || runs.family(family).rungs[rung].least_work > EXPECTED {
                 break;
             }
-            lab.forget();
-            let run = lab.measure(at);
+            runs.forget();
+            let run = runs.measure(at);
             if run.work > EXPECTED {
                 break;
             }
@@ -165,7 +172,7 @@ fn existed(
             }
             looked += 1;
             if judged(ladder, at, promised).is_ok_and(|error| error <= promised) {
-                return Ok(Some(lab.family(family).name.clone()));
+                return Ok(Some(runs.family(family).name.clone()));
             }
         }
     }
@@ -223,8 +230,8 @@ fn rejected(ladder: &SceneLadder, answer: &Answer, promised: f64, family: &str) 
                 && row.word() == "misses it"
     };
     let judged = |row: &Row| {
-        // As it was run, and read off as often as the choice.
-        let error = judged(ladder, row.at, promised).ok()?;
+        // As it was run, and read off wherever the chooser may have.
+        let error = closely_judged(ladder, row.at, promised).ok()?;
         let error = error.max(as_run(ladder, row.at, promised).ok()?);
         if error > 0.5 * promised || energy_is_off(ladder, row.at) {
             return None;
@@ -269,6 +276,20 @@ fn judged(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
     compared(&ladder.written().text, &ladder.text(at), kind, promised)
 }
 
+/// The same at all parts of a step at which the chooser may look, too: a step may err in a small part of it
+/// alone, as that in which a block stops.
+fn closely_judged(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
+    let kind = ladder.ladder().families[at.family].kind;
+    let every = [Moments::equal(EVERY_STEP, 1.0), Moments::closely(0, 1.0)];
+    let first = every.iter().flat_map(|moments| {
+        let parts = (moments.times.len() / (moments.within + 1)) as f64;
+        moments.times[..moments.within].iter().map(move |t| t * parts)
+    });
+    let mut parts: Vec<f64> = first.chain(PARTS).collect();
+    parts.sort_by(f64::total_cmp);
+    off(&ladder.written().text, &way(&ladder.text(at), kind, &parts)?, promised)
+}
+
 /// The same at the samples of the chooser's own run: an adaptive method may take a long step by halves
 /// where it is asked for what lies within.
 fn as_run(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
@@ -279,8 +300,8 @@ fn as_run(ladder: &SceneLadder, at: At, promised: f64) -> Result<f64, String> {
     off(&ladder.written().text, &way, promised)
 }
 
-fn compared(written: &str, run: &str, kind: Setting, promised: f64) -> Result<f64, String> {
-    off(written, &way(run, kind)?, promised)
+fn compared(written: &str, run: &str, kind: SettingKind, promised: f64) -> Result<f64, String> {
+    off(written, &way(run, kind, &PARTS)?, promised)
 }
 
 /// The largest error of what was observed at times.
@@ -298,43 +319,44 @@ fn off(written: &str, way: &[(f64, Vec<f64>)], promised: f64) -> Result<f64, Str
 }
 
 /// What a run observed: at the ends of its steps and at parts of them.
-fn way(text: &str, kind: Setting) -> Result<Vec<(f64, Vec<f64>)>, String> {
+fn way(text: &str, kind: SettingKind, within: &[f64]) -> Result<Vec<(f64, Vec<f64>)>, String> {
     let parse = |text: &str| Scene::parse("case.toml", text).map_err(|error| error.to_string());
     let mut scene = parse(text)?;
     let horizon = scene.timing().horizon();
     let mut changes = vec![Change::to("sample_every", "1")];
-    if kind != Setting::EqualSteps {
+    if kind != SettingKind::EqualSteps {
         changes.push(Change::to("step", format!("{:?}", horizon / READINGS as f64)));
     }
     scene = match parse(&changed(text, &changes)) {
         Ok(scene) => scene,
         Err(_) => scene,
     };
-    let stride = scene.timing().steps().div_ceil(INSIDE).max(1);
+    let stride = scene.timing().steps().div_ceil(INSIDE / within.len() as u64).max(1);
     let mut looking = Looking {
         reads: match kind {
-            Setting::EqualSteps => Reads::Parts { stride },
+            SettingKind::EqualSteps => Reads::Parts { stride },
             _ => Reads::Ends,
         },
         h: scene.timing().step(),
+        within,
         parts: Vec::new(),
         ends: Vec::new(),
         found: Vec::new(),
     };
     let mut run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
-    if kind == Setting::OwnSteps {
+    if kind == SettingKind::Adaptive {
         // A spike within a short accepted step would be passed over.
-        looking.reads = Reads::Times { ahead: within(&looking.ends).into() };
+        looking.reads = Reads::Times { ahead: moments(&looking.ends, within).into() };
         looking.found.clear();
         run = scene.run_from(None, &mut looking).map_err(|error| error.to_string())?;
     }
     let mut found = looking.found;
-    if scene.heat().is_some() && kind == Setting::EqualSteps {
+    if scene.heat().is_some() && kind == SettingKind::EqualSteps {
         // Steps of heat have no parts: straight lines.
         let ends = found.clone();
         let mut before = (0.0, run.observed(0).to_vec());
         for end in ends {
-            for part in PARTS {
+            for &part in within {
                 let line = before.1.iter().zip(&end.1).map(|(a, b)| a + part * (b - a)).collect();
                 found.push((before.0 + part * (end.0 - before.0), line));
             }
@@ -346,10 +368,10 @@ fn way(text: &str, kind: Setting) -> Result<Vec<(f64, Vec<f64>)>, String> {
 }
 
 /// Parts of accepted steps, and their ends.
-fn within(ends: &[f64]) -> Vec<f64> {
+fn moments(ends: &[f64], within: &[f64]) -> Vec<f64> {
     let starts = [0.0].into_iter().chain(ends.iter().copied());
     let each = starts.zip(ends).flat_map(|(start, &end)| {
-        PARTS.into_iter().chain([1.0]).map(move |part| start + part * (end - start))
+        within.iter().copied().chain([1.0]).map(move |part| start + part * (end - start))
     });
     let horizon = ends.last().copied().unwrap_or_default();
     each.filter(|&t| t < horizon).collect()
@@ -366,16 +388,18 @@ enum Reads {
 }
 
 /// Keeps what it sees.
-struct Looking {
+struct Looking<'w> {
     reads: Reads,
     h: f64,
+    /// Parts of a step.
+    within: &'w [f64],
     parts: Vec<f64>,
     /// The ends of accepted steps.
     ends: Vec<f64>,
     found: Vec<(f64, Vec<f64>)>,
 }
 
-impl Observer for Looking {
+impl Observer for Looking<'_> {
     fn stepped(&mut self, now: Progress<'_>) -> Control {
         self.found.push((now.time, now.observed.to_vec()));
         Control::Continue
@@ -387,7 +411,9 @@ impl Observer for Looking {
         let end = step as f64 * self.h;
         self.parts.clear();
         match &mut self.reads {
-            Reads::Parts { stride } if step.is_multiple_of(*stride) => self.parts.extend(PARTS),
+            Reads::Parts { stride } if step.is_multiple_of(*stride) => {
+                self.parts.extend(self.within)
+            }
             Reads::Parts { .. } | Reads::Ends => {}
             Reads::Times { ahead } => {
                 let due = ahead.partition_point(|&t| t < end);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use stationary::program::ladder_of;
-use stationary_choose::{Lab, answer};
+use stationary_choose::{MeasuredRuns, answer};
 use stationary_integrators::{Conservation, Method};
 use stationary_scene::Scene;
 use stationary_scene::choose::Question;
@@ -64,7 +64,7 @@ fn a_scene_is_told_which_method_and_step_to_write_into_its_file() {
     assert!(study.claims.iter().all(xtask::study::Claim::holds), "{:?}", study.claims);
     // It is the answer of `choose`, with every method beside it.
     let ladder = ladder_of(&file.0, &asked).unwrap();
-    let answer = answer(&mut Lab::new(&ladder, BUDGET).unwrap(), 1e-4).unwrap();
+    let answer = answer(&mut MeasuredRuns::new(&ladder, BUDGET).unwrap(), 1e-4).unwrap();
     let choice = answer.choice().unwrap();
     let said = format!("the cheapest is {} with {}", choice.method, choice.setting);
     assert!(study.conclusion.contains(&said), "{}", study.conclusion);

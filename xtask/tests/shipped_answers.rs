@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use stationary_choose::{Lab, Verdict, answer};
+use stationary_choose::{MeasuredRuns, Verdict, answer};
 use stationary_scene::choose::{Question, scene_ladder};
 
 /// A scene, what is asked of it, and the horizon.
@@ -27,9 +27,9 @@ fn the_answers_on_shipped_scenes() {
         for tolerance in [1e-1, 1e-3] {
             let question = Question { observable: observable.to_owned(), horizon: Some(horizon) };
             let ladder = scene_ladder("shipped.toml", &text, &question).unwrap();
-            let lab = Lab::new(&ladder, Duration::from_secs(24 * 3600)).unwrap();
-            let mut lab = lab.bounded(50_000_000);
-            let answer = answer(&mut lab, tolerance).unwrap();
+            let runs = MeasuredRuns::new(&ladder, Duration::from_secs(24 * 3600)).unwrap();
+            let mut runs = runs.bounded(50_000_000);
+            let answer = answer(&mut runs, tolerance).unwrap();
             let choice = answer.choice().map(|row| format!("{}, {}", row.method, row.setting));
             let choice = choice.unwrap_or_else(|| format!("{:?}", answer.verdict));
             let word = if matches!(answer.verdict, Verdict::Unconfirmed(_)) {

@@ -6,10 +6,10 @@ use std::time::Duration;
 use stationary_measure::{Cell, Column, Table};
 
 use crate::effort::Effort;
-use crate::lab::Lab;
 use crate::ladder::{At, Ladder, MOMENTS};
 use crate::ladder_search::{Judgement, judge};
 use crate::measured::{End, Failure};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Extrapolated, Reference};
 use crate::refinement::MeshError;
 use crate::verify::{Doubt, Seen};
@@ -74,36 +74,36 @@ pub struct Answer {
 }
 
 impl Answer {
-    pub(super) fn without_reference(lab: &Lab<'_>, tolerance: f64) -> Self {
+    pub(super) fn without_reference(runs: &MeasuredRuns<'_>, tolerance: f64) -> Self {
         Answer {
-            heading: heading(lab, None),
+            heading: heading(runs, None),
             tolerance,
             verdict: Verdict::Uncertain,
-            rows: rows(lab, None, tolerance),
+            rows: rows(runs, None, tolerance),
             reference: None,
             made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
             seen: None,
             mesh: None,
-            spent: lab.effort(),
+            spent: runs.effort(),
         }
     }
 
     pub(super) fn of(
-        lab: &Lab<'_>,
+        runs: &MeasuredRuns<'_>,
         reference: Reference,
         tolerance: f64,
         verdict: Verdict,
     ) -> Self {
         Answer {
-            heading: heading(lab, Some(&reference)),
+            heading: heading(runs, Some(&reference)),
             tolerance,
             verdict,
-            rows: rows(lab, Some(&reference), tolerance),
-            made: made(lab, &reference),
+            rows: rows(runs, Some(&reference), tolerance),
+            made: made(runs, &reference),
             seen: None,
             mesh: None,
             reference: Some(reference),
-            spent: lab.effort(),
+            spent: runs.effort(),
         }
     }
 
@@ -278,18 +278,18 @@ impl Row {
     }
 }
 
-fn rows(lab: &Lab<'_>, reference: Option<&Reference>, tolerance: f64) -> Vec<Row> {
-    let mut rows: Vec<Row> = lab
+fn rows(runs: &MeasuredRuns<'_>, reference: Option<&Reference>, tolerance: f64) -> Vec<Row> {
+    let mut rows: Vec<Row> = runs
         .used()
         .map(|(at, run)| Row {
             at,
-            method: lab.family(at.family).name.clone(),
-            setting: lab.family(at.family).setting(at.rung),
+            method: runs.family(at.family).name.clone(),
+            setting: runs.family(at.family).setting(at.rung),
             work: run.work,
             wall: run.wall,
             moment: run.course.values.len().saturating_sub(1),
             judgement: reference.and_then(|reference| {
-                let said = judge(lab, reference, tolerance, at)?;
+                let said = judge(runs, reference, tolerance, at)?;
                 Some(if reference.is_confirmed { said } else { unconfirmed(said, &run.end) })
             }),
         })
@@ -309,8 +309,8 @@ fn unconfirmed(said: Judgement, end: &End) -> Judgement {
     }
 }
 
-fn heading(lab: &Lab<'_>, reference: Option<&Reference>) -> String {
-    let Ladder { title, observable, scale, horizon, time, .. } = lab.ladder();
+fn heading(runs: &MeasuredRuns<'_>, reference: Option<&Reference>) -> String {
+    let Ladder { title, observable, scale, horizon, time, .. } = runs.ladder();
     let size = reference.map_or(String::new(), |r| format!(" ({:.3e})", r.course.scale));
     format!(
         "{title}: {observable}, relative to {}{size}, at {MOMENTS} moments up to {horizon} {time}",
@@ -320,13 +320,13 @@ fn heading(lab: &Lab<'_>, reference: Option<&Reference>) -> String {
     .to_owned()
 }
 
-fn made(lab: &Lab<'_>, reference: &Reference) -> String {
+fn made(runs: &MeasuredRuns<'_>, reference: &Reference) -> String {
     let finest = At { family: reference.family, rung: reference.finest };
     let how = match reference.extrapolated {
         Extrapolated::Yes => ", extrapolated to a step of zero",
         Extrapolated::No => "",
     };
-    let agreement = lab
+    let agreement = runs
         .used()
         .filter(|(at, _)| at.family != reference.family)
         .filter_map(|(at, run)| {
@@ -337,15 +337,15 @@ fn made(lab: &Lab<'_>, reference: &Reference) -> String {
     let others = match agreement {
         Some((error, at)) => format!(
             "; the nearest of another kind, {} at {}, differs from it by {error:.1e}",
-            lab.family(at.family).name,
-            lab.family(at.family).setting(at.rung)
+            runs.family(at.family).name,
+            runs.family(at.family).setting(at.rung)
         ),
         None => "; no run of another kind to compare it with".to_owned(),
     };
     format!(
         "{} at {}{how}, uncertain by {:.1e}{others}",
-        lab.family(reference.family).name,
-        lab.family(finest.family).setting(finest.rung),
+        runs.family(reference.family).name,
+        runs.family(finest.family).setting(finest.rung),
         reference.uncertainty,
     )
 }

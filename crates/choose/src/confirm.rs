@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 
 use stationary_integrators::Evaluation;
 
-use crate::lab::Lab;
 use crate::ladder::{At, Family, Kind, MOMENTS};
-use crate::ladder_search::{Judgement, family_class, judge, rungs_to_go};
+use crate::ladder_search::{Judgement, family_class, judge, likely_rungs};
 use crate::measured::{Failure, Foresight, StopRule};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 
 /// Whether another kind agrees with the reference at the moments.
@@ -37,27 +37,28 @@ const UNLIKELY: u64 = 4;
 
 /// Looks for a run of another family near the reference, and makes one where there is none.
 pub fn confirmed(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     tolerance: f64,
     families: &[usize],
 ) -> Confirmed {
-    let agrees = |lab: &Lab<'_>, at: At| {
-        let said = judge(lab, reference, tolerance, at);
-        matches!(said, Some(Judgement::Meets(_)))
+    let agrees = |runs: &MeasuredRuns<'_>, at: At| {
+        let course = runs.seen(at).and_then(|run| run.whole());
+        let off = course.and_then(|course| reference.error(course).ok());
+        off.is_some_and(|off| off.max(runs.way(at).unwrap_or(0.0)) <= tolerance)
     };
-    let run: Vec<At> = lab.used().map(|(at, _)| at).collect();
+    let run: Vec<At> = runs.used().map(|(at, _)| at).collect();
     let others = run.into_iter().filter(|at| {
-        at.family != reference.family && lab.family(at.family).converges() && agrees(lab, *at)
+        at.family != reference.family && runs.family(at.family).converges() && agrees(runs, *at)
     });
     // The nearest is the likeliest to be near between the moments too.
     let off = |at: &At| {
-        lab.seen(*at).map_or(f64::NAN, |run| reference.error_until(&run.course, usize::MAX))
+        runs.seen(*at).map_or(f64::NAN, |run| reference.error_until(&run.course, usize::MAX))
     };
     if let Some(at) = others.min_by(|a, b| off(a).total_cmp(&off(b))) {
         return Confirmed::By(at);
     }
-    let most = PATIENCE * lab.spent();
+    let most = PATIENCE * runs.spent();
     let others: Vec<usize> =
         families.iter().copied().filter(|&family| family != reference.family).collect();
     if others.is_empty() {
@@ -69,68 +70,69 @@ pub fn confirmed(
     let mut led: Vec<At> = Vec::new();
     // What each sort of method has cost so far: none is tried long before another is.
     let mut spent: BTreeMap<(Kind, bool), u64> = BTreeMap::new();
-    while !lab.late() {
-        let begun = lab.spent();
-        let so_far = |lab: &Lab<'_>, family: usize| {
-            spent.get(&kind_of(lab.family(family))).copied().unwrap_or_default()
+    while !runs.late() {
+        let begun = runs.spent();
+        let so_far = |runs: &MeasuredRuns<'_>, family: usize| {
+            spent.get(&kind_of(runs.family(family))).copied().unwrap_or_default()
         };
-        let next = others.iter().filter_map(|&family| next_rung(lab, reference, tolerance, family));
+        let next =
+            others.iter().filter_map(|&family| next_rung(runs, reference, tolerance, family));
         let unlikely = |at: At| {
-            let order = lab.family(at.family).order;
-            let mut finer = lab.used().filter(|(run, _)| {
-                let family = lab.family(run.family);
+            let order = runs.family(at.family).order;
+            let mut finer = runs.used().filter(|(run, _)| {
+                let family = runs.family(run.family);
                 let comparable = family.kind == Kind::EqualSteps && family.converges();
                 comparable && family.order > order && run.rung >= at.rung
             });
             finer.any(|(run, _)| {
-                matches!(judge(lab, reference, tolerance, run), Some(Judgement::Misses(_)))
+                matches!(judge(runs, reference, tolerance, run), Some(Judgement::Misses(_)))
             })
         };
-        let dear = |at: At| lab.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
-        let cheapest = next.min_by_key(|&at| (dear(at) + so_far(lab, at.family), at));
-        let leading = others.iter().filter_map(|&family| lead(lab, reference, tolerance, family));
+        let dear = |at: At| runs.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
+        let cheapest = next.min_by_key(|&at| (dear(at) + so_far(runs, at.family), at));
+        let leading = others.iter().filter_map(|&family| lead(runs, reference, tolerance, family));
         let tried = |family: usize| {
-            let of = family_class(lab.family(family));
-            led.iter().filter(|at| family_class(lab.family(at.family)) == of).count()
+            let of = family_class(runs.family(family));
+            led.iter().filter(|at| family_class(runs.family(at.family)) == of).count()
         };
         // Of one sort, the same rungs lead to the same.
         let new = |at: At| {
-            let of = family_class(lab.family(at.family));
-            led.iter().all(|led| family_class(lab.family(led.family)) != of || led.rung < at.rung)
+            let of = family_class(runs.family(at.family));
+            led.iter().all(|led| family_class(runs.family(led.family)) != of || led.rung < at.rung)
         };
         let leading = leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
         if let Some((work, at)) = leading
             && cheapest.is_none_or(|direct| {
-                work + so_far(lab, at.family) < dear(direct) + so_far(lab, direct.family)
+                work + so_far(runs, at.family) < dear(direct) + so_far(runs, direct.family)
             })
-            && work <= most.min(lab.left())
+            && work <= most.min(runs.left())
         {
             led.push(at);
-            if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
+            if let Some(other) = extrapolation_agrees(runs, at, reference, tolerance) {
                 return Confirmed::Led(Box::new(other));
             }
-            *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
+            *spent.entry(kind_of(runs.family(at.family))).or_default() += runs.spent() - begun;
             continue;
         }
-        let Some(at) = cheapest.filter(|&at| lab.affords(at) && lab.predicted(at) <= most) else {
+        let Some(at) = cheapest.filter(|&at| runs.affords(at) && runs.predicted(at) <= most) else {
             break;
         };
         let most_error = tolerance + reference.uncertainty;
         let most_work = u64::MAX;
         let (reference, foresight) = (Some(reference), Foresight::None);
-        lab.attempt(at, &StopRule { reference, most_error, most_work, foresight });
-        if agrees(lab, at) {
+        runs.attempt(at, &StopRule { reference, most_error, most_work, foresight });
+        if agrees(runs, at) {
             return Confirmed::By(at);
         }
-        *spent.entry(kind_of(lab.family(at.family))).or_default() += lab.spent() - begun;
+        *spent.entry(kind_of(runs.family(at.family))).or_default() += runs.spent() - begun;
     }
     for family in others {
-        for rung in 1..lab.family(family).rungs.len() {
+        for rung in 1..runs.family(family).rungs.len() {
             let at = At { family, rung };
-            if lab.late() || !lab.affords(at) || lab.predicted(at) > most {
+            if runs.late() || !runs.affords(at) || runs.predicted(at) > most {
                 break;
             }
-            if let Some(other) = extrapolation_agrees(lab, at, reference, tolerance) {
+            if let Some(other) = extrapolation_agrees(runs, at, reference, tolerance) {
                 return Confirmed::Led(Box::new(other));
             }
         }
@@ -146,43 +148,48 @@ fn kind_of(family: &Family) -> (Kind, bool) {
 /// The next rung of a family that may agree with the reference, finer than what others of its sort
 /// were too coarse for.
 pub fn next_rung(
-    lab: &Lab<'_>,
+    runs: &MeasuredRuns<'_>,
     reference: &Reference,
     tolerance: f64,
     family: usize,
 ) -> Option<At> {
-    let last = |of: usize| lab.used().map(|(at, _)| at).filter(|at| at.family == of).last();
+    let last = |of: usize| runs.used().map(|(at, _)| at).filter(|at| at.family == of).last();
     let own = match last(family) {
         None => 0,
-        Some(at) => match judge(lab, reference, tolerance, at)? {
+        Some(at) => match judge(runs, reference, tolerance, at)? {
             Judgement::Misses(error) | Judgement::Unclear(error) => {
-                let error = at_the_end(lab, at, error).min(SMALL);
-                at.rung + rungs_to_go(lab.family(family), tolerance, error)
+                let error = at_the_end(runs, at, error).min(SMALL);
+                at.rung + likely_rungs(runs.family(family), tolerance, error)
             }
             _ => at.rung + 1,
         },
     };
     let alike = |other: &usize| {
         *other != reference.family
-            && family_class(lab.family(*other)) == family_class(lab.family(family))
+            && family_class(runs.family(*other)) == family_class(runs.family(family))
     };
     // Which step is stable differs from one to the other.
     let stable = |at: &At| {
-        let said = judge(lab, reference, tolerance, *at);
+        let said = judge(runs, reference, tolerance, *at);
         !matches!(said, Some(Judgement::Failed(Failure::Unstable(_))))
     };
-    let others = (0..lab.ladder().families.len()).filter(alike).filter_map(last).filter(stable);
+    let others = (0..runs.ladder().families.len()).filter(alike).filter_map(last).filter(stable);
     let rung = others.map(|at| at.rung + 1).fold(own, usize::max);
-    (rung < lab.family(family).rungs.len()).then_some(At { family, rung })
+    (rung < runs.family(family).rungs.len()).then_some(At { family, rung })
 }
 
 /// The work of three runs of a family of equal steps that may lead to the reference, and the finest of
 /// them: what is left of an error is about its square.
-fn lead(lab: &Lab<'_>, reference: &Reference, tolerance: f64, family: usize) -> Option<(u64, At)> {
-    let own = lab.family(family);
-    let tried = lab.used().filter(|(at, _)| at.family == family);
-    let errors = tried.filter_map(|(at, _)| match judge(lab, reference, tolerance, at)? {
-        Judgement::Misses(error) => Some((at.rung, at_the_end(lab, at, error))),
+fn lead(
+    runs: &MeasuredRuns<'_>,
+    reference: &Reference,
+    tolerance: f64,
+    family: usize,
+) -> Option<(u64, At)> {
+    let own = runs.family(family);
+    let tried = runs.used().filter(|(at, _)| at.family == family);
+    let errors = tried.filter_map(|(at, _)| match judge(runs, reference, tolerance, at)? {
+        Judgement::Misses(error) => Some((at.rung, at_the_end(runs, at, error))),
         _ => None,
     });
     let is_low = own.kind == Kind::EqualSteps && LEADING.contains(&own.order);
@@ -190,10 +197,10 @@ fn lead(lab: &Lab<'_>, reference: &Reference, tolerance: f64, family: usize) -> 
     let halvings = (error / tolerance.sqrt()).log2() / f64::from(own.order);
     let coarsest = rung + halvings.ceil().max(0.0) as usize;
     let at = |rung: usize| At { family, rung };
-    let whole = |at: At| lab.seen(at).is_some_and(|run| run.whole().is_some());
+    let whole = |at: At| runs.seen(at).is_some_and(|run| run.whole().is_some());
     let three = (coarsest..coarsest + 3).map(at);
     let work = three.filter(|&at| at.rung < own.rungs.len() && !whole(at));
-    let work = work.map(|at| lab.predicted(at)).sum();
+    let work = work.map(|at| runs.predicted(at)).sum();
     (coarsest + 2 < own.rungs.len()).then_some((work, at(coarsest + 2)))
 }
 
@@ -205,8 +212,8 @@ const LEADING: std::ops::RangeInclusive<u32> = 1..=2;
 const LEADS: usize = 3;
 
 /// The error that a run comes to which was stopped, where errors grow as they began.
-fn at_the_end(lab: &Lab<'_>, at: At, error: f64) -> f64 {
-    let moments = lab.seen(at).map_or(0, |run| run.course.values.len().saturating_sub(1));
+fn at_the_end(runs: &MeasuredRuns<'_>, at: At, error: f64) -> f64 {
+    let moments = runs.seen(at).map_or(0, |run| run.course.values.len().saturating_sub(1));
     error * MOMENTS as f64 / moments.max(1) as f64
 }
 
@@ -216,12 +223,12 @@ const VAGUE: f64 = 4.0;
 /// What another family's rungs lead to, where that agrees with the reference though they themselves
 /// are too coarse.
 fn extrapolation_agrees(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     at: At,
     reference: &Reference,
     tolerance: f64,
 ) -> Option<Reference> {
-    let other = Reference::at(lab, at.family, at.rung)?;
+    let other = Reference::at(runs, at.family, at.rung)?;
     let apart = reference.error(&other.course);
     // Of two answers that agree by luck, the less certain one would be elsewhere at most moments.
     let agrees =
@@ -252,20 +259,20 @@ mod tests {
             let start = State::new(vec![0.5], Covector(vec![0.0]));
             let place = |state: &State<Vec<f64>>| vec![state.q[0]];
             let motion = Motion::new(&bob.system, start, horizon, place).unwrap();
-            let mut lab = Lab::new(&motion, Duration::from_secs(600)).unwrap();
-            let families = preferred(&lab, 1e-6);
-            let reference = refer(&mut lab, &families, 1e-6).unwrap();
+            let mut runs = MeasuredRuns::new(&motion, Duration::from_secs(600)).unwrap();
+            let families = preferred(&runs, 1e-6);
+            let reference = refer(&mut runs, &families, 1e-6).unwrap();
             let family = |name: &str| {
-                lab.ladder().families.iter().position(|family| family.name == name).unwrap()
+                runs.ladder().families.iter().position(|family| family.name == name).unwrap()
             };
             let (tried, like) = (family("triple-jump-4"), family("runge-kutta-4"));
             let (most_work, foresight) = (u64::MAX, Foresight::None);
             let trial =
                 StopRule { reference: Some(&reference), most_error: 1e-2, most_work, foresight };
             let first = At { family: tried, rung: 0 };
-            lab.attempt(first, &trial);
-            let next = next_rung(&lab, &reference, 1e-2, like).map(|at| at.rung);
-            (judge(&lab, &reference, 1e-2, first).unwrap(), next)
+            runs.attempt(first, &trial);
+            let next = next_rung(&runs, &reference, 1e-2, like).map(|at| at.rung);
+            (judge(&runs, &reference, 1e-2, first).unwrap(), next)
         };
         let (said, rung) = next(20.0);
         assert!(matches!(said, Judgement::Misses(_)) && rung == Some(1), "{said:?} {rung:?}");

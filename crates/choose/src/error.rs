@@ -37,7 +37,7 @@ pub enum QuestionError {
     NoFamily,
     /// A family without rungs.
     #[error("the family `{0}` has no rungs")]
-    NoRung(String),
+    NoSetting(String),
     /// The rungs of a family must become finer, and each take some work.
     #[error(
         "rung {rung} of the family `{family}` is no finer than the one before, or takes no work"
@@ -56,9 +56,9 @@ impl QuestionError {
         crate::motion::check_horizon(ladder.horizon)?;
         for family in &ladder.families {
             if family.rungs.is_empty() {
-                return Err(QuestionError::NoRung(family.name.clone()));
+                return Err(QuestionError::NoSetting(family.name.clone()));
             }
-            let is_finer = |pair: &[crate::Rung]| {
+            let is_finer = |pair: &[crate::Setting]| {
                 let [coarse, fine] = [pair[0].setting, pair[1].setting];
                 match family.kind {
                     crate::Kind::Modes => fine > coarse,

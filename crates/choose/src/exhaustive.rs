@@ -2,9 +2,9 @@
 //!
 //! A run ends where it misses, or costs more than the choice: neither can be the cheapest.
 
-use crate::lab::Lab;
 use crate::ladder::At;
 use crate::measured::{End, Foresight, StopRule};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 use crate::verify::way_error;
 
@@ -22,7 +22,7 @@ pub struct Found {
 /// The cheapest rung of at most so much work whose error by the truth is within the tolerance. In
 /// each of these families rungs are run from the coarsest to the first that is dearer.
 pub fn exhaustive(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     families: &[usize],
     truth: &Reference,
     tolerance: f64,
@@ -30,10 +30,10 @@ pub fn exhaustive(
 ) -> Option<Found> {
     let mut best: Option<Found> = None;
     for &family in families {
-        for rung in 0..lab.family(family).rungs.len() {
+        for rung in 0..runs.family(family).rungs.len() {
             let at = At { family, rung };
             // Half of what a rung likely takes is less than any run of equal steps took.
-            let own = lab.family(family);
+            let own = runs.family(family);
             if own.rungs[rung].least_work / 2 > most {
                 break;
             }
@@ -43,7 +43,7 @@ pub fn exhaustive(
                 most_work: most,
                 foresight: Foresight::None,
             };
-            let run = lab.attempt(at, &trial);
+            let run = runs.attempt(at, &trial);
             let work = run.work;
             if work > most && !matches!(run.end, End::Failed(_)) {
                 break;
@@ -52,7 +52,7 @@ pub fn exhaustive(
             if error > tolerance || best.is_some_and(|best| work >= best.work) {
                 continue;
             }
-            match way_error(lab, truth, at, tolerance) {
+            match way_error(runs, truth, at, tolerance) {
                 Some(error) if error <= tolerance => best = Some(Found { at, work, error }),
                 _ => {}
             }

@@ -18,7 +18,7 @@ use crate::dense_output::{self, NoStart, Own};
 use crate::error::QuestionError;
 use crate::experiment::{Experiment, Record};
 use crate::grid::Moments;
-use crate::ladder::{At, Family, Kind, Ladder, Scale, own_steps, work_of_step};
+use crate::ladder::{At, Family, Kind, Ladder, Scale, adaptive_steps, work_of_step};
 use crate::look::Look;
 use crate::motion::{FEW, PLACES, check, check_horizon, check_observed, largest};
 use crate::samples::Samples;
@@ -86,6 +86,7 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
             horizon,
             time: "s".to_owned(),
             keeps_energy: false,
+            is_smooth: false,
             is_constrained: false,
             asks: None,
             families,
@@ -156,12 +157,12 @@ pub fn own_family(facts: &FirstOrderFacts, n: usize) -> Family {
         model: 0,
         simplicity: 0,
         on_mesh: false,
-        kind: Kind::OwnSteps,
+        kind: Kind::Adaptive,
         order: facts.order,
         evaluation: facts.evaluation,
         holds_constraints: false,
         is_closed: false,
-        rungs: own_steps(facts.loosest, step).collect(),
+        rungs: adaptive_steps(facts.loosest, step).collect(),
     }
 }
 

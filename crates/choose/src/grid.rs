@@ -49,6 +49,13 @@ pub enum Grid {
         /// Which, counted from 0, in the order of time.
         parts: Arc<[u64]>,
     },
+    /// Some of these parts, each looked into at many moments.
+    SomeClosely {
+        /// See there.
+        halvings: u32,
+        /// Which, counted from 0, in the order of time.
+        parts: Arc<[u64]>,
+    },
     /// The steps that an adaptive rung accepted.
     Accepted(At),
 }
@@ -106,14 +113,23 @@ impl Moments {
 
     /// Of some of them.
     pub fn some(halvings: u32, some: &[u64], horizon: f64) -> Self {
+        Moments::of_some(halvings, some, horizon, &PARTS)
+    }
+
+    /// Of some of them, at many moments of each.
+    pub fn some_closely(halvings: u32, some: &[u64], horizon: f64) -> Self {
+        Moments::of_some(halvings, some, horizon, &golden::<OF_ANOTHER>())
+    }
+
+    fn of_some(halvings: u32, some: &[u64], horizon: f64, thetas: &[f64]) -> Self {
         let parts = MOMENTS << halvings;
         let length = horizon / parts as f64;
         let each = some.iter().flat_map(|&part| {
             let start = part as f64 * length;
-            let inside = PARTS.into_iter().map(move |theta| start + theta * length);
+            let inside = thetas.iter().map(move |theta| start + theta * length);
             inside.chain([(part + 1) as f64 * length])
         });
-        Moments { times: each.collect(), parts: Some(parts), every: 1, within: PARTS.len() }
+        Moments { times: each.collect(), parts: Some(parts), every: 1, within: thetas.len() }
     }
 
     /// Of so many accepted steps that end there.

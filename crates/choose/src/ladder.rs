@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! equal steps    h = T / (20 2^k)     k = 0, 1, ...     one family a method and a model
-//! own steps      tolerance = 10^-k    k = K, ..., 12    read off at T/2560, 2 T/2560, ...
+//! adaptive       tolerance = 10^-k    k = K, ..., 12    read off at T/2560, 2 T/2560, ...
 //! modes          N = 2^k              k = 0, 1, ...     a sum in closed form
 //! ```
 //! `T` the horizon, `10^-K` the loosest tolerance that the method does not hold as a tighter one: two
@@ -24,7 +24,7 @@ const MOST_NUMBERS: u64 = 1_000_000;
 /// Halvings of the coarsest step: at most this many, and at most so many steps.
 const HALVINGS: u32 = 20;
 const MOST_STEPS: u64 = 1 << 26;
-/// Steps between two moments that a method of its own steps is expected to take.
+/// Steps between two moments that a method of adaptive steps is expected to take.
 const OWN: u64 = 2;
 /// The tightest tolerance tried, as a power of a tenth.
 const TIGHTEST: i32 = 12;
@@ -37,7 +37,7 @@ pub enum Kind {
     /// Equal steps, halved from rung to rung.
     EqualSteps,
     /// Steps that the method chooses, to a tolerance that is a tenth from rung to rung.
-    OwnSteps,
+    Adaptive,
     /// Modes, twice as many from rung to rung.
     Modes,
 }
@@ -53,7 +53,7 @@ pub struct At {
 
 /// One way to run something.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct Setting {
     /// The step, the tolerance or the number of modes.
     pub setting: f64,
     /// The work that it takes where every equation is solved at once.
@@ -82,7 +82,7 @@ pub struct Family {
     /// Whether its finest rung is in closed form: a sum of all modes.
     pub is_closed: bool,
     /// Its rungs.
-    pub rungs: Vec<Rung>,
+    pub rungs: Vec<Setting>,
 }
 
 /// What errors of an observable are relative to.
@@ -134,9 +134,12 @@ pub struct Ladder {
     pub time: String,
     /// Whether a true motion keeps the energy.
     pub keeps_energy: bool,
+    /// Whether nothing happens at once, such as an impact: what is looked into in some steps tells of the
+    /// others.
+    pub is_smooth: bool,
     /// Whether constraints are held: then all methods solve the same equations, whatever their order.
     pub is_constrained: bool,
-    /// The family of own steps of which the tolerance to set is asked beside, cheap or not.
+    /// The family of adaptive steps of which the tolerance to set is asked beside, cheap or not.
     pub asks: Option<usize>,
     /// The families.
     pub families: Vec<Family>,
@@ -161,7 +164,7 @@ impl Family {
         let value = self.rungs.get(rung).map_or(f64::NAN, |rung| rung.setting);
         match self.kind {
             Kind::EqualSteps => format!("step = {value}"),
-            Kind::OwnSteps => format!("tolerance = {value:e}"),
+            Kind::Adaptive => format!("tolerance = {value:e}"),
             Kind::Modes => format!("modes = {value}"),
         }
     }
@@ -182,8 +185,8 @@ pub fn numbers_of_steps() -> impl Iterator<Item = u64> {
 }
 
 /// The rungs of equal steps: what is made ahead, and each step, counts so much.
-pub fn equal_steps(horizon: f64, ahead: u64, step: u64) -> impl Iterator<Item = Rung> {
-    numbers_of_steps().map(move |steps| Rung {
+pub fn equal_steps(horizon: f64, ahead: u64, step: u64) -> impl Iterator<Item = Setting> {
+    numbers_of_steps().map(move |steps| Setting {
         setting: horizon / steps as f64,
         least_work: ahead + step * steps,
     })
@@ -194,10 +197,10 @@ pub fn powers(loosest: f64) -> impl Iterator<Item = i32> {
     (1..=TIGHTEST).filter(move |k| 10_f64.powi(-k) <= NEARLY * loosest)
 }
 
-/// The rungs of own steps, each of which counts so much.
-pub fn own_steps(loosest: f64, step: u64) -> impl Iterator<Item = Rung> {
+/// The rungs of adaptive steps, each of which counts so much.
+pub fn adaptive_steps(loosest: f64, step: u64) -> impl Iterator<Item = Setting> {
     let least_work = OWN * step * MOMENTS;
-    powers(loosest).map(move |k| Rung { setting: 10_f64.powi(-k), least_work })
+    powers(loosest).map(move |k| Setting { setting: 10_f64.powi(-k), least_work })
 }
 
 /// Samples from one moment to the next that there is room for: a power of two.

@@ -11,7 +11,7 @@
 //! ```
 //! use std::time::Duration;
 //! use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
-//! use stationary_choose::{Lab, Motion, answer, picture};
+//! use stationary_choose::{MeasuredRuns, Motion, answer, picture};
 //! use stationary_integrators::State;
 //!
 //! struct Duffing; // V(q) = q^4 / 4 - q^2 / 2: two wells
@@ -24,8 +24,8 @@
 //! let system = System::new(DiagonalMetric::new([1.0])?, Duffing)?;
 //! let start = State::new(vec![0.1], Covector(vec![0.0]));
 //! let motion = Motion::new(&system, start, 20.0, |state| vec![state.q[0]])?;
-//! let mut lab = Lab::new(&motion, Duration::from_secs(60))?;
-//! let answer = answer(&mut lab, 1e-4)?;
+//! let mut runs = MeasuredRuns::new(&motion, Duration::from_secs(60))?;
+//! let answer = answer(&mut runs, 1e-4)?;
 //! println!("{answer}"); // the choice, runners-up, failures, and the reference that they were judged by
 //! let chart = picture(&answer)?;
 //! assert!(answer.choice().is_some() && chart.starts_with("<svg"));
@@ -34,7 +34,7 @@
 //!
 //! Reading order: what can be run in many ways ([`Experiment`], with its [`Ladder`] of families and rungs,
 //! and what a run leaves, a [`Record`]); the two that are ready-made: the [`Motion`] of any system and the
-//! [`Flow`] of any first-order field; the [`Lab`], in which no rung is run twice; the [`Reference`], the
+//! [`Flow`] of any first-order field; the [`MeasuredRuns`], in which no rung is run twice; the [`Reference`], the
 //! [`LadderSearch`], and the look over the whole way ([`Moments`], [`Look`], [`Seen`]); the
 //! [`Answer`]. Last what the search is measured against: [`exhaustive`] runs every rung that could be cheaper.
 //!
@@ -51,11 +51,12 @@ mod grid;
 mod look;
 mod track;
 mod effort;
-mod lab;
+mod measured_runs;
 mod reference;
 mod ladder_search;
 mod way;
 mod verify;
+mod closer;
 mod confirm;
 mod refinement;
 mod search;
@@ -75,14 +76,14 @@ pub use exhaustive::{Found, exhaustive};
 pub use experiment::{Experiment, Record};
 pub use flow::Flow;
 pub use grid::{Moments, inside, is_at, until};
-pub use lab::Lab;
 pub use ladder::{
-    At, Family, Finer, Kind, Ladder, MOMENTS, Rung, SAMPLES, Scale, equal_steps, numbers_of_steps,
-    own_steps, powers, samples, work_of_step,
+    At, Family, Finer, Kind, Ladder, MOMENTS, SAMPLES, Scale, Setting, adaptive_steps, equal_steps,
+    numbers_of_steps, powers, samples, work_of_step,
 };
 pub use ladder_search::{Judgement, LadderSearch, judge};
 pub use look::Look;
 pub use measured::{Course, End, Failure, Foresight, Measured, StopRule, counted};
+pub use measured_runs::MeasuredRuns;
 pub use motion::Motion;
 pub use picture::{chart, picture};
 pub use reference::{Extrapolated, Reference, preferred};

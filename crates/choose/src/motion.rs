@@ -118,6 +118,7 @@ where
                 horizon,
                 time: "s".to_owned(),
                 keeps_energy: true,
+                is_smooth: true,
                 is_constrained: false,
                 asks: None,
                 families: Vec::new(),

@@ -6,13 +6,13 @@
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
 //!                two rungs alone                  x* = x(h),  uncertainty d2
-//! own steps      x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
+//! adaptive       x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! closed form    x* = x(all modes of heat),       uncertainty that of the modes
 //! ```
 //! Each is the error of what is one rung coarser than `x*`, not of `x*`. Differences of equal steps
 //! that do not shrink prove nothing: their uncertainty is infinite. A rung that failed is passed over;
 //! where there is no third that did not, there are two alone. Where something stops within a step, differences
-//! shrink over several rungs, not from each to the next. How fast those of own steps shrink is not trusted:
+//! shrink over several rungs, not from each to the next. How fast those of adaptive steps shrink is not trusted:
 //! at the border of stability a tighter tolerance may change less than it should. Where nothing takes energy,
 //! a reference is as uncertain as its energy changes, times a margin: what is asked for may hide it.
 
@@ -20,9 +20,9 @@ use std::cmp::Reverse;
 
 use stationary_integrators::Evaluation;
 
-use crate::lab::Lab;
 use crate::ladder::{At, Kind, Scale};
 use crate::measured::{Course, End, Failure, Foresight, StopRule, apart, distance};
+use crate::measured_runs::MeasuredRuns;
 
 /// The best answer so far.
 #[derive(Clone, Debug)]
@@ -74,7 +74,7 @@ const OF_MODES: f64 = 1e-9;
 
 /// The ladder's families in the order in which references within so much are made by them: first
 /// those without equations whose order fits, of which the one of the most stages errs the least.
-pub fn preferred(lab: &Lab<'_>, enough: f64) -> Vec<usize> {
+pub fn preferred(runs: &MeasuredRuns<'_>, enough: f64) -> Vec<usize> {
     let wanted: u32 = if enough > 1e-4 {
         4
     } else if enough > 1e-7 {
@@ -82,12 +82,12 @@ pub fn preferred(lab: &Lab<'_>, enough: f64) -> Vec<usize> {
     } else {
         8
     };
-    let mut families: Vec<usize> = (0..lab.ladder().families.len()).collect();
-    families.retain(|&family| lab.family(family).converges());
+    let mut families: Vec<usize> = (0..runs.ladder().families.len()).collect();
+    families.retain(|&family| runs.family(family).converges());
     families.sort_by_key(|&place| {
-        let family = lab.family(place);
+        let family = runs.family(place);
         let solves = family.evaluation == Evaluation::Implicit;
-        let own = family.kind == Kind::OwnSteps && wanted < 8;
+        let own = family.kind == Kind::Adaptive && wanted < 8;
         let work = Reverse((family.rungs[0].least_work, place));
         (solves, family.order.abs_diff(wanted), own, Reverse(family.order), work)
     });
@@ -102,46 +102,50 @@ struct Making {
 }
 
 impl Making {
-    fn new(lab: &Lab<'_>, family: usize, enough: f64) -> Self {
-        let finest = match lab.family(family).kind {
+    fn new(runs: &MeasuredRuns<'_>, family: usize, enough: f64) -> Self {
+        let finest = match runs.family(family).kind {
             Kind::EqualSteps => 1,
-            Kind::OwnSteps => lab.family(family).at_most(enough) + 1,
-            Kind::Modes => lab.family(family).rungs.len() - 1,
+            Kind::Adaptive => runs.family(family).at_most(enough) + 1,
+            Kind::Modes => runs.family(family).rungs.len() - 1,
         };
         Making { family, finest, best: None }
     }
 
     /// The work that is left, where there is a next rung: to that, and to as many more as its order
     /// asks for where it is known how far there is to go.
-    fn left(&self, lab: &Lab<'_>, enough: f64) -> Option<f64> {
-        let next = self.next(lab)? as f64;
-        let family = lab.family(self.family);
+    fn left(&self, runs: &MeasuredRuns<'_>, enough: f64) -> Option<f64> {
+        let next = self.next(runs)? as f64;
+        let family = runs.family(self.family);
         let (shrinks, grows) = match family.kind {
-            Kind::OwnSteps => (10.0, 10_f64.powf(1.0 / f64::from(family.order + 1))),
+            Kind::Adaptive => (10.0, 10_f64.powf(1.0 / f64::from(family.order + 1))),
             Kind::EqualSteps | Kind::Modes => (2_f64.powi(family.order as i32), 2.0),
         };
         let far = self.uncertainty().min(SATURATED) / enough;
         // Where nothing is known yet, the next one may do.
-        let rungs = if self.is_known(lab) { far.ln() / f64::ln(shrinks) } else { 1.0 };
+        let rungs = if self.is_known(runs) && self.uncertainty() <= BEYOND {
+            far.ln() / f64::ln(shrinks)
+        } else {
+            1.0
+        };
         Some((0..rungs.ceil().max(1.0) as i32).map(|rung| next * f64::powi(grows, rung)).sum())
     }
 
     /// Whether what was run says how far there is to go: what equal steps differ from across those
     /// that failed does not.
-    fn is_known(&self, lab: &Lab<'_>) -> bool {
+    fn is_known(&self, runs: &MeasuredRuns<'_>) -> bool {
         let came = |rung: &usize| {
-            let run = lab.seen(At { family: self.family, rung: *rung });
+            let run = runs.seen(At { family: self.family, rung: *rung });
             run.is_some_and(|run| run.whole().is_some())
         };
-        let own = lab.family(self.family).kind == Kind::OwnSteps;
+        let own = runs.family(self.family).kind == Kind::Adaptive;
         let first = self.finest.saturating_sub(2);
         self.best.is_some() && (own || (first..self.finest).all(|rung| came(&rung)))
     }
 
     /// Whether its last runs came to where there is nothing to observe: a finer one comes there too.
-    fn is_undefined(&self, lab: &Lab<'_>) -> bool {
+    fn is_undefined(&self, runs: &MeasuredRuns<'_>) -> bool {
         let undefined = |rung: usize| {
-            let run = lab.seen(At { family: self.family, rung });
+            let run = runs.seen(At { family: self.family, rung });
             run.is_some_and(|run| matches!(run.end, End::Failed(Failure::Undefined(_))))
         };
         self.finest >= UNDEFINED && (self.finest - UNDEFINED..self.finest).all(undefined)
@@ -149,29 +153,29 @@ impl Making {
 
     /// The work of the next rung, where there is one, and of another where that would be alone: the
     /// coarser one, or where that failed, a finer one.
-    fn next(&self, lab: &Lab<'_>) -> Option<u64> {
-        let rungs = lab.family(self.family).rungs.len();
+    fn next(&self, runs: &MeasuredRuns<'_>) -> Option<u64> {
+        let rungs = runs.family(self.family).rungs.len();
         let at = |rung: usize| At { family: self.family, rung };
-        if self.finest >= rungs || !lab.affords(at(self.finest)) || self.is_undefined(lab) {
+        if self.finest >= rungs || !runs.affords(at(self.finest)) || self.is_undefined(runs) {
             return None;
         }
-        if lab.family(self.family).is_closed {
-            return Some(lab.predicted(at(self.finest)));
+        if runs.family(self.family).is_closed {
+            return Some(runs.predicted(at(self.finest)));
         }
-        let before = lab.seen(at(self.finest - 1));
+        let before = runs.seen(at(self.finest - 1));
         let other = match before {
-            _ if self.is_known(lab) => None,
+            _ if self.is_known(runs) => None,
             None => Some(self.finest - 1),
             Some(run) if run.whole().is_some() => None,
             Some(_) => Some(self.finest + 1).filter(|&after| after < rungs),
         };
-        let other = other.map_or(0, |other| lab.predicted(at(other)));
-        Some(lab.predicted(at(self.finest)) + other)
+        let other = other.map_or(0, |other| runs.predicted(at(other)));
+        Some(runs.predicted(at(self.finest)) + other)
     }
 
     /// Tries the next rung; where that has more to do still than others, it is stopped, and tried
     /// again only where those turn out to be dearer.
-    fn advance(&mut self, lab: &mut Lab<'_>, others: f64) {
+    fn advance(&mut self, runs: &mut MeasuredRuns<'_>, others: f64) {
         let trial = StopRule {
             reference: None,
             most_error: f64::INFINITY,
@@ -179,13 +183,13 @@ impl Making {
             foresight: Foresight::RemainingCost,
         };
         let at = At { family: self.family, rung: self.finest };
-        if lab.attempt(at, &trial).end == End::Stopped {
+        if runs.attempt(at, &trial).end == End::Stopped {
             return;
         }
-        let next = Reference::at(lab, self.family, self.finest);
+        let next = Reference::at(runs, self.family, self.finest);
         let hopeless = next.as_ref().is_none_or(|next| next.uncertainty > SATURATED);
         // A decade of tolerance costs little.
-        let own = lab.family(self.family).kind == Kind::OwnSteps;
+        let own = runs.family(self.family).kind == Kind::Adaptive;
         self.finest += if own && hopeless { 2 } else { 1 };
         let better = |next: &Reference| self.best.as_ref().is_none_or(|best| next.is_better(best));
         self.best = next.filter(better).or(self.best.take());
@@ -205,18 +209,18 @@ impl Reference {
     /// The answer by one of these families, in turn the one that has the least work left, until
     /// the uncertainty of one is at most `enough`; else the best that they can do, nothing where
     /// they can do nothing.
-    pub fn make(lab: &mut Lab<'_>, families: &[usize], enough: f64) -> Option<Self> {
+    pub fn make(runs: &mut MeasuredRuns<'_>, families: &[usize], enough: f64) -> Option<Self> {
         let mut making: Vec<Making> =
-            families.iter().map(|&family| Making::new(lab, family, enough)).collect();
+            families.iter().map(|&family| Making::new(runs, family, enough)).collect();
         let ends = |making: &Making| making.uncertainty() <= enough || making.is_still();
-        while !lab.late() && !making.iter().any(ends) {
+        while !runs.late() && !making.iter().any(ends) {
             let left = making.iter_mut();
-            let left = left.filter_map(|making| Some((making.left(lab, enough)?, making)));
+            let left = left.filter_map(|making| Some((making.left(runs, enough)?, making)));
             let mut left: Vec<(f64, &mut Making)> = left.collect();
             left.sort_by(|a, b| a.0.total_cmp(&b.0));
             let mut left = left.into_iter();
             let Some((_, cheapest)) = left.next() else { break };
-            cheapest.advance(lab, left.next().map_or(f64::INFINITY, |(others, _)| others));
+            cheapest.advance(runs, left.next().map_or(f64::INFINITY, |(others, _)| others));
         }
         let made = making.into_iter().filter_map(|making| making.best);
         made.reduce(|best, other| if best.is_better(&other) { best } else { other })
@@ -233,27 +237,27 @@ impl Reference {
     }
 
     /// The work of one more rung, where there is one.
-    pub fn next(&self, lab: &Lab<'_>) -> Option<u64> {
+    pub fn next(&self, runs: &MeasuredRuns<'_>) -> Option<u64> {
         let at = At { family: self.family, rung: self.finest + 1 };
-        let there = at.rung < lab.family(self.family).rungs.len() && lab.affords(at);
-        there.then(|| lab.predicted(at))
+        let there = at.rung < runs.family(self.family).rungs.len() && runs.affords(at);
+        there.then(|| runs.predicted(at))
     }
 
     /// The answer by one more rung; nothing where that is no better.
-    pub fn refined(&self, lab: &mut Lab<'_>) -> Option<Self> {
-        self.next(lab)?;
-        if lab.late() {
+    pub fn refined(&self, runs: &mut MeasuredRuns<'_>) -> Option<Self> {
+        self.next(runs)?;
+        if runs.late() {
             return None;
         }
-        Reference::at(lab, self.family, self.finest + 1)
+        Reference::at(runs, self.family, self.finest + 1)
             .filter(|new| new.uncertainty < self.uncertainty)
     }
 
     /// The answer by a family as its rungs up to this one give it.
-    pub fn at(lab: &mut Lab<'_>, family: usize, finest: usize) -> Option<Self> {
-        let (kind, order) = (lab.family(family).kind, lab.family(family).order);
-        let mut fine = lab.measure(At { family, rung: finest }).whole().cloned()?;
-        if lab.family(family).is_closed {
+    pub fn at(runs: &mut MeasuredRuns<'_>, family: usize, finest: usize) -> Option<Self> {
+        let (kind, order) = (runs.family(family).kind, runs.family(family).order);
+        let mut fine = runs.measure(At { family, rung: finest }).whole().cloned()?;
+        if runs.family(family).is_closed {
             return Some(Reference {
                 family,
                 finest,
@@ -265,10 +269,10 @@ impl Reference {
                 is_confirmed: false,
             });
         }
-        let (before, middle) = Reference::coarser(lab, family, finest)?;
+        let (before, middle) = Reference::coarser(runs, family, finest)?;
         let scale = fine.scale;
         let last = apart(&fine.values, &middle.values);
-        let keeps = lab.ladder().keeps_energy;
+        let keeps = runs.ladder().keeps_energy;
         let reference = |course: Course, extrapolated, error: f64| {
             let own = if error.is_finite() { error / course.scale } else { f64::INFINITY };
             let uncertainty = if keeps { own.max(MARGIN * course.drift()) } else { own };
@@ -287,12 +291,12 @@ impl Reference {
         if middle.outcomes != fine.outcomes {
             return reference(fine, Extrapolated::No, f64::INFINITY);
         }
-        if kind == Kind::OwnSteps {
+        if kind == Kind::Adaptive {
             return reference(fine, Extrapolated::No, last);
         }
-        let Some((third, coarse)) = Reference::coarser(lab, family, before) else {
+        let Some((third, coarse)) = Reference::coarser(runs, family, before) else {
             // Whoever has nothing to compare with must show that differences shrink.
-            let alone = lab.ladder().families.iter().filter(|f| f.converges()).count() == 1;
+            let alone = runs.ladder().families.iter().filter(|f| f.converges()).count() == 1;
             let uncertainty = if alone { f64::INFINITY } else { last };
             return reference(fine, Extrapolated::No, uncertainty);
         };
@@ -311,13 +315,13 @@ impl Reference {
             for (fine, middle) in fine.energies.iter_mut().zip(&middle.energies) {
                 *fine += weight * (*fine - middle);
             }
-            if lab.ladder().scale == Scale::Way {
+            if runs.ladder().scale == Scale::Way {
                 fine.shrink_scale(&best);
             }
             return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
         }
         let error = if ratio < SHRINKING {
-            Reference::by_many(lab, family, finest, scale)
+            Reference::by_many(runs, family, finest, scale)
         } else {
             last / (ratio - 1.0).min(1.0)
         };
@@ -326,8 +330,8 @@ impl Reference {
 
     /// The error where the last two differences do not shrink: they are rounding, or those of several
     /// rungs shrink all the same, as where something stops within a step.
-    fn by_many(lab: &Lab<'_>, family: usize, finest: usize, scale: f64) -> f64 {
-        let course = |rung: usize| lab.seen(At { family, rung }).and_then(|run| run.whole());
+    fn by_many(runs: &MeasuredRuns<'_>, family: usize, finest: usize, scale: f64) -> f64 {
+        let course = |rung: usize| runs.seen(At { family, rung }).and_then(|run| run.whole());
         let values: Vec<&Vec<Vec<f64>>> =
             (0..=finest).rev().map_while(course).map(|course| &course.values).collect();
         let differences: Vec<f64> =
@@ -346,15 +350,15 @@ impl Reference {
 
     /// The next coarser rung of a family that came to its end: the one before, or where that failed,
     /// or tolerances are meant, one that was run already.
-    fn coarser(lab: &mut Lab<'_>, family: usize, rung: usize) -> Option<(usize, Course)> {
+    fn coarser(runs: &mut MeasuredRuns<'_>, family: usize, rung: usize) -> Option<(usize, Course)> {
         let before = At { family, rung: rung.checked_sub(1)? };
-        let looser = |rung: &usize| lab.seen(At { family, rung: *rung }).is_some();
-        let known = lab.family(family).kind == Kind::OwnSteps && (0..rung).any(|r| looser(&r));
+        let looser = |rung: &usize| runs.seen(At { family, rung: *rung }).is_some();
+        let known = runs.family(family).kind == Kind::Adaptive && (0..rung).any(|r| looser(&r));
         if !known {
-            lab.measure(before);
+            runs.measure(before);
         }
         (0..rung).rev().find_map(|rung| {
-            let run = lab.seen(At { family, rung })?;
+            let run = runs.seen(At { family, rung })?;
             Some((rung, run.whole()?.clone()))
         })
     }

@@ -8,10 +8,10 @@
 
 use std::fmt;
 
-use crate::lab::Lab;
 use crate::ladder::{At, Kind};
 use crate::ladder_search::Judgement;
 use crate::measured::apart;
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 
 /// What is known of the mesh's own error, relative to the observable's scale.
@@ -51,34 +51,35 @@ const SECOND_ORDER: f64 = 4.0;
 
 /// Runs finer meshes beside a choice; nothing where that has no mesh.
 pub fn mesh_error(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     chosen: At,
-    judged: &dyn Fn(&Lab<'_>, At) -> Option<Judgement>,
+    judged: &dyn Fn(&MeasuredRuns<'_>, At) -> Option<Judgement>,
 ) -> Option<MeshError> {
-    if !lab.family(chosen.family).on_mesh {
+    if !runs.family(chosen.family).on_mesh {
         return None;
     }
-    let work = lab.seen(chosen)?.work;
-    let finer = &lab.ladder().finer;
+    let work = runs.seen(chosen)?.work;
+    let finer = &runs.ladder().finer;
     let (count, words) = (finer.len(), finer.first().map(|mesh| mesh.words.clone()));
-    let meets = |lab: &Lab<'_>, at: At| matches!(judged(lab, at), Some(Judgement::Meets(_)));
-    let written = lab.used().filter(|(at, run)| {
-        lab.family(at.family).model == 0 && run.whole().is_some() && meets(lab, *at)
+    let meets =
+        |runs: &MeasuredRuns<'_>, at: At| matches!(judged(runs, at), Some(Judgement::Meets(_)));
+    let written = runs.used().filter(|(at, run)| {
+        runs.family(at.family).model == 0 && run.whole().is_some() && meets(runs, *at)
     });
     let Some(at) = written.min_by_key(|(_, run)| run.work).map(|(at, _)| at) else {
         return Some(MeshError::Unknown("no run of the mesh as it is written keeps to it"));
     };
-    let (own, written_work) = (lab.seen(at)?.course.values.clone(), lab.seen(at)?.work);
+    let (own, written_work) = (runs.seen(at)?.course.values.clone(), runs.seen(at)?.work);
     let mut courses = vec![own];
     let mut works = Vec::new();
     for model in 0..count {
         // As much again as was spent before, and no more, but that the first is worth some runs.
         let most = match model {
-            0 => lab.spent().max(WORTH * written_work),
-            _ => lab.spent() / 2,
+            0 => runs.spent().max(WORTH * written_work),
+            _ => runs.spent() / 2,
         };
-        let Some((values, work)) = run_finer(lab, reference, (model, at), most) else { break };
+        let Some((values, work)) = run_finer(runs, reference, (model, at), most) else { break };
         courses.push(values);
         works.push(work);
     }
@@ -106,18 +107,18 @@ pub fn mesh_error(
 
 /// A setting on a finer mesh, or the coarsest finer one that is stable there.
 fn run_finer(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     (model, at): (usize, At),
     most: u64,
 ) -> Option<(Vec<Vec<f64>>, u64)> {
-    let family = lab.family(at.family);
+    let family = runs.family(at.family);
     let rungs = match family.kind {
         Kind::EqualSteps => at.rung..(at.rung + STABLE).min(family.rungs.len()),
-        Kind::OwnSteps | Kind::Modes => at.rung..at.rung + 1,
+        Kind::Adaptive | Kind::Modes => at.rung..at.rung + 1,
     };
     for rung in rungs {
-        let run = lab.measure_finer(model, At { rung, ..at }, most)?;
+        let run = runs.measure_finer(model, At { rung, ..at }, most)?;
         // What is not stable may come to its end all the same.
         if let Some(course) = run.whole()
             && reference.error(course).is_ok()

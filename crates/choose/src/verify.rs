@@ -15,13 +15,14 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use crate::closer::{CLOSELY_BETWEEN, largest};
 use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
-use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
 use crate::ladder_search::rungs_to_go;
 use crate::look::{Look, apart, apart_where_own};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Extrapolated, Reference};
 use crate::search::BARELY;
 use crate::way::{Way, nothing};
@@ -43,6 +44,20 @@ pub struct Seen {
     pub places: Option<f64>,
     /// How far a run of another kind is from the reference, and which; nothing where there is none.
     pub other: Option<(At, f64)>,
+}
+
+impl Seen {
+    /// The same, and what was seen in another look.
+    fn and(self, other: Seen) -> Seen {
+        let larger = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b));
+        Seen {
+            moments: self.moments + other.moments,
+            error: self.error.max(other.error),
+            energy: larger(self.energy, other.energy),
+            places: larger(self.places, other.places),
+            ..self
+        }
+    }
 }
 
 /// Why a reference is not trusted.
@@ -107,40 +122,43 @@ const SAME_SCALE: f64 = 1.01;
 /// it is never asked for more than a part of the scale. Energy alone does not do: one that is kept to a
 /// part of its largest value, in a close encounter, is lost against the others.
 const NEAR_KEPT: f64 = 1.0;
-const NEAR_CLOSED: f64 = 10.0;
+const NEAR_CLOSED: f64 = 100.0;
 const NEAR: f64 = 0.1;
 /// Runs of other kinds that are looked at where the first is too far between the moments.
 const FINER: usize = 12;
 /// How much larger an error may be between two moments.
-const BETWEEN: f64 = 1.05;
+pub const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
 const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
+/// How far below the tolerance the error of another motion must be in some of its steps, so that the others are
+/// not looked into as closely.
+const SURELY: f64 = 4.0;
 /// Places that are off by this part of the largest way are those of another motion.
 const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
 
-/// How a run is read at the moments of a grid: [`Lab::read`] or [`Lab::read_off`].
-pub type Read<'e> = fn(&mut Lab<'e>, At, (&Grid, Within), f64) -> Option<(Arc<Look>, f64)>;
+/// How a run is read at the moments of a grid: [`MeasuredRuns::read`] or [`MeasuredRuns::read_off`].
+pub type Read<'e> = fn(&mut MeasuredRuns<'e>, At, (&Grid, Within), f64) -> Option<(Arc<Look>, f64)>;
 
 /// A reference at the moments of a grid, and how far it may be off since it is read off between its
 /// samples, where these tell it to within `allowed` of the observable.
 pub fn told<'e>(
-    lab: &mut Lab<'e>,
+    runs: &mut MeasuredRuns<'e>,
     reference: &Reference,
     (grid, within): (&Grid, Within),
     allowed: f64,
     read: Read<'e>,
 ) -> Option<(Look, f64)> {
     let at = |rung: usize| At { family: reference.family, rung };
-    let (fine, off) = read(lab, at(reference.finest), (grid, within), allowed)?;
+    let (fine, off) = read(runs, at(reference.finest), (grid, within), allowed)?;
     let mut best = Look::clone(&fine);
     if reference.extrapolated == Extrapolated::No {
         return Some((best, off));
     }
-    let weight = 1.0 / (f64::from(1_u32 << lab.family(reference.family).order) - 1.0);
-    let (middle, other) = read(lab, at(reference.before), (grid, within), allowed / weight)?;
+    let weight = 1.0 / (f64::from(1_u32 << runs.family(reference.family).order) - 1.0);
+    let (middle, other) = read(runs, at(reference.before), (grid, within), allowed / weight)?;
     let led = |fine: f64, coarse: f64| fine + weight * (fine - coarse);
     for (best, other) in [(&mut best.values, &middle.values), (&mut best.places, &middle.places)] {
         for (x, y) in best.iter_mut().flatten().zip(other.iter().flatten()) {
@@ -153,20 +171,25 @@ pub fn told<'e>(
 
 /// The uncertainty of a reference over its whole way, in the observable's own unit: grown as its last two
 /// runs differ more there than at the moments. Those of equal steps are compared at their samples; those of
-/// own steps have few, and an encounter may lie between two of them.
-fn uncertainty(lab: &mut Lab<'_>, reference: &Reference, way: &Way, allowed: f64) -> Option<f64> {
+/// adaptive steps have few, and an encounter may lie between two of them.
+fn uncertainty(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    way: &Way,
+    allowed: f64,
+) -> Option<f64> {
     let at = |rung: usize| At { family: reference.family, rung };
     let (fine, middle) = (at(reference.finest), at(reference.before));
-    let samples = || (samples(lab, middle, way.halvings()), Within::Ends);
-    let (grids, allowed) = match lab.family(reference.family).kind {
-        Kind::OwnSteps => (way.grids.clone(), allowed),
-        _ if lab.seen(middle).is_some_and(|run| run.track.is_some()) => (vec![samples()], 0.0),
+    let samples = || (samples(runs, middle, way.halvings()), Within::Ends);
+    let (grids, allowed) = match runs.family(reference.family).kind {
+        Kind::Adaptive => (way.grids.clone(), allowed),
+        _ if runs.seen(middle).is_some_and(|run| run.track.is_some()) => (vec![samples()], 0.0),
         _ => (vec![way.grids.first()?.clone()], 0.0),
     };
     let mut differs = 0.0_f64;
     for (grid, within) in &grids {
-        let (fine, _) = lab.read(fine, (grid, *within), allowed)?;
-        let (middle, _) = lab.read(middle, (grid, *within), allowed)?;
+        let (fine, _) = runs.read(fine, (grid, *within), allowed)?;
+        let (middle, _) = runs.read(middle, (grid, *within), allowed)?;
         differs = differs.max(apart_where_own(&fine, &middle));
     }
     let own = reference.uncertainty * reference.course.scale;
@@ -176,38 +199,39 @@ fn uncertainty(lab: &mut Lab<'_>, reference: &Reference, way: &Way, allowed: f64
 
 /// A reference at all moments of a way, and its uncertainty there.
 fn whole_way(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     way: &Way,
     allowed: f64,
 ) -> Option<(Look, f64)> {
     let (mut all, mut most): (Option<Look>, f64) = (None, 0.0);
     for (grid, within) in &way.grids {
-        let (next, off) = told(lab, reference, (grid, *within), allowed, Lab::read)?;
+        let (next, off) = told(runs, reference, (grid, *within), allowed, MeasuredRuns::read)?;
         all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
         most = most.max(off);
     }
-    Some((all?, most + uncertainty(lab, reference, way, allowed)?))
+    Some((all?, most + uncertainty(runs, reference, way, allowed)?))
 }
 
 /// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
 /// where its samples tell it there, else at these samples.
 fn off_other(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     at: At,
     (way, truth): (&Way, &Look),
     allowed: f64,
 ) -> Option<f64> {
-    let track = lab.seen(at)?.track.clone();
+    let track = runs.seen(at)?.track.clone();
     let mut all: Option<Look> = None;
     for (grid, within) in &way.grids {
-        let moments = lab.moments(grid, *within)?;
+        let moments = runs.moments(grid, *within)?;
         let reading = track.as_ref().map(|track| track.read(&moments.times));
         let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
-            let ends = samples(lab, at, LEAST_HALVINGS);
-            let (other, _) = lab.read(at, (&ends, Within::Ends), 0.0)?;
-            let (truth, _) = told(lab, reference, (&ends, Within::Ends), allowed, Lab::read)?;
+            let ends = samples(runs, at, LEAST_HALVINGS);
+            let (other, _) = runs.read(at, (&ends, Within::Ends), 0.0)?;
+            let (truth, _) =
+                told(runs, reference, (&ends, Within::Ends), allowed, MeasuredRuns::read)?;
             return Some(apart_where_own(&other, &truth));
         };
         all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
@@ -216,20 +240,20 @@ fn off_other(
 }
 
 /// The samples of a run, and where these are few, parts of its steps too.
-fn samples(lab: &Lab<'_>, at: At, least: u32) -> Grid {
-    let track = lab.seen(at).and_then(|run| run.track.as_ref());
+fn samples(runs: &MeasuredRuns<'_>, at: At, least: u32) -> Grid {
+    let track = runs.seen(at).and_then(|run| run.track.as_ref());
     let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
     let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
     Grid::Equal { halvings: halvings.max(least.min(LEAST_HALVINGS)) }
 }
 
 /// What a run itself gives at all moments of a way: within steps, by parts of them.
-fn own_on(lab: &mut Lab<'_>, at: At, way: &Way) -> Option<Look> {
+fn own_on(runs: &mut MeasuredRuns<'_>, at: At, way: &Way) -> Option<Look> {
     let mut all: Option<Look> = None;
     for (grid, within) in &way.grids {
         let next = match within {
-            Within::Ends => lab.read(at, (grid, *within), 0.0)?.0,
-            Within::Parts => lab.look(at, grid, *within)?,
+            Within::Ends => runs.read(at, (grid, *within), 0.0)?.0,
+            Within::Parts => runs.look(at, grid, *within)?,
         };
         all = Some(all.map_or_else(|| Look::clone(&next), |before| before.and(&next)));
     }
@@ -243,57 +267,122 @@ fn allowed(reference: &Reference, tolerance: f64) -> f64 {
 
 /// The error of a run over its whole way by a reference, to a small part of the tolerance; nothing where
 /// one of them has none.
-pub fn way_error(lab: &mut Lab<'_>, reference: &Reference, at: At, tolerance: f64) -> Option<f64> {
-    let grid = Grid::of(lab, at);
-    let own = lab.look(at, &grid, Within::Parts)?;
+pub fn way_error(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+) -> Option<f64> {
+    let grid = Grid::of(runs, at);
+    let own = runs.look(at, &grid, Within::Parts)?;
     let allowed = allowed(reference, tolerance);
-    let (truth, _) = told(lab, reference, (&grid, Within::Parts), allowed, Lab::read)?;
+    let (truth, _) = told(runs, reference, (&grid, Within::Parts), allowed, MeasuredRuns::read)?;
     Some(apart(&own.values, &truth.values) / reference.course.scale)
 }
 
 /// Looks at a choice over its whole way.
 pub fn verify(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     at: At,
     tolerance: f64,
     families: &[usize],
 ) -> Finding {
-    lab.turn_to(Purpose::WithinReference);
+    runs.turn_to(Purpose::WithinReference);
     let least = nothing(&reference.course, tolerance);
-    if let Some(some) = Way::some(lab, reference, at, (least, allowed(reference, tolerance)))
-        && let Some(finding) = verify_on(lab, reference, (at, &some), tolerance, families)
+    if let Some(some) = Way::some(runs, reference, at, (least, allowed(reference, tolerance)))
+        && let Some(finding) = verify_on(runs, reference, (at, &some), tolerance, families)
     {
         return finding;
     }
-    let all = Way::all(lab, at);
-    let mut finding = verify_on(lab, reference, (at, &all), tolerance, families);
-    if let Some(Finding::Holds(seen)) = &finding
-        && seen.places.is_some_and(is_another)
-        && let Some(closely) = Way::closely(lab, at)
-    {
-        finding = verify_on(lab, reference, (at, &closely), tolerance, families);
+    if let Some(error) = beyond(runs, reference, at, tolerance) {
+        return Finding::Beyond(error);
     }
+    let all = Way::all(runs, at);
+    let finding = verify_on(runs, reference, (at, &all), tolerance, families);
+    let finding = match finding {
+        Some(Finding::Holds(seen)) if seen.places.is_some_and(is_another) => {
+            verify_closely(runs, reference, (at, seen), tolerance, families)
+        }
+        other => other,
+    };
     finding.unwrap_or(Finding::Doubtful(Doubt::Unseen))
+}
+
+/// Looks closely at a run of another motion that holds by a look into every step: into some of these where its
+/// error is far below the tolerance, else into all.
+fn verify_closely(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    (at, seen): (At, Seen),
+    tolerance: f64,
+    families: &[usize],
+) -> Option<Finding> {
+    let Some(closely) = Way::closely(runs, at) else { return Some(Finding::Holds(seen)) };
+    if let Some(some) = some_closely(runs, reference, at, tolerance) {
+        match verify_on(runs, reference, (at, &some), tolerance, families) {
+            Some(Finding::Holds(closer)) => {
+                let both = seen.and(closer);
+                if SURELY * both.error <= tolerance {
+                    return Some(Finding::Holds(both));
+                }
+            }
+            Some(Finding::Beyond(error)) => return Some(Finding::Beyond(error)),
+            _ => {}
+        }
+    }
+    verify_on(runs, reference, (at, &closely), tolerance, families)
+}
+
+/// Some of the steps of a run that was looked into everywhere.
+fn some_closely(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+) -> Option<Way> {
+    let all = Way::all(runs, at);
+    let own = own_on(runs, at, &all)?;
+    let (truth, _) = whole_way(runs, reference, &all, allowed(reference, tolerance))?;
+    Way::some_closely(runs, at, (&own, &truth))
+}
+
+/// The error of a run where it is certainly too large by what is known of it at no cost: at the ends of its
+/// steps, and where polynomials tell it, within them.
+fn beyond(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    tolerance: f64,
+) -> Option<f64> {
+    let (grid, allowed) = (Grid::of(runs, at), allowed(reference, tolerance));
+    let scale = reference.course.scale;
+    [Within::Ends, Within::Parts].into_iter().find_map(|within| {
+        let (own, off) = runs.read_off(at, (&grid, within), allowed)?;
+        let read = MeasuredRuns::read_off;
+        let (truth, other) = told(runs, reference, (&grid, within), allowed, read)?;
+        let error = (apart(&own.values, &truth.values) - off - other) / scale;
+        (error - reference.uncertainty > tolerance).then_some(error)
+    })
 }
 
 /// Looks at a choice at the moments of a way; nothing where these do not tell.
 fn verify_on(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     (at, way): (At, &Way),
     tolerance: f64,
     families: &[usize],
 ) -> Option<Finding> {
     let allowed = allowed(reference, tolerance);
-    lab.turn_to(Purpose::WithinChoice);
-    let Some(own) = own_on(lab, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
-    lab.turn_to(Purpose::WithinReference);
-    let Some((truth, uncertainty)) = whole_way(lab, reference, way, allowed) else {
+    runs.turn_to(Purpose::WithinChoice);
+    let Some(own) = own_on(runs, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
+    runs.turn_to(Purpose::WithinReference);
+    let Some((truth, uncertainty)) = whole_way(runs, reference, way, allowed) else {
         return Some(Finding::Doubtful(Doubt::Unseen));
     };
-    let keeps = lab.ladder().keeps_energy;
-    let scale = truth.scale(lab.ladder().scale);
+    let keeps = runs.ladder().keeps_energy;
+    let scale = truth.scale(runs.ladder().scale);
     if scale > SAME_SCALE * reference.course.scale {
         return Some(Finding::Larger(scale));
     }
@@ -305,10 +394,19 @@ fn verify_on(
     if uncertainty > BARELY * tolerance {
         return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
-    let error = apart(&own.values, &truth.values) / scale;
+    let mut error = apart(&own.values, &truth.values) / scale;
     // What is sampled may be larger in between.
-    if BETWEEN * error + uncertainty > tolerance {
-        return Some(Finding::Beyond((BETWEEN * error).max(tolerance * (1.0 + f64::EPSILON))));
+    let mut most = BETWEEN * error;
+    if most + uncertainty > tolerance && error + uncertainty <= tolerance {
+        runs.turn_to(Purpose::WithinChoice);
+        let looks = ((&own, &truth), (error * scale, allowed));
+        if let Some(largest) = largest(runs, reference, (at, way), looks.0, looks.1) {
+            error = largest / scale;
+            most = CLOSELY_BETWEEN * error;
+        }
+    }
+    if most + uncertainty > tolerance {
+        return Some(Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))));
     }
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
     let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
@@ -317,17 +415,17 @@ fn verify_on(
     if !way.is_all() && places.is_some_and(is_another) {
         return None;
     }
-    let most = way.between().max(way.foretold(lab, &own, &truth));
+    let most = way.between().max(way.foretold(runs, &own, &truth));
     if most / scale + uncertainty > tolerance {
         return None;
     }
-    let near = match lab.family(reference.family).is_closed {
+    let near = match runs.family(reference.family).is_closed {
         true => (BARELY * tolerance).max(NEAR.min(NEAR_CLOSED * tolerance)),
         false if keeps => NEAR_KEPT * tolerance,
         false => BARELY * tolerance,
     };
-    lab.turn_to(Purpose::Confirmation);
-    let other = match agreement(lab, reference, (near, way, allowed), families, &truth) {
+    runs.turn_to(Purpose::Confirmation);
+    let other = match agreement(runs, reference, (near, way, allowed), families, &truth) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),
         Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),
@@ -338,7 +436,7 @@ fn verify_on(
         let off = changes.map(|(a, b)| ((a - own.energies[0]) - (b - truth.energies[0])).abs());
         off.fold(0.0, f64::max) / truth.kinetic.max(f64::MIN_POSITIVE)
     });
-    let every = way.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
+    let every = way.grids.iter().filter_map(|(grid, within)| runs.moments(grid, *within));
     let every = every.map(|moments| moments.every).max().unwrap_or(1);
     // What the reference is made of is as wrong as that is uncertain.
     let is_reference = at == At { family: reference.family, rung: reference.finest };
@@ -377,72 +475,72 @@ enum Agreement {
 
 /// A run of another kind, or what its runs lead to, that is near the reference over the whole way.
 fn agreement(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     (near, way, allowed): (f64, &Way, f64),
     families: &[usize],
     truth: &Look,
 ) -> Agreement {
     let scale = reference.course.scale;
-    match confirmed(lab, reference, near, families) {
+    match confirmed(runs, reference, near, families) {
         Confirmed::Alone => Agreement::Alone,
         Confirmed::No => Agreement::None,
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
-            let Some((other, _)) = whole_way(lab, &other, way, allowed) else {
+            let Some((other, _)) = whole_way(runs, &other, way, allowed) else {
                 return Agreement::None;
             };
             let off = apart_where_own(&other, truth) / scale;
             match off <= near {
                 true => Agreement::With(at, off),
-                false => finer_agrees(lab, reference, (near, way, allowed), (at, families), truth),
+                false => finer_agrees(runs, reference, (near, way, allowed), (at, families), truth),
             }
         }
         Confirmed::By(first) => {
-            finer_agrees(lab, reference, (near, way, allowed), (first, families), truth)
+            finer_agrees(runs, reference, (near, way, allowed), (first, families), truth)
         }
     }
 }
 
 /// Looks at ever finer runs of other kinds, the cheapest first, until one is near over the whole way.
 fn finer_agrees(
-    lab: &mut Lab<'_>,
+    runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     (near, way, allowed): (f64, &Way, f64),
     (first, families): (At, &[usize]),
     truth: &Look,
 ) -> Agreement {
-    let most = PATIENCE * lab.spent();
+    let most = PATIENCE * runs.spent();
     let mut least = f64::INFINITY;
     // The rung of each family that comes next.
     let mut next: BTreeMap<usize, usize> = BTreeMap::from([(first.family, first.rung)]);
     let mut at = first;
     for _ in 0..FINER {
-        lab.measure(at);
-        lab.turn_to(Purpose::WithinOther);
-        let off = off_other(lab, reference, at, (way, truth), allowed);
-        lab.turn_to(Purpose::Confirmation);
+        runs.measure(at);
+        runs.turn_to(Purpose::WithinOther);
+        let off = off_other(runs, reference, at, (way, truth), allowed);
+        runs.turn_to(Purpose::Confirmation);
         if let Some(off) = off {
             let off = off / reference.course.scale;
             if off <= near {
                 return Agreement::With(at, off);
             }
             least = least.min(off);
-            next.insert(at.family, at.rung + rungs_to_go(lab.family(at.family), near, off));
+            next.insert(at.family, at.rung + rungs_to_go(runs.family(at.family), near, off));
         } else {
             next.insert(at.family, at.rung + 1);
         }
-        let rung = |lab: &Lab<'_>, family: usize| match next.get(&family) {
+        let rung = |runs: &MeasuredRuns<'_>, family: usize| match next.get(&family) {
             Some(&rung) => {
-                Some(At { family, rung }).filter(|at| at.rung < lab.family(family).rungs.len())
+                Some(At { family, rung }).filter(|at| at.rung < runs.family(family).rungs.len())
             }
-            None => next_rung(lab, reference, near, family),
+            None => next_rung(runs, reference, near, family),
         };
         let others = families.iter().filter(|&&family| family != reference.family);
-        let others = others.filter_map(|&family| rung(lab, family));
-        let affordable = others.filter(|&at| lab.affords(at) && lab.predicted(at) <= most);
-        match affordable.min_by_key(|&at| (lab.predicted(at), at)) {
-            Some(cheapest) if !lab.late() => at = cheapest,
+        let others = others.filter_map(|&family| rung(runs, family));
+        let affordable = others.filter(|&at| runs.affords(at) && runs.predicted(at) <= most);
+        match affordable.min_by_key(|&at| (runs.predicted(at), at)) {
+            Some(cheapest) if !runs.late() => at = cheapest,
             _ => break,
         }
     }

@@ -13,10 +13,10 @@
 use std::sync::Arc;
 
 use crate::grid::{Grid, Within};
-use crate::lab::Lab;
 use crate::ladder::{At, Kind, MOMENTS};
 use crate::look::{Look, apart};
 use crate::measured::{Course, distance};
+use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 use crate::verify::told;
 
@@ -34,22 +34,35 @@ struct Foretold {
     looked: Vec<bool>,
     /// The least bound that is taken for one.
     least: f64,
-    /// The largest error at three moments of every step, by polynomials through the ends of steps, and
-    /// how far these may be off.
-    between: f64,
+    /// What is known between the ends of all steps.
+    between: Between,
+}
+
+/// What polynomials through the ends of steps tell of what lies between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Between {
+    /// The largest error at three moments of every step, and how far these may be off.
+    Resolved(f64),
+    /// Nothing: a period has few steps. Nothing happens at once either, so that one step errs as its like.
+    Unresolved,
 }
 
 /// One of so many parts is looked into, and so many at least; half of them where errors are the largest.
 const ONE_OF: usize = 16;
+const ONE_OF_UNRESOLVED: usize = 8;
 const AT_LEAST: usize = 12;
 /// So few do where all errors are below that part of the tolerance; and all that are above this one.
 const FEW: usize = 6;
 const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
+/// One of so many steps of another motion is looked into closely at first.
+const ONE_OF_ANOTHER: usize = 4;
 /// Steps of a run that can be looked into closely.
 const CLOSELY: u64 = 640;
 /// How much larger an error may be than those of other steps foretell.
 const MARGIN: f64 = 1.25;
+/// What polynomials may be off by, in what may be lost by reading a reference off.
+const UNRESOLVED: f64 = 5.0;
 /// The part of the tolerance below which an error is nothing.
 const NOTHING: f64 = 0.01;
 /// The parts of the horizon in which modes are looked at, as steps are.
@@ -57,10 +70,10 @@ const OF_MODES: u32 = 4;
 
 impl Grid {
     /// A grid that looks into every step of a run.
-    pub fn of(lab: &Lab<'_>, at: At) -> Grid {
-        match lab.family(at.family).kind {
+    pub fn of(runs: &MeasuredRuns<'_>, at: At) -> Grid {
+        match runs.family(at.family).kind {
             Kind::EqualSteps => Grid::Equal { halvings: at.rung as u32 },
-            Kind::OwnSteps => Grid::Accepted(at),
+            Kind::Adaptive => Grid::Accepted(at),
             Kind::Modes => Grid::Equal { halvings: OF_MODES },
         }
     }
@@ -68,36 +81,62 @@ impl Grid {
 
 impl Way {
     /// Into every step.
-    pub fn all(lab: &Lab<'_>, at: At) -> Self {
-        Way { grids: vec![(Grid::of(lab, at), Within::Parts)], foretold: None }
+    pub fn all(runs: &MeasuredRuns<'_>, at: At) -> Self {
+        Way { grids: vec![(Grid::of(runs, at), Within::Parts)], foretold: None }
     }
 
     /// Into every step of a run of some hundreds, at many moments of each: what is another motion may be
     /// wrong for a small part of a step.
-    pub fn closely(lab: &Lab<'_>, at: At) -> Option<Self> {
-        let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+    pub fn closely(runs: &MeasuredRuns<'_>, at: At) -> Option<Self> {
+        let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let grids = vec![(Grid::Closely { halvings }, Within::Parts)];
         (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
+    }
+
+    /// The same, into some of its steps: half of them those where the error is the largest by a look into all,
+    /// the others spread evenly.
+    pub fn some_closely(
+        runs: &mut MeasuredRuns<'_>,
+        at: At,
+        (own, truth): (&Look, &Look),
+    ) -> Option<Self> {
+        let all = Way::all(runs, at);
+        let Way { grids, .. } = Way::closely(runs, at)?;
+        let Some((Grid::Closely { halvings }, _)) = grids.first() else { return None };
+        let (horizon, parts) = (runs.ladder().horizon, (MOMENTS << halvings) as usize);
+        let mut errors = vec![0.0_f64; parts];
+        let rows = own.values.iter().zip(&truth.values).skip(1);
+        for (t, (own, truth)) in all.times(runs).iter().zip(rows) {
+            let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
+            errors[part] = errors[part].max(distance(own, truth));
+        }
+        let looked = looked(&errors, parts / ONE_OF_ANOTHER);
+        let steps = (0..parts as u64).filter(|&part| looked[part as usize]).collect();
+        let grid = Grid::SomeClosely { halvings: *halvings, parts: steps };
+        Some(Way { grids: vec![(grid, Within::Parts)], foretold: None })
     }
 
     /// Into some steps; nothing where what is between the ends of the others is not known, or known to be
     /// too far off, or these are few.
     pub fn some(
-        lab: &mut Lab<'_>,
+        runs: &mut MeasuredRuns<'_>,
         reference: &Reference,
         at: At,
         (least, allowed): (f64, f64),
     ) -> Option<Self> {
-        let Grid::Equal { halvings } = Grid::of(lab, at) else { return None };
+        let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let most = least / NOTHING;
-        let between = between(lab, reference, at, allowed).filter(|between| *between <= most)?;
-        let track = lab.seen(at)?.track.clone()?;
+        let between = between(runs, reference, at, allowed).filter(|between| match between {
+            Between::Resolved(largest) => *largest <= most,
+            Between::Unresolved => runs.ladder().is_smooth,
+        })?;
+        let track = runs.seen(at)?.track.clone()?;
         // Of very many steps not every one was sampled.
         let sampled = (0..=halvings).rev().find(|&halvings| track.has(MOMENTS << halvings))?;
         let parts = (MOMENTS << sampled) as usize;
         let ends = (Grid::Equal { halvings: sampled }, Within::Ends);
-        let (own, _) = lab.read(at, (&ends.0, ends.1), 0.0)?;
-        let (truth, _) = told(lab, reference, (&ends.0, ends.1), least, Lab::read)?;
+        let (own, _) = runs.read(at, (&ends.0, ends.1), 0.0)?;
+        let (truth, _) = told(runs, reference, (&ends.0, ends.1), least, MeasuredRuns::read)?;
         let errors: Vec<Vec<f64>> = own.values.iter().zip(&truth.values).map(off).collect();
         let sizes: Vec<f64> = errors.iter().map(|error| size(error)).collect();
         let bounds: Vec<f64> = (0..parts)
@@ -109,7 +148,10 @@ impl Way {
         // What is far below the tolerance needs few witnesses.
         let at_least = if bounds.iter().all(|&bound| bound < FAR * most) { FEW } else { AT_LEAST };
         let large = bounds.iter().filter(|&&bound| bound > LARGE * most).count();
-        let count = at_least.max(parts / ONE_OF).max(2 * large);
+        let count = match between {
+            Between::Resolved(_) => at_least.max(parts / ONE_OF).max(2 * large),
+            Between::Unresolved => at_least.max(parts / ONE_OF_UNRESOLVED),
+        };
         if 2 * count > 3 * parts / 2 {
             return None;
         }
@@ -127,26 +169,40 @@ impl Way {
         self.foretold.is_none()
     }
 
+    /// The moments of all its grids, one after the other.
+    pub fn times(&self, runs: &mut MeasuredRuns<'_>) -> Vec<f64> {
+        let times = self.grids.iter().filter_map(|(grid, within)| runs.moments(grid, *within));
+        times.flat_map(|moments| moments.times.clone()).collect()
+    }
+
     /// The largest error that steps may have which were not looked into, by those that were.
-    pub fn foretold(&self, lab: &mut Lab<'_>, own: &Look, truth: &Look) -> f64 {
+    pub fn foretold(&self, runs: &mut MeasuredRuns<'_>, own: &Look, truth: &Look) -> f64 {
         let Some(known) = &self.foretold else { return 0.0 };
-        let horizon = lab.ladder().horizon;
+        let horizon = runs.ladder().horizon;
         let parts = known.bounds.len();
-        let times = self.grids.iter().filter_map(|(grid, within)| lab.moments(grid, *within));
-        let times: Vec<f64> = times.flat_map(|moments| moments.times.clone()).collect();
+        let times = self.times(runs);
         let rows = own.values.iter().zip(&truth.values).skip(1);
         let ratio = times.iter().zip(rows).map(|(t, (own, truth))| {
             let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
             distance(own, truth) / known.bounds[part].max(known.least)
         });
-        let ratio = ratio.fold(1.0, f64::max);
+        // Errors that swing as fast as there are steps have bounds far above them.
+        let least = match known.between {
+            Between::Resolved(_) => 1.0,
+            Between::Unresolved => 0.0,
+        };
+        let ratio = ratio.fold(least, f64::max);
         let rest = known.bounds.iter().zip(&known.looked).filter(|(_, looked)| !**looked);
         MARGIN * ratio * rest.map(|(bound, _)| bound.max(known.least)).fold(0.0, f64::max)
     }
 
-    /// The largest error between the ends of steps, where not every one is looked into.
+    /// The largest error between the ends of steps, where not every one is looked into and polynomials tell
+    /// it.
     pub fn between(&self) -> f64 {
-        self.foretold.as_ref().map_or(0.0, |known| known.between)
+        match self.foretold.as_ref().map(|known| known.between) {
+            Some(Between::Resolved(most)) => most,
+            _ => 0.0,
+        }
     }
 
     /// How often its equal parts are halved twentieths of the horizon; none of other steps.
@@ -155,7 +211,8 @@ impl Way {
             Some((grid, _)) => match grid {
                 Grid::Equal { halvings }
                 | Grid::Closely { halvings }
-                | Grid::Some { halvings, .. } => *halvings,
+                | Grid::Some { halvings, .. }
+                | Grid::SomeClosely { halvings, .. } => *halvings,
                 Grid::Accepted(_) => 0,
             },
             None => 0,
@@ -171,14 +228,24 @@ impl Way {
     }
 }
 
-/// The largest error of a run at the moments of every step, by polynomials through the ends of its steps, and
-/// how far these may be off; nothing where they do not tell that.
-fn between(lab: &mut Lab<'_>, reference: &Reference, at: At, allowed: f64) -> Option<f64> {
-    let grid = Grid::of(lab, at);
-    let moments = lab.moments(&grid, Within::Parts)?;
-    let own = lab.seen(at)?.track.as_ref()?.read(&moments.times);
-    let (truth, off) = told(lab, reference, (&grid, Within::Parts), allowed, Lab::read_off)?;
-    Some(apart(&own.look.values, &truth.values) + own.off + off)
+/// What polynomials through the ends of a run's steps tell of its error between them; nothing where those of the
+/// reference do not.
+fn between(
+    runs: &mut MeasuredRuns<'_>,
+    reference: &Reference,
+    at: At,
+    allowed: f64,
+) -> Option<Between> {
+    let grid = Grid::of(runs, at);
+    let moments = runs.moments(&grid, Within::Parts)?;
+    let own = runs.seen(at)?.track.as_ref()?.read(&moments.times);
+    let read = MeasuredRuns::read_off;
+    let Some((truth, off)) = told(runs, reference, (&grid, Within::Parts), allowed, read) else {
+        return Some(Between::Unresolved);
+    };
+    let largest = apart(&own.look.values, &truth.values) + own.off + off;
+    let resolves = own.off <= UNRESOLVED * allowed;
+    Some(if resolves { Between::Resolved(largest) } else { Between::Unresolved })
 }
 
 /// What is no error, in the observable's unit.

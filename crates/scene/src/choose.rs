@@ -6,7 +6,7 @@
 //! ```
 //! ```
 //! use std::time::Duration;
-//! use stationary_choose::{Lab, answer};
+//! use stationary_choose::{MeasuredRuns, answer};
 //! use stationary_scene::choose::{Question, scene_ladder};
 //!
 //! let text = r#"
@@ -21,8 +21,8 @@
 //!     ]
 //! "#;
 //! let ladder = scene_ladder("circle.toml", text, &Question::new("position=planet"))?;
-//! let mut lab = Lab::new(&ladder, Duration::from_secs(60))?;
-//! let answer = answer(&mut lab, 1e-2)?;
+//! let mut runs = MeasuredRuns::new(&ladder, Duration::from_secs(60))?;
+//! let answer = answer(&mut runs, 1e-2)?;
 //! assert!(answer.choice().is_some(), "{answer}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -38,7 +38,7 @@ mod observable;
 mod run;
 mod surrogate;
 
-pub use candidate::Setting;
+pub use candidate::Variation;
 pub use declaration::{Change, changed};
 pub use emit::{emit, emitted};
 pub use error::ChooseError;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use stationary_chart::{Axis, Lines, Mark, Series};
 use stationary_choose::{
-    Found, Lab, Reference, Verdict, answer, exhaustive, preferred, refer, way_error,
+    Found, MeasuredRuns, Reference, Verdict, answer, exhaustive, preferred, refer, way_error,
 };
 use stationary_measure::{Column, Table};
 use stationary_scene::choose::{Question, SceneLadder, scene_ladder};
@@ -114,16 +114,16 @@ fn study(size: Size) -> Result<Study, StudyError> {
         };
         let Some(horizon) = horizon else { continue };
         let ladder = ladder(asked, horizon)?;
-        let lab = Lab::new(&ladder, BUDGET).map_err(StudyError::at(asked.scene))?;
-        let mut lab = lab.bounded(asked.most_work);
+        let runs = MeasuredRuns::new(&ladder, BUDGET).map_err(StudyError::at(asked.scene))?;
+        let mut runs = runs.bounded(asked.most_work);
         cases.scenes += 1;
         let tolerances = match size {
             Size::Default => &TOLERANCES[..3],
             Size::Full => &TOLERANCES[..],
         };
         let enough = tolerances[tolerances.len() - 1] / TRUTH;
-        let families = preferred(&lab, enough);
-        let truth = refer(&mut lab, &families, enough);
+        let families = preferred(&runs, enough);
+        let truth = refer(&mut runs, &families, enough);
         for &tolerance in tolerances {
             let name = || format!("{} at {tolerance:e}", asked.scene);
             let judge = truth.as_ref().filter(|made| made.uncertainty <= tolerance / BETTER);
@@ -131,7 +131,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 cases.unknown.push(name());
                 continue;
             };
-            match case(asked, &mut lab, truth, tolerance) {
+            match case(asked, &mut runs, truth, tolerance) {
                 Some(case) => cases.answered.push(case),
                 None => cases.undecided.push(name()),
             }
@@ -149,19 +149,24 @@ fn ladder(asked: &Asked, horizon: f64) -> Result<SceneLadder, StudyError> {
     scene_ladder(&name, &text, &question).map_err(StudyError::at(asked.scene))
 }
 
-fn case(asked: &Asked, lab: &mut Lab<'_>, truth: &Reference, tolerance: f64) -> Option<Case> {
-    lab.forget();
-    let answer = answer(lab, tolerance).ok()?;
+fn case(
+    asked: &Asked,
+    runs: &mut MeasuredRuns<'_>,
+    truth: &Reference,
+    tolerance: f64,
+) -> Option<Case> {
+    runs.forget();
+    let answer = answer(runs, tolerance).ok()?;
     let row = answer.choice()?;
-    let error = way_error(lab, truth, row.at, tolerance)?;
+    let error = way_error(runs, truth, row.at, tolerance)?;
     let chosen = Found { at: row.at, work: row.work, error };
     let spent = answer.spent.total() as f64;
-    let written = written(lab, truth, &chosen, tolerance) as f64;
+    let written = written(runs, truth, &chosen, tolerance) as f64;
     let (effort, effort_written) = (spent / row.work as f64, spent / written);
-    let all: Vec<usize> = (0..lab.ladder().families.len()).collect();
-    let best = exhaustive(lab, &all, truth, tolerance, row.work).unwrap_or(chosen);
+    let all: Vec<usize> = (0..runs.ladder().families.len()).collect();
+    let best = exhaustive(runs, &all, truth, tolerance, row.work).unwrap_or(chosen);
     let name = |found: &Found| {
-        let family = lab.family(found.at.family);
+        let family = runs.family(found.at.family);
         format!("{} {:.3e}", family.name, family.rungs[found.at.rung].setting)
     };
     let names = [name(&chosen), name(&best)];
@@ -172,18 +177,18 @@ fn case(asked: &Asked, lab: &mut Lab<'_>, truth: &Reference, tolerance: f64) -> 
 
 /// The work of the cheapest run of the scene as it is written that keeps to the tolerance: what a
 /// simpler model saves is measured by it.
-fn written(lab: &mut Lab<'_>, truth: &Reference, chosen: &Found, tolerance: f64) -> u64 {
-    if lab.family(chosen.at.family).converges() {
+fn written(runs: &mut MeasuredRuns<'_>, truth: &Reference, chosen: &Found, tolerance: f64) -> u64 {
+    if runs.family(chosen.at.family).converges() {
         return chosen.work;
     }
-    let families = (0..lab.ladder().families.len()).filter(|&f| lab.family(f).converges());
+    let families = (0..runs.ladder().families.len()).filter(|&f| runs.family(f).converges());
     let families: Vec<usize> = families.collect();
-    let known = lab.used().filter(|(at, run)| {
+    let known = runs.used().filter(|(at, run)| {
         let error = run.whole().map(|course| truth.error(course));
         families.contains(&at.family) && matches!(error, Some(Ok(error)) if error <= tolerance)
     });
     let Some(most) = known.map(|(_, run)| run.work).min() else { return chosen.work };
-    exhaustive(lab, &families, truth, tolerance, most).map_or(most, |found| found.work)
+    exhaustive(runs, &families, truth, tolerance, most).map_or(most, |found| found.work)
 }
 
 impl Case {

@@ -9,7 +9,7 @@ use stationary_choose::{At, Verdict, answer, exhaustive, preferred, refer};
 use stationary_measure::{Column, Table};
 use stationary_trials::{Draw, Plan};
 
-use crate::choosing::{KINDS, laboratory, posed};
+use crate::choosing::{KINDS, bounded_runs, posed};
 use crate::study::{Claim, Entry, Kind, Size, Study, StudyError, Tested};
 
 /// The study.
@@ -138,20 +138,20 @@ fn search(case: u64) -> Option<Searched> {
     let mut draw = Draw::new(case);
     let (asked, ladder) = posed(&mut draw);
     let ladder = ladder.ok()?;
-    let mut lab = laboratory(&ladder).ok()?;
-    let answer = answer(&mut lab, asked.tolerance).ok()?;
+    let mut runs = bounded_runs(&ladder).ok()?;
+    let answer = answer(&mut runs, asked.tolerance).ok()?;
     let Verdict::Chosen(at) = answer.verdict else { return None };
     let (work, spent) = (answer.choice()?.work, answer.spent.total());
-    lab.forget();
+    runs.forget();
     let enough = asked.tolerance / TRUTH;
-    let families = preferred(&lab, enough);
-    let truth = refer(&mut lab, &families, enough)
+    let families = preferred(&runs, enough);
+    let truth = refer(&mut runs, &families, enough)
         .filter(|made| made.uncertainty <= enough)
         .or(answer.reference)?;
-    let all: Vec<usize> = (0..lab.ladder().families.len()).collect();
-    let best = exhaustive(&mut lab, &all, &truth, asked.tolerance, work);
+    let all: Vec<usize> = (0..runs.ladder().families.len()).collect();
+    let best = exhaustive(&mut runs, &all, &truth, asked.tolerance, work);
     let name = |at: At| {
-        let family = lab.family(at.family);
+        let family = runs.family(at.family);
         format!("{} {:.3e}", family.name, family.rungs[at.rung].setting)
     };
     Some(Searched {

@@ -9,7 +9,8 @@ use std::time::Duration;
 use stationary::program::ladder_of;
 use stationary_chart::{Axis, Lines, Series};
 use stationary_choose::{
-    Answer, At, Experiment, Judgement, Kind as Setting, Lab, Row, answer, chart, charted,
+    Answer, At, Experiment, Judgement, Kind as SettingKind, MeasuredRuns, Row, answer, chart,
+    charted,
 };
 use stationary_measure::{Cell, Column, Table};
 use stationary_scene::choose::{Change, Question, SceneLadder, changed};
@@ -91,17 +92,17 @@ pub fn work_precision(
 ) -> Result<Study, StudyError> {
     let name = file.display().to_string();
     let ladder = ladder_of(file, question).map_err(StudyError::at(name.as_str()))?;
-    let mut lab = Lab::new(&ladder, budget).map_err(StudyError::at(name.as_str()))?;
-    let answer = answer(&mut lab, tolerance).map_err(StudyError::at(name.as_str()))?;
-    let answer = charted(&mut lab, answer);
+    let mut runs = MeasuredRuns::new(&ladder, budget).map_err(StudyError::at(name.as_str()))?;
+    let answer = answer(&mut runs, tolerance).map_err(StudyError::at(name.as_str()))?;
+    let answer = charted(&mut runs, answer);
     let confirmed = answer.reference.as_ref().is_some_and(|reference| reference.is_confirmed);
     Ok(Study {
         id: WORK_PRECISION.0,
         krate: "scene",
         chapter: "your scene",
         kind: WORK_PRECISION.1,
-        title: format!("{}: what a digit costs", lab.ladder().title),
-        conclusion: advice(&answer, &lab),
+        title: format!("{}: what a digit costs", runs.ladder().title),
+        conclusion: advice(&answer, &runs),
         table: answer.table(),
         charts: vec![chart(&answer), by_time(&answer).into()],
         claims: vec![Claim::words(
@@ -114,7 +115,7 @@ pub fn work_precision(
 }
 
 /// What was chosen, and what to write into the scene's file for other errors.
-fn advice(answer: &Answer, lab: &Lab<'_>) -> String {
+fn advice(answer: &Answer, runs: &MeasuredRuns<'_>) -> String {
     let uncertainty = answer.reference.as_ref().map_or(f64::INFINITY, |made| made.uncertainty);
     let meets = |row: &&Row, tolerance: f64| {
         let errs = match row.judgement {
@@ -124,7 +125,7 @@ fn advice(answer: &Answer, lab: &Lab<'_>) -> String {
             _ => return false,
         };
         // What was stopped has no error of the whole way; models are not what the file says.
-        row.is_whole() && lab.family(row.at.family).model == 0 && errs + uncertainty <= tolerance
+        row.is_whole() && runs.family(row.at.family).model == 0 && errs + uncertainty <= tolerance
     };
     let lines = TOLERANCES.into_iter().filter_map(|tolerance| {
         // Rows are sorted by work.
@@ -193,7 +194,7 @@ pub fn long_run(file: &Path) -> Result<Study, StudyError> {
     ]);
     let every = scene.timing().steps().div_ceil(SAMPLES).max(1);
     for (place, family) in ladder.ladder().families.iter().enumerate() {
-        if family.model != 0 || family.kind != Setting::EqualSteps {
+        if family.model != 0 || family.kind != SettingKind::EqualSteps {
             continue;
         }
         // The method of the family, at the step of the file.

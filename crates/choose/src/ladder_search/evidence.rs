@@ -25,8 +25,8 @@ const CONFIDENT: f64 = 0.25;
 impl LadderSearch<'_, '_> {
     /// Whether stability bounds the explicit steps: then what takes the least of them is likely.
     pub(super) fn is_stiff(&self) -> bool {
-        self.lab.used().any(|(at, run)| {
-            let family = self.lab.family(at.family);
+        self.runs.used().any(|(at, run)| {
+            let family = self.runs.family(at.family);
             let unstable = matches!(run.end, End::Failed(Failure::Unstable(_)));
             family.kind == Kind::EqualSteps && family.order == 2 && unstable
         })
@@ -34,16 +34,36 @@ impl LadderSearch<'_, '_> {
 
     /// Whether a family was tried, and no rung of it has an error to speak of.
     pub(super) fn only_failed(&self, family: usize) -> bool {
-        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
+        let mut own = self.runs.used().filter(|(at, _)| at.family == family).peekable();
         own.peek().is_some()
             && own
                 .all(|(at, _)| matches!(self.said(at), Judgement::Failed(Failure::NotConverged(_))))
     }
 
+    /// The families that take steps without what is held and project back to it: their errors are those of the
+    /// projection, whatever their order.
+    pub(super) fn projected(&self) -> Vec<usize> {
+        let ladder = self.runs.ladder();
+        let projects = |family: &usize| {
+            let family = &ladder.families[*family];
+            ladder.is_constrained
+                && !family.holds_constraints
+                && family.kind == Kind::EqualSteps
+                && family.model == 0
+        };
+        (0..ladder.families.len()).filter(projects).collect()
+    }
+
+    /// Whether a family was tried, and every rung of it comes to another motion or to none.
+    pub(super) fn only_stray(&self, family: usize) -> bool {
+        let mut own = self.runs.used().filter(|(at, _)| at.family == family).peekable();
+        own.peek().is_some() && own.all(|(at, _)| matches!(self.said(at), Judgement::Failed(_)))
+    }
+
     /// Whether a family that solves equations was tried and every rung of it is too dear.
     pub(super) fn is_over_limit(&self, family: usize) -> bool {
-        let solves = family_class(self.lab.family(family)).solves;
-        let mut own = self.lab.used().filter(|(at, _)| at.family == family).peekable();
+        let solves = family_class(self.runs.family(family)).solves;
+        let mut own = self.runs.used().filter(|(at, _)| at.family == family).peekable();
         solves
             && own.peek().is_some()
             && own.all(|(at, _)| matches!(self.said(at), Judgement::CostLimit))
@@ -52,8 +72,8 @@ impl LadderSearch<'_, '_> {
     /// Whether a family that was tried would need far more work than the choice.
     pub(super) fn is_far(&self, family: usize) -> bool {
         let Some((_, best)) = self.best else { return false };
-        let own = self.lab.family(family);
-        let needs = self.lab.used().filter(|(at, _)| at.family == family).filter_map(
+        let own = self.runs.family(family);
+        let needs = self.runs.used().filter(|(at, _)| at.family == family).filter_map(
             |(at, run)| match self.said(at) {
                 Judgement::Meets(_) => Some(run.work as f64),
                 Judgement::Misses(error) | Judgement::Unclear(error) => {
@@ -69,27 +89,27 @@ impl LadderSearch<'_, '_> {
 
     /// Whether finer steps change nothing any more: what is left is the model's error.
     pub(super) fn is_still(&self, at: At, before: Option<At>) -> bool {
-        let seen = |at: At| self.lab.seen(at).map(|run| &run.course);
+        let seen = |at: At| self.runs.seen(at).map(|run| &run.course);
         let (Some(fine), Some(coarse)) = (seen(at), before.and_then(seen)) else { return false };
         let moments = fine.values.len().min(coarse.values.len());
         let [now, then] = [fine, coarse].map(|course| self.reference.error_until(course, moments));
-        let family = self.lab.family(at.family);
+        let family = self.runs.family(at.family);
         let steps = !family.converges() && family.kind != Kind::Modes;
         steps && moments > 1 && now > then / SAME && now < then * SAME
     }
 
     /// Whether other methods have the same error by the same model: then it is the model's.
     pub(super) fn is_shared(&self, at: At) -> bool {
-        let family = self.lab.family(at.family);
-        let Some(own) = self.lab.seen(at).map(|run| &run.course) else { return false };
+        let family = self.runs.family(at.family);
+        let Some(own) = self.runs.seen(at).map(|run| &run.course) else { return false };
         if family.converges() || own.values.len() < 2 {
             return false;
         }
         let error = self.reference.error_until(own, own.values.len());
         let same = |other: f64| other > error / SHARED && other < error * SHARED;
-        let sharing = self.lab.used().filter(|(other, run)| {
+        let sharing = self.runs.used().filter(|(other, run)| {
             other.family != at.family
-                && self.lab.family(other.family).model == family.model
+                && self.runs.family(other.family).model == family.model
                 && self.error_until(run, own.values.len()).is_some_and(same)
         });
         let families: BTreeSet<usize> = sharing.map(|(other, _)| other.family).collect();
@@ -99,11 +119,11 @@ impl LadderSearch<'_, '_> {
     /// Whether a family of the same or a higher order has a smaller error for the same work, as far
     /// as both were run.
     pub(super) fn outdone(&self, at: At, error: f64) -> bool {
-        let family = self.lab.family(at.family);
-        let work = self.lab.predicted(at) as f64;
-        let moments = self.lab.seen(at).map_or(0, |run| run.course.values.len());
-        self.lab.used().any(|(other, run)| {
-            let other_family = self.lab.family(other.family);
+        let family = self.runs.family(at.family);
+        let work = self.runs.predicted(at) as f64;
+        let moments = self.runs.seen(at).map_or(0, |run| run.course.values.len());
+        self.runs.used().any(|(other, run)| {
+            let other_family = self.runs.family(other.family);
             let no_dearer = run.expected() as f64 <= SAME * work;
             let comparable = other_family.kind == Kind::EqualSteps
                 && family.kind != Kind::Modes

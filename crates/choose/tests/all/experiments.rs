@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use stationary_choose::{
-    At, Experiment, Failure, Family, Kind, Lab, Ladder, Look, Moments, QuestionError, Record,
-    Samples, Scale, Verdict, Watch, answer, equal_steps,
+    At, Experiment, Failure, Family, Kind, Ladder, Look, MeasuredRuns, Moments, QuestionError,
+    Record, Samples, Scale, Verdict, Watch, answer, equal_steps,
 };
 use stationary_integrators::Evaluation;
 
@@ -55,6 +55,7 @@ fn made(fault: Fault) -> Made {
             horizon: 2.0,
             time: "s".to_owned(),
             keeps_energy: false,
+            is_smooth: true,
             is_constrained: false,
             asks: None,
             families,
@@ -114,7 +115,7 @@ impl Experiment for Made {
 fn the_cheapest_of_methods_with_known_errors_is_found() {
     let made = made(Fault::None);
     for tolerance in [1e-1, 1e-2, 1e-4, 1e-6, 1e-8] {
-        let answer = answer(&mut Lab::new(&made, LONG).unwrap(), tolerance).unwrap();
+        let answer = answer(&mut MeasuredRuns::new(&made, LONG).unwrap(), tolerance).unwrap();
         let Verdict::Chosen(at) = answer.verdict else { panic!("{answer}") };
         let error = |at: At| {
             let setting = made.ladder.families[at.family].rungs[at.rung].setting;
@@ -134,7 +135,7 @@ fn the_cheapest_of_methods_with_known_errors_is_found() {
 fn an_experiment_that_does_not_do_what_it_should_chooses_nothing() {
     for fault in [Fault::Short, Fault::Silent, Fault::NotFinite, Fault::Blind] {
         let made = made(fault);
-        let answer = answer(&mut Lab::new(&made, LONG).unwrap(), 1e-3).unwrap();
+        let answer = answer(&mut MeasuredRuns::new(&made, LONG).unwrap(), 1e-3).unwrap();
         assert!(answer.choice().is_none(), "{answer}");
     }
 }
@@ -158,7 +159,7 @@ fn a_run_that_says_why_it_failed_is_told_with_it() {
         }
     }
     let failing = Failing(made(Fault::None));
-    let answer = answer(&mut Lab::new(&failing, LONG).unwrap(), 1e-1).unwrap();
+    let answer = answer(&mut MeasuredRuns::new(&failing, LONG).unwrap(), 1e-1).unwrap();
     assert!(answer.choice().is_some(), "{answer}");
     assert!(answer.to_string().contains("not converged: the wind is too strong"), "{answer}");
 }
@@ -168,7 +169,7 @@ fn a_ladder_that_cannot_be_searched_is_refused() {
     let ask = |change: fn(&mut Ladder)| {
         let mut made = made(Fault::None);
         change(&mut made.ladder);
-        Lab::new(&made, LONG).map(|_| ()).unwrap_err()
+        MeasuredRuns::new(&made, LONG).map(|_| ()).unwrap_err()
     };
     assert_eq!(ask(|ladder| ladder.families.clear()), QuestionError::NoFamily);
     assert_eq!(
@@ -178,7 +179,7 @@ fn a_ladder_that_cannot_be_searched_is_refused() {
     assert!(matches!(ask(|ladder| ladder.horizon = f64::NAN), QuestionError::Horizon(_)));
     assert_eq!(
         ask(|ladder| ladder.families[1].rungs.clear()),
-        QuestionError::NoRung("second".to_owned())
+        QuestionError::NoSetting("second".to_owned())
     );
     let order = |rung| QuestionError::Order { family: "second".to_owned(), rung };
     assert_eq!(ask(|ladder| ladder.families[1].rungs[3].setting = 9.0), order(3));

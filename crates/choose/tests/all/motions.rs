@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_choose::{
-    At, Experiment, Judgement, Kind, Lab, Motion, QuestionError, Verdict, answer, charted,
+    At, Experiment, Judgement, Kind, MeasuredRuns, Motion, QuestionError, Verdict, answer, charted,
     exhaustive, preferred, refer, way_error,
 };
 use stationary_integrators::State;
@@ -51,18 +51,18 @@ fn nineteen_in_twenty_choices_are_within_a_tenth_of_the_cheapest_that_exhaustive
         let place = |state: &State<Vec<f64>>| vec![state.q[0]];
         let motion = Motion::new(&system, at_rest(&[start]), 12.0, place).unwrap();
         for tolerance in [1e-1, 1e-2, 1e-3, 1e-5] {
-            let mut lab = Lab::new(&motion, LONG).unwrap();
-            let answer = answer(&mut lab, tolerance).unwrap();
+            let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
+            let answer = answer(&mut runs, tolerance).unwrap();
             let Verdict::Chosen(chosen) = answer.verdict else { panic!("{answer}") };
             let work = answer.choice().unwrap().work;
-            lab.forget();
-            let families = preferred(&lab, 1e-3 * tolerance);
-            let truth = refer(&mut lab, &families, 1e-3 * tolerance).unwrap();
-            let error = way_error(&mut lab, &truth, chosen, tolerance).unwrap();
+            runs.forget();
+            let families = preferred(&runs, 1e-3 * tolerance);
+            let truth = refer(&mut runs, &families, 1e-3 * tolerance).unwrap();
+            let error = way_error(&mut runs, &truth, chosen, tolerance).unwrap();
             assert!(error <= tolerance, "{error:e}\n{answer}");
             // What errs by almost the tolerance may not be told from what errs by more.
             let all: Vec<usize> = (0..motion.ladder().families.len()).collect();
-            let best = exhaustive(&mut lab, &all, &truth, 0.9 * tolerance, work);
+            let best = exhaustive(&mut runs, &all, &truth, 0.9 * tolerance, work);
             let least = best.map_or(work, |best| best.work);
             far += usize::from(work as f64 > 1.1 * least as f64);
             asked += 1;
@@ -79,17 +79,17 @@ fn the_choice_on_an_ellipse_keeps_to_the_closed_form() {
     let place = |state: &State<Vec<f64>>| state.q.clone();
     let motion = Motion::new(&planet.system, start, horizon, place).unwrap();
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9] {
-        let mut lab = Lab::new(&motion, LONG).unwrap();
-        let answer = answer(&mut lab, tolerance).unwrap();
+        let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
+        let answer = answer(&mut runs, tolerance).unwrap();
         let at = answer.choice().unwrap_or_else(|| panic!("{answer}")).at;
-        let (run, scale) = (lab.measure(at), answer.reference.as_ref().unwrap().course.scale);
+        let (run, scale) = (runs.measure(at), answer.reference.as_ref().unwrap().course.scale);
         for (moment, q) in run.whole().unwrap().values.iter().enumerate().skip(1) {
             let t = horizon * moment as f64 / 20.0;
             let off = planet.error(t, &[q[0], q[1]]).unwrap();
             assert!(off <= tolerance * scale, "{off:e} at {t}\n{answer}");
         }
         // Few steps of a high order are what many digits ask for.
-        let order = lab.family(at.family).order;
+        let order = runs.family(at.family).order;
         assert!(tolerance > 1e-5 || order >= 6, "{answer}");
     }
 }
@@ -101,10 +101,10 @@ fn an_energy_is_judged_by_the_kinetic_energy_or_said_hardly_to_move() {
     let start = State::new(swing.initial.q.to_vec(), Covector(swing.initial.p.0.to_vec()));
     let energy = |state: &State<Vec<f64>>| vec![system.energy(&state.q, state.p.view())];
     let motion = Motion::new(system, start, 10.0, energy).unwrap();
-    let still = answer(&mut Lab::new(&motion, LONG).unwrap(), 1e-3).unwrap();
+    let still = answer(&mut MeasuredRuns::new(&motion, LONG).unwrap(), 1e-3).unwrap();
     assert_eq!(still.verdict, Verdict::Still, "{still}");
     let motion = motion.relative_to_kinetic_energy().named("a pendulum", "energy");
-    let chosen = answer(&mut Lab::new(&motion, LONG).unwrap(), 1e-3).unwrap();
+    let chosen = answer(&mut MeasuredRuns::new(&motion, LONG).unwrap(), 1e-3).unwrap();
     assert!(matches!(chosen.verdict, Verdict::Chosen(_)), "{chosen}");
     assert!(chosen.heading.starts_with("a pendulum: energy, relative to the largest kinetic"));
 }
@@ -113,9 +113,9 @@ fn an_energy_is_judged_by_the_kinetic_energy_or_said_hardly_to_move() {
 fn all_families_can_be_charted() {
     let system = wells(1.0);
     let motion = Motion::new(&system, at_rest(&[0.5]), 5.0, |s| vec![s.q[0]]).unwrap();
-    let mut lab = Lab::new(&motion, LONG).unwrap();
-    let answer = answer(&mut lab, 1e-3).unwrap();
-    let all = charted(&mut lab, answer);
+    let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
+    let answer = answer(&mut runs, 1e-3).unwrap();
+    let all = charted(&mut runs, answer);
     for family in &motion.ladder().families {
         assert!(all.rows.iter().any(|row| row.method == family.name), "{}", family.name);
     }
@@ -143,12 +143,12 @@ fn what_cannot_be_asked_is_refused_by_its_name() {
     assert_eq!(nothing.map(|_| ()).unwrap_err(), QuestionError::NothingObserved);
     let motion = Motion::new(&system, at_rest(&[0.5]), 1.0, |s| vec![s.q[0]]).unwrap();
     assert_eq!(
-        Lab::new(&motion, Duration::ZERO).map(|_| ()).unwrap_err(),
+        MeasuredRuns::new(&motion, Duration::ZERO).map(|_| ()).unwrap_err(),
         QuestionError::Budget(Duration::ZERO)
     );
-    let mut lab = Lab::new(&motion, LONG).unwrap();
+    let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
     for tolerance in [0.0, -1.0, 1.0, f64::NAN, 1e-13] {
-        assert!(matches!(answer(&mut lab, tolerance), Err(QuestionError::Tolerance(_))));
+        assert!(matches!(answer(&mut runs, tolerance), Err(QuestionError::Tolerance(_))));
     }
 }
 
@@ -157,8 +157,8 @@ fn an_observable_that_stops_being_a_number_is_a_failure_and_not_a_choice() {
     let system = wells(1.0);
     let root = |state: &State<Vec<f64>>| vec![(state.q[0] - 0.4).sqrt()];
     let motion = Motion::new(&system, at_rest(&[1.6]), 6.0, root).unwrap();
-    let mut lab = Lab::new(&motion, LONG).unwrap();
-    let answer = answer(&mut lab, 1e-2).unwrap();
+    let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
+    let answer = answer(&mut runs, 1e-2).unwrap();
     assert!(answer.choice().is_none(), "{answer}");
 }
 
@@ -167,10 +167,10 @@ fn a_bounded_search_ends_and_names_nothing_that_was_not_run() {
     let system = wells(1.0);
     let motion = Motion::new(&system, at_rest(&[0.1]), 200.0, |s| vec![s.q[0]]).unwrap();
     for most in [0, 10, 1_000, 100_000] {
-        let mut lab = Lab::new(&motion, LONG).unwrap().bounded(most);
-        let answer = answer(&mut lab, 1e-6).unwrap();
+        let mut runs = MeasuredRuns::new(&motion, LONG).unwrap().bounded(most);
+        let answer = answer(&mut runs, 1e-6).unwrap();
         if let Some(row) = answer.choice() {
-            assert!(lab.used().any(|(at, run)| at == row.at && run.whole().is_some()));
+            assert!(runs.used().any(|(at, run)| at == row.at && run.whole().is_some()));
             assert!(matches!(row.judgement, Some(Judgement::Meets(_))));
         }
     }
@@ -183,7 +183,7 @@ fn a_rung_runs_the_same_twice_and_as_it_is_looked_at() {
     for (family, own) in motion.ladder().families.iter().enumerate() {
         let at = At { family, rung: if own.kind == Kind::EqualSteps { 3 } else { 2 } };
         let (mut one, mut two) =
-            (Lab::new(&motion, LONG).unwrap(), Lab::new(&motion, LONG).unwrap());
+            (MeasuredRuns::new(&motion, LONG).unwrap(), MeasuredRuns::new(&motion, LONG).unwrap());
         let (a, b) = (one.measure(at).clone(), two.measure(at).clone());
         assert_eq!(a.course, b.course, "{}", own.name);
         assert_eq!(a.work, b.work, "{}", own.name);

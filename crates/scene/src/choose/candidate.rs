@@ -61,7 +61,7 @@ pub fn candidates(scene: &Scene) -> Vec<Candidate> {
     ];
     let own = own.map(|(method, order, stages, evaluation)| {
         let stepping = Stepping::Adaptive { method, tolerance: 0.1 };
-        Candidate::of(stepping, Kind::OwnSteps, order, stages, evaluation)
+        Candidate::of(stepping, Kind::Adaptive, order, stages, evaluation)
     });
     let held = [(Constrained::Rattle, 2), (Constrained::Hamilton, 1)];
     let held = held.map(|(method, order)| {
@@ -90,7 +90,7 @@ fn heat() -> impl Iterator<Item = Candidate> {
 
 /// What a rung says otherwise than its model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct Variation {
     /// What the model's text says otherwise.
     pub changes: Vec<Change>,
     /// What a Hessian with its factorization and its solves counts, in differentials.

@@ -30,7 +30,7 @@ pub fn emitted(
     // Where a scene is read off is its own affair.
     let kept = |key| match family.kind {
         Kind::EqualSteps => key == "sample_every",
-        Kind::OwnSteps | Kind::Modes => key == "step" || key == "sample_every",
+        Kind::Adaptive | Kind::Modes => key == "step" || key == "sample_every",
     };
     let model = ladder.model(row.at);
     let seen = model.seen(text);

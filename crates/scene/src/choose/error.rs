@@ -28,7 +28,7 @@ pub enum ChooseError {
     Question(#[from] QuestionError),
     /// The scene has no method: no rung of the ladder can be tried.
     #[error("no method takes what this scene has; the scene's own is refused as well: {0}")]
-    NoRung(String),
+    NoSetting(String),
     /// A file cannot be written.
     #[error("{0}")]
     Write(#[from] WriteError),

@@ -6,12 +6,12 @@
 use std::time::Instant;
 
 use stationary_choose::{
-    At, Experiment, Family, Finer, Kind, Ladder, Look, MOMENTS, Moments, Record, Rung, SAMPLES,
-    Watch, equal_steps, numbers_of_steps, own_steps, powers, samples, work_of_step,
+    At, Experiment, Family, Finer, Kind, Ladder, Look, MOMENTS, Moments, Record, SAMPLES, Setting,
+    Watch, adaptive_steps, equal_steps, numbers_of_steps, powers, samples, work_of_step,
 };
 use stationary_integrators::Evaluation;
 
-use super::candidate::{Candidate, Setting, candidates};
+use super::candidate::{Candidate, Variation, candidates};
 use super::declaration::{Change, changed, number};
 use super::model::{Model, Simplification};
 use super::observable::{in_words, scale};
@@ -35,7 +35,7 @@ pub struct SceneLadder {
     /// The scene on finer meshes.
     finer: Vec<Model>,
     /// What each rung of each family says.
-    settings: Vec<Vec<Setting>>,
+    settings: Vec<Vec<Variation>>,
     ladder: Ladder,
 }
 
@@ -46,7 +46,7 @@ impl SceneLadder {
     /// The ladder of a scene whose text asks for one observable.
     ///
     /// # Errors
-    /// [`ChooseError::NoRung`] where the scene allows none.
+    /// [`ChooseError::NoSetting`] where the scene allows none.
     pub fn of(name: &str, text: &str, scene: &Scene) -> Result<Self, ChooseError> {
         let models = Model::all(name, text, scene);
         let (mut families, mut settings) = (Vec::new(), Vec::new());
@@ -69,12 +69,12 @@ impl SceneLadder {
             }
         }
         if !families.iter().any(|family| family.model == 0 && family.kind != Kind::Modes) {
-            return Err(ChooseError::NoRung(refusal));
+            return Err(ChooseError::NoSetting(refusal));
         }
         let finer = Model::finer(name, &models[0]);
         let own = scene.stepping().name();
         let asks = families.iter().position(|family| {
-            family.converges() && family.kind == Kind::OwnSteps && family.name == own
+            family.converges() && family.kind == Kind::Adaptive && family.name == own
         });
         let pieces = models[0].pieces as f64;
         let ladder = Ladder {
@@ -84,6 +84,7 @@ impl SceneLadder {
             horizon: scene.timing().horizon(),
             time: scene.units().time.clone(),
             keeps_energy: keeps_energy(scene),
+            is_smooth: is_smooth(scene),
             is_constrained: !scene.rods().is_empty(),
             asks,
             families,
@@ -109,7 +110,7 @@ impl SceneLadder {
     }
 
     /// What a rung says.
-    pub fn setting(&self, at: At) -> &Setting {
+    pub fn setting(&self, at: At) -> &Variation {
         &self.settings[at.family][at.rung]
     }
 
@@ -145,15 +146,24 @@ impl Experiment for SceneLadder {
 fn keeps_energy(scene: &Scene) -> bool {
     let elastic =
         scene.contact().is_none_or(|contact| contact.stiffness.is_some() || contact.is_elastic());
-    let breaking = scene.rods().iter().any(|rod| rod.strength.is_finite());
     scene.heat().is_none()
         && scene.drag().is_none()
+        && scene.drives().is_empty()
         && elastic
-        && !breaking
+        && !breaks(scene)
         && !matches!(scene.stepping(), Stepping::Heat(_))
 }
 
-fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) -> Family {
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
+fn is_smooth(scene: &Scene) -> bool {
+    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
+}
+
+fn breaks(scene: &Scene) -> bool {
+    scene.rods().iter().any(|rod| rod.strength.is_finite())
+}
+
+fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Setting>) -> Family {
     let name = match &model.simplification {
         Simplification::AsWritten => candidate.name.to_owned(),
         _ => format!("{} {}", candidate.name, model.words),
@@ -176,12 +186,12 @@ fn family(candidate: &Candidate, place: usize, model: &Model, rungs: Vec<Rung>) 
     }
 }
 
-fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
+fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Setting>, Vec<Variation>) {
     let (scene, pieces) = (&model.scene, model.pieces);
     let horizon = scene.timing().horizon();
     let hessian_work = match candidate.kind {
         // Their matrices are full.
-        Kind::OwnSteps => scene.freedoms() as u64,
+        Kind::Adaptive => scene.freedoms() as u64,
         Kind::EqualSteps | Kind::Modes => model.hessian_work(),
     };
     let step = work_of_step(candidate.evaluation, candidate.stages, hessian_work);
@@ -189,7 +199,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
     let says = |says: [(&'static str, Option<String>); 4]| {
         let says = says.map(|(key, value)| Change { key, value });
         let changes = [method.clone()].into_iter().chain(says).collect();
-        Setting { changes, hessian_work }
+        Variation { changes, hessian_work }
     };
     let read_off = |each: u64, tolerance: Option<String>, modes: Option<String>| {
         says([
@@ -199,7 +209,7 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
             ("sample_every", Some("1".to_owned())),
         ])
     };
-    let (rungs, says): (Vec<Rung>, Vec<Setting>) = match candidate.kind {
+    let (rungs, says): (Vec<Setting>, Vec<Variation>) = match candidate.kind {
         Kind::EqualSteps => {
             let ahead = if candidate.factors_once { hessian_work } else { 0 };
             let rungs = equal_steps(horizon, ahead, step);
@@ -214,11 +224,11 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
             });
             rungs.zip(settings).unzip()
         }
-        Kind::OwnSteps => {
+        Kind::Adaptive => {
             let each = samples(scene.freedoms());
             let settings =
                 powers(candidate.loosest).map(|k| read_off(each, Some(format!("1e-{k}")), None));
-            own_steps(candidate.loosest, step).zip(settings).unzip()
+            adaptive_steps(candidate.loosest, step).zip(settings).unzip()
         }
         Kind::Modes => (0..=DOUBLINGS)
             .map(|k| 1_u64 << k)
@@ -227,12 +237,13 @@ fn rungs(candidate: &Candidate, model: &Model) -> (Vec<Rung>, Vec<Setting>) {
             .chain(all_modes(scene))
             .map(|modes| {
                 let least_work = FACTORIZATIONS * hessian_work + SOLVES + 2 * modes;
-                let rung = Rung { setting: modes as f64, least_work };
+                let rung = Setting { setting: modes as f64, least_work };
                 (rung, read_off(SAMPLES, None, Some(modes.to_string())))
             })
             .unzip(),
     };
-    let rungs = rungs.into_iter().map(|rung| Rung { least_work: pieces * rung.least_work, ..rung });
+    let rungs =
+        rungs.into_iter().map(|rung| Setting { least_work: pieces * rung.least_work, ..rung });
     (rungs.collect(), says)
 }
 

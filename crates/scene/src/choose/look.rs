@@ -6,7 +6,7 @@ use stationary_choose::{Energies, Kind, Look, Moments, Samples, counted, inside,
 use stationary_integrators::Cost;
 use toml::{Table, Value};
 
-use super::candidate::Setting;
+use super::candidate::Variation;
 use super::declaration::changed;
 use super::model::{Model, moved};
 use super::run::{own, told};
@@ -22,7 +22,7 @@ const CLOCK: u64 = 256;
 pub(super) fn look(
     name: &str,
     model: &Model,
-    (kind, setting): (Kind, &Setting),
+    (kind, setting): (Kind, &Variation),
     moments: &Moments,
     deadline: Instant,
 ) -> Option<Look> {
@@ -89,7 +89,7 @@ pub(super) fn look(
 
 /// Counted work with that of parts of steps: what is read off from modes is a reading, from the steps that a
 /// method chose itself it takes nothing.
-fn taken(cost: Cost, setting: &Setting, (kind, parts, steps): (Kind, u64, u64)) -> u64 {
+fn taken(cost: Cost, setting: &Variation, (kind, parts, steps): (Kind, u64, u64)) -> u64 {
     if kind != Kind::EqualSteps {
         let read = own(Cost { steps: cost.steps + parts, ..cost }, kind);
         return counted(read, setting.hessian_work);

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use stationary_choose::{Energies, Failure, Kind, MOMENTS, Record, Samples, Watch, counted};
 use stationary_integrators::{Cost, StepError};
 
-use super::candidate::Setting;
+use super::candidate::Variation;
 use super::declaration::changed;
 use super::model::{Model, moved};
 use crate::model::observable::Observable;
@@ -19,7 +19,7 @@ use crate::run::samples::Run;
 pub(super) fn run(
     name: &str,
     model: &Model,
-    (kind, setting): (Kind, &Setting),
+    (kind, setting): (Kind, &Variation),
     watch: &mut Watch<'_>,
 ) -> Record {
     let scene = match Scene::parse_at(name, &changed(&model.text, &setting.changes)) {
@@ -57,7 +57,7 @@ pub(super) fn run(
 /// What a run took itself: where a method chooses its own steps, those of the scene are read off, which takes
 /// no evaluation.
 pub(super) fn own(cost: Cost, kind: Kind) -> Cost {
-    if kind == Kind::OwnSteps { Cost { steps: 0, ..cost } } else { cost }
+    if kind == Kind::Adaptive { Cost { steps: 0, ..cost } } else { cost }
 }
 
 /// What the run showed at each of its samples.

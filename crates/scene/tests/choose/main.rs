@@ -6,7 +6,7 @@ mod truth;
 
 use std::time::Duration;
 
-use stationary_choose::{Answer, Lab, answer};
+use stationary_choose::{Answer, MeasuredRuns, answer};
 use stationary_scene::choose::{Question, SceneLadder, scene_ladder};
 
 /// Time that is never over.
@@ -17,11 +17,11 @@ fn ladder(text: &str, question: &Question) -> &'static SceneLadder {
     Box::leak(Box::new(scene_ladder("a.toml", text, question).unwrap()))
 }
 
-fn laboratory(text: &str, observable: &str) -> Lab<'static> {
-    Lab::new(ladder(text, &Question::new(observable)), LONG).unwrap()
+fn bounded_runs(text: &str, observable: &str) -> MeasuredRuns<'static> {
+    MeasuredRuns::new(ladder(text, &Question::new(observable)), LONG).unwrap()
 }
 
-fn asked(text: &str, observable: &str, tolerance: f64) -> (Answer, Lab<'static>) {
-    let mut lab = laboratory(text, observable).bounded(20_000_000);
-    (answer(&mut lab, tolerance).unwrap(), lab)
+fn asked(text: &str, observable: &str, tolerance: f64) -> (Answer, MeasuredRuns<'static>) {
+    let mut runs = bounded_runs(text, observable).bounded(20_000_000);
+    (answer(&mut runs, tolerance).unwrap(), runs)
 }

@@ -1,10 +1,10 @@
 //! What can be made of a scene, and what of it is chosen.
 
-use stationary_choose::{Lab, answer};
+use stationary_choose::{MeasuredRuns, answer};
 use stationary_scene::choose::{Model, Question, Simplification, emitted};
 use stationary_scene::{Run, Scene};
 
-use super::{LONG, asked, laboratory, ladder};
+use super::{LONG, asked, bounded_runs, ladder};
 
 /// A beam of rubber in flight.
 const BEAM: &str = r#"
@@ -74,9 +74,9 @@ fn a_body_is_seen_as_elements_ever_coarser_as_rigid_and_as_a_point() {
     let pieces: Vec<u64> = models(BEAM).iter().map(|model| model.pieces).collect();
     // A triangle with six nodes and three points counts as 4.1 of those with three and one.
     assert_eq!(pieces, [32, 8, 33, 1, 1]);
-    let lab = laboratory(BEAM, "position=beam.end");
+    let runs = bounded_runs(BEAM, "position=beam.end");
     for name in ["linear-modes", "linear-modes with 4 x 1 cells", "runge-kutta-4 as a rigid body"] {
-        assert!(lab.ladder().families.iter().any(|family| family.name == name), "{name}");
+        assert!(runs.ladder().families.iter().any(|family| family.name == name), "{name}");
     }
 }
 
@@ -147,7 +147,7 @@ struck = { at = [0.6, 0.8, 0], radius = 0.3, velocity = [0, 1, 5] }
 #[test]
 fn a_beam_that_only_falls_is_chosen_to_be_a_point_mass() {
     let ladder = ladder(BEAM, &Question::new("position=beam.end"));
-    let answer = answer(&mut Lab::new(ladder, LONG).unwrap(), 1e-2).unwrap();
+    let answer = answer(&mut MeasuredRuns::new(ladder, LONG).unwrap(), 1e-2).unwrap();
     let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
     assert!(row.method.ends_with(" as a point mass"), "{answer}");
     let emitted = emitted("a.toml", BEAM, &answer, ladder).unwrap().unwrap();
@@ -182,8 +182,8 @@ fn a_stiff_beam_that_hangs_through_a_little_is_moved_by_a_few_modes() {
 
 #[test]
 fn heat_is_stepped_or_summed_on_meshes_ever_coarser() {
-    let (answer, lab) = asked(PLATE, "temperature=plate.middle", 1e-2);
-    let names: Vec<&str> = lab.ladder().families.iter().map(|f| f.name.as_str()).collect();
+    let (answer, runs) = asked(PLATE, "temperature=plate.middle", 1e-2);
+    let names: Vec<&str> = runs.ladder().families.iter().map(|f| f.name.as_str()).collect();
     for name in ["explicit-euler", "implicit-euler", "crank-nicolson", "linear-modes"] {
         for model in ["", " with 8 x 4 cells", " with 2 x 1 cells"] {
             // The coarsest has no vertex in the middle.

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use stationary_choose::{
-    Extrapolated, Judgement, Lab, Reference, Verdict, answer, preferred, refer,
+    Extrapolated, Judgement, MeasuredRuns, Reference, Verdict, answer, preferred, refer,
 };
 use stationary_scene::Scene;
 use stationary_scene::choose::{Change, Question, changed, emitted, scene_ladder};
 
-use super::{LONG, asked, laboratory, ladder};
+use super::{LONG, asked, bounded_runs, ladder};
 
 /// A planet on an ellipse about a heavy sun: e = 0.6, one year of 2 pi, three years.
 const PLANET: &str = r#"
@@ -61,13 +61,13 @@ fn the_choice_keeps_its_promise_by_a_far_better_reference() {
     for text in [PLANET, PENDULUM] {
         let observable = if text == PLANET { "position=planet" } else { "position=bob" };
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let (answer, mut lab) = asked(text, observable, tolerance);
+            let (answer, mut runs) = asked(text, observable, tolerance);
             assert!(matches!(answer.verdict, Verdict::Chosen(_)), "{answer}");
-            let families = preferred(&lab, 1e-3 * tolerance);
-            let truth = refer(&mut lab, &families, 1e-3 * tolerance).unwrap();
+            let families = preferred(&runs, 1e-3 * tolerance);
+            let truth = refer(&mut runs, &families, 1e-3 * tolerance).unwrap();
             assert!(truth.uncertainty <= 1e-3 * tolerance);
             let at = answer.choice().unwrap().at;
-            let course = lab.measure(at).whole().unwrap().clone();
+            let course = runs.measure(at).whole().unwrap().clone();
             let error = truth.error(&course).unwrap();
             assert!(error <= tolerance, "{error:e}\n{answer}");
         }
@@ -107,9 +107,9 @@ blanes-moan-nystrom-4        step = 0.15  2.4e2  4.8e-6  meets it
 
 #[test]
 fn no_rung_is_recommended_that_was_not_run() {
-    let (answer, lab) = asked(PLANET, "position=planet", 1e-2);
+    let (answer, runs) = asked(PLANET, "position=planet", 1e-2);
     let at = answer.choice().unwrap().at;
-    assert!(lab.used().any(|(own, run)| own == at && run.whole().is_some()));
+    assert!(runs.used().any(|(own, run)| own == at && run.whole().is_some()));
     for row in answer.runners_up() {
         assert!(row.work >= answer.choice().unwrap().work);
     }
@@ -131,8 +131,8 @@ fn a_first_order_method_is_not_the_choice_for_four_digits() {
 fn the_emitted_scene_is_the_measured_run_and_says_why() {
     for (text, observable) in [(PLANET, "position=planet"), (PENDULUM, "energy")] {
         let ladder = ladder(text, &Question::new(observable));
-        let mut lab = Lab::new(ladder, LONG).unwrap();
-        let answer = answer(&mut lab, 1e-2).unwrap();
+        let mut runs = MeasuredRuns::new(ladder, LONG).unwrap();
+        let answer = answer(&mut runs, 1e-2).unwrap();
         let row = answer.choice().unwrap().clone();
         let emitted = emitted("a.toml", text, &answer, ladder).unwrap().unwrap();
         assert!(emitted.contains("# Chosen by measurement"), "{emitted}");
@@ -143,7 +143,7 @@ fn the_emitted_scene_is_the_measured_run_and_says_why() {
         let word = if observable == "energy" { "\"energy\"" } else { "{ position = \"planet\" }" };
         let emitted = changed(&emitted, &[Change::to("observables", format!("[{word}]"))]);
         let run = Scene::parse("c.toml", &emitted).unwrap().run().unwrap();
-        let course = lab.measure(row.at).whole().unwrap().clone();
+        let course = runs.measure(row.at).whole().unwrap().clone();
         let last = run.observed(run.times().len() - 1);
         let measured = course.values.last().unwrap();
         let off = last.iter().zip(measured).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -154,8 +154,8 @@ fn the_emitted_scene_is_the_measured_run_and_says_why() {
 #[test]
 fn a_budget_that_is_over_recommends_nothing_that_did_not_run() {
     let ladder = ladder(PLANET, &Question::new("position=planet"));
-    let mut lab = Lab::new(ladder, Duration::from_nanos(1)).unwrap();
-    let answer = answer(&mut lab, 1e-3).unwrap();
+    let mut runs = MeasuredRuns::new(ladder, Duration::from_nanos(1)).unwrap();
+    let answer = answer(&mut runs, 1e-3).unwrap();
     assert!(answer.choice().is_none(), "{answer}");
     assert!(!answer.to_string().contains("cheapest within"));
 }
@@ -175,8 +175,8 @@ fn a_conserved_momentum_is_kept_by_the_coarsest_rung_that_is_another_motion_nowh
 fn what_confirms_a_long_swing_costs_no_more_than_64_runs_of_the_choice() {
     for horizon in [2.0, 8.0, 20.0] {
         let question = Question { horizon: Some(horizon), ..Question::new("position=bob") };
-        let mut lab = Lab::new(ladder(PENDULUM, &question), LONG).unwrap();
-        let answer = answer(&mut lab, 1e-2).unwrap();
+        let mut runs = MeasuredRuns::new(ladder(PENDULUM, &question), LONG).unwrap();
+        let answer = answer(&mut runs, 1e-2).unwrap();
         assert!(matches!(answer.verdict, Verdict::Chosen(_)), "{answer}");
         let work = answer.choice().unwrap().work;
         assert!(answer.spent.total() <= 64 * work, "{horizon} s\n{answer}");
@@ -197,8 +197,8 @@ fn what_is_just_stable_is_chosen_in_no_more_than_64_runs_of_it() {
 #[test]
 fn the_horizon_is_a_parameter() {
     let question = Question { horizon: Some(1.0), ..Question::new("position=planet") };
-    let mut lab = Lab::new(ladder(PLANET, &question), LONG).unwrap();
-    let answer = answer(&mut lab, 1e-3).unwrap();
+    let mut runs = MeasuredRuns::new(ladder(PLANET, &question), LONG).unwrap();
+    let answer = answer(&mut runs, 1e-3).unwrap();
     assert!(answer.heading.contains("up to 1 s"), "{}", answer.heading);
 }
 
@@ -215,10 +215,10 @@ fn what_cannot_be_asked_is_answered_with_what_can() {
     let name = refused(&Question::new("position=plant"));
     assert!(name.contains("did you mean `planet`"), "{name}");
     for tolerance in [0.0, -1.0, f64::NAN, 1.0, f64::INFINITY] {
-        let said = answer(&mut laboratory(PLANET, "energy"), tolerance).unwrap_err().to_string();
+        let said = answer(&mut bounded_runs(PLANET, "energy"), tolerance).unwrap_err().to_string();
         assert!(said.starts_with("the tolerance must be"), "{said}");
     }
-    let none = Lab::new(ladder(PLANET, &Question::new("energy")), Duration::ZERO);
+    let none = MeasuredRuns::new(ladder(PLANET, &Question::new("energy")), Duration::ZERO);
     assert!(none.unwrap_err().to_string().starts_with("the budget must be"));
     for horizon in [0.0, f64::NAN, f64::INFINITY, -1.0] {
         let said = refused(&Question { horizon: Some(horizon), ..Question::new("energy") });
@@ -228,15 +228,15 @@ fn what_cannot_be_asked_is_answered_with_what_can() {
 
 #[test]
 fn an_extrapolated_reference_is_no_worse_than_it_says() {
-    let mut lab = laboratory(PLANET, "position=planet");
-    let family = |lab: &Lab<'_>, name: &str| {
-        lab.ladder().families.iter().position(|family| family.name == name).unwrap()
+    let mut runs = bounded_runs(PLANET, "position=planet");
+    let family = |runs: &MeasuredRuns<'_>, name: &str| {
+        runs.ladder().families.iter().position(|family| family.name == name).unwrap()
     };
-    let verlet = family(&lab, "stormer-verlet");
-    let fine = Reference::make(&mut lab, &[verlet], 1e-5).unwrap();
+    let verlet = family(&runs, "stormer-verlet");
+    let fine = Reference::make(&mut runs, &[verlet], 1e-5).unwrap();
     assert_eq!(fine.extrapolated, Extrapolated::Yes);
-    let dormand = family(&lab, "dormand-prince-853");
-    let truth = Reference::make(&mut lab, &[dormand], 1e-9).unwrap();
+    let dormand = family(&runs, "dormand-prince-853");
+    let truth = Reference::make(&mut runs, &[dormand], 1e-9).unwrap();
     let error = truth.error(&fine.course).unwrap();
     assert!(error <= fine.uncertainty + truth.uncertainty, "{error:e} {:e}", fine.uncertainty);
 }
@@ -244,11 +244,11 @@ fn an_extrapolated_reference_is_no_worse_than_it_says() {
 /// Two that are held as one are one run, which agrees with itself.
 #[test]
 fn no_two_tolerances_of_the_ladder_are_held_as_one() {
-    let mut lab = laboratory(PLANET, "position=planet");
+    let mut runs = bounded_runs(PLANET, "position=planet");
     for (name, loosest) in [("dormand-prince-853", 1e-4), ("radau-iia-5", 1e-4), ("bdf-5", 1e-3)] {
-        let family = lab.ladder().families.iter().position(|family| family.name == name).unwrap();
-        assert_eq!(lab.family(family).rungs[0].setting, loosest);
-        let known = Reference::at(&mut lab, family, 1).unwrap();
+        let family = runs.ladder().families.iter().position(|family| family.name == name).unwrap();
+        assert_eq!(runs.family(family).rungs[0].setting, loosest);
+        let known = Reference::at(&mut runs, family, 1).unwrap();
         assert!(known.uncertainty > 1e-9, "{name}: {:e}", known.uncertainty);
     }
 }

@@ -22,15 +22,15 @@ particles = [
 
 #[test]
 fn two_coarse_runs_that_agree_on_another_motion_make_no_reference() {
-    let (answer, mut lab) = asked(PYTHAGOREAN, "position=a", 1e-1);
+    let (answer, mut runs) = asked(PYTHAGOREAN, "position=a", 1e-1);
     let reference = answer.reference.clone().unwrap();
     if let Verdict::Chosen(at) = answer.verdict {
         assert!(reference.is_confirmed);
-        let family = lab.family(at.family);
-        assert!(family.kind == Kind::OwnSteps || family.rungs[at.rung].setting < 0.01, "{answer}");
+        let family = runs.family(at.family);
+        assert!(family.kind == Kind::Adaptive || family.rungs[at.rung].setting < 0.01, "{answer}");
         // The energy is kept where the choice is looked at, as it was not by the coarse runs.
         assert!(answer.seen.unwrap().energy.unwrap() < 0.1, "{answer}");
-        let error = way_error(&mut lab, &reference, at, 1e-1).unwrap();
+        let error = way_error(&mut runs, &reference, at, 1e-1).unwrap();
         assert!(error <= 1e-1, "{error:e}");
     } else {
         // Nothing is called wrong physics against what is not confirmed.
@@ -52,12 +52,12 @@ fn resonant() -> String {
 #[test]
 fn a_period_equal_to_the_spacing_of_the_moments_hides_nothing() {
     for observable in ["kinetic-energy", "position=bead"] {
-        let (answer, lab) = asked(&resonant(), observable, 1e-2);
+        let (answer, runs) = asked(&resonant(), observable, 1e-2);
         let at = answer.choice().unwrap_or_else(|| panic!("{answer}")).at;
-        let family = lab.family(at.family);
+        let family = runs.family(at.family);
         // More than one step a period, as many as its stages ask for.
         let steps = 20.0 * TAU / family.rungs[at.rung].setting;
-        assert!(family.kind == Kind::OwnSteps || steps > 39.0, "{answer}");
+        assert!(family.kind == Kind::Adaptive || steps > 39.0, "{answer}");
         assert!(answer.seen.unwrap().places.unwrap() < 0.1, "{answer}");
     }
     // The midpoint rule keeps this energy at any step, and another motion with it.
@@ -120,11 +120,11 @@ fn warmth(t: f64) -> f64 {
 fn the_error_of_a_mesh_is_that_by_the_equation_itself() {
     for cells in [4, 8, 16] {
         let text = BAR.replace("cells = [8]", &format!("cells = [{cells}]"));
-        let (answer, mut lab) = asked(&text, "temperature=bar.middle", 1e-4);
+        let (answer, mut runs) = asked(&text, "temperature=bar.middle", 1e-4);
         let Some(MeshError::Measured(mesh)) = &answer.mesh else { panic!("{answer}") };
         let reference = answer.reference.as_ref().unwrap();
         let exact = At { family: reference.family, rung: reference.finest };
-        let course = lab.measure(exact).whole().unwrap();
+        let course = runs.measure(exact).whole().unwrap();
         let moments = course.values.iter().enumerate();
         let off = moments.map(|(k, x)| (x[0] - warmth(0.025 * k as f64)).abs());
         let off = off.skip(1).fold(0.0, f64::max) / course.scale;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub use json::json;
-use stationary_choose::{Answer, Lab, Verdict, answer, picture};
+use stationary_choose::{Answer, MeasuredRuns, Verdict, answer, picture};
 use stationary_scene::Scene;
 use stationary_scene::choose::{ChooseError, Question, SceneLadder, emit, emitted, scene_ladder};
 pub use time::{TimeError, time};
@@ -59,7 +59,7 @@ impl Choose {
         let question = Question { observable: self.observable.clone(), horizon: self.horizon };
         let budget = time(&self.budget)?;
         let ladder = ladder_of(file, &question)?;
-        let answer = answer(&mut Lab::new(&ladder, budget)?, self.tolerance)?;
+        let answer = answer(&mut MeasuredRuns::new(&ladder, budget)?, self.tolerance)?;
         print!("{answer}");
         emit(&self.chart, &picture(&answer)?)?;
         println!("\n{}", self.chart.display());

@@ -40,7 +40,7 @@ pub struct Run {
     /// none.
     #[arg(long)]
     resume: bool,
-    /// Says nothing but what failed.
+    /// Shows no bar and no summary: only warnings and what failed.
     #[arg(long)]
     quiet: bool,
 }
@@ -97,7 +97,7 @@ impl Run {
     }
 }
 
-/// Whether there is a bar, and warnings.
+/// Whether there is a bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// There is.
@@ -219,7 +219,7 @@ pub fn run_job(job: &Job<'_>) -> Result<Ending, RunSceneError> {
     if job.start == Start::Resumed && checkpoint.is_none() {
         eprintln!("no checkpoint in {}: the run starts anew", job.out.display());
     }
-    if let (Progress::Shown, Some(unstable)) = (job.progress, scene.unstable_step()) {
+    if let Some(unstable) = scene.unstable_step() {
         eprintln!("warning: {unstable}");
     }
     let mut keeper = Keeper::new(job, &scene, checkpoint.as_ref(), &path);

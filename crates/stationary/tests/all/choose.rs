@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use stationary::choose::{Lab, answer};
+use stationary::choose::{MeasuredRuns, answer};
 use stationary::program::{json, ladder_of};
 use stationary::scene::choose::Question;
 
@@ -27,8 +27,8 @@ fn the_answer_as_json_says_the_same() {
     let file = std::env::temp_dir().join(format!("stationary-bar-{}.toml", std::process::id()));
     std::fs::write(&file, BAR).unwrap();
     let ladder = ladder_of(&file, &Question::new("temperature=bar.middle")).unwrap();
-    let mut lab = Lab::new(&ladder, Duration::from_secs(600)).unwrap();
-    let answer = answer(&mut lab, 1e-3).unwrap();
+    let mut runs = MeasuredRuns::new(&ladder, Duration::from_secs(600)).unwrap();
+    let answer = answer(&mut runs, 1e-3).unwrap();
     std::fs::remove_file(&file).unwrap();
     let told: serde_json::Value = serde_json::from_str(&json(&answer).unwrap()).unwrap();
     let row = answer.choice().unwrap();

@@ -72,11 +72,48 @@ fn a_checkpoint_that_does_not_fit_is_named_and_left_where_it_is() {
     assert!(path.exists());
 }
 
+/// What the program says of a scene on standard output, on standard error, and its status.
+fn said(text: &str, out: &Path, options: &[&str]) -> (String, String, Option<i32>) {
+    fs::create_dir_all(out).unwrap();
+    let file = out.join("scene.toml");
+    fs::write(&file, text).unwrap();
+    let ran = std::process::Command::new(env!("CARGO_BIN_EXE_stationary"))
+        .args(["run", file.to_str().unwrap(), "--out", out.to_str().unwrap()])
+        .args(options)
+        .output()
+        .unwrap();
+    let [said, told] = [ran.stdout, ran.stderr].map(|all| String::from_utf8(all).unwrap());
+    (said, told, ran.status.code())
+}
+
+#[test]
+fn a_quiet_run_hides_its_summary_and_neither_a_warning_nor_that_it_starts_anew() {
+    // omega = 10, so that the longest stable step is 0.2.
+    let spring = |step: f64| {
+        format!(
+            "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = {step}\nhorizon = {}\n\
+             particles = [{{ name = \"hook\", position = [0], pinned = true }},\n\
+             {{ name = \"bob\", position = [1], mass = 1, velocity = [0.1] }}]\n\
+             springs = [{{ between = [\"hook\", \"bob\"], stiffness = 100 }}]\n",
+            4.0 * step
+        )
+    };
+    let out = folder("quiet");
+    let warning = "warning: the step";
+    let (shown, told, code) = said(&spring(0.21), &out, &["--quiet"]);
+    assert!(shown.is_empty() && code == Some(0), "{shown}{told}");
+    assert!(told.starts_with(warning) && told.contains("0.2"), "{told}");
+    assert_eq!(told.matches(warning).count(), 1, "{told}");
+    let (shown, told, _) = said(&spring(0.19), &out, &["--quiet", "--resume"]);
+    assert!(shown.is_empty() && !told.contains(warning), "{shown}{told}");
+    assert_eq!(told, format!("no checkpoint in {}: the run starts anew\n", out.display()));
+    let (shown, told, _) = said(&spring(0.21), &out, &[]);
+    assert!(!shown.is_empty() && told.contains(warning), "{shown}{told}");
+}
+
 #[test]
 fn a_scene_whose_claim_does_not_hold_ends_with_status_1_and_says_so() {
     let out = folder("claims");
-    fs::create_dir_all(&out).unwrap();
-    let file = out.join("stone.toml");
     for (within, code) in [("1e-9", Some(0)), ("0", Some(1))] {
         let text = format!(
             "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n\
@@ -85,14 +122,8 @@ fn a_scene_whose_claim_does_not_hold_ends_with_status_1_and_says_so() {
              claims = [{{ of = {{ position = \"stone\" }}, what = \"drift\", within = 3, source = \"v t\" }},\n\
              {{ of = {{ position = \"stone\" }}, is = 2.0000000001, within = {within}, source = \"v t\" }}]\n"
         );
-        fs::write(&file, text).unwrap();
-        let ran = std::process::Command::new(env!("CARGO_BIN_EXE_stationary"))
-            .args(["run", file.to_str().unwrap(), "--out", out.to_str().unwrap()])
-            .output()
-            .unwrap();
-        let (said, told) =
-            (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
-        assert_eq!(ran.status.code(), code, "{said}{told}");
+        let (said, told, status) = said(&text, &out, &[]);
+        assert_eq!(status, code, "{said}{told}");
         assert_eq!(said.contains("does not hold"), code == Some(1), "{said}");
         assert_eq!(told.contains("a claim of the scene does not hold"), code == Some(1), "{told}");
     }

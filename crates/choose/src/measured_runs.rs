@@ -16,12 +16,12 @@ use crate::look::Look;
 use crate::measured::{End, Failure, Measured, StopRule};
 use crate::watch::Watch;
 
-/// Differentials that a method of own steps takes, at least, for each that one of order 2 takes at
+/// Differentials that a method of adaptive steps takes, at least, for each that one of order 2 takes at
 /// the border of its stability: 12 a step that is 3 times as long, `|h w| < 6.1` over 2.
 const STAGES_A_LIMIT: u64 = 4;
 
 /// An experiment and what was measured of it.
-pub struct Lab<'e> {
+pub struct MeasuredRuns<'e> {
     experiment: &'e dyn Experiment,
     /// The longest run of each rung.
     runs: BTreeMap<At, Measured>,
@@ -43,14 +43,17 @@ pub struct Lab<'e> {
     most_work: u64,
 }
 
-impl fmt::Debug for Lab<'_> {
+impl fmt::Debug for MeasuredRuns<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (title, runs) = (&self.ladder().title, self.runs.len());
-        f.debug_struct("Lab").field("title", title).field("runs", &runs).finish_non_exhaustive()
+        f.debug_struct("MeasuredRuns")
+            .field("title", title)
+            .field("runs", &runs)
+            .finish_non_exhaustive()
     }
 }
 
-impl<'e> Lab<'e> {
+impl<'e> MeasuredRuns<'e> {
     /// Nothing measured yet; choosing may take so much time.
     ///
     /// # Errors
@@ -63,7 +66,7 @@ impl<'e> Lab<'e> {
         let start = Instant::now();
         // A budget that reaches beyond the clock is none.
         let deadline = start.checked_add(budget).unwrap_or(start + Duration::from_secs(1 << 30));
-        Ok(Lab {
+        Ok(MeasuredRuns {
             experiment,
             runs: BTreeMap::new(),
             used: BTreeMap::new(),
@@ -82,7 +85,7 @@ impl<'e> Lab<'e> {
     /// The same, where a question may spend so much counted work at most: a bound that is the same
     /// on every machine.
     pub fn bounded(self, most_work: u64) -> Self {
-        Lab { most_work, ..self }
+        MeasuredRuns { most_work, ..self }
     }
 
     /// The ladder.
@@ -157,6 +160,9 @@ impl<'e> Lab<'e> {
                 Grid::Equal { halvings } => Moments::equal(*halvings, horizon),
                 Grid::Closely { halvings } => Moments::closely(*halvings, horizon),
                 Grid::Some { halvings, parts } => Moments::some(*halvings, parts, horizon),
+                Grid::SomeClosely { halvings, parts } => {
+                    Moments::some_closely(*halvings, parts, horizon)
+                }
                 Grid::Accepted(at) => {
                     let ends = self.used.get(at).filter(|run| run.end == End::Whole)?;
                     let ends = &ends.accepted;
@@ -294,7 +300,7 @@ impl<'e> Lab<'e> {
         let ratio = match family.kind {
             Kind::EqualSteps => 2.0,
             // The error of a step is its power order + 1, and proportional to the tolerance.
-            Kind::OwnSteps => 10_f64.powf(1.0 / f64::from(family.order + 1)),
+            Kind::Adaptive => 10_f64.powf(1.0 / f64::from(family.order + 1)),
             // The factor is made once; a few more vectors cost little beside it.
             Kind::Modes => 1.0,
         };
@@ -305,7 +311,7 @@ impl<'e> Lab<'e> {
     /// The least work of explicit steps of one's own choice that are stable: those of equal steps
     /// of the same model that were not are too long.
     fn least_stable(&self, like: &Family) -> u64 {
-        if like.kind != Kind::OwnSteps || like.evaluation != Evaluation::Explicit {
+        if like.kind != Kind::Adaptive || like.evaluation != Evaluation::Explicit {
             return 0;
         }
         let unstable = self.used().filter(|(at, run)| {
