@@ -165,7 +165,10 @@ impl<G: Dimension> DetectorIn<G> {
         if let Some(&length) = [rolling, torsion].iter().find(|length| bad(length)) {
             return Err(ContactError::Rolling { colliders, length });
         }
-        self.rolling.insert(pair, [rolling, torsion]);
+        match rolling.max(torsion) > 0.0 {
+            true => self.rolling.insert(pair, [rolling, torsion]),
+            false => self.rolling.remove(&pair),
+        };
         Ok(self)
     }
 

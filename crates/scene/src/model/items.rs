@@ -106,7 +106,10 @@ impl SceneContact {
     /// Whether an impact gives back all that it took, and nothing rubs.
     pub fn is_elastic(&self) -> bool {
         let elastic = |restitution: f64, friction: f64| restitution == 1.0 && friction == 0.0;
-        let pair = |pair: &ScenePair| !pair.meets || elastic(pair.restitution, pair.friction);
+        let pair = |pair: &ScenePair| {
+            let rubs = pair.friction.max(pair.rolling).max(pair.torsion);
+            !pair.meets || elastic(pair.restitution, rubs)
+        };
         elastic(self.restitution, self.friction) && self.pairs.iter().all(pair)
     }
 }
@@ -120,6 +123,10 @@ pub struct ScenePair {
     pub restitution: f64,
     /// Coulomb's coefficient.
     pub friction: f64,
+    /// Length of rolling friction.
+    pub rolling: f64,
+    /// Length of torsional friction.
+    pub torsion: f64,
     /// Whether they touch at all, or pass through each other.
     pub meets: bool,
 }

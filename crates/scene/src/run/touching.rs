@@ -158,7 +158,11 @@ fn detector<G: Dimension>(
         let [a, b] = pair.of.map(|side| all.of_side(side, colliders));
         let (Some(a), Some(b)) = (a, b) else { continue };
         detector = match pair.meets {
-            true => detector.with_pair([a, b], pair.restitution, pair.friction)?,
+            true => detector.with_pair([a, b], pair.restitution, pair.friction)?.with_rolling(
+                [a, b],
+                pair.rolling,
+                pair.torsion,
+            )?,
             false => detector.without_pair([a, b])?,
         };
     }

@@ -307,7 +307,9 @@ pub enum Fault {
     #[error("there is already a pair of these two")]
     DuplicatePair,
     /// A pair like all others.
-    #[error("a pair has a `restitution` or a `friction` of its own, or `meet = false`")]
+    #[error(
+        "a pair has a `restitution`, `friction`, `rolling` or `torsion` of its own, or `meet = false`"
+    )]
     PairSaysNothing,
     /// A surface where nothing touches.
     #[error("what passes through each other has no restitution and no friction")]

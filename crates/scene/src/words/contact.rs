@@ -59,6 +59,10 @@ table! {
         restitution: Option<Spanned<Number>> = Kind::Share,
         /// Coulomb's coefficient; that of all others where it is missing.
         friction: Option<Spanned<Number>> = Kind::NotNegative,
+        /// Length of rolling friction: a moment across the normal of at most this times the normal force.
+        rolling: Option<Spanned<Number>> = Kind::NotNegative,
+        /// Length of torsional friction: the same along the normal.
+        torsion: Option<Spanned<Number>> = Kind::NotNegative,
         /// `false` where they pass through each other.
         meet: Option<Spanned<bool>> = Kind::Flag,
     }
@@ -221,10 +225,14 @@ mod compiled {
                 return Err(at(place, Fault::DuplicatePair));
             }
             let own = share(pair.restitution.as_ref())?;
-            let rubs = pair.friction.as_ref().map(|f| check::not_negative("the friction", f));
-            let rubs = rubs.transpose()?;
+            let length = |what, given: &Option<Spanned<Number>>| {
+                given.as_ref().map(|given| check::not_negative(what, given)).transpose()
+            };
+            let rubs = length("the friction", &pair.friction)?;
+            let rolling = length("the rolling friction", &pair.rolling)?;
+            let torsion = length("the torsional friction", &pair.torsion)?;
             let meets = pair.meet.as_ref().is_none_or(|meet| *meet.get_ref());
-            match (meets, own.or(rubs)) {
+            match (meets, own.or(rubs).or(rolling).or(torsion)) {
                 (true, None) => return Err(at(place, Fault::PairSaysNothing)),
                 (false, Some(_)) => return Err(at(place, Fault::SurfaceOfNoContact)),
                 _ => {}
@@ -233,6 +241,8 @@ mod compiled {
                 of,
                 restitution: own.unwrap_or(restitution),
                 friction: rubs.unwrap_or(friction),
+                rolling: rolling.unwrap_or(0.0),
+                torsion: torsion.unwrap_or(0.0),
                 meets,
             });
         }

@@ -57,6 +57,18 @@ fn a_pair_gives_back_as_much_as_its_own_restitution_says() {
     assert!(soft[1].abs() < 1e-12 && (hard[1] - 1.5).abs() < 1e-12, "{soft:?} {hard:?}");
 }
 
+/// v^2 = v0^2 - 2 a x with a = g rolling / (R (1 + c)), c = I / (m R^2): the ball rolls without slip.
+#[test]
+fn a_disc_comes_to_rest_by_rolling_friction_alone() {
+    let disc = "[[bodies]]\nname = \"disc\"\nmass = 1\nball = 0.5\nposition = [0, 0.5]\n\
+                velocity = [1, 0]\nangular_velocity = -2\n";
+    let pairs = "{ of = [\"disc\", \"floor\"], friction = 0.5, rolling = 0.02 }";
+    let run = run(&(HEAD.to_owned() + disc + &floor(pairs)));
+    let braking = 9.81 * 0.02 / (0.5 * 1.5);
+    let (_, velocity) = end(&run, "disc");
+    assert!((velocity[0] - (1.0 - 0.5 * braking)).abs() < 1e-6, "{velocity:?} {braking}");
+}
+
 #[test]
 fn what_does_not_meet_passes_through_and_may_start_inside() {
     let two = body("left", [0.0, 5.0], [3.0, 0.0]) + &body("right", [0.4, 5.05], [-3.0, 0.0]);
@@ -99,7 +111,7 @@ fn a_pair_that_cannot_be_is_refused_where_it_says_so() {
         ),
         (
             "{ of = [\"floor\", \"crate\"] }",
-            "a pair has a `restitution` or a `friction` of its own, or `meet = false`",
+            "a pair has a `restitution`, `friction`, `rolling` or `torsion` of its own, or `meet = false`",
         ),
         (
             "{ of = [\"floor\", \"crate\"], friction = -1 }",
