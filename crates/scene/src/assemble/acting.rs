@@ -206,10 +206,9 @@ impl What {
             }
             What::Freedoms(all) => all.iter().for_each(|&(freedom, force)| tell(freedom, force)),
             What::Point { body, point, force, torque } => {
-                for (c, turning) in
-                    wrench(now.1, *body, each, point, force, torque).iter().enumerate()
-                {
-                    tell(each * body + c, *turning);
+                let wrench = wrench(now.1, *body, each, point, force, torque);
+                for (c, part) in wrench.into_iter().enumerate().take(each) {
+                    tell(each * body + c, part);
                 }
             }
             #[cfg(feature = "elasticity")]
@@ -281,7 +280,8 @@ fn in_space(x: &[f64]) -> [f64; 3] {
     std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
 }
 
-/// A force and a torque at a point of a body, as they act on its freedoms: (F, c x R^T F + R^T m).
+/// A force and a torque at a point of a body, as they act on its freedoms, of which it has `each`:
+/// (F, c x R^T F + R^T m).
 fn wrench(
     q: &[f64],
     body: usize,
@@ -289,17 +289,17 @@ fn wrench(
     point: &[f64; 3],
     force: &[f64; 3],
     torque: &[f64; 3],
-) -> Vec<f64> {
+) -> [f64; 6] {
     if each == 3 {
         let (sin, cos) = q[3 * body + 2].sin_cos();
         let arm = [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]];
-        return vec![force[0], force[1], arm[0] * force[1] - arm[1] * force[0] + torque[2]];
+        let moment = arm[0] * force[1] - arm[1] * force[0] + torque[2];
+        return [force[0], force[1], moment, 0.0, 0.0, 0.0];
     }
     let turn = std::array::from_fn(|k| q[7 * body + 3 + k]);
     let (own, moment) = (turn_back(turn, *force), turn_back(turn, *torque));
     let turning = cross(*point, own);
-    let turning: [f64; 3] = std::array::from_fn(|c| turning[c] + moment[c]);
-    force.iter().copied().chain(turning).collect()
+    std::array::from_fn(|c| if c < 3 { force[c] } else { turning[c - 3] + moment[c - 3] })
 }
 
 impl Force for Acting {
