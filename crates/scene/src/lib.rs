@@ -221,6 +221,10 @@ mod assemble {
     pub(crate) mod particle_system;
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
+    #[cfg(feature = "contact")]
+    pub(crate) mod colliders;
+    #[cfg(feature = "contact")]
+    pub(crate) mod placing;
 }
 
 mod run {

@@ -126,7 +126,8 @@ pub(crate) fn assemble(
     let observables = observables::declare_all(declared.observables.as_deref(), &draft)?;
     let timing = timing(declared)?;
     let claims = claims::declare_all(&declared.claims, &draft, &observables, timing)?;
-    let scene = Scene {
+    #[cfg_attr(not(feature = "contact"), expect(unused_mut))]
+    let mut scene = Scene {
         title: check::title("a title", declared.title.as_ref(), name)?,
         dimension,
         units: units::declare(&declared.units)?,
@@ -153,7 +154,12 @@ pub(crate) fn assemble(
     };
     scene.check_stepping().map_err(|fault| at(declared.integrator.span(), fault))?;
     #[cfg(feature = "contact")]
-    if scene.bodies.is_empty() {
+    if !scene.bodies.is_empty() {
+        let pairs = declared.contact.as_ref().and_then(|contact| contact.touching.as_deref());
+        let place = |pair: usize| pairs.and_then(|pairs| pairs.get(pair)).map(|pair| pair.span());
+        let placed = scene.place_touching();
+        placed.map_err(|(pair, fault)| at(place(pair).unwrap_or(declared.step.span()), fault))?;
+    } else {
         let place = declared.contact.as_ref().and_then(|contact| contact.place());
         let place = place.unwrap_or(declared.step.span());
         scene.check_apart().map_err(|fault| at(place, fault))?;

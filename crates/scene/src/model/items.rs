@@ -100,6 +100,8 @@ pub struct SceneContact {
     pub balls: Vec<SceneBall>,
     /// Pairs that touch in a way of their own.
     pub pairs: Vec<ScenePair>,
+    /// Pairs of which the first was placed so that it touches the second at the start.
+    pub touching: Vec<[ContactSide; 2]>,
 }
 
 impl SceneContact {

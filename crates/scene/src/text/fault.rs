@@ -295,14 +295,23 @@ pub enum Fault {
     #[error("particles have no friction; only bodies do")]
     FrictionOfParticles,
     /// Particles are all alike where they touch.
-    #[error("`pairs` applies to bodies only")]
-    PairsOfParticles,
+    #[error("`{0}` applies to bodies only")]
+    OfBodiesOnly(&'static str),
     /// A pair is two things.
     #[error("a pair is two bodies, or a body and a wall or ball that has a name, not {0}")]
     PairEnds(usize),
     /// A pair that never touches.
     #[error("these two never touch: a pair has two different things, and one of them moves")]
     PairNeverMeets,
+    /// What does not move cannot be placed.
+    #[error("the first of the two is moved until they touch: it must be a body")]
+    PlacedFixed,
+    /// A body for which no place was found.
+    #[error("no place was found at which the two touch; what is left between them is {gap}")]
+    NotPlaced {
+        /// The gap.
+        gap: f64,
+    },
     /// Two declarations of one pair.
     #[error("there is already a pair of these two")]
     DuplicatePair,

@@ -29,6 +29,8 @@ table! {
         balls: Option<Vec<FixedBallDeclaration>> = Kind::List(&Kind::Table(&FixedBallDeclaration::TABLE)),
         /// Bodies, or a body and what is fixed, that touch in a way of their own.
         pairs: Option<Vec<PairDeclaration>> = Kind::List(&Kind::Table(&PairDeclaration::TABLE)),
+        /// Pairs that touch at the start, one after the other: the first of each is moved straight, until it does.
+        touching: Option<Vec<Spanned<Vec<Spanned<String>>>>> = Kind::List(&Kind::Pair),
     }
 
     /// A wall.
@@ -93,6 +95,7 @@ impl ContactDeclaration {
         let ball = self.balls.iter().flatten().next().map(|ball| ball.at.span());
         let word = self.law.as_ref().or(self.when.as_ref()).map(|word| word.span());
         let pair = self.pairs.iter().flatten().next().map(|pair| pair.of.span());
+        let pair = pair.or(self.touching.iter().flatten().next().map(Spanned::span));
         let number = self.restitution.as_ref().or(self.friction.as_ref()).map(|n| n.span());
         number.or(word).or(wall).or(ball).or(pair)
     }
@@ -118,8 +121,17 @@ mod compiled {
         draft: &Draft<'_>,
     ) -> Checked<SceneContact> {
         let (dimension, of_bodies) = (draft.dimension, !draft.bodies.is_empty());
-        let ContactDeclaration { restitution, friction, law, when, walls, balls, pairs, .. } =
-            contact;
+        let ContactDeclaration {
+            restitution,
+            friction,
+            law,
+            when,
+            walls,
+            balls,
+            pairs,
+            touching,
+            ..
+        } = contact;
         let stiffness = stiffness(draft, contact)?;
         let restitution = share(restitution.as_ref())?.unwrap_or(0.0);
         let friction = match friction {
@@ -162,12 +174,26 @@ mod compiled {
         });
         let balls = balls.collect::<Checked<_>>()?;
         let pairs = pairs.as_deref().unwrap_or_default();
-        if let Some(first) = pairs.first().filter(|_| !of_bodies) {
-            return Err(at(first.of.span(), Fault::PairsOfParticles));
+        let touching = touching.as_deref().unwrap_or_default();
+        let first = pairs.first().map(|pair| ("pairs", pair.of.span()));
+        let first = first.or(touching.first().map(|pair| ("touching", pair.span())));
+        if let Some((word, place)) = first.filter(|_| !of_bodies) {
+            return Err(at(place, Fault::OfBodiesOnly(word)));
         }
         let named = by_name(draft, contact)?;
         let pairs = declare_pairs(pairs, &named, [restitution, friction])?;
-        Ok(SceneContact { restitution, friction, law, when, stiffness, walls, balls, pairs })
+        let touching = touching.iter().map(|pair| sides(pair, &named)).collect::<Checked<_>>()?;
+        Ok(SceneContact {
+            restitution,
+            friction,
+            law,
+            when,
+            stiffness,
+            walls,
+            balls,
+            pairs,
+            touching,
+        })
     }
 
     /// A coefficient of restitution, where one is given.
@@ -202,6 +228,22 @@ mod compiled {
         Ok(named)
     }
 
+    /// Two different things, one of which moves.
+    fn sides(
+        pair: &Spanned<Vec<Spanned<String>>>,
+        named: &[(&str, ContactSide)],
+    ) -> Checked<[ContactSide; 2]> {
+        let [a, b] = pair.get_ref().as_slice() else {
+            return Err(at(pair.span(), Fault::PairEnds(pair.get_ref().len())));
+        };
+        let find = |name| check::named("body, wall or ball", name, named);
+        let of = [find(a)?, find(b)?];
+        if of[0] == of[1] || !of.iter().any(|side| side.moves()) {
+            return Err(at(pair.span(), Fault::PairNeverMeets));
+        }
+        Ok(of)
+    }
+
     /// Pairs, with the restitution and friction of all others where they have none of their own.
     fn declare_pairs(
         declared: &[PairDeclaration],
@@ -211,15 +253,7 @@ mod compiled {
         let mut pairs: Vec<ScenePair> = Vec::with_capacity(declared.len());
         for pair in declared {
             let place = pair.of.span();
-            let names = pair.of.get_ref();
-            let [a, b] = names.as_slice() else {
-                return Err(at(place, Fault::PairEnds(names.len())));
-            };
-            let find = |name| check::named("body, wall or ball", name, named);
-            let of = [find(a)?, find(b)?];
-            if of[0] == of[1] || !of.iter().any(|side| side.moves()) {
-                return Err(at(place, Fault::PairNeverMeets));
-            }
+            let of = sides(&pair.of, named)?;
             let same = |other: &ScenePair| other.of == of || other.of == [of[1], of[0]];
             if pairs.iter().any(same) {
                 return Err(at(place, Fault::DuplicatePair));
