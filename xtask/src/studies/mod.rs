@@ -64,6 +64,7 @@ studies! {
             pendulum: [PENDULUM_WAYS, PENDULUM_ENERGY],
             four_bar: [FOUR_BAR],
             chain: [CHAIN_COST],
+            equality_cost: [EQUALITY_COST],
             penalty: [PENALTY_STABILITY],
             drift: [ACCELERATION_DRIFT],
             failures: [WHERE_THEY_FAIL],
@@ -78,6 +79,7 @@ studies! {
             jointed: [JOINTED],
             forced: [FORCED],
             joint_coordinates: [JOINT_COORDINATES],
+            published: [PUBLISHED],
         }
         contact {
             laws: [IMPACT_LAWS],
