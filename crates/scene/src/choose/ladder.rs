@@ -161,9 +161,13 @@ fn placed(scene: &Scene, model: &Model) -> Vec<String> {
     moved(model).into_iter().map(|number| scene.particles()[number].name.clone()).collect()
 }
 
-/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on. Nor are ends of steps joined
+/// by lines, as those of heat are, whose errors are other than the ends'.
 fn is_smooth(scene: &Scene) -> bool {
-    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
+    scene.contact().is_none()
+        && scene.drives().is_empty()
+        && scene.heat().is_none()
+        && !breaks(scene)
 }
 
 fn breaks(scene: &Scene) -> bool {
