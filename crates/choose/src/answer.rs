@@ -12,7 +12,8 @@ use crate::measured::{End, Failure};
 use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Extrapolated, Reference};
 use crate::refinement::MeshError;
-use crate::verify::{Doubt, Seen};
+use crate::seen::{PlaceOff, Seen};
+use crate::verify::Doubt;
 
 /// What is recommended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +68,8 @@ pub struct Answer {
     pub made: String,
     /// What the choice is over its whole way.
     pub seen: Option<Seen>,
+    /// Names of the things whose places were looked at.
+    pub placed: Vec<String>,
     /// What is known of the mesh's own error; nothing where there is none.
     pub mesh: Option<MeshError>,
     /// The work of all runs.
@@ -83,6 +86,7 @@ impl Answer {
             reference: None,
             made: "no method came to a reference: none ran to the end at two rungs".to_owned(),
             seen: None,
+            placed: runs.ladder().placed.clone(),
             mesh: None,
             spent: runs.effort(),
         }
@@ -101,6 +105,7 @@ impl Answer {
             rows: rows(runs, Some(&reference), tolerance),
             made: made(runs, &reference),
             seen: None,
+            placed: runs.ladder().placed.clone(),
             mesh: None,
             reference: Some(reference),
             spent: runs.effort(),
@@ -138,7 +143,9 @@ impl Answer {
         )];
         let off = [
             seen.energy.map(|off| format!("the energy by {off:.1e} of the largest kinetic energy")),
-            seen.places.map(|off| format!("positions by {off:.1e} of the largest way")),
+            seen.places.map(|off| {
+                format!("positions by {off:.1e} of the largest way{}", self.farthest(seen.place))
+            }),
         ];
         let off: Vec<String> = off.into_iter().flatten().collect();
         if !off.is_empty() {
@@ -146,6 +153,14 @@ impl Answer {
         }
         said.extend(self.mesh.as_ref().map(ToString::to_string));
         said
+    }
+
+    /// The name of the thing whose place is off the most, with its own way, in words.
+    pub fn farthest(&self, place: Option<PlaceOff>) -> String {
+        let named = place.and_then(|place| Some((self.placed.get(place.thing)?, place)));
+        named.map_or(String::new(), |(name, PlaceOff { off, way, .. })| {
+            format!(" (`{name}` the most, by {off:.1e} on a way of {way:.1e})")
+        })
     }
 
     /// The recommended rung.

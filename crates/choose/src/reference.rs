@@ -69,6 +69,8 @@ const FROM_ROUNDING: f64 = 10.0;
 const MARGIN: f64 = 2.5;
 /// Runs of a family that come to where there is nothing to observe before it is given up.
 const UNDEFINED: usize = 3;
+/// The factor by which the scales of two runs of one motion may differ.
+const SCALES: f64 = 2.0;
 /// What all modes together are uncertain by.
 const OF_MODES: f64 = 1e-9;
 
@@ -288,7 +290,10 @@ impl Reference {
                 is_confirmed,
             })
         };
-        if middle.outcomes != fine.outcomes {
+        // What grows without bounds has another scale at each rung: relative to it anything is kept.
+        let [smaller, larger] = [scale.min(middle.scale), scale.max(middle.scale)];
+        let is_another = runs.ladder().scale != Scale::Way && larger > SCALES * smaller;
+        if is_another || middle.outcomes != fine.outcomes {
             return reference(fine, Extrapolated::No, f64::INFINITY);
         }
         if kind == Kind::Adaptive {

@@ -19,7 +19,8 @@ use crate::ladder_search::{LadderSearch, judge};
 use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Reference, preferred};
 use crate::refinement::mesh_error;
-use crate::verify::{Doubt, Finding, Seen, verify};
+use crate::seen::Seen;
+use crate::verify::{Doubt, Finding, verify};
 
 /// How much better than the tolerance the reference must be before rungs are judged by it.
 const ENOUGH: f64 = 0.25;

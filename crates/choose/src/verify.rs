@@ -11,54 +11,20 @@
 //! to half of the tolerance, or with itself. What agrees with energies that are kept need come only as
 //! near as the tolerance, and with a closed form not so near.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+use crate::agreement::{Agreement, agreement};
 use crate::closer::{CLOSELY_BETWEEN, largest};
-use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
 use crate::ladder::{At, Kind, MOMENTS};
-use crate::ladder_search::rungs_to_go;
 use crate::look::{Look, apart, apart_where_own};
 use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Extrapolated, Reference};
 use crate::search::BARELY;
+use crate::seen::{Seen, off_places};
 use crate::way::{Way, nothing};
-
-/// What a choice was found to be over its whole way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// At how many moments it was looked at.
-    pub moments: usize,
-    /// Every so manieth step was looked at.
-    pub every: usize,
-    /// Into so many steps; nothing where into all of them.
-    pub steps: Option<usize>,
-    /// Its error in the observable.
-    pub error: f64,
-    /// How far its energy is off, relative to the largest kinetic energy.
-    pub energy: Option<f64>,
-    /// How far its places are off, relative to the largest way of one.
-    pub places: Option<f64>,
-    /// How far a run of another kind is from the reference, and which; nothing where there is none.
-    pub other: Option<(At, f64)>,
-}
-
-impl Seen {
-    /// The same, and what was seen in another look.
-    fn and(self, other: Seen) -> Seen {
-        let larger = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b));
-        Seen {
-            moments: self.moments + other.moments,
-            error: self.error.max(other.error),
-            energy: larger(self.energy, other.energy),
-            places: larger(self.places, other.places),
-            ..self
-        }
-    }
-}
 
 /// Why a reference is not trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,12 +90,10 @@ const SAME_SCALE: f64 = 1.01;
 const NEAR_KEPT: f64 = 1.0;
 const NEAR_CLOSED: f64 = 100.0;
 const NEAR: f64 = 0.1;
-/// Runs of other kinds that are looked at where the first is too far between the moments.
-const FINER: usize = 12;
 /// How much larger an error may be between two moments.
 pub const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
-const LEAST_HALVINGS: u32 = 1;
+pub const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
 /// How far below the tolerance the error of another motion must be in some of its steps, so that the others are
 /// not looked into as closely.
@@ -198,7 +162,7 @@ fn uncertainty(
 }
 
 /// A reference at all moments of a way, and its uncertainty there.
-fn whole_way(
+pub fn whole_way(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     way: &Way,
@@ -213,34 +177,8 @@ fn whole_way(
     Some((all?, most + uncertainty(runs, reference, way, allowed)?))
 }
 
-/// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
-/// where its samples tell it there, else at these samples.
-fn off_other(
-    runs: &mut MeasuredRuns<'_>,
-    reference: &Reference,
-    at: At,
-    (way, truth): (&Way, &Look),
-    allowed: f64,
-) -> Option<f64> {
-    let track = runs.seen(at)?.track.clone();
-    let mut all: Option<Look> = None;
-    for (grid, within) in &way.grids {
-        let moments = runs.moments(grid, *within)?;
-        let reading = track.as_ref().map(|track| track.read(&moments.times));
-        let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
-            let ends = samples(runs, at, LEAST_HALVINGS);
-            let (other, _) = runs.read(at, (&ends, Within::Ends), 0.0)?;
-            let (truth, _) =
-                told(runs, reference, (&ends, Within::Ends), allowed, MeasuredRuns::read)?;
-            return Some(apart_where_own(&other, &truth));
-        };
-        all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
-    }
-    Some(apart_where_own(&all?, truth))
-}
-
 /// The samples of a run, and where these are few, parts of its steps too.
-fn samples(runs: &MeasuredRuns<'_>, at: At, least: u32) -> Grid {
+pub fn samples(runs: &MeasuredRuns<'_>, at: At, least: u32) -> Grid {
     let track = runs.seen(at).and_then(|run| run.track.as_ref());
     let has = |halvings: &u32| track.is_some_and(|track| track.has(MOMENTS << halvings));
     let halvings = (0..=MOST_HALVINGS).rev().find(has).unwrap_or(0);
@@ -409,8 +347,10 @@ fn verify_on(
         return Some(Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))));
     }
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
-    let places = (comparable && own.places.first().is_some_and(|places| !places.is_empty()))
-        .then(|| off_places(&own, &truth));
+    let (places, place) = match off_places(&own, &truth, runs.ladder().placed.len()) {
+        Some((off, place)) => (Some(off), place),
+        None => (None, None),
+    };
     // What is another motion may do anything within a step, though its ends show none of it.
     if !way.is_all() && places.is_some_and(is_another) {
         return None;
@@ -442,7 +382,8 @@ fn verify_on(
     let is_reference = at == At { family: reference.family, rung: reference.finest };
     let error = if is_reference { error.max(uncertainty) } else { error };
     let (moments, steps) = (own.values.len() - 1, way.steps());
-    let seen = Seen { moments, every, steps, error, energy, places, other: other.flatten() };
+    let other_run = other.as_ref().and_then(|other| *other);
+    let seen = Seen { moments, every, steps, error, energy, places, place, other: other_run };
     Some(match other {
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
@@ -452,97 +393,4 @@ fn verify_on(
 /// Whether places are off by so much that the motion is another one.
 fn is_another(off: f64) -> bool {
     off.is_nan() || off > ANOTHER
-}
-
-/// The largest distance of a place from where it should be, relative to the largest way of one.
-fn off_places(own: &Look, truth: &Look) -> f64 {
-    let largest = |a: &[Vec<f64>], b: &[f64]| {
-        let all = a.iter().flat_map(|row| row.iter().zip(b).map(|(x, y)| (x - y).abs()));
-        all.fold(0.0, f64::max)
-    };
-    let off = own.places.iter().zip(&truth.places);
-    let off = off.flat_map(|(a, b)| a.iter().zip(b).map(|(x, y)| (x - y).abs()));
-    let way = largest(&truth.places, &truth.places[0]).max(f64::MIN_POSITIVE);
-    off.fold(0.0, f64::max) / way
-}
-
-enum Agreement {
-    With(At, f64),
-    Disagrees(f64),
-    Alone,
-    None,
-}
-
-/// A run of another kind, or what its runs lead to, that is near the reference over the whole way.
-fn agreement(
-    runs: &mut MeasuredRuns<'_>,
-    reference: &Reference,
-    (near, way, allowed): (f64, &Way, f64),
-    families: &[usize],
-    truth: &Look,
-) -> Agreement {
-    let scale = reference.course.scale;
-    match confirmed(runs, reference, near, families) {
-        Confirmed::Alone => Agreement::Alone,
-        Confirmed::No => Agreement::None,
-        Confirmed::Led(other) => {
-            let at = At { family: other.family, rung: other.finest };
-            let Some((other, _)) = whole_way(runs, &other, way, allowed) else {
-                return Agreement::None;
-            };
-            let off = apart_where_own(&other, truth) / scale;
-            match off <= near {
-                true => Agreement::With(at, off),
-                false => finer_agrees(runs, reference, (near, way, allowed), (at, families), truth),
-            }
-        }
-        Confirmed::By(first) => {
-            finer_agrees(runs, reference, (near, way, allowed), (first, families), truth)
-        }
-    }
-}
-
-/// Looks at ever finer runs of other kinds, the cheapest first, until one is near over the whole way.
-fn finer_agrees(
-    runs: &mut MeasuredRuns<'_>,
-    reference: &Reference,
-    (near, way, allowed): (f64, &Way, f64),
-    (first, families): (At, &[usize]),
-    truth: &Look,
-) -> Agreement {
-    let most = PATIENCE * runs.spent();
-    let mut least = f64::INFINITY;
-    // The rung of each family that comes next.
-    let mut next: BTreeMap<usize, usize> = BTreeMap::from([(first.family, first.rung)]);
-    let mut at = first;
-    for _ in 0..FINER {
-        runs.measure(at);
-        runs.turn_to(Purpose::WithinOther);
-        let off = off_other(runs, reference, at, (way, truth), allowed);
-        runs.turn_to(Purpose::Confirmation);
-        if let Some(off) = off {
-            let off = off / reference.course.scale;
-            if off <= near {
-                return Agreement::With(at, off);
-            }
-            least = least.min(off);
-            next.insert(at.family, at.rung + rungs_to_go(runs.family(at.family), near, off));
-        } else {
-            next.insert(at.family, at.rung + 1);
-        }
-        let rung = |runs: &MeasuredRuns<'_>, family: usize| match next.get(&family) {
-            Some(&rung) => {
-                Some(At { family, rung }).filter(|at| at.rung < runs.family(family).rungs.len())
-            }
-            None => next_rung(runs, reference, near, family),
-        };
-        let others = families.iter().filter(|&&family| family != reference.family);
-        let others = others.filter_map(|&family| rung(runs, family));
-        let affordable = others.filter(|&at| runs.affords(at) && runs.predicted(at) <= most);
-        match affordable.min_by_key(|&at| (runs.predicted(at), at)) {
-            Some(cheapest) if !runs.late() => at = cheapest,
-            _ => break,
-        }
-    }
-    if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
 }

@@ -13,7 +13,7 @@ use stationary_integrators::Evaluation;
 
 use super::candidate::{Candidate, Variation, candidates};
 use super::declaration::{Change, changed, number};
-use super::model::{Model, Simplification};
+use super::model::{Model, Simplification, moved};
 use super::observable::{in_words, scale};
 use super::{ChooseError, look, run};
 use crate::model::scene::Scene;
@@ -85,6 +85,7 @@ impl SceneLadder {
             time: scene.units().time.clone(),
             keeps_energy: keeps_energy(scene),
             is_smooth: is_smooth(scene),
+            placed: placed(scene, &models[0]),
             is_constrained: !scene.rods().is_empty(),
             asks,
             families,
@@ -154,9 +155,18 @@ fn keeps_energy(scene: &Scene) -> bool {
         && !matches!(scene.stepping(), Stepping::Heat(_))
 }
 
-/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
+/// The names of what moves.
+fn placed(scene: &Scene, model: &Model) -> Vec<String> {
+    moved(model).into_iter().map(|number| scene.particles()[number].name.clone()).collect()
+}
+
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on. Nor are ends of steps joined
+/// by lines, as those of heat are, whose errors are other than the ends'.
 fn is_smooth(scene: &Scene) -> bool {
-    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
+    scene.contact().is_none()
+        && scene.drives().is_empty()
+        && scene.heat().is_none()
+        && !breaks(scene)
 }
 
 fn breaks(scene: &Scene) -> bool {

@@ -12,7 +12,7 @@ struct Told<'a> {
     verdict: &'static str,
     why: Option<String>,
     choice: Option<Run<'a>>,
-    whole_way: Option<WholeWay>,
+    whole_way: Option<WholeWay<'a>>,
     mesh: Option<Mesh<'a>>,
     runners_up: Vec<Run<'a>>,
     rejected: Vec<Run<'a>>,
@@ -32,10 +32,12 @@ struct Run<'a> {
 
 /// What the choice was seen to be in each of its steps.
 #[derive(Serialize)]
-struct WholeWay {
+struct WholeWay<'a> {
     error: f64,
     energy: Option<f64>,
     positions: Option<f64>,
+    /// The thing whose position is off the most.
+    farthest: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -87,6 +89,10 @@ pub fn json(answer: &Answer) -> serde_json::Result<String> {
             error: seen.error,
             energy: seen.energy,
             positions: seen.places,
+            farthest: seen
+                .place
+                .and_then(|place| answer.placed.get(place.thing))
+                .map(String::as_str),
         }),
         mesh: answer.mesh.as_ref().map(mesh),
         runners_up: answer.runners_up().into_iter().map(run).collect(),
