@@ -295,7 +295,8 @@ fn beyond(
 ) -> Option<f64> {
     let (grid, allowed) = (Grid::of(runs, at), allowed(reference, tolerance));
     let scale = reference.course.scale;
-    [Within::Ends, Within::Parts].into_iter().find_map(|within| {
+    let polynomials = Some(Within::Parts).filter(|_| !runs.is_joined(at));
+    [Some(Within::Ends), polynomials].into_iter().flatten().find_map(|within| {
         let (own, off) = runs.read_off(at, (&grid, within), allowed)?;
         let read = MeasuredRuns::read_off;
         let (truth, other) = told(runs, reference, (&grid, within), allowed, read)?;
