@@ -87,6 +87,7 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
             time: "s".to_owned(),
             keeps_energy: false,
             is_smooth: false,
+            is_joined: false,
             placed: (0..n.min(PLACES)).map(|k| format!("y[{k}]")).collect(),
             is_constrained: false,
             asks: None,

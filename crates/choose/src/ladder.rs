@@ -137,6 +137,8 @@ pub struct Ladder {
     /// Whether nothing happens at once, such as an impact: what is looked into in some steps tells of the
     /// others.
     pub is_smooth: bool,
+    /// Whether straight lines join the ends of equal steps: what lies between them is known from these alone.
+    pub is_joined: bool,
     /// Names of the things whose places are looked at beside the observable, as runs give them.
     pub placed: Vec<String>,
     /// Whether constraints are held: then all methods solve the same equations, whatever their order.

@@ -175,6 +175,11 @@ impl<'e> MeasuredRuns<'e> {
         self.moments.get(&key).cloned()
     }
 
+    /// Whether straight lines join the ends of a rung's steps.
+    pub(crate) fn is_joined(&self, at: At) -> bool {
+        self.ladder().is_joined && self.family(at.family).kind == Kind::EqualSteps
+    }
+
     /// Keeps the error of a rung over its whole way, where the moments have shown a smaller one.
     pub fn overrule(&mut self, at: At, error: f64) {
         self.ways.insert(at, error);

@@ -119,6 +119,7 @@ where
                 time: "s".to_owned(),
                 keeps_energy: true,
                 is_smooth: true,
+                is_joined: false,
                 placed: (0..n.min(PLACES)).map(|k| format!("q[{k}]")).collect(),
                 is_constrained: false,
                 asks: None,

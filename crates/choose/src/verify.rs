@@ -91,7 +91,7 @@ const NEAR_KEPT: f64 = 1.0;
 const NEAR_CLOSED: f64 = 100.0;
 const NEAR: f64 = 0.1;
 /// How much larger an error may be between two moments.
-pub const BETWEEN: f64 = 1.05;
+const BETWEEN: f64 = 1.05;
 /// Moments at which another kind is compared: a twentieth of the horizon, halved so often.
 pub const LEAST_HALVINGS: u32 = 1;
 const MOST_HALVINGS: u32 = 7;
@@ -295,7 +295,8 @@ fn beyond(
 ) -> Option<f64> {
     let (grid, allowed) = (Grid::of(runs, at), allowed(reference, tolerance));
     let scale = reference.course.scale;
-    [Within::Ends, Within::Parts].into_iter().find_map(|within| {
+    let polynomials = Some(Within::Parts).filter(|_| !runs.is_joined(at));
+    [Some(Within::Ends), polynomials].into_iter().flatten().find_map(|within| {
         let (own, off) = runs.read_off(at, (&grid, within), allowed)?;
         let read = MeasuredRuns::read_off;
         let (truth, other) = told(runs, reference, (&grid, within), allowed, read)?;
@@ -337,8 +338,7 @@ fn verify_on(
     let mut most = BETWEEN * error;
     if most + uncertainty > tolerance && error + uncertainty <= tolerance {
         runs.turn_to(Purpose::WithinChoice);
-        let looks = ((&own, &truth), (error * scale, allowed));
-        if let Some(largest) = largest(runs, reference, (at, way), looks.0, looks.1) {
+        if let Some(largest) = largest(runs, reference, at, (error * scale, allowed)) {
             error = largest / scale;
             most = CLOSELY_BETWEEN * error;
         }

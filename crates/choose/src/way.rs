@@ -125,6 +125,10 @@ impl Way {
         (least, allowed): (f64, f64),
     ) -> Option<Self> {
         let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
+        // A line errs by how the truth bends, of which the errors at its ends tell nothing.
+        if runs.is_joined(at) {
+            return None;
+        }
         let most = least / NOTHING;
         let between = between(runs, reference, at, allowed).filter(|between| match between {
             Between::Resolved(largest) => *largest <= most,

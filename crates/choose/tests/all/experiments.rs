@@ -56,6 +56,7 @@ fn made(fault: Fault) -> Made {
             time: "s".to_owned(),
             keeps_energy: false,
             is_smooth: true,
+            is_joined: false,
             placed: Vec::new(),
             is_constrained: false,
             asks: None,

@@ -85,6 +85,7 @@ impl SceneLadder {
             time: scene.units().time.clone(),
             keeps_energy: keeps_energy(scene),
             is_smooth: is_smooth(scene),
+            is_joined: scene.heat().is_some() || breaks(scene),
             placed: placed(scene, &models[0]),
             is_constrained: !scene.rods().is_empty(),
             asks,
@@ -160,13 +161,9 @@ fn placed(scene: &Scene, model: &Model) -> Vec<String> {
     moved(model).into_iter().map(|number| scene.particles()[number].name.clone()).collect()
 }
 
-/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on. Nor are ends of steps joined
-/// by lines, as those of heat are, whose errors are other than the ends'.
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
 fn is_smooth(scene: &Scene) -> bool {
-    scene.contact().is_none()
-        && scene.drives().is_empty()
-        && scene.heat().is_none()
-        && !breaks(scene)
+    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
 }
 
 fn breaks(scene: &Scene) -> bool {
