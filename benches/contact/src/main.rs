@@ -1,0 +1,83 @@
+//! Contact beside rapier and MuJoCo: four problems in one run, steps in turn.
+//!
+//! `cargo run --manifest-path benches/contact/Cargo.toml`; with `PYTHON` the name of an interpreter
+//! that has `mujoco`, that too. Processor time of one thread each. What is left is measured from each
+//! engine's own states by our detector, over a step, for ours as for theirs: how fast bodies still
+//! close once their gaps are used up, what of the momentum no impulses in Coulomb's cones explain, and
+//! how deep bodies overlap. Peers keep their defaults.
+
+mod mujoco;
+mod quality;
+mod space;
+mod wall;
+
+use rustix::time::{ClockId, clock_gettime};
+
+/// The step, s.
+pub const STEP: f64 = 1e-3;
+/// Steps between two looks.
+pub const LOOKS: usize = 50;
+
+/// What an engine took and left in a problem.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    pub name: String,
+    /// Processor time, s.
+    pub time: f64,
+    pub left: quality::Left,
+    /// How far the farthest is from where it started, m.
+    pub drift: f64,
+}
+
+impl Row {
+    pub fn named(name: &str) -> Self {
+        Row { name: name.to_owned(), ..Row::default() }
+    }
+
+    /// Counts what a piece of code takes.
+    pub fn timed<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let now = || {
+            let now = clock_gettime(ClockId::ThreadCPUTime);
+            now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+        };
+        let start = now();
+        let made = work();
+        self.time += now() - start;
+        made
+    }
+}
+
+/// A table of a problem: times over that of the first peer.
+fn print(problem: &str, rows: &[Row]) {
+    println!("\n{problem}");
+    println!("| engine | time, s | over the second | closes, m/s | unexplained, m/s | overlap, m | drift, m |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for Row { name, time, left, drift } in rows {
+        println!(
+            "| {name} | {time:.2} | {:.3} | {:.1e} | {:.1e} | {:.1e} | {drift:.1e} |",
+            time / rows[1].time,
+            left.closes,
+            left.unexplained,
+            left.overlap
+        );
+    }
+}
+
+fn main() {
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
+    if asked("falling") {
+        print("1,000 boxes that fall, 3 s", &space::falling(1_000, 3.0));
+    }
+    if asked("columns") {
+        print("100 columns of ten boxes, 1 s, after 2 s", &space::columns(100, 10, 2.0, 1.0));
+    }
+    if asked("wall") {
+        print("a wall of 1,000 bricks in the plane, struck, 2 s", &wall::struck(40, 25, 2.0));
+    }
+    if asked("tower") {
+        let mut rows = space::tower(100, 10.0);
+        rows.extend(mujoco::tower(100, 10.0));
+        print("a tower of 100 boxes with offsets of 1e-3, 10 s", &rows);
+    }
+}
