@@ -274,13 +274,13 @@ const STIFFNESS: f64 = 8e5;
 const DAMPING: f64 = 4e4;
 const REST: f64 = 0.5;
 
+/// The points at both ends of two springs.
+type Struts = [[Vector3<f64>; 2]; 2];
+
 /// A flyball governor: a shaft that turns by 0.16 of a turn a second, a slider on it, two rods on its
 /// top, 30 degrees below level, that carry 5 kg each, and stiff springs with dampers between. Benchmark A05
 /// of the IFToMM library.
-fn governor(
-    time: f64,
-    damping: f64,
-) -> Result<(Mechanism, Tree, [[Vector3<f64>; 2]; 2]), StudyError> {
+fn governor(time: f64, damping: f64) -> Result<(Mechanism, Tree, Struts), StudyError> {
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     let density = 3000.0;
     let mass = |half: [f64; 3]| density * 8.0 * half.iter().product::<f64>();
@@ -357,7 +357,7 @@ fn spring(length: f64, rate: f64, damping: f64) -> f64 {
 
 fn governor_reduced(
     tree: &Tree,
-    springs: [[Vector3<f64>; 2]; 2],
+    springs: Struts,
     (time, damping, tolerance): (f64, f64, f64),
 ) -> Result<Run, StudyError> {
     let weight = TreeForces::weight(tree, Vector3::z() * -GRAVITY).map_err(at("the weight"))?;
