@@ -705,6 +705,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
     ) -> Result<(), ContactError> {
         let Memory { states, lift_bias, lift_least, islands, solver, lift, .. } = &mut self.memory;
+        let f = G::FREEDOMS;
         // No gap ends below what it was, nor below zero.
         lift_least.clear();
         lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
@@ -716,12 +717,20 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
             let goal = settled.max(LIFT_TOLERANCE * worst);
             solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
+            let mut part = 1.0_f64;
             for &body in bodies {
                 let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
-                for (k, lift) in lift.0[G::FREEDOMS * body..][..G::FREEDOMS].iter_mut().enumerate()
-                {
-                    *lift = scale[k] * change[k];
+                let own = &mut lift.0[f * body..][..f];
+                own.iter_mut().zip(scale.iter().zip(change)).for_each(|(own, (a, b))| *own = a * b);
+                let radius = self.detector.radius_of(body);
+                // What is squeezed would go far, where gaps are not linear and nobody has looked.
+                let way = h * speed::<G>(own, radius);
+                if way > MISSED * radius {
+                    part = part.min(MISSED * radius / way);
                 }
+            }
+            for &body in bodies {
+                lift.0[f * body..][..f].iter_mut().for_each(|lift| *lift *= part);
             }
         }
         Ok(())
