@@ -281,7 +281,10 @@ impl<'a> Referee<'a> {
         let mut rounded = vec![0.0; self.bodies.len()];
         for touch in step.touches {
             for (k, ..) in touch.sides() {
-                let light = 1.0 / self.bodies[k].mass;
+                let body = &self.bodies[k];
+                let turns =
+                    body.moments.iter().flatten().fold(f64::INFINITY, |m: f64, i| m.min(*i));
+                let light = 1.0 / body.mass + body.hull.radius.powi(2) / turns;
                 rounded[k] += 20.0 * f64::EPSILON * touch.impulse().norm() * light;
             }
         }
@@ -370,7 +373,9 @@ impl<'a> Referee<'a> {
         for k in 0..count {
             let hull = &self.bodies[k].hull;
             let ends = [&step.before[k].pose, &step.after[k].pose];
-            for (ground, normal) in self.case.grounds.iter().enumerate() {
+            // Nothing keeps what no impulse moves out of the ground.
+            let grounds = self.case.grounds.iter().filter(|_| !self.bodies[k].pushed);
+            for (ground, normal) in grounds.enumerate() {
                 let [was, is] = ends.map(|pose| hull.below(pose, normal).max(0.0));
                 let allowed = was.max(deepest([Some(k), None])) + turns(k) + common;
                 let excess = &mut self.excess[count * count + self.case.grounds.len() * k + ground];
