@@ -1,6 +1,7 @@
 //! What can go wrong in this crate.
 
 use stationary_calculus::SizeError;
+use stationary_constraints::ConstraintError;
 use stationary_integrators::StepError;
 use stationary_rigid::RigidError;
 
@@ -172,6 +173,9 @@ pub enum ContactError {
     /// A body or a pose that is none.
     #[error(transparent)]
     Rigid(#[from] RigidError),
+    /// Rows that are none, or name a freedom that does not answer.
+    #[error(transparent)]
+    Rows(#[from] ConstraintError),
     /// An outline that bounds no polygon.
     #[cfg(feature = "2d")]
     #[error(transparent)]

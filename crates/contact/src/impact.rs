@@ -21,6 +21,8 @@ pub(crate) mod law;
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rough;
 #[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) mod jointed;
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rounds;
 
 use stationary_calculus::Vector;

@@ -33,7 +33,8 @@
 //!
 //! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
-//! laws ([`ImpactLaw`]). Then the plane and space, by the features `2d` and `3d`: what they are to
+//! laws ([`ImpactLaw`]). Rows of all laws, equalities and limits of joints beside contacts, between
+//! whatever answers to impulses ([`Response`], [`solve_rows`]). Then the plane and space, by the features `2d` and `3d`: what they are to
 //! contact ([`Dimension`]), shapes, colliders and detection, the same text for both
 //! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
@@ -48,6 +49,7 @@
 //! is known to one border file a dimension and the detection behind it.
 
 mod error;
+mod coupled;
 mod impact;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod shapes;
@@ -60,6 +62,8 @@ mod solve;
 mod world;
 pub mod problems;
 
+pub use coupled::response::{FactorResponse, Response, SideBySide};
+pub use coupled::solve_rows::{COUPLED_ROWS, RowsReport, solve_rows};
 #[cfg(feature = "3d")]
 pub use detect::contact_point::ContactPoint;
 #[cfg(feature = "2d")]
@@ -116,6 +120,8 @@ pub use when::time_of_impact::{edge_meets_edge, particle_meets_triangle};
 pub use world::PlanarWorld;
 #[cfg(feature = "3d")]
 pub use world::SpatialWorld;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use world::joints::{JointRows, Kept};
 #[cfg(feature = "2d")]
 pub use world::masonry::Arch;
 #[cfg(any(feature = "2d", feature = "3d"))]

@@ -37,10 +37,13 @@ pub(crate) mod contact_cache;
 pub(crate) mod resting;
 pub(crate) mod painleve;
 pub(crate) mod push_apart;
+pub(crate) mod joints;
+pub(crate) mod jointed;
 #[cfg(feature = "2d")]
 pub(crate) mod masonry;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, System, Vector};
+use stationary_constraints::VelocityRows;
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
@@ -53,11 +56,12 @@ use crate::solve::rolling::{ContactMoments, TURNS};
 use crate::solve::sweeps::AMPLIFICATION;
 use crate::world::clearance::{StepMotion, has_contacts};
 use crate::world::contact_cache::ContactCache;
+use crate::world::jointed::links;
 use crate::world::painleve::{Painleve, painleve};
 use crate::world::resting::{Guessed, Resting};
 use crate::world::warm_start::WarmStart;
 use crate::{
-    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw, InverseMass,
+    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw, InverseMass, JointRows,
     WorldReport, gap_rows,
 };
 
@@ -140,6 +144,11 @@ struct Memory<G: Dimension> {
     v: Vector<Vec<f64>>,
     increment: Vector<Vec<f64>>,
     lift: Vector<Vec<f64>>,
+    /// Rows of joints over the step, the movable bodies that they name, and what is left of the gaps of
+    /// the contacts that are solved with them.
+    joints: VelocityRows,
+    linked: Vec<[usize; 2]>,
+    left: VelocityRows,
     dv: Covector<Vec<f64>>,
     /// How far each body moves in the step, m.
     reach: Vec<f64>,
@@ -187,6 +196,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
             v: zeros(),
             increment: zeros(),
             lift: zeros(),
+            joints: VelocityRows::default(),
+            linked: Vec::new(),
+            left: VelocityRows::default(),
             dv: Covector(vec![0.0; n]),
             reach: Vec::new(),
             passing: Vec::new(),
@@ -326,6 +338,20 @@ impl<G: Dimension, P: Potential> World<G, P> {
         state: &mut State<Vec<f64>>,
         h: f64,
     ) -> Result<WorldReport, ContactError> {
+        self.step_with(state, h, &())
+    }
+
+    /// The same with joints, whose rows are solved together with the contacts that they answer to.
+    ///
+    /// # Errors
+    /// Those of [`World::step`]; [`ContactError::Rows`] for rows that are none; [`ContactError::Size`]
+    /// where more than [`crate::COUPLED_ROWS`] rows answer to one another.
+    pub fn step_with(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        joints: &impl JointRows,
+    ) -> Result<WorldReport, ContactError> {
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::Step(h).into());
         }
@@ -335,6 +361,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         check_finite("the momentum", state.p.components())?;
         self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
         self.find_increment(state, h);
+        self.find_joints(state, h, joints)?;
         self.find_reach(h);
         self.memory.meeting.clear();
         let mut round = 1;
@@ -356,7 +383,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 velocity: self.memory.v.0.clone(),
             });
         }
-        report.lifting_energy = self.advance(state, h)?;
+        report.lifting_energy = self.advance(state, h, joints)?;
         let contacts = self.kept.found().iter().map(|contact| contact.id);
         self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
         std::mem::swap(state, &mut self.memory.next);
@@ -455,11 +482,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         lift.0.fill(0.0);
         impulses.clear();
         impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
-        if !contacts.is_empty() {
+        if !contacts.is_empty() || self.memory.joints.rows() > 0 {
             let [_, settled] = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
             report.painleve = self.painleve(contacts);
-            self.lift(contacts, settled, h)?;
+            self.lift(contacts, q, settled, h)?;
         }
         Ok(report)
     }
@@ -472,7 +499,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { v, increment, hits, .. } = &mut self.memory;
+        let Memory { v, increment, hits, joints, .. } = &mut self.memory;
         let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
         let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
         let friction = of(|contact| contact.friction);
@@ -486,6 +513,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             restitution: &of(|contact| contact.restitution),
             friction: &friction,
             mass: &self.mass,
+            joints,
             law: self.law,
             kick: increment,
             h,
@@ -558,17 +586,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
     ) -> Result<[f64; 2], ContactError> {
         let [finest, enough, still] = self.settled(contacts, h);
         let f = G::FREEDOMS;
-        let Memory { v, increment, states, bias, impulses, islands, resting, solver, .. } =
-            &mut self.memory;
+        let Memory {
+            v, increment, states, bias, impulses, islands, resting, solver, linked, ..
+        } = &mut self.memory;
         for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
             state.velocity.as_mut().copy_from_slice(v);
         }
         islands.find(
             states.len(),
-            contacts.iter().map(|contact| {
-                let moves = |&body: &usize| states[body].moves();
-                contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
-            }),
+            contacts
+                .iter()
+                .map(|contact| {
+                    let moves = |&body: &usize| states[body].moves();
+                    contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
+                })
+                .chain(linked.iter().copied()),
         );
         let radius = |body: usize| self.detector.radius_of(body);
         bias.clear();
@@ -580,9 +612,15 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let guessed = Guessed { points: contacts, impulses, bias };
         resting.start(states, radius, &increment.0, guessed);
         solver.start(states.len());
+        let mut jointed: Vec<usize> = Vec::new();
         for (members, bodies) in islands.iter() {
+            if has_joints(members, contacts.len()) {
+                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                continue;
+            }
             let guessed = Guessed { points: contacts, impulses, bias };
             let settled = if members.len() > LARGE { enough } else { finest };
+            let mut reached = AMPLIFICATION * settled;
             let off = match resting.off(members, guessed, settled) {
                 Some(off) => {
                     let stands =
@@ -608,6 +646,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     let fine = fine.filter(|_| !large);
                     let conditions = Conditions { free, states, settled, enough, fine };
                     let off = solver.solve([members, bodies], conditions, impulses, report)?;
+                    if self.tolerance.is_none() {
+                        // What impulses cancel in velocities leaves their rounding.
+                        reached = reached.max(solver.rounding().min(AMPLIFICATION * enough));
+                    }
                     for &body in bodies {
                         let (state, change) = (&states[body], solver.change(body));
                         for (k, v) in v.0[f * body..][..f].iter_mut().enumerate() {
@@ -619,9 +661,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 }
             };
             report.islands += 1;
-            report.settled &= off[0].max(off[1]) <= AMPLIFICATION * settled;
+            report.settled &= off[0].max(off[1]) <= reached;
             report.residual = report.residual.max(off[0]);
             report.coulomb = report.coulomb.max(off[1]);
+        }
+        if self.memory.joints.rows() > 0 {
+            self.rest_jointed(contacts, q, &jointed, finest, report)?;
         }
         Ok([finest, enough])
     }
@@ -701,6 +746,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     fn lift(
         &mut self,
         contacts: &[ContactIn<G>],
+        q: &[f64],
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
@@ -709,7 +755,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         // No gap ends below what it was, nor below zero.
         lift_least.clear();
         lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
+        let mut jointed: Vec<usize> = Vec::new();
         for (members, bodies) in islands.iter() {
+            if has_joints(members, contacts.len()) {
+                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                continue;
+            }
             let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
             let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
             if !members.iter().any(overlaps) {
@@ -717,21 +768,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
             let goal = settled.max(LIFT_TOLERANCE * worst);
             solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
-            let mut part = 1.0_f64;
             for &body in bodies {
                 let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
                 let own = &mut lift.0[f * body..][..f];
                 own.iter_mut().zip(scale.iter().zip(change)).for_each(|(own, (a, b))| *own = a * b);
-                let radius = self.detector.radius_of(body);
-                // What is squeezed would go far, where gaps are not linear and nobody has looked.
-                let way = h * speed::<G>(own, radius);
-                if way > MISSED * radius {
-                    part = part.min(MISSED * radius / way);
-                }
             }
+            let part = lifted_part(&self.detector, bodies.iter().copied(), &lift.0, h);
             for &body in bodies {
                 lift.0[f * body..][..f].iter_mut().for_each(|lift| *lift *= part);
             }
+        }
+        if self.memory.joints.rows() > 0 {
+            self.lift_jointed(contacts, q, &jointed, settled, h)?;
         }
         Ok(())
     }
@@ -753,6 +801,23 @@ impl<G: Dimension, P: Potential> World<G, P> {
             *dv *= if self.mass.is_held(freedom) { 0.0 } else { -h };
         }
         self.system.metric().sharp(dv.view(), increment.view_mut());
+    }
+
+    /// The rows of joints over a step.
+    fn find_joints(
+        &mut self,
+        state: &State<Vec<f64>>,
+        h: f64,
+        from: &impl JointRows,
+    ) -> Result<(), ContactError> {
+        let Memory { joints, linked, left, scales, .. } = &mut self.memory;
+        joints.clear();
+        left.clear();
+        from.velocity_rows(state.t, &state.q, h, joints)?;
+        joints.check(self.mass.dim())?;
+        let moves = |body: usize| scales[body].as_ref()[0] > 0.0;
+        *linked = links(joints, G::FREEDOMS, scales.len(), moves);
+        Ok(())
     }
 
     /// How far each body moves in a step.
@@ -783,26 +848,57 @@ impl<G: Dimension, P: Potential> World<G, P> {
         widened
     }
 
-    /// Writes the state a step later: centres straight, rotations free, then lifted; says what
-    /// potential energy lifting gave.
-    fn advance(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<f64, ContactError> {
-        let Memory { v, lift, next, .. } = &mut self.memory;
+    /// Writes the state a step later: centres straight, rotations free, then lifted, and joints closed;
+    /// says what potential energy that gave.
+    fn advance(
+        &mut self,
+        state: &State<Vec<f64>>,
+        h: f64,
+        joints: &impl JointRows,
+    ) -> Result<f64, ContactError> {
+        let Memory { v, lift, next, joints: rows, .. } = &mut self.memory;
         next.clone_from(state);
         self.system.metric().flat(v.view(), next.p.view_mut());
         G::advance(self.system.metric(), &mut next.q, &v.0, &mut next.p.0, h)?;
+        next.t = state.t + h;
+        let jointed = rows.rows() > 0;
         let mut lifted = 0.0;
-        if lift.0.iter().any(|&lift| lift != 0.0) {
+        if jointed || lift.0.iter().any(|&lift| lift != 0.0) {
             lifted -= self.system.potential().energy(&next.q);
             self.system.space().advance(&mut next.q, h, lift.view());
-            lifted += self.system.potential().energy(&next.q);
+            if jointed {
+                self.close(joints)?;
+            }
+            lifted += self.system.potential().energy(&self.memory.next.q);
         }
+        let next = &self.memory.next;
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
-        check_time(state.t + h)?;
-        next.t = state.t + h;
+        check_time(next.t)?;
         Ok(lifted)
     }
 }
 
 /// The part of the worst approach to which lifting is settled.
 const LIFT_TOLERANCE: f64 = 1e-2;
+
+/// Whether links of joints are among the members of an island, which come in ascending order.
+fn has_joints(members: &[usize], contacts: usize) -> bool {
+    members.last().is_some_and(|&last| last >= contacts)
+}
+
+/// The part of a lift that takes none of these bodies far: what is squeezed would go where gaps are not
+/// linear and nobody has looked.
+pub(crate) fn lifted_part<G: Dimension>(
+    detector: &DetectorIn<G>,
+    bodies: impl Iterator<Item = usize>,
+    lift: &[f64],
+    h: f64,
+) -> f64 {
+    let part = |body: usize| {
+        let radius = detector.radius_of(body);
+        let way = h * speed::<G>(&lift[G::FREEDOMS * body..][..G::FREEDOMS], radius);
+        if way > MISSED * radius { MISSED * radius / way } else { 1.0 }
+    };
+    bodies.map(part).fold(1.0, f64::min)
+}

@@ -135,7 +135,7 @@ fn biased_residual(
 }
 
 /// Contacts that share no movable freedom do not know of each other.
-fn islands(impact: &Impact, contacts: &[usize]) -> Vec<Vec<usize>> {
+pub(crate) fn islands(impact: &Impact, contacts: &[usize]) -> Vec<Vec<usize>> {
     let mut groups = Groups::new(impact.freedoms());
     for &contact in contacts {
         let mut reached = impact.reached(contact);

@@ -14,16 +14,21 @@
 //! friction this is the pass of generalized reflections. Newton's ratio of velocities in the place of
 //! Poisson's gains energy (Kane and Levinson 1985), as a test shows.
 //!
-//! Where the turns have not converged at their bound the pass says so; its impulses are in the cone
+//! Compression is Coulomb's law of all rows of an island at once ([`CoupledRows`]); in islands of many
+//! rows, and where that does not lead to it, the two minima by turns. Where the turns have not converged at their bound the pass says so; its impulses are in the cone
 //! all the same, and where they would give energy it is one without friction.
 //! Source: Glocker and Pfeiffer 1995 (Poisson's law with friction); Kaufman, Sueda, James and Pai
 //! 2008 (staggered projections); the bound and the last minimum are ours.
 
 use stationary_calculus::Vector;
+use stationary_constraints::RowLaw;
 
-use crate::impact::projection::{all, project_with};
+use crate::coupled::coupled_rows::CoupledRows;
+use crate::impact::projection::{all, islands, project_with};
 use crate::{ContactError, Impact};
 
+/// Islands of no more rows are compressed at once, by Newton's method; larger ones by turns.
+const ROWS: usize = 300;
 /// Turns of compression after which it is taken as it is.
 const TURNS: usize = 100;
 /// Sweeps over the contacts in one friction projection: of a turn, and the last.
@@ -61,7 +66,14 @@ impl RoughContacts<'_> {
     pub(crate) fn reflect(&self, v: &mut Vector<Vec<f64>>) -> Result<RoughPass, ContactError> {
         let before = v.clone();
         let settled = SETTLED * self.speed(v.view());
-        let mut rough = self.compress(&before, settled, v)?;
+        let islands = islands(self.normal, &all(self.normal.len()));
+        let directions = self.tangent.len() / self.normal.len();
+        let small = islands.iter().all(|island| (1 + directions) * island.len() <= ROWS);
+        let at_once = small.then(|| self.compress_at_once(&islands, &before, settled, v));
+        let mut rough = match at_once.filter(|pass| pass.converged) {
+            Some(pass) => pass,
+            None => self.compress(&before, settled, v)?,
+        };
         if let Some(pass) = self.restore(&rough, &before, settled, v) {
             return Ok(pass);
         }
@@ -105,7 +117,65 @@ impl RoughContacts<'_> {
         None
     }
 
-    /// The impulses of compression.
+    /// The impulses of compression, all rows of an island at once.
+    fn compress_at_once(
+        &self,
+        islands: &[Vec<usize>],
+        before: &Vector<Vec<f64>>,
+        settled: f64,
+        v: &mut Vector<Vec<f64>>,
+    ) -> RoughPass {
+        let mut pass = RoughPass {
+            normal: vec![0.0; self.normal.len()],
+            friction: vec![0.0; self.tangent.len()],
+            converged: true,
+        };
+        v.copy_from(before.view());
+        let mut coupled = CoupledRows::default();
+        let mut change = Vector(vec![0.0; self.normal.freedoms()]);
+        for island in islands {
+            // The rows of each contact, its normal first.
+            let rows: Vec<(&Impact, usize)> = island
+                .iter()
+                .flat_map(|&i| {
+                    let across = self.across(i).map(|row| (self.tangent, row));
+                    [(self.normal, i)].into_iter().chain(across)
+                })
+                .collect();
+            coupled.clear();
+            let block = rows.len() / island.len();
+            for (&i, rows) in island.iter().zip(rows.chunks_exact(block)) {
+                let rate = |&(impact, row): &(&Impact, usize)| {
+                    impact.relative_velocity(row, before.view())
+                };
+                coupled.push(RowLaw::Cone(self.friction[i]), rows.iter().map(rate));
+            }
+            let mut last = usize::MAX;
+            coupled.couple(|i, j| {
+                let (impact, row) = rows[i];
+                if last != i {
+                    change.0.fill(0.0);
+                    impact.push(row, 1.0, change.view_mut());
+                    last = i;
+                }
+                let (impact, row) = rows[j];
+                impact.relative_velocity(row, change.view())
+            });
+            let mut x = vec![0.0; rows.len()];
+            let (left, _) = coupled.solve(&mut x, settled);
+            pass.converged &= left.worst() * SETTLED <= settled * CONVERGED;
+            for (&(impact, row), &x) in rows.iter().zip(&x) {
+                impact.push(row, x, v.view_mut());
+            }
+            for (&i, x) in island.iter().zip(x.chunks_exact(block)) {
+                pass.normal[i] = x[0];
+                self.across(i).zip(&x[1..]).for_each(|(row, &x)| pass.friction[row] = x);
+            }
+        }
+        pass
+    }
+
+    /// The impulses of compression, by turns.
     fn compress(
         &self,
         before: &Vector<Vec<f64>>,

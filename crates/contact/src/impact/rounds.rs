@@ -9,10 +9,13 @@
 //! contact is added. So a row of balls that touch passes a blow on, and a stack at rest stays at rest.
 //!
 //! Friction acts in every impact but by Jacobi's law, by the passes of `rough.rs`: of one contact after
-//! another where the law is Gauss-Seidel's, else of all that approach.
+//! another where the law is Gauss-Seidel's, else of all that approach. With joints every impact is of all
+//! that approach, by `jointed.rs`.
 
 use stationary_calculus::Vector;
+use stationary_constraints::{RowLaw, VelocityRows};
 
+use crate::impact::jointed::JointedPass;
 use crate::impact::rough::RoughContacts;
 use crate::{ContactError, ContactRows, Impact, ImpactLaw, InverseMass};
 
@@ -36,6 +39,8 @@ pub(crate) struct ImpactRounds<'a> {
     pub(crate) restitution: &'a [f64],
     pub(crate) friction: &'a [f64],
     pub(crate) mass: &'a InverseMass,
+    /// Rows of joints, which hold in every impact.
+    pub(crate) joints: &'a VelocityRows,
     pub(crate) law: ImpactLaw,
     pub(crate) kick: &'a Vector<Vec<f64>>,
     pub(crate) h: f64,
@@ -81,6 +86,10 @@ impl ImpactRounds<'_> {
             new.iter().for_each(|&i| closes[i] = true);
             closing.extend(new);
             closing.sort_unstable();
+            if self.joints.rows() > 0 {
+                self.reflect_jointed(&closing, LEFT * still, v, &mut given)?;
+                continue;
+            }
             let rubs = closing.iter().any(|&i| self.friction[i] > 0.0);
             if rubs && self.law != ImpactLaw::Jacobi {
                 self.rub(&closing, LEFT * still, v, &mut given)?;
@@ -108,6 +117,57 @@ impl ImpactRounds<'_> {
         };
         let own = contacts.iter().map(restitution).collect();
         Impact::new(self.rows.reordered(contacts), self.mass, own)
+    }
+
+    /// Passes with joints until none of these contacts approaches.
+    fn reflect_jointed(
+        &self,
+        closing: &[usize],
+        still: f64,
+        v: &mut Vector<Vec<f64>>,
+        given: &mut Given,
+    ) -> Result<(), ContactError> {
+        let directions = self.across.len() / self.rows.len();
+        for _ in 0..PASSES {
+            let rate = |i: usize| self.rows.along(i, v.view());
+            let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
+            let least = still.max(SLOW * fastest);
+            let approaching: Vec<usize> =
+                closing.iter().copied().filter(|&i| rate(i) < -least).collect();
+            if approaching.is_empty() {
+                return Ok(());
+            }
+            let mut contacts = VelocityRows::default();
+            for &i in &approaching {
+                let across = (i * directions..(i + 1) * directions).map(|row| self.across.row(row));
+                let entries: Vec<Vec<_>> = std::iter::once(self.rows.row(i).collect())
+                    .chain(across.map(Iterator::collect))
+                    .collect();
+                let block: Vec<(&[(usize, f64)], f64)> =
+                    entries.iter().map(|entries| (&entries[..], 0.0)).collect();
+                contacts.push(RowLaw::Cone(self.friction[i]), &block)?;
+            }
+            let restitution = |&i: &usize| match self.law {
+                ImpactLaw::Inelastic => 0.0,
+                _ => self.restitution[i],
+            };
+            let restitution: Vec<f64> = approaching.iter().map(restitution).collect();
+            let pass = JointedPass {
+                joints: self.joints,
+                contacts: &contacts,
+                restitution: &restitution,
+                mass: self.mass,
+            };
+            let (impulses, settled) = pass.reflect(v)?;
+            given.passes += 1;
+            given.converged &= settled;
+            for (&i, x) in approaching.iter().zip(impulses.chunks_exact(1 + directions)) {
+                given.normal[i] += x[0];
+                let across = &mut given.friction[i * directions..(i + 1) * directions];
+                across.iter_mut().zip(&x[1..]).for_each(|(sum, x)| *sum += x);
+            }
+        }
+        Ok(())
     }
 
     /// Passes with friction until none of these contacts approaches.

@@ -14,7 +14,7 @@ use std::ops::{Add, Mul};
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::friction::disc;
-use crate::solve::polish::{self, Polish};
+use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
@@ -55,6 +55,9 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
         settled: f64,
     ) -> Result<(), ContactError>;
 
+    /// What rounding of the impulses leaves in the rates of the island solved last, m/s.
+    fn rounding(&self) -> f64;
+
     /// The scaled change of a body's velocity.
     fn change(&self, body: usize) -> &G::Velocity;
 }
@@ -67,7 +70,8 @@ pub struct IslandSolver<V, const F: usize, const D: usize> {
     x: Vec<[f64; D]>,
     sweeps: Sweeps<F, D>,
     parts: UnsettledParts<F, D>,
-    polish: Polish<F, D>,
+    polish: Polish<D>,
+    rounding: f64,
 }
 
 impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
@@ -79,6 +83,7 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
             sweeps: Sweeps::default(),
             parts: UnsettledParts::default(),
             polish: Polish::default(),
+            rounding: 0.0,
         }
     }
 }
@@ -95,10 +100,16 @@ pub struct Conditions<'a, G: Dimension> {
     pub(crate) fine: Option<f64>,
 }
 
+/// Rounding of rates relative to the velocities that single impulses give.
+const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
 /// Sweeps that find who pushes, sticks and slides in a small island, which is then polished.
 const FIRST_SWEEPS: usize = 32;
+/// Islands of no more contacts are polished at once; of no more than these where sweeps do not settle
+/// them: the work grows with the cube.
+const SMALL: usize = 20;
+const POLISHED: usize = 100;
 /// The most visits to contacts beyond what is enough.
 const FINE_VISITS: usize = 100_000;
 /// The most sweeps that push apart what overlaps: the next step goes on.
@@ -156,19 +167,24 @@ where
         if !met(&left) {
             let finer = enough > settled || fine.is_some();
             let most = if finer { FINE_VISITS.div_ceil(members.len()) } else { SWEEPS };
-            let small = members.len() <= polish::CONTACTS && fine.is_none();
+            let small = members.len() <= SMALL && fine.is_none();
             let [mut relaxed, mut solved] = match fine {
                 // Sweeps leave what they change slowly, and it would move what is to rest.
                 Some(change) => sweeps.alternate(island, x, Goal { change, alone: 0.0 }, most),
                 None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
                 None => self.parts.settle(sweeps, island, x, settled, most),
             };
-            solved += self.polish.polish(sweeps, island, x);
+            solved += self.polish.polish(sweeps, island, x, (SMALL, AMPLIFICATION * settled));
             left = sweeps.residuals(island, x);
             if small && !met(&left) {
                 let more = self.parts.settle(sweeps, island, x, settled, most);
                 (relaxed, solved) = (relaxed + more[0], solved + more[1]);
-                solved += self.polish.polish(sweeps, island, x);
+            }
+            left = sweeps.residuals(island, x);
+            let off = left.iter().any(|left| *left > AMPLIFICATION * settled);
+            if off || (small && !met(&left)) {
+                solved +=
+                    self.polish.polish(sweeps, island, x, (POLISHED, AMPLIFICATION * settled));
                 left = sweeps.residuals(island, x);
             }
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {
@@ -183,6 +199,8 @@ where
         if sweeps.bound_energy(island, x, free.bias, members) {
             left = sweeps.residuals(island, x);
         }
+        let pushed = self.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
+        self.rounding = IMPULSE_ROUNDING * pushed.fold(0.0, f64::max);
         for ((&i, directions), x) in members.iter().zip(&self.directions).zip(x) {
             let along = |k: usize| directions[k] * x[k];
             impulses[i] = (1..D).fold(along(0), |sum, k| sum + along(k));
@@ -223,6 +241,10 @@ where
         let w = &mut self.sweeps.w;
         bodies.iter().for_each(|&body| w[body] = w[body].map(|w| part * w));
         Ok(())
+    }
+
+    fn rounding(&self) -> f64 {
+        self.rounding
     }
 
     fn change(&self, body: usize) -> &[f64; F] {

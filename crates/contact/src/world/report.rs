@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! max_i |min(W_i lambda_i, u_i)|,   max_i |beta_i - disc_i(beta_i - u_i/d_i)| d_i            m/s
-//! T+ - T- = kick work - impact energy - friction energy + work                               J
+//! T+ - T- = kick work - impact energy - friction energy - joint energy + work                             J
 //! ```
 //! What is left of the normal conditions and of Coulomb's law, as velocities; the symbols are those
 //! of `friction.rs`. The second line is exact to rounding: each impulse is paid at the mean of the
@@ -42,6 +42,9 @@ pub struct WorldReport {
     pub impact_energy: f64,
     /// The energy that friction took, J.
     pub friction_energy: f64,
-    /// The potential energy that lifting out of overlap gave, J.
+    /// The energy that joints took, J: of closed ones that ask for no speed, what their velocities were
+    /// off.
+    pub joint_energy: f64,
+    /// The potential energy that lifting out of overlap and closing joints gave, J.
     pub lifting_energy: f64,
 }

@@ -1,0 +1,6 @@
+//! Rows of all laws, joints' and contacts', between things that answer to impulses.
+
+pub(crate) mod response;
+pub(crate) mod lemke;
+pub(crate) mod coupled_rows;
+pub(crate) mod solve_rows;

@@ -1,0 +1,216 @@
+//! Who pushes, sticks and slides, found by Lemke's pivots.
+//!
+//! ```text
+//! w - Q z - e z_0 = q,    w, z, z_0 >= 0,   w.z = 0         from z_0 large to z_0 = 0
+//! limit     z = x,                  w = u
+//! equality  z = (x+, x-),           w = (u, -u)
+//! bounded   z = (y, s),             w = (u + s, 2 b - y)                     x = y - b
+//! cone      z = (x_n, b_1.., s),    w = (u_n, e_k.u_t + s, mu x_n - sum b_k)   x_t = sum b_k e_k
+//! ```
+//! `x` scaled impulses, `u` scaled rates, `e_k` directions across the normal and against each other, `s`
+//! the speed of sliding: in the plane that is Coulomb's law itself, in space a pyramid in the place of
+//! its cone, from which Newton's method finds the cone's impulses. Each pivot takes a variable into the
+//! basis whose partner has just left it, so that no set comes twice; with masses that are positive it ends
+//! at an answer, or along a ray where there is none, as when something is crushed. Source: Lemke 1965;
+//! Stewart and Trinkle 1996, Anitescu and Potra 1997 (contact with friction).
+
+use stationary_constraints::RowLaw;
+
+/// Pivots, as multiples of the variables, after which it is given up.
+const PIVOTS: usize = 10;
+/// Entries of a unit problem that are no pivots, and ratios that are the same.
+const PIVOT: f64 = 1e-11;
+const SAME: f64 = 1e-13;
+
+/// Rows with their compliance (n x n), their rates before any impulse, and the impulse of a unit
+/// compliance of each.
+#[derive(Clone, Copy)]
+pub(crate) struct Scaled<'a> {
+    pub(crate) laws: &'a [RowLaw],
+    pub(crate) starts: &'a [usize],
+    pub(crate) compliance: &'a [f64],
+    pub(crate) free: &'a [f64],
+    pub(crate) scale: &'a [f64],
+}
+
+/// What a variable is.
+#[derive(Clone, Copy, Debug)]
+enum Variable {
+    /// A part of a row's impulse, with its sign.
+    Impulse(usize, f64),
+    /// Of a cone or a bound, the speed of sliding.
+    Sliding,
+}
+
+/// The memory of the pivots.
+#[derive(Debug, Default)]
+pub(crate) struct Lemke {
+    variables: Vec<Variable>,
+    /// Rows of m + (z, w, z_0, right side).
+    tableau: Vec<f64>,
+    pivot: Vec<f64>,
+    basis: Vec<usize>,
+}
+
+impl Lemke {
+    /// Writes impulses that meet the laws; says whether there were any.
+    pub(crate) fn pivot(&mut self, rows: Scaled, x: &mut [f64]) -> bool {
+        self.list(rows);
+        let largest = self.start(rows);
+        x.fill(0.0);
+        let m = self.variables.len();
+        if largest > 0.0 && !self.run(m) {
+            return false;
+        }
+        let width = 2 * m + 2;
+        for (place, &variable) in self.basis.iter().enumerate() {
+            if let Some(&Variable::Impulse(row, sign)) = self.variables.get(variable) {
+                x[row] +=
+                    sign * largest * self.tableau[width * place + width - 1] * rows.scale[row];
+            }
+        }
+        for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
+            if let RowLaw::Bounded(bound) = law {
+                x[starts[0]] -= bound;
+            }
+        }
+        x.iter().all(|x| x.is_finite())
+    }
+
+    /// The variables of each block, the speed last.
+    fn list(&mut self, rows: Scaled) {
+        self.variables.clear();
+        for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
+            let (first, end) = (starts[0], starts[1]);
+            self.variables.push(Variable::Impulse(first, 1.0));
+            match law {
+                RowLaw::Limit => {}
+                RowLaw::Equality => self.variables.push(Variable::Impulse(first, -1.0)),
+                RowLaw::Bounded(_) => self.variables.push(Variable::Sliding),
+                RowLaw::Cone(_) => {
+                    for row in first + 1..end {
+                        self.variables.push(Variable::Impulse(row, 1.0));
+                        self.variables.push(Variable::Impulse(row, -1.0));
+                    }
+                    self.variables.push(Variable::Sliding);
+                }
+            }
+        }
+    }
+
+    /// The tableau before any pivot; says what its right side was divided by.
+    fn start(&mut self, rows: Scaled) -> f64 {
+        let (m, n) = (self.variables.len(), rows.free.len());
+        let width = 2 * m + 2;
+        self.tableau.clear();
+        self.tableau.resize(m * width, 0.0);
+        self.basis.clear();
+        self.basis.extend(m..2 * m);
+        // What bounds, pushed all the way, takes from the rates.
+        let shift = |row: usize| -> f64 {
+            let bounded = rows.laws.iter().zip(rows.starts).map(|(law, &of)| match law {
+                RowLaw::Bounded(bound) => rows.compliance[n * row + of] * bound,
+                _ => 0.0,
+            });
+            bounded.sum()
+        };
+        let mut place = 0;
+        for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
+            let begins = place;
+            while let Some(&Variable::Impulse(row, sign)) = self.variables.get(place) {
+                if row >= starts[1] {
+                    break;
+                }
+                let line = &mut self.tableau[width * place..][..width];
+                for (entry, &of) in line.iter_mut().zip(&self.variables) {
+                    if let Variable::Impulse(column, other) = of {
+                        let w = rows.compliance[n * row + column];
+                        *entry = -sign * other * w * rows.scale[row] * rows.scale[column];
+                    }
+                }
+                line[width - 1] = sign * (rows.free[row] - shift(row)) * rows.scale[row];
+                place += 1;
+            }
+            match law {
+                RowLaw::Limit | RowLaw::Equality => {}
+                RowLaw::Bounded(bound) => {
+                    self.tableau[width * begins + place] = -1.0;
+                    self.tableau[width * place + begins] = 1.0;
+                    self.tableau[width * place + width - 1] = 2.0 * bound / rows.scale[starts[0]];
+                    place += 1;
+                }
+                RowLaw::Cone(friction) => {
+                    let normal = rows.scale[starts[0]];
+                    let across = rows.scale.get(starts[0] + 1).copied().unwrap_or(normal);
+                    self.tableau[width * place + begins] = -friction * normal / across;
+                    for tangent in begins + 1..place {
+                        self.tableau[width * tangent + place] = -1.0;
+                        self.tableau[width * place + tangent] = 1.0;
+                    }
+                    place += 1;
+                }
+            }
+        }
+        let right = |place: usize| self.tableau[width * place + width - 1];
+        let largest = (0..m).map(|place| right(place).abs()).fold(0.0, f64::max);
+        for place in 0..m {
+            let line = &mut self.tableau[width * place..][..width];
+            line[m + place] = 1.0;
+            line[width - 2] = -1.0;
+            if largest > 0.0 {
+                line[width - 1] /= largest;
+            }
+        }
+        largest
+    }
+
+    /// Pivots until the additional variable has left; says whether it did.
+    fn run(&mut self, m: usize) -> bool {
+        let width = 2 * m + 2;
+        let right = |tableau: &[f64], place: usize| tableau[width * place + width - 1];
+        let lowest =
+            |a: &usize, b: &usize| right(&self.tableau, *a).total_cmp(&right(&self.tableau, *b));
+        let Some(mut leaving) = (0..m).min_by(lowest) else { return true };
+        if right(&self.tableau, leaving) >= 0.0 {
+            return true;
+        }
+        let mut entering = 2 * m;
+        for _ in 0..PIVOTS * m {
+            self.exchange(leaving, entering, width);
+            let left = std::mem::replace(&mut self.basis[leaving], entering);
+            if left == 2 * m {
+                return true;
+            }
+            entering = if left < m { left + m } else { left - m };
+            let entry = |place: usize| self.tableau[width * place + entering];
+            let ratio = |place: usize| right(&self.tableau, place) / entry(place);
+            let open = |place: &usize| entry(*place) > PIVOT;
+            let least = (0..m).filter(open).map(ratio).fold(f64::INFINITY, f64::min);
+            // Of those that block together the additional variable, else the largest pivot.
+            let blocks = (0..m).filter(open).filter(|&place| ratio(place) <= least + SAME);
+            let weight = |place: &usize| match self.basis[*place] == 2 * m {
+                true => f64::INFINITY,
+                false => entry(*place),
+            };
+            match blocks.max_by(|a, b| weight(a).total_cmp(&weight(b))) {
+                Some(place) => leaving = place,
+                None => return false,
+            }
+        }
+        false
+    }
+
+    fn exchange(&mut self, leaving: usize, entering: usize, width: usize) {
+        let line = &mut self.tableau[width * leaving..][..width];
+        let pivot = line[entering];
+        line.iter_mut().for_each(|entry| *entry /= pivot);
+        self.pivot.clear();
+        self.pivot.extend_from_slice(line);
+        for (place, line) in self.tableau.chunks_exact_mut(width).enumerate() {
+            let part = line[entering];
+            if place != leaving && part != 0.0 {
+                line.iter_mut().zip(&self.pivot).for_each(|(entry, pivot)| *entry -= part * pivot);
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Impacts of things that joints hold: contacts and joints at once, by Poisson's law.
+//!
+//! ```text
+//! compression   the laws of all rows between x and v=            joints, and cones of what approaches
+//! restitution   x_c <- (1 + s c) x_c,   joints again             v+
+//! ```
+//! `x_c` the impulses of contacts (N s), `c` their restitution. One `c` and closed joints give
+//! `v+ = v= + c (v= - v-)`, which keeps joints and gains no energy, as friction opposes what slides at the
+//! end of compression; where the restitutions differ `s` is halved until none is gained.
+//! Source: as in `rough.rs`.
+
+use stationary_calculus::Vector;
+use stationary_constraints::{RowLaw, VelocityRows};
+
+use crate::{ContactError, InverseMass, solve_rows};
+
+/// What may be left, relative to the fastest rate of a row.
+const SETTLED: f64 = 1e-9;
+/// How often restitution is halved before there is none, and energy that is rounding.
+const HALVINGS: i32 = 40;
+const ENERGY_ROUNDING: f64 = 1e-11;
+
+/// A pass over some contacts: their cones behind the rows of joints.
+pub(crate) struct JointedPass<'a> {
+    pub(crate) joints: &'a VelocityRows,
+    pub(crate) contacts: &'a VelocityRows,
+    /// One of each contact.
+    pub(crate) restitution: &'a [f64],
+    pub(crate) mass: &'a InverseMass,
+}
+
+impl JointedPass<'_> {
+    /// Changes a velocity; says the impulses of the contacts' rows, and whether the laws were met.
+    pub(crate) fn reflect(
+        &self,
+        v: &mut Vector<Vec<f64>>,
+    ) -> Result<(Vec<f64>, bool), ContactError> {
+        let held = instantaneous(self.joints, v.0.len())?;
+        let mut rows = held.clone();
+        append(self.contacts, &mut rows)?;
+        let before = v.clone();
+        let rate = |row| rows.lack(row, before.view()).abs();
+        let enough = SETTLED * (0..rows.rows()).map(rate).fold(0.0, f64::max);
+        let mut x = vec![0.0; rows.rows()];
+        let done = solve_rows(&rows, &mut &*self.mass, enough, &mut x, v.view_mut())?;
+        let compressed = x.split_off(held.rows());
+        let mut settled = done.settled;
+        for halving in 0..=HALVINGS {
+            let part = if halving == HALVINGS { 0.0 } else { 0.5_f64.powi(halving) };
+            let mut impulses = compressed.clone();
+            for ((_, block), c) in self.contacts.blocks().zip(self.restitution) {
+                impulses[block].iter_mut().for_each(|x| *x *= 1.0 + part * c);
+            }
+            v.copy_from(before.view());
+            for (row, x) in impulses.iter().enumerate() {
+                let entries = self.contacts.row(row);
+                self.mass.lift(entries, |freedom, value| v.0[freedom] += x * value);
+            }
+            let mut holding = vec![0.0; held.rows()];
+            let kept = solve_rows(&held, &mut &*self.mass, enough, &mut holding, v.view_mut())?;
+            settled &= kept.settled;
+            let mut gained = [0.0_f64; 2];
+            for (rows, x) in [(self.contacts, &impulses), (&held, &holding)] {
+                for (row, x) in x.iter().enumerate() {
+                    let mean = rows.row(row).map(|(f, value)| value * (v.0[f] + before.0[f]));
+                    let term = 0.5 * x * mean.sum::<f64>();
+                    gained = [gained[0] + term, gained[1] + term.abs()];
+                }
+            }
+            if gained[0] <= ENERGY_ROUNDING * gained[1] || halving == HALVINGS {
+                return Ok((impulses, settled));
+            }
+        }
+        Ok((compressed, settled))
+    }
+}
+
+/// What joints ask for in an instant: equalities. Friction has no impulse then, and limits wait for the
+/// rest of the step.
+fn instantaneous(joints: &VelocityRows, freedoms: usize) -> Result<VelocityRows, ContactError> {
+    let zero = vec![0.0; freedoms];
+    let mut held = VelocityRows::default();
+    for (law, block) in joints.blocks() {
+        let row = block.start;
+        let entries: Vec<_> = joints.row(row).collect();
+        if law == RowLaw::Equality {
+            held.push(law, &[(&entries, -joints.lack(row, Vector(&zero)))])?;
+        }
+    }
+    Ok(held)
+}
+
+fn append(more: &VelocityRows, rows: &mut VelocityRows) -> Result<(), ContactError> {
+    for (law, block) in more.blocks() {
+        let entries: Vec<Vec<_>> = block.map(|row| more.row(row).collect()).collect();
+        let block: Vec<(&[(usize, f64)], f64)> =
+            entries.iter().map(|entries| (&entries[..], 0.0)).collect();
+        rows.push(law, &block)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! Joints of a world's bodies: rows beside those of contacts, solved with them.
+//!
+//! ```text
+//! J v = -dg/dt,   limits, friction        rows of the velocity over a step       (x free, x >= 0, |x| <= b)
+//! J d = -g                                rows of the motion that closes joints after it
+//! ```
+//! `g` what joints keep at zero, `J` its differential. The world knows rows and not how joints are made;
+//! any [`Constraint`] is [`Kept`]. What turns leaves joints open by order `h^2` over a step: they are
+//! closed by moving bodies, never by a velocity, as overlap is lifted, and contacts count there as well.
+
+use stationary_constraints::{Constraint, ConstraintError, RowLaw, Rows, VelocityRows};
+
+/// What asks for rows beside contacts.
+pub trait JointRows {
+    /// Appends what is asked of the velocity in a step of `h` seconds from a configuration.
+    ///
+    /// # Errors
+    /// Those of the rows.
+    fn velocity_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        h: f64,
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError>;
+
+    /// Appends what closes joints by moving bodies from a configuration: equalities that ask for what
+    /// is open, with its sign turned.
+    ///
+    /// # Errors
+    /// Those of the rows.
+    fn position_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError>;
+}
+
+/// No joints.
+impl JointRows for () {
+    fn velocity_rows(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: f64,
+        _: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        Ok(())
+    }
+
+    fn position_rows(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        Ok(())
+    }
+}
+
+/// Joints that are kept: the equations of a constraint.
+#[derive(Clone, Debug)]
+pub struct Kept<K>(pub K);
+
+impl<K: Constraint> JointRows for Kept<K> {
+    fn velocity_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        _h: f64,
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        rows.push_constraint(&self.0, t, q)
+    }
+
+    fn position_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        let mut open = vec![0.0; self.0.count()];
+        self.0.value(t, q, &mut open)?;
+        let mut entries = Entries(vec![Vec::new(); open.len()]);
+        self.0.differential(t, q, &mut entries)?;
+        for (entries, open) in entries.0.iter().zip(open) {
+            rows.push(RowLaw::Equality, &[(entries, -open)])?;
+        }
+        Ok(())
+    }
+}
+
+/// The entries of each row of a differential.
+struct Entries(Vec<Vec<(usize, f64)>>);
+
+impl Rows for Entries {
+    fn add(&mut self, row: usize, freedom: usize, value: f64) {
+        if let Some(entries) = self.0.get_mut(row) {
+            entries.push((freedom, value));
+        }
+    }
+}
+
+impl<A: JointRows, B: JointRows> JointRows for (A, B) {
+    fn velocity_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        h: f64,
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        self.0.velocity_rows(t, q, h, rows)?;
+        self.1.velocity_rows(t, q, h, rows)
+    }
+
+    fn position_rows(
+        &self,
+        t: f64,
+        q: &[f64],
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        self.0.position_rows(t, q, rows)?;
+        self.1.position_rows(t, q, rows)
+    }
+}
