@@ -6,6 +6,7 @@ mod detection;
 mod exact_friction;
 mod impact_laws;
 #[cfg(feature = "3d")]
+mod jointed;
 mod no_allocation;
 #[cfg(feature = "2d")]
 mod planar_detection;
