@@ -111,12 +111,23 @@ impl ImpactRounds<'_> {
     }
 
     fn impact(&self, contacts: &[usize]) -> Result<Impact, ContactError> {
+        Impact::new(self.rows.reordered(contacts), self.mass, self.restitutions(contacts))
+    }
+
+    fn restitutions(&self, contacts: &[usize]) -> Vec<f64> {
         let restitution = |&i: &usize| match self.law {
             ImpactLaw::Inelastic => 0.0,
             _ => self.restitution[i],
         };
-        let own = contacts.iter().map(restitution).collect();
-        Impact::new(self.rows.reordered(contacts), self.mass, own)
+        contacts.iter().map(restitution).collect()
+    }
+
+    /// Those that approach, but for what is slow beside the fastest.
+    fn approaching(&self, closing: &[usize], still: f64, v: &Vector<Vec<f64>>) -> Vec<usize> {
+        let rate = |i: usize| self.rows.along(i, v.view());
+        let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
+        let least = still.max(SLOW * fastest);
+        closing.iter().copied().filter(|&i| rate(i) < -least).collect()
     }
 
     /// Passes with joints until none of these contacts approaches.
@@ -129,11 +140,7 @@ impl ImpactRounds<'_> {
     ) -> Result<(), ContactError> {
         let directions = self.across.len() / self.rows.len();
         for _ in 0..PASSES {
-            let rate = |i: usize| self.rows.along(i, v.view());
-            let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
-            let least = still.max(SLOW * fastest);
-            let approaching: Vec<usize> =
-                closing.iter().copied().filter(|&i| rate(i) < -least).collect();
+            let approaching = self.approaching(closing, still, v);
             if approaching.is_empty() {
                 return Ok(());
             }
@@ -147,11 +154,7 @@ impl ImpactRounds<'_> {
                     entries.iter().map(|entries| (&entries[..], 0.0)).collect();
                 contacts.push(RowLaw::Cone(self.friction[i]), &block)?;
             }
-            let restitution = |&i: &usize| match self.law {
-                ImpactLaw::Inelastic => 0.0,
-                _ => self.restitution[i],
-            };
-            let restitution: Vec<f64> = approaching.iter().map(restitution).collect();
+            let restitution = self.restitutions(&approaching);
             let pass = JointedPass {
                 joints: self.joints,
                 contacts: &contacts,
@@ -167,6 +170,7 @@ impl ImpactRounds<'_> {
                 across.iter_mut().zip(&x[1..]).for_each(|(sum, x)| *sum += x);
             }
         }
+        given.converged &= self.approaching(closing, still, v).is_empty();
         Ok(())
     }
 
@@ -180,11 +184,7 @@ impl ImpactRounds<'_> {
     ) -> Result<(), ContactError> {
         let directions = self.across.len() / self.rows.len();
         for _ in 0..PASSES {
-            let rate = |i: usize| self.rows.along(i, v.view());
-            let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
-            let least = still.max(SLOW * fastest);
-            let mut approaching: Vec<usize> =
-                closing.iter().copied().filter(|&i| rate(i) < -least).collect();
+            let mut approaching = self.approaching(closing, still, v);
             if self.law == ImpactLaw::GaussSeidel {
                 approaching.truncate(1);
             }
@@ -213,6 +213,7 @@ impl ImpactRounds<'_> {
             approaching.iter().zip(pass.normal).for_each(|(&i, x)| given.normal[i] += x);
             rows.iter().zip(pass.friction).for_each(|(&i, x)| given.friction[i] += x);
         }
+        given.converged &= self.approaching(closing, still, v).is_empty();
         Ok(())
     }
 }

@@ -101,26 +101,3 @@ impl Rows for Entries {
         }
     }
 }
-
-impl<A: JointRows, B: JointRows> JointRows for (A, B) {
-    fn velocity_rows(
-        &self,
-        t: f64,
-        q: &[f64],
-        h: f64,
-        rows: &mut VelocityRows,
-    ) -> Result<(), ConstraintError> {
-        self.0.velocity_rows(t, q, h, rows)?;
-        self.1.velocity_rows(t, q, h, rows)
-    }
-
-    fn position_rows(
-        &self,
-        t: f64,
-        q: &[f64],
-        rows: &mut VelocityRows,
-    ) -> Result<(), ConstraintError> {
-        self.0.position_rows(t, q, rows)?;
-        self.1.position_rows(t, q, rows)
-    }
-}
