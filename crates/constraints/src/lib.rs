@@ -87,6 +87,7 @@ mod free_motion;
 mod force_kicks;
 mod forced;
 mod secants;
+mod warm_start;
 mod rattle_core;
 mod hamilton;
 mod rattle;

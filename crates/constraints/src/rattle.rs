@@ -34,8 +34,8 @@
 
 use stationary_calculus::{Flat, Metric, Potential, Space, Storage, System};
 use stationary_integrators::{
-    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Stability, State,
-    Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Saved, Stability, State,
+    StepError, Symplecticity,
 };
 
 use crate::rattle_core::{RattleCore, check_step};
@@ -200,5 +200,13 @@ where
 
     fn multipliers(&self) -> &[f64] {
         self.lambda.as_ref()
+    }
+
+    fn save(&self) -> Saved {
+        self.core.save(FACTS.name)
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        self.core.load(FACTS.name, saved)
     }
 }

@@ -6,9 +6,10 @@
 //! ```
 //! `Phi` the free motion. The first is solved by iterations `S0 delta = g(q1) / h` with `S0 = J0
 //! M^-1 J0^T`: Newton's method with J(q1) replaced by J(q0) and the motion by a straight one, so
-//! that the factor which the last step's velocity needed serves again. It starts from the
-//! unconstrained step and so finds the multipliers of smaller size where there are several; the
-//! error shrinks by about h times the turning rate in an iteration, until rounding. The second is
+//! that the factor which the last step's velocity needed serves again. It starts from the impulse that
+//! the last three steps lead to expect, or where equations depend on each other, a singular position is near or
+//! no step is known, from the unconstrained step, and so finds the multipliers of smaller size where there are
+//! several; the error shrinks by about h times the turning rate in an iteration, until rounding. The second is
 //! linear, one solve.
 //!
 //! Source: notes 6.5; errata 6.5; Andersen (1983); Leimkuhler and Reich (2004), chapter 7.
@@ -16,10 +17,11 @@
 use stationary_calculus::{
     Covector, Metric, Potential, SizeError, Space, Storage, System, Vector, first_non_finite,
 };
-use stationary_integrators::{State, StepError};
+use stationary_integrators::{Saved, State, StepError};
 
 use crate::feasible::{Flight, Scales, rounding};
 use crate::secants::Secants;
+use crate::warm_start::WarmStart;
 use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver, equation_name};
 
 /// More iterations than this are too long a step, or equations that contradict each other. A step at the
@@ -33,7 +35,12 @@ const SOLVES: u32 = 3;
 const PATIENCE: u32 = 6;
 /// How often a move that makes values grow is shortened to a quarter.
 const TRIES: u32 = 8;
-/// A place less regular than this part of the most regular one is near a singular position.
+/// A guess that violates an equation by more than this part of its length is none: from farther away iterations
+/// might find another way in which a linkage closes.
+const TRUSTED: f64 = 1e-3;
+/// A place at least as regular as this part of the most regular one is not next to a singular position.
+const FAR: f64 = 0.5;
+/// A place less regular than this part of it is near one.
 const NEAR: f64 = 0.2;
 /// The same where iterations failed: otherwise the step was too long.
 const SINGULAR: f64 = 0.05;
@@ -100,6 +107,9 @@ pub(crate) struct RattleCore<'s, M, P, S, K, C, X: Multipliers, F> {
     there: Place<C, X>,
     g: X::Numbers,
     secants: Secants<X::Numbers>,
+    warm: WarmStart<X::Numbers>,
+    /// The impulse at the start of the step that is being made.
+    start: X::Numbers,
     passage: Passage<C>,
     displacement: Vector<C>,
     /// The momentum at the start of a drift, with the impulses so far.
@@ -187,6 +197,8 @@ where
             here: place,
             g: numbers.clone(),
             secants: Secants::new(&numbers),
+            warm: WarmStart::new(&numbers),
+            start: numbers.clone(),
             passage: Passage::new(n)?,
             displacement: Vector(zeros(n)?),
             before: Covector(zeros(n)?),
@@ -251,7 +263,13 @@ where
     /// Drifts for the time h, with an impulse before it that makes the new configuration feasible;
     /// the iterations that were needed, and what is left of the violation.
     pub(crate) fn hold_configuration(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
-        let error = match self.iterate(h) {
+        let mut held = self.iterate(h, true);
+        if held.is_err() {
+            self.warm.forget();
+            self.next.p.copy_from(self.passage.before.view());
+            held = self.iterate(h, false);
+        }
+        let error = match held {
             Err(error) => error,
             held => return held,
         };
@@ -334,7 +352,8 @@ where
         ConstraintError::SingularPosition { ratio, rows, names }
     }
 
-    fn iterate(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
+    /// The iterations, from the impulse that the last steps lead to expect if they are to be heard.
+    fn iterate(&mut self, h: f64, warm: bool) -> Result<(u32, f64), ConstraintError> {
         let t = self.here.t + h;
         let q0 = &self.here.q;
         let State { q, p, .. } = &mut self.next;
@@ -343,16 +362,26 @@ where
         let secants = &mut self.secants;
         before.copy_from(p.view());
         self.passage.before.copy_from(p.view());
-        impulse.fill(0.0);
         secants.forget();
-        let (mut iterations, mut tries, mut stale) = (0, 0, 0);
-        let (mut last, mut best) = (f64::INFINITY, f64::INFINITY);
-        let mut learning = false;
         let regularity = self.here.solver.regularity();
         // Near a singular position places matter that values hardly show.
         let thorough = regularity.is_some_and(|r| r < f64::max(CLOSE, NEAR * self.passage.typical));
+        // Of dependent equations the shortest multipliers are those that no guess has lengthened; and a good
+        // guess of impulses would hide what iterations show of a singular position that is reached.
+        let far = regularity.is_none_or(|r| r >= FAR * self.passage.typical);
+        let regular = far && !thorough && self.here.solver.redundant() == 0;
+        let mut guessed = warm && regular && self.warm.guess((self.here.t, h), impulse);
+        if guessed {
+            self.here.solver.add_pulled_back(-1.0, impulse, before.view_mut());
+        } else {
+            impulse.fill(0.0);
+        }
+        let (mut iterations, mut tries, mut stale) = (0, 0, 0);
+        let (mut last, mut best) = (f64::INFINITY, f64::INFINITY);
+        let mut learning = false;
         let mut flight = Flight::default();
         let eps = rounding(q0.as_ref());
+        let enough = if regular { 0.5 * eps } else { 0.25 * eps };
         loop {
             q.clone_from(q0);
             p.copy_from(before.view());
@@ -360,6 +389,12 @@ where
             let interval = (self.here.t, h);
             self.motion.advance(metric, space, interval, q.as_mut(), p.view_mut(), room)?;
             self.constraint.value(t, q.as_ref(), g)?;
+            let near = self.scales.largest_relative(g) <= TRUSTED;
+            if std::mem::take(&mut guessed) && !near {
+                before.copy_from(self.passage.before.view());
+                impulse.fill(0.0);
+                continue;
+            }
             let distance = self.scales.distance(g);
             if distance.is_nan() && iterations == 0 {
                 return Err(ConstraintError::NonFinite { what: "constraint", index: 0 });
@@ -374,9 +409,10 @@ where
                 } else {
                     stands_still && !thorough
                 };
-            if distance <= 0.25 * eps || (feasible && done) {
+            if distance <= enough || (feasible && done) {
                 self.here.solver.share(impulse)?;
                 self.passage.slow = learning;
+                self.start.as_mut().copy_from_slice(impulse);
                 return Ok((iterations, self.scales.largest_relative(g)));
             }
             if iterations == ITERATIONS {
@@ -483,11 +519,32 @@ where
         work(&self.constraint, &self.there, self.impulse.as_ref(), self.g.as_mut())
     }
 
+    /// What the next steps depend on beside the state: the regularity that was seen, and the last impulses.
+    pub(crate) fn save(&self, method: &str) -> Saved {
+        let mut numbers = vec![self.passage.typical];
+        numbers.extend(self.warm.save());
+        Saved { method: method.to_owned(), numbers }
+    }
+
+    /// Takes over what the method of this name had saved.
+    pub(crate) fn load(&mut self, method: &str, saved: &Saved) -> Result<(), StepError> {
+        if saved.method != method {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let Some((&typical, impulses)) = saved.numbers.split_first() else {
+            return Err(StepError::Saved("it has no regularity of the constraint"));
+        };
+        self.warm.load(impulses)?;
+        self.passage.typical = typical;
+        Ok(())
+    }
+
     /// Hands the new state over if it is finite.
     pub(crate) fn finish(&mut self, state: &mut State<C>, h: f64) -> Result<(), ConstraintError> {
         check_finite(&self.next)?;
         check_time(state.t + h)?;
         self.next.t = state.t + h;
+        self.warm.remember((state.t, h), self.start.as_ref(), self.impulse.as_ref());
         std::mem::swap(state, &mut self.next);
         self.passage.see(self.there.solver.regularity());
         if self.there.known && self.there.q == state.q {

@@ -32,6 +32,12 @@ impl FreeRotation for ExactRotation {
     ) -> Result<Turned, StepError> {
         let top = FreeTop::from_momentum(*body, Rotation::identity(), momentum);
         let turn = top.orientation(h).map_err(|_| StepError::Step(h))?;
+        // Of the two quaternions of a turn the closed form has either: the nearer one leads on from where the
+        // body was, so that numbers of a motion do not jump.
+        let turn = match turn.quaternion() {
+            [w, x, y, z] if w < 0.0 => Rotation::unchecked([-w, -x, -y, -z]),
+            _ => turn,
+        };
         Ok(Turned::by(turn, rotation, momentum))
     }
 }

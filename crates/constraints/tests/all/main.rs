@@ -11,4 +11,5 @@ mod multipliers;
 mod no_allocation;
 mod reduced;
 mod singular;
+mod warm_start;
 mod ways;

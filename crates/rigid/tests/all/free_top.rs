@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use stationary_rigid::{
-    Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, Free, FreeTop, LieGroup, Orientations,
-    RigidMotion, Rotation, problems::thrown_racket,
+    Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, ExactRotation, Free, FreeRotation,
+    FreeTop, LieGroup, Orientations, RigidMotion, Rotation, problems::thrown_racket,
 };
 
 const BOX: [f64; 3] = [0.1, 0.2, 0.3];
@@ -217,6 +217,25 @@ fn a_top_that_turns_a_thousand_times_as_fast_is_there_a_thousand_times_as_soon()
                 let apart = one.unwrap().direction_to(&other.unwrap()).norm();
                 assert!(apart < 1e-11 * (1.0 + t), "{body:?} {w} {factor} {t}: {apart:e}");
             }
+        }
+    }
+}
+
+#[test]
+fn from_step_to_step_the_quaternion_of_the_closed_form_does_not_jump() {
+    let bodies = [[1.0, 2.0, 2.5], [0.1, 0.2, 0.15], [1.0, 1.0, 1.5], [2.0, 2.0, 2.0]];
+    for (k, moments) in bodies.into_iter().enumerate() {
+        let body = Body::new(1.0, moments).unwrap();
+        // Along every direction, so that some lie beside the axes and the separatrix.
+        for step in 0..2000 {
+            let (s, c) = (0.37 * f64::from(step)).sin_cos();
+            let (a, b) = (1e-3 * f64::from(step + 1)).sin_cos();
+            let momentum = Vector3::new(s * b, c * b, a) * moments[k % 3];
+            let h = if step % 2 == 0 { 0.01 } else { -0.02 };
+            let turned =
+                ExactRotation::turn(&body, Rotation::identity(), momentum, h).unwrap().rotation;
+            let scalar = turned.quaternion()[0];
+            assert!(scalar > 0.9, "{moments:?} {momentum:?} {h}: {scalar}");
         }
     }
 }

@@ -114,13 +114,12 @@ impl<const D: usize> Stepper for Breaking<'_, D> {
 
     /// Rods are in no list of numbers: those that broke say which are left.
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        self.rattle.load(&before.memory)?;
         if !before.broken.is_empty() {
             let mut rods = self.scene.constraint::<D>()?;
             rods.retain(|rod| before.broken.iter().all(|broken| broken.rod != rod));
             self.rattle.set_constraint(rods, &before.state, SparseDiagonal::default())?;
         }
-        Ok(())
+        Ok(self.rattle.load(&before.memory)?)
     }
 
     fn built(&self) -> Built {
