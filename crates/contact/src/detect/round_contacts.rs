@@ -33,6 +33,8 @@ const PARALLEL: f64 = 1e-2;
 const LEAST: f64 = 1e-12;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-9;
+/// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
+const FLAT: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
 const CLOSEST: u32 = u32::MAX;
 
@@ -64,6 +66,30 @@ struct Shown {
     corners: Vec<Corner>,
     /// The normal of a polygon.
     normal: V,
+    /// The centre and radius of the disc that it stands for.
+    disc: Option<(V, f64)>,
+}
+
+impl Shown {
+    /// Its point that is closest, seen along a direction, to another one.
+    fn closest(&self, to: &V, n: &V) -> Option<V> {
+        let across = |v: V| v - n * v.dot(n);
+        if let Some((centre, radius)) = self.disc {
+            let way = across(to - centre);
+            let length = way.norm();
+            return Some(centre + if length > radius { way * (radius / length) } else { way });
+        }
+        let count = self.corners.len();
+        let side = |k: usize| {
+            let [from, end] = [k, (k + 1) % count].map(|k| self.corners[k].place);
+            let along = across(end - from);
+            let square = along.norm_squared();
+            let t = if square > 0.0 { across(to - from).dot(&along) / square } else { 0.0 };
+            from + (end - from) * t.clamp(0.0, 1.0)
+        };
+        let far = |v: &V| across(v - to).norm();
+        (0..count).map(side).min_by(|v, w| far(v).total_cmp(&far(w)))
+    }
 }
 
 /// Appends where two convex solids face each other.
@@ -121,7 +147,17 @@ pub(crate) fn facing(
     }
     let least = found[start..].iter().map(|facing| facing.gap).fold(f64::INFINITY, f64::min);
     if least > there.gap + LEAST * scale {
-        let Separation { gap, normal, points } = there;
+        let Separation { gap, normal, mut points } = there;
+        // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
+        let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
+        let shared = match (flat(one), flat(other)) {
+            (Some((centre, _)), _) => other.closest(&centre, &n),
+            (None, Some((centre, _))) => one.closest(&centre, &n),
+            (None, None) => None,
+        };
+        if let Some(shared) = shared {
+            points = points.map(|point| shared + n * (point - shared).dot(&n));
+        }
         let points = [points[0], from_vector(back * vector(&points[1]))];
         let features = [CLOSEST, CLOSEST];
         found.push(Facing { parts: [0, 0], features, points, normal, gap });
@@ -151,6 +187,7 @@ pub(crate) fn facing_plane(
 /// What a solid shows along a direction.
 fn show(body: Body<'_>, placed: &Placed, pose: &Pose, n: &V, shown: &mut Shown) {
     shown.corners.clear();
+    shown.disc = None;
     let corners = &mut shown.corners;
     let mut add = |place: V, name: u32| corners.push(Corner { place, names: [name, 0] });
     let farthest = |k: usize| placed.parts[k].point(n);
@@ -171,7 +208,7 @@ fn show(body: Body<'_>, placed: &Placed, pose: &Pose, n: &V, shown: &mut Shown) 
             let end = usize::from(up > 0.0);
             if up.abs() > ALONG {
                 shown.normal = axis * up.signum();
-                disc(&placed.parts[end], pose, n, end as u32, &mut add);
+                shown.disc = disc(&placed.parts[end], pose, n, end as u32, &mut add);
             } else if 1.0 - up * up > ALONG * ALONG {
                 add(farthest(0), 100);
                 add(farthest(1), 101);
@@ -189,7 +226,7 @@ fn show(body: Body<'_>, placed: &Placed, pose: &Pose, n: &V, shown: &mut Shown) 
             let side = up * radius + (1.0 - up * up).max(0.0).sqrt() * height;
             if -up > ALONG {
                 shown.normal = -axis;
-                disc(&placed.parts[0], pose, n, 0, &mut add);
+                shown.disc = disc(&placed.parts[0], pose, n, 0, &mut add);
             } else if side > ALONG * radius.hypot(height) {
                 add(farthest(0), 100);
                 add(apex, 101);
@@ -240,8 +277,14 @@ fn flat(polytope: &Polytope, placed: &Placed, n: &V, shown: &mut Shown) {
 
 /// The points of a circle that stand for its disc, and the one that reaches farthest, in their order
 /// around the axis.
-fn disc(circle: &Part, pose: &Pose, n: &V, end: u32, add: &mut impl FnMut(V, u32)) {
-    let &Part::Circle { centre, axis, radius } = circle else { return };
+fn disc(
+    circle: &Part,
+    pose: &Pose,
+    n: &V,
+    end: u32,
+    add: &mut impl FnMut(V, u32),
+) -> Option<(V, f64)> {
+    let &Part::Circle { centre, axis, radius } = circle else { return None };
     // Fixed on the body.
     let from = from_vector(pose.rotation * vector(&V::x()));
     let farthest = circle.point(n) - centre;
@@ -259,6 +302,7 @@ fn disc(circle: &Part, pose: &Pose, n: &V, end: u32, add: &mut impl FnMut(V, u32
             add(centre + farthest, name(AROUND));
         }
     }
+    Some((centre, radius))
 }
 
 /// Cuts corners to what lies, seen along `n`, within a polygon.

@@ -39,7 +39,7 @@ const SMALL: f64 = 1e-6;
 /// The first bound on a turn, radians.
 const BOUND: f64 = 0.7;
 /// Searches of solids that overlap start from so many directions.
-const STARTS: usize = 6;
+const STARTS: usize = 16;
 /// Starts along the axis of a circle lean by so much, radians: there its farthest point is none.
 const LEAN: f64 = 1e-2;
 
@@ -81,10 +81,13 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
     {
         starts.extend([across, -across]);
     }
-    if starts.len() == kinks || kinks == 0 {
-        let all = [V::x(), V::y(), V::z()];
-        starts.extend(all.iter().flat_map(|n| [*n, -n]));
-    }
+    let all = [V::x(), V::y(), V::z()];
+    starts.extend(all.iter().flat_map(|n| [*n, -n]));
+    let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+    starts.extend(signs.iter().flat_map(|[x, y]| {
+        let n = V::new(*x, *y, 1.0).normalize();
+        [n, -n]
+    }));
     let mut order: Vec<(f64, usize)> =
         starts.iter().enumerate().map(|(k, n)| (search.value(n), k)).collect();
     order.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
@@ -101,11 +104,14 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
             break;
         }
     }
-    let (mut value, mut normal, points) = best?;
+    let (mut value, mut normal, mut points) = best?;
     // Faces are kinks that a search comes near to, and that say themselves where they are.
     for &(there, k) in &order {
         if k < kinks && there >= value - ROUNDING * scale && normal.dot(&starts[k]) > 0.9 {
             (value, normal) = (there, starts[k]);
+            // What lies on a face is the other solid's farthest point.
+            let (solid, back) = if k < a.faces.len() { (b, -normal) } else { (a, normal) };
+            points = [solid.parts[solid.farthest(&back).0].point(&back); 2];
             break;
         }
     }

@@ -237,7 +237,7 @@ pub(crate) struct WideBox {
 }
 
 /// The hair, relative to the smallest half size.
-const HAIR: f64 = 1e-9;
+const HAIR: f64 = 1e-11;
 
 impl WideBox {
     fn of(half: [f64; 3]) -> Self {

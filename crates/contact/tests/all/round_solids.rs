@@ -72,20 +72,14 @@ fn capsules_touch_by_both_ends_where_they_lie_and_by_one_point_where_they_cross(
                 assert!((found[0].points[0] - found[1].points[0]).norm() > 1.99 * size);
             }
             // Along another one, half beside it.
-            let below = Collider::fixed(
-                at(V::zeros(), yaw.compose(&lying())),
-                capsule(),
-            );
+            let below = Collider::fixed(at(V::zeros(), yaw.compose(&lying())), capsule());
             let shift = yaw.rotate(&V::x()) * size;
             let beside = at(V::z() * (0.6 * size) + shift, pose.rotation);
             let found = contacts(capsule(), beside, below.clone(), 1e-3 * size);
             assert_eq!(found.len(), 2, "size {size}, tilt {tilt}: {found:?}");
             let apart = (found[0].points[0] - found[1].points[0]).norm();
             assert!((apart / size - 1.0).abs() < 1e-6, "{apart}");
-            let crossing = at(
-                V::z() * (0.6 * size),
-                Rotation::exp(V::z()).compose(&pose.rotation),
-            );
+            let crossing = at(V::z() * (0.6 * size), Rotation::exp(V::z()).compose(&pose.rotation));
             let found = contacts(capsule(), crossing, below, 1e-3 * size);
             assert_eq!(found.len(), 1, "{found:?}");
             assert!(found[0].gap.abs() < (3.0 * tilt + 1e-15) * size);
