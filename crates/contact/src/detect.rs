@@ -9,6 +9,10 @@ pub(crate) mod box_axes;
 #[cfg(feature = "3d")]
 pub(crate) mod polytopes;
 #[cfg(feature = "3d")]
+pub(crate) mod separation;
+#[cfg(feature = "3d")]
+pub(crate) mod round_contacts;
+#[cfg(feature = "3d")]
 pub(crate) mod narrow_phase;
 pub(crate) mod seams;
 pub(crate) mod detection;

@@ -10,9 +10,13 @@ pub(crate) mod planar_convert;
 #[cfg(feature = "3d")]
 pub(crate) mod convert;
 #[cfg(feature = "2d")]
+pub(crate) mod outline;
+#[cfg(feature = "2d")]
 pub(crate) mod planar_shape;
 #[cfg(feature = "3d")]
 pub(crate) mod polytope;
+#[cfg(feature = "3d")]
+pub(crate) mod solid;
 #[cfg(feature = "3d")]
 pub(crate) mod shape;
 pub(crate) mod collider;

@@ -143,6 +143,14 @@ pub enum RigidError {
         /// Half its size.
         half: f64,
     },
+    /// A round body has a size.
+    #[error("the {what} is {value} m; it must be positive and finite")]
+    Length {
+        /// Which length.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A density is positive.
     #[error("the density is {0}; it must be positive and finite")]
     Density(f64),

@@ -61,6 +61,7 @@ mod jacobian;
 mod motion;
 mod matrix_group;
 mod body;
+mod round_bodies;
 mod mass_properties;
 mod space;
 mod metric;

@@ -118,7 +118,7 @@ macro_rules! box_tree {
                 use $library::partitioning::{Bvh, BvhBuildStrategy};
                 let tight =
                     |(shape, pose, margin): (&<crate::$dimension as Dimension>::Shape, _, f64)| {
-                        shape.geometry().compute_aabb(&pose).loosened(margin)
+                        shape.aabb(&pose).loosened(margin)
                     };
                 if self.boxes.is_empty() {
                     self.boxes.extend(leaves.map(|leaf| tight(leaf).loosened(leaf.2)));

@@ -25,9 +25,11 @@ use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
 use crate::Shape;
 use crate::detect::box_axes::farthest;
 use crate::detect::polytopes;
+use crate::detect::round_contacts::{self, Body};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::{Answer, Facing};
 use crate::shapes::polytope::Polytope;
+use crate::shapes::solid::Solid;
 
 type Manifold = ContactManifold<(), ()>;
 
@@ -38,6 +40,7 @@ pub struct Manifolds {
     one: Manifold,
     polytopes: polytopes::Room,
     triangle: Option<Polytope>,
+    round: round_contacts::Room,
 }
 
 /// Gaps wider than this part of a box are distances; below it the directions of closest points are
@@ -59,7 +62,10 @@ pub(crate) fn facing(
     found: &mut Vec<Facing<Vector3<f64>>>,
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
-    let Manifolds { found: manifolds, one, polytopes: space, triangle } = room;
+    let Manifolds { found: manifolds, one, polytopes: space, triangle, round } = room;
+    if shapes.iter().any(|shape| shape.curved().is_some()) {
+        return round_facing(shapes, relative, margin, round, triangle, found);
+    }
     if let (Some(first), Some(second), Some(wide)) =
         (both[0].as_cuboid(), both[1].as_cuboid(), shapes[1].wide())
     {
@@ -135,6 +141,57 @@ pub(crate) fn facing(
         |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
     let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
     [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
+}
+
+/// Appends where a round solid and another shape face each other.
+fn round_facing(
+    shapes: [&Shape; 2],
+    relative: &Pose,
+    margin: f64,
+    room: &mut round_contacts::Room,
+    triangle: &mut Option<Polytope>,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> Answer {
+    let bodies =
+        shapes.map(|shape| Some(Body { solid: shape.solid()?, polytope: shape.polytope() }));
+    if let [Some(first), Some(second)] = bodies {
+        round_contacts::facing([first, second], relative, margin, room, found);
+        return Answer::Now;
+    }
+    let side = usize::from(bodies[0].is_some());
+    let Some(body) = bodies[1 - side] else { return Answer::None };
+    // The solid as the other one sees it.
+    let place = if side == 0 { *relative } else { relative.inverse() };
+    if let Some(normal) = shapes[side].plane() {
+        let mut say = |name: u32, on_solid: Vector3<f64>, gap: f64| {
+            if gap > margin {
+                return;
+            }
+            let on_plane = from_vector(place * vector(&on_solid)) - normal * gap;
+            let seen = from_vector(place.rotation.inverse() * vector(&-normal));
+            let (mut features, mut points) = ([0, name], [on_plane, on_solid]);
+            features.swap(0, side);
+            points.swap(0, side);
+            let normal = if side == 0 { normal } else { seen };
+            found.push(Facing { parts: [0, 0], features, points, normal, gap });
+        };
+        round_contacts::facing_plane(body, &place, &normal, room, &mut say);
+        return Answer::Now;
+    }
+    let Some(mesh) = shapes[side].geometry().as_trimesh() else { return Answer::None };
+    let near = shapes[1 - side].aabb(&place).loosened(margin);
+    let triangle = triangle.get_or_insert_with(Polytope::triangle);
+    for part in mesh.bvh().intersect_aabb(&near) {
+        let corners = mesh.triangle(part);
+        triangle.set_triangle([corners.a, corners.b, corners.c].map(from_vector));
+        let solid = Solid::polytope(triangle);
+        let flat = Body { solid: &solid, polytope: Some(&*triangle) };
+        let first = found.len();
+        let pair = if side == 0 { [flat, body] } else { [body, flat] };
+        round_contacts::facing(pair, relative, margin, room, found);
+        found[first..].iter_mut().for_each(|facing| facing.parts[side] = part);
+    }
+    Answer::Now
 }
 
 /// Appends every corner of a convex solid that is near to a half-space; none of other shapes.

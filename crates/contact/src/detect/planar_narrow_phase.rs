@@ -7,17 +7,19 @@
 //! the corner that reaches farthest lies in front of the edge, `s` is their distance too. Else two
 //! corners are closest. The edge and the one that faces it are clipped against each other, and so
 //! matching edges keep both ends, whatever rounding does. Pieces of other polygons are looked at
-//! pair by pair. Discs and half-planes are asked of the geometry library.
+//! pair by pair. A capsule is its segment and a radius: gaps are those of the segment, less the
+//! radius. Discs and half-planes are asked of the geometry library.
 
 use nalgebra::Vector2;
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query::details::clip_segment_segment_with_normal;
 use parry2d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry2d_f64::shape::{ConvexPolygon, PackedFeatureId};
+use parry2d_f64::shape::PackedFeatureId;
 
 use crate::PlanarShape;
 use crate::shapes::dimension::{Answer, Facing};
-use crate::shapes::planar_convert::from_vector;
+use crate::shapes::outline::Outline;
+use crate::shapes::planar_convert::{from_vector, vector};
 
 type Found = Vec<Facing<Vector2<f64>>>;
 
@@ -33,16 +35,90 @@ pub(crate) fn facing(
     room: &mut Manifolds,
     found: &mut Found,
 ) -> Answer {
-    let [a, b] = shapes.map(PlanarShape::convex_pieces);
-    if a.is_empty() || b.is_empty() {
-        return ask(shapes, relative, margin, room, found);
-    }
+    let [a, b] = shapes.map(PlanarShape::cores);
     let back = relative.inverse();
+    let rounding = shapes.map(PlanarShape::rounding);
+    let round = rounding[0] + rounding[1];
+    if a.is_empty() || b.is_empty() {
+        if round == 0.0 {
+            return ask(shapes, relative, margin, room, found);
+        }
+        let side = usize::from(a.is_empty());
+        let place = if side == 0 { &back } else { relative };
+        return capsule_and(
+            [shapes[1 - side], shapes[side]],
+            place,
+            margin,
+            |points, n, end, gap| {
+                let (points, n) = match side {
+                    1 => (points, n),
+                    _ => ([points[1], points[0]], back_to_capsule(relative, &n)),
+                };
+                let mut features = [0, end];
+                features.swap(0, 1 - side);
+                found.push(Facing { parts: [0, 0], features, points, normal: n, gap });
+            },
+        );
+    }
+    let first_found = found.len();
+    let margin = margin + round;
     for (i, first) in a.iter().enumerate() {
         for (j, second) in b.iter().enumerate() {
             let pair = Pair { first, second, there: *relative, back, parts: [i as u32, j as u32] };
             pair.append(margin, found);
         }
+    }
+    if round > 0.0 {
+        for facing in &mut found[first_found..] {
+            facing.gap -= round;
+            facing.points[0] += facing.normal * rounding[0];
+            let own = from_vector(back.rotation * vector(&facing.normal));
+            facing.points[1] -= own * rounding[1];
+        }
+    }
+    Answer::Now
+}
+
+/// The normal of a capsule and its partner, seen from the partner, as the capsule sees it turned
+/// round.
+fn back_to_capsule(relative: &Pose, n: &Vector2<f64>) -> Vector2<f64> {
+    -from_vector(relative.rotation * vector(n))
+}
+
+/// Says where a disc or a half-plane, which sees the capsule at `place`, and the capsule face each
+/// other.
+fn capsule_and(
+    [other, capsule]: [&PlanarShape; 2],
+    place: &Pose,
+    margin: f64,
+    mut say: impl FnMut([Vector2<f64>; 2], Vector2<f64>, u32, f64),
+) -> Answer {
+    let (ends, radius) = (capsule.cores()[0].points(), capsule.rounding());
+    let own = |at: Vector| from_vector(place.inverse() * at);
+    if let Some(normal) = other.plane() {
+        let n = vector(&normal);
+        for (end, &point) in ends.iter().enumerate() {
+            let at = *place * point;
+            let gap = at.dot(n) - radius;
+            if gap <= margin {
+                let points = [from_vector(at - n * at.dot(n)), own(at - n * radius)];
+                say(points, normal, corner(end), gap);
+            }
+        }
+        return Answer::Now;
+    }
+    let Some(disc) = other.geometry().as_ball() else { return Answer::None };
+    let [from, to] = [0, 1].map(|end: usize| *place * ends[end]);
+    let along = to - from;
+    let t = (-from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    let nearest = from + along * t;
+    let distance = nearest.length();
+    // Where the segment passes through the centre, out sideways is as good as any way.
+    let sideways = Vector::new(-along.y, along.x).normalize();
+    let n = if distance > 0.0 { nearest / distance } else { sideways };
+    let gap = distance - radius - disc.radius;
+    if gap <= margin {
+        say([from_vector(n * disc.radius), own(nearest - n * radius)], from_vector(n), 0, gap);
     }
     Answer::Now
 }
@@ -78,8 +154,8 @@ fn ask(
 
 /// Two convex polygons, everything seen from the first.
 struct Pair<'a> {
-    first: &'a ConvexPolygon,
-    second: &'a ConvexPolygon,
+    first: &'a Outline,
+    second: &'a Outline,
     there: Pose,
     back: Pose,
     parts: [u32; 2],
@@ -103,7 +179,7 @@ impl Pair<'_> {
     fn append(&self, margin: f64, found: &mut Found) {
         let Some(own) = best_axis(self.first, self.second, &self.there, margin) else { return };
         let Some(other) = best_axis(self.second, self.first, &self.back, margin) else { return };
-        let size = |polygon: &ConvexPolygon| {
+        let size = |polygon: &Outline| {
             polygon.points().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt()
         };
         let size = size(self.first).min(size(self.second));
@@ -174,12 +250,7 @@ impl Pair<'_> {
 
 /// The normal of an edge of a polygon along which another is farthest from it; none where that is
 /// more than `margin`.
-fn best_axis(
-    polygon: &ConvexPolygon,
-    other: &ConvexPolygon,
-    there: &Pose,
-    margin: f64,
-) -> Option<Axis> {
+fn best_axis(polygon: &Outline, other: &Outline, there: &Pose, margin: f64) -> Option<Axis> {
     let mut best = Axis { separation: f64::NEG_INFINITY, edge: 0 };
     for (edge, normal) in polygon.normals().iter().enumerate() {
         let own = there.rotation.inverse() * *normal;
@@ -197,7 +268,7 @@ fn best_axis(
 }
 
 /// The edge whose normal is most along a direction.
-fn edge_along(polygon: &ConvexPolygon, direction: Vector) -> usize {
+fn edge_along(polygon: &Outline, direction: Vector) -> usize {
     let mut best = (f64::NEG_INFINITY, 0);
     for (edge, normal) in polygon.normals().iter().enumerate() {
         let along = normal.dot(direction);
@@ -208,7 +279,7 @@ fn edge_along(polygon: &ConvexPolygon, direction: Vector) -> usize {
     best.1
 }
 
-fn ends(polygon: &ConvexPolygon, edge: usize) -> [Vector; 2] {
+fn ends(polygon: &Outline, edge: usize) -> [Vector; 2] {
     let points = polygon.points();
     [points[edge], points[(edge + 1) % points.len()]]
 }
@@ -218,7 +289,7 @@ fn corner(corner: usize) -> u32 {
 }
 
 /// The name of an end of an edge (0 and 2), or of the edge itself (1).
-fn name(polygon: &ConvexPolygon, edge: usize, end: usize) -> u32 {
+fn name(polygon: &Outline, edge: usize, end: usize) -> u32 {
     match end {
         1 => PackedFeatureId::face(edge as u32).0,
         end => corner((edge + end / 2) % polygon.points().len()),

@@ -1,7 +1,8 @@
-//! Shapes of the plane: discs, boxes, polygons and half-planes.
+//! Shapes of the plane: discs, capsules, boxes, polygons and half-planes.
 //!
 //! ```text
 //! disc        |x| <= r
+//! capsule     |x - (t, 0)| <= r for some |t| <= a
 //! box         |x_k| <= a_k,  k = 1, 2
 //! polygon     an outline that neither crosses nor touches itself, convex or not
 //! half-plane  n.x <= 0
@@ -12,6 +13,7 @@
 //! direction or a number that is not finite is refused here, so that queries need not look again.
 
 use nalgebra::Vector2;
+use parry2d_f64::bounding_volume::Aabb;
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::shape::{ConvexPolygon, HalfSpace, SharedShape, TriMesh};
 use parry2d_f64::transformation::hertel_mehlhorn;
@@ -19,6 +21,7 @@ use stationary_mesh::Polygon;
 
 use crate::ContactError;
 use crate::error::{check_finite, check_length};
+use crate::shapes::outline::Outline;
 use crate::shapes::planar_convert::{from_vector, vector};
 
 /// A shape of the plane that queries accept.
@@ -27,6 +30,10 @@ pub struct PlanarShape {
     geometry: SharedShape,
     /// The convex pieces of what has corners, counterclockwise.
     pieces: Vec<ConvexPolygon>,
+    /// The outlines of the pieces; of a capsule, its segment.
+    cores: Vec<Outline>,
+    /// How far the shape reaches beyond its outlines, m.
+    rounding: f64,
     name: &'static str,
 }
 
@@ -43,7 +50,29 @@ impl PlanarShape {
     /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn disc(radius: f64) -> Result<Self, ContactError> {
         check_length("disc", "radius", radius)?;
-        Ok(PlanarShape { geometry: SharedShape::ball(radius), pieces: Vec::new(), name: "disc" })
+        Ok(Self::without_corners(SharedShape::ball(radius), "disc"))
+    }
+
+    /// All points within a radius of the segment from (-a, 0) to (a, 0), `a` the half length.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless both are positive and finite.
+    pub fn capsule(half_length: f64, radius: f64) -> Result<Self, ContactError> {
+        check_length("capsule", "half length", half_length)?;
+        check_length("capsule", "radius", radius)?;
+        let geometry = SharedShape::capsule_x(half_length, radius);
+        let cores = vec![Outline::segment(half_length)];
+        Ok(PlanarShape { cores, rounding: radius, ..Self::without_corners(geometry, "capsule") })
+    }
+
+    fn without_corners(geometry: SharedShape, name: &'static str) -> Self {
+        let (pieces, cores) = (Vec::new(), Vec::new());
+        PlanarShape { geometry, pieces, cores, rounding: 0.0, name }
+    }
+
+    fn with_corners(geometry: SharedShape, pieces: Vec<ConvexPolygon>, name: &'static str) -> Self {
+        let cores = pieces.iter().map(Outline::of).collect();
+        PlanarShape { geometry, pieces, cores, rounding: 0.0, name }
     }
 
     /// A box of these half sizes.
@@ -56,7 +85,7 @@ impl PlanarShape {
         let [a, b] = half;
         let corners = [[a, b], [-a, b], [-a, -b], [a, -b]].map(|[x, y]| Vector::new(x, y));
         let piece = convex(corners.to_vec()).ok_or(ContactError::Flat { shape: "box" })?;
-        Ok(PlanarShape { geometry: SharedShape::cuboid(a, b), pieces: vec![piece], name: "box" })
+        Ok(Self::with_corners(SharedShape::cuboid(a, b), vec![piece], "box"))
     }
 
     /// The polygon with these corners, in either order.
@@ -89,7 +118,7 @@ impl PlanarShape {
                 pieces.iter().map(|piece| (Pose::IDENTITY, shared(piece))).collect(),
             ),
         };
-        Ok(PlanarShape { geometry, pieces, name: "polygon" })
+        Ok(Self::with_corners(geometry, pieces, "polygon"))
     }
 
     /// The half-plane on the side of the origin away from this normal, whose length does not
@@ -102,7 +131,7 @@ impl PlanarShape {
         check_finite("the normal of a half-plane", normal.as_slice())?;
         check_length("half-plane", "normal", normal.norm())?;
         let geometry = SharedShape::new(HalfSpace::new(vector(&normal.normalize())));
-        Ok(PlanarShape { geometry, pieces: Vec::new(), name: "half-plane" })
+        Ok(Self::without_corners(geometry, "half-plane"))
     }
 
     /// What it is, in a word.
@@ -119,8 +148,21 @@ impl PlanarShape {
         &self.pieces
     }
 
+    pub(crate) fn cores(&self) -> &[Outline] {
+        &self.cores
+    }
+
+    pub(crate) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     pub(crate) fn geometry(&self) -> &SharedShape {
         &self.geometry
+    }
+
+    /// A box of the world that holds it.
+    pub(crate) fn aabb(&self, pose: &Pose) -> Aabb {
+        self.geometry.compute_aabb(pose)
     }
 
     pub(crate) fn plane(&self) -> Option<Vector2<f64>> {
@@ -176,6 +218,9 @@ mod tests {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let disc = PlanarShape::disc(bad);
             assert!(matches!(disc, Err(ContactError::Length { shape: "disc", .. })));
+            for capsule in [PlanarShape::capsule(bad, 1.0), PlanarShape::capsule(1.0, bad)] {
+                assert!(matches!(capsule, Err(ContactError::Length { shape: "capsule", .. })));
+            }
             let flat = PlanarShape::cuboid([1.0, bad]);
             assert!(matches!(flat, Err(ContactError::Length { shape: "box", .. })));
         }

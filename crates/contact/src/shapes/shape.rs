@@ -1,7 +1,11 @@
-//! Shapes of space: balls, boxes, convex solids, half-spaces and triangle meshes.
+//! Shapes of space: round and flat convex solids, half-spaces and triangle meshes.
 //!
 //! ```text
 //! ball        |x| <= r
+//! capsule     |x - (0, 0, t)| <= r for some |t| <= a
+//! cylinder    x^2 + y^2 <= r^2,  |z| <= a
+//! cone        sqrt(x^2 + y^2) <= r (3/4 - z/l),  z >= -l/4         the origin its centre of mass
+//! ellipsoid   (x/a_1)^2 + (y/a_2)^2 + (z/a_3)^2 <= 1
 //! box         |x_k| <= a_k,  k = 1, 2, 3
 //! convex      the hull of points
 //! half-space  n.x <= 0
@@ -13,6 +17,8 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Pose;
 use parry3d_f64::shape::{Cuboid, HalfSpace, SharedShape};
 use parry3d_f64::transformation::try_convex_hull;
 
@@ -20,6 +26,7 @@ use crate::ContactError;
 use crate::error::{check_finite, check_length};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::polytope::Polytope;
+use crate::shapes::solid::Solid;
 
 /// A shape that queries accept.
 #[derive(Clone)]
@@ -28,6 +35,8 @@ pub struct Shape {
     wide: Option<WideBox>,
     /// Its flat faces, where it is convex and has nothing else.
     polytope: Option<Arc<Polytope>>,
+    /// Itself as the hull of its parts, where it is convex and has an end.
+    solid: Option<Arc<Solid>>,
     name: &'static str,
 }
 
@@ -44,7 +53,58 @@ impl Shape {
     /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn ball(radius: f64) -> Result<Self, ContactError> {
         check_length("ball", "radius", radius)?;
-        Ok(Shape { geometry: SharedShape::ball(radius), wide: None, polytope: None, name: "ball" })
+        Ok(Self::round(Solid::ball(radius), "ball"))
+    }
+
+    /// All points within a radius of the segment from (0, 0, -a) to (0, 0, a), `a` the half length.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless both are positive and finite.
+    pub fn capsule(half_length: f64, radius: f64) -> Result<Self, ContactError> {
+        check_length("capsule", "half length", half_length)?;
+        check_length("capsule", "radius", radius)?;
+        Ok(Self::round(Solid::capsule(half_length, radius), "capsule"))
+    }
+
+    /// A cylinder about z, its ends at z = -a and z = a, `a` the half length.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless both are positive and finite.
+    pub fn cylinder(half_length: f64, radius: f64) -> Result<Self, ContactError> {
+        check_length("cylinder", "half length", half_length)?;
+        check_length("cylinder", "radius", radius)?;
+        Ok(Self::round(Solid::cylinder(half_length, radius), "cylinder"))
+    }
+
+    /// A cone about z with its centre of mass at the origin: the apex at three quarters of its height,
+    /// the base, of this radius, a quarter below.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless both are positive and finite.
+    pub fn cone(height: f64, radius: f64) -> Result<Self, ContactError> {
+        check_length("cone", "height", height)?;
+        check_length("cone", "radius", radius)?;
+        Ok(Self::round(Solid::cone(height, radius), "cone"))
+    }
+
+    /// An ellipsoid of these half axes.
+    ///
+    /// # Errors
+    /// [`ContactError::Length`] unless the half axes are positive and finite.
+    pub fn ellipsoid(half_axes: [f64; 3]) -> Result<Self, ContactError> {
+        half_axes.into_iter().try_for_each(|a| check_length("ellipsoid", "half axis", a))?;
+        Ok(Self::round(Solid::ellipsoid(half_axes), "ellipsoid"))
+    }
+
+    /// What is round; the geometry library, which is asked nothing of it, sees a ball that holds it.
+    fn round(solid: Solid, name: &'static str) -> Self {
+        let geometry = SharedShape::ball(solid.size);
+        Shape { geometry, wide: None, polytope: None, solid: Some(Arc::new(solid)), name }
+    }
+
+    fn flat(geometry: SharedShape, polytope: Option<Polytope>, name: &'static str) -> Self {
+        let solid = polytope.as_ref().map(Solid::polytope).map(Arc::new);
+        Shape { geometry, wide: None, polytope: polytope.map(Arc::new), solid, name }
     }
 
     /// A box of these half sizes.
@@ -54,8 +114,8 @@ impl Shape {
     pub fn cuboid(half: [f64; 3]) -> Result<Self, ContactError> {
         half.into_iter().try_for_each(|a| check_length("box", "half size", a))?;
         let geometry = SharedShape::cuboid(half[0], half[1], half[2]);
-        let polytope = Polytope::cuboid(half).map(Arc::new);
-        Ok(Shape { geometry, wide: Some(WideBox::of(half)), polytope, name: "box" })
+        let flat = Self::flat(geometry, Polytope::cuboid(half), "box");
+        Ok(Shape { wide: Some(WideBox::of(half)), ..flat })
     }
 
     /// The convex hull of these points.
@@ -75,7 +135,7 @@ impl Shape {
             let triangles: Vec<_> = triangles.iter().map(|t| t.map(|k| k as usize)).collect();
             Polytope::new(corners.into_iter().map(from_vector).collect(), &triangles)
         });
-        Ok(Shape { geometry, wide: None, polytope: polytope.map(Arc::new), name: shape })
+        Ok(Self::flat(geometry, polytope, shape))
     }
 
     /// The half-space on the side of the origin away from this normal, whose length does not
@@ -89,7 +149,7 @@ impl Shape {
         check_length("half-space", "normal", normal.norm())?;
         let normal = vector(&normal.normalize());
         let geometry = SharedShape::new(HalfSpace::new(normal));
-        Ok(Shape { geometry, wide: None, polytope: None, name: "half-space" })
+        Ok(Self::flat(geometry, None, "half-space"))
     }
 
     /// A surface of triangles.
@@ -119,7 +179,7 @@ impl Shape {
         let points = vertices.iter().map(vector).collect();
         let geometry = SharedShape::trimesh(points, triangles.to_vec())
             .map_err(|_| ContactError::Flat { shape })?;
-        Ok(Shape { geometry, wide: None, polytope: None, name: shape })
+        Ok(Self::flat(geometry, None, shape))
     }
 
     /// What it is, in a word.
@@ -139,6 +199,27 @@ impl Shape {
         self.polytope.as_deref()
     }
 
+    /// Itself as the hull of its parts, where it is convex and has an end.
+    pub(crate) fn solid(&self) -> Option<&Solid> {
+        self.solid.as_deref()
+    }
+
+    /// Itself, where it is round and not a ball.
+    pub(crate) fn curved(&self) -> Option<&Solid> {
+        self.solid().filter(|_| self.polytope.is_none() && self.name != "ball")
+    }
+
+    /// A box of the world that holds it.
+    pub(crate) fn aabb(&self, pose: &Pose) -> Aabb {
+        let Some(solid) = self.curved() else { return self.geometry.compute_aabb(pose) };
+        let reach =
+            |n: Vector3<f64>| solid.reach(&from_vector(pose.rotation.inverse() * vector(&n)));
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let high = Vector3::from(axes.map(reach));
+        let low = Vector3::from(axes.map(|n| -reach(-n)));
+        Aabb::new(pose.translation + vector(&low), pose.translation + vector(&high))
+    }
+
     pub(crate) fn plane(&self) -> Option<Vector3<f64>> {
         self.geometry.as_halfspace().map(|half| from_vector(half.normal))
     }
@@ -156,7 +237,7 @@ pub(crate) struct WideBox {
 }
 
 /// The hair, relative to the smallest half size.
-const HAIR: f64 = 1e-9;
+const HAIR: f64 = 1e-11;
 
 impl WideBox {
     fn of(half: [f64; 3]) -> Self {
@@ -198,6 +279,22 @@ mod tests {
             assert!(matches!(Shape::ball(bad), Err(ContactError::Length { shape: "ball", .. })));
             let flat = Shape::cuboid([1.0, bad, 1.0]);
             assert!(matches!(flat, Err(ContactError::Length { shape: "box", .. })));
+            for (name, refused) in [
+                ("capsule", [Shape::capsule(bad, 1.0), Shape::capsule(1.0, bad)]),
+                ("cylinder", [Shape::cylinder(bad, 1.0), Shape::cylinder(1.0, bad)]),
+                ("cone", [Shape::cone(bad, 1.0), Shape::cone(1.0, bad)]),
+                (
+                    "ellipsoid",
+                    [Shape::ellipsoid([bad, 1.0, 1.0]), Shape::ellipsoid([1.0, 1.0, bad])],
+                ),
+            ] {
+                for shape in refused {
+                    let Err(ContactError::Length { shape, value, .. }) = shape else {
+                        panic!("{name} of {bad} is taken")
+                    };
+                    assert!(shape == name && value.to_bits() == bad.to_bits());
+                }
+            }
         }
         let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         let mut points: Vec<_> = square.iter().map(|p| Vector3::new(p[0], p[1], 0.3)).collect();

@@ -15,9 +15,12 @@ use stationary_rigid::{
 };
 
 use crate::detect::narrow_phase::{Manifolds, facing};
+use crate::detect::separation::separate;
 use crate::error::check_finite;
 use crate::shapes::convert;
 use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
+use crate::shapes::polytope::Polytope;
+use crate::shapes::solid::{Placed, Solid};
 use crate::solve::island_solver::IslandSolver;
 use crate::{ContactError, Dimension, Shape};
 
@@ -240,6 +243,9 @@ impl Dimension for Spatial {
         poses: [&Pose; 2],
     ) -> Option<[Vector3<f64>; 2]> {
         use parry3d_f64::query::{ClosestPoints, closest_points};
+        if shapes.iter().any(|shape| shape.curved().is_some()) {
+            return closest_of_round(shapes, parts, poses);
+        }
         let found = with_part(shapes[0], parts[0], |a| {
             with_part(shapes[1], parts[1], |b| closest_points(poses[0], a, poses[1], b, f64::MAX))
         });
@@ -254,6 +260,9 @@ impl Dimension for Spatial {
     fn farthest(shape: &Shape, part: u32, direction: &Vector3<f64>) -> f64 {
         if let Some(normal) = shape.plane() {
             return farthest_of_plane(direction.norm(), (direction.normalize() - normal).norm());
+        }
+        if let Some(solid) = shape.curved() {
+            return solid.reach(direction);
         }
         let along = convert::vector(direction);
         with_part(shape, part, |part| match (part.as_ball(), part.as_support_map()) {
@@ -286,6 +295,9 @@ impl Dimension for Spatial {
     }
 
     fn nearest(shape: &Shape, point: &Vector3<f64>) -> Vector3<f64> {
+        if let Some(solid) = shape.curved() {
+            return nearest_on(solid, point);
+        }
         let there = shape.geometry().project_local_point(convert::vector(point), true);
         convert::from_vector(there.point)
     }
@@ -298,6 +310,57 @@ impl Dimension for Spatial {
         found: &mut Vec<Facing<Vector3<f64>>>,
     ) -> Answer {
         facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+    }
+}
+
+/// The closest points of two convex parts of which one is round, world axes; none where they overlap.
+fn closest_of_round(
+    shapes: [&Shape; 2],
+    parts: [u32; 2],
+    poses: [&Pose; 2],
+) -> Option<[Vector3<f64>; 2]> {
+    let at =
+        |pose: &Pose, point: Vector3<f64>| convert::from_vector(pose * convert::vector(&point));
+    if let Some(side) = shapes.iter().position(|shape| shape.plane().is_some()) {
+        let (normal, solid) = (shapes[side].plane()?, shapes[1 - side].solid()?);
+        let mut placed = Placed::default();
+        solid.place(&poses[side].inv_mul(poses[1 - side]), &mut placed);
+        let (part, height) = placed.farthest(&-normal);
+        let lowest = placed.parts[part].point(&-normal) - normal * placed.rounding;
+        let gap = -height - placed.rounding;
+        let points = [lowest - normal * gap, lowest].map(|point| at(poses[side], point));
+        let [below, above] = points;
+        return (gap > 0.0).then_some(if side == 0 { [below, above] } else { [above, below] });
+    }
+    let mut placed = [Placed::default(), Placed::default()];
+    let relative = poses[0].inv_mul(poses[1]);
+    for (k, place) in [Pose::IDENTITY, relative].iter().enumerate() {
+        match (shapes[k].solid(), shapes[k].geometry().as_trimesh()) {
+            (Some(solid), _) => solid.place(place, &mut placed[k]),
+            (None, Some(mesh)) => {
+                let corners = mesh.triangle(parts[k]);
+                let mut triangle = Polytope::triangle();
+                let corners = [corners.a, corners.b, corners.c].map(convert::from_vector);
+                triangle.set_triangle(corners);
+                Solid::polytope(&triangle).place(place, &mut placed[k]);
+            }
+            (None, None) => return None,
+        }
+    }
+    let [first, second] = &placed;
+    let there = separate([first, second], f64::INFINITY).filter(|there| there.gap > 0.0)?;
+    Some(there.points.map(|point| at(poses[0], point)))
+}
+
+/// The point of a solid that is closest to a point, which it is where the solid holds it.
+fn nearest_on(solid: &Solid, point: &Vector3<f64>) -> Vector3<f64> {
+    let mut placed = [Placed::default(), Placed::default()];
+    solid.place(&Pose::IDENTITY, &mut placed[0]);
+    let there = Pose::from_translation(convert::vector(point));
+    Solid::ball(0.0).place(&there, &mut placed[1]);
+    match separate([&placed[0], &placed[1]], f64::INFINITY) {
+        Some(there) if there.gap > 0.0 => there.points[0],
+        _ => *point,
     }
 }
 

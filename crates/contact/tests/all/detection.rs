@@ -38,7 +38,10 @@ fn tent() -> Shape {
 
 fn shapes() -> Vec<Shape> {
     let cuboid = Shape::cuboid([0.3, 0.4, 0.5]).unwrap();
-    vec![Shape::ball(0.4).unwrap(), cuboid, octahedron(), tent()]
+    let [capsule, cylinder] = [Shape::capsule(0.4, 0.2), Shape::cylinder(0.4, 0.3)];
+    let [cone, ellipsoid] = [Shape::cone(0.9, 0.4), Shape::ellipsoid([0.2, 0.3, 0.5])];
+    let round = [Shape::ball(0.4), capsule, cylinder, cone, ellipsoid].map(Result::unwrap);
+    round.into_iter().chain([cuboid, octahedron(), tent()]).collect()
 }
 
 /// The contact with the smallest gap at a configuration.

@@ -18,6 +18,8 @@ mod push_apart;
 mod resuming;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod rigid_time_of_impact;
+#[cfg(feature = "3d")]
+mod round_solids;
 #[cfg(feature = "2d")]
 mod rough_impacts;
 #[cfg(all(feature = "2d", feature = "3d"))]

@@ -21,6 +21,10 @@ fn cuboid() -> PlanarShape {
     PlanarShape::cuboid([0.4, 0.25]).unwrap()
 }
 
+fn capsule() -> PlanarShape {
+    PlanarShape::capsule(0.35, 0.15).unwrap()
+}
+
 fn kite() -> PlanarShape {
     PlanarShape::polygon(&places(&[[0.5, 0.0], [0.1, 0.4], [-0.3, 0.1], [0.0, -0.5]])).unwrap()
 }
@@ -48,8 +52,8 @@ fn nearest(detector: &mut PlanarDetector, q: &[f64]) -> Option<PlanarContactPoin
 #[test]
 fn the_differential_of_the_gap_is_its_derivative_along_every_coordinate() {
     let mut random = SplitMix64::new(5);
-    for first in [disc(), cuboid(), kite(), angle_iron()] {
-        for second in [disc(), cuboid(), kite(), angle_iron(), ground()] {
+    for first in [disc(), capsule(), cuboid(), kite(), angle_iron()] {
+        for second in [disc(), capsule(), cuboid(), kite(), angle_iron(), ground()] {
             let names = (first.name(), second.name());
             let convex = first.pieces().count().max(second.pieces().count()) < 2;
             let (mut seen, mut switches) = (0, 0);
@@ -215,6 +219,34 @@ fn colliders_at_places_that_are_no_numbers_are_refused() {
             let error = PlanarDetector::new(vec![PlanarCollider::fixed(place, ground())], 0);
             let error = error.unwrap_err();
             assert!(matches!(error, ContactError::NonFinite { .. }), "{error}");
+        }
+    }
+}
+
+#[test]
+fn capsules_of_the_plane_touch_by_both_ends_where_they_lie() {
+    let mut random = SplitMix64::new(14);
+    for size in [1e-6, 1.0, 1e6] {
+        let capsule = || PlanarShape::capsule(size, 0.3 * size).unwrap();
+        let plane = PlanarShape::half_plane(Vector2::y()).unwrap();
+        let slab = PlanarShape::cuboid([3.0 * size, size]).unwrap();
+        for (below, height) in [(plane, 0.0), (slab, -size), (capsule(), -0.3 * size)] {
+            let half = if below.name() == "capsule" { 0.5 } else { 1.0 };
+            for k in 0..40 {
+                let tilt = [0.0, 1e-16, 1e-12, 1e-9][k % 4] * random.symmetric();
+                let fixed = PlanarCollider::fixed(at(0.0, height), below.clone());
+                let own = PlanarCollider::on_body(0, capsule());
+                let mut detector = PlanarDetector::new(vec![own, fixed], 1).unwrap();
+                let x = if half < 1.0 { size } else { 0.0 };
+                let found = detector.detect(&[x, 0.3 * size, tilt], 1e-3 * size).unwrap();
+                assert_eq!(found.len(), 2, "{} {size} {tilt}: {found:?}", below.name());
+                let apart = (found[0].points[0] - found[1].points[0]).norm();
+                assert!((apart / size - 2.0 * half).abs() < 1e-6, "{apart}");
+                for contact in found {
+                    assert!(contact.gap.abs() <= (2.0 * tilt.abs() + 1e-15) * size, "{contact:?}");
+                    assert!((contact.normal.norm() - 1.0).abs() < 1e-15);
+                }
+            }
         }
     }
 }

@@ -5,12 +5,14 @@ mod case;
 mod engine;
 mod hull;
 mod planar;
+mod points;
 mod refined;
 mod scenes;
+mod solids;
 mod spatial;
 mod step;
 
 use crate::Kind;
 
 /// The kinds of trials of contact.
-pub const KINDS: &[Kind] = &[scenes::PLANAR, scenes::SPATIAL, bad_input::KIND];
+pub const KINDS: &[Kind] = &[scenes::PLANAR, scenes::SPATIAL, points::KIND, bad_input::KIND];

@@ -1,7 +1,7 @@
 //! What rigid promises, on random problems.
 
 mod bad_input;
-mod double_double;
+pub(super) mod double_double;
 mod driven;
 mod free_top;
 mod independence;

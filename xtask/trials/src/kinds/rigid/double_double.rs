@@ -9,9 +9,9 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// An unevaluated sum of two doubles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Twofold {
-    pub(super) hi: f64,
-    pub(super) lo: f64,
+pub(crate) struct Twofold {
+    pub(crate) hi: f64,
+    pub(crate) lo: f64,
 }
 
 impl From<f64> for Twofold {
@@ -98,7 +98,7 @@ const HALF_PI: [f64; 3] =
     [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 
 impl Twofold {
-    pub(super) fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Twofold::from(0.0);
         }
@@ -107,16 +107,16 @@ impl Twofold {
         quick(x, rest.hi / (2.0 * x))
     }
 
-    pub(super) fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         if self.hi < 0.0 { -self } else { self }
     }
 
     /// The nearest double.
-    pub(super) fn value(self) -> f64 {
+    pub(crate) fn value(self) -> f64 {
         self.hi + self.lo
     }
 
-    pub(super) fn sin_cos(self) -> (Self, Self) {
+    pub(crate) fn sin_cos(self) -> (Self, Self) {
         let turns = (self.hi / HALF_PI[0]).round();
         let rest = HALF_PI.iter().fold(self, |rest, &part| rest - Twofold::from(part) * turns);
         let square = -(rest * rest);
@@ -138,7 +138,7 @@ impl Twofold {
     }
 
     /// The angle of the point (x, self).
-    pub(super) fn atan2(self, x: Self) -> Self {
+    pub(crate) fn atan2(self, x: Self) -> Self {
         let guess = Twofold::from(self.hi.atan2(x.hi));
         let (sine, cosine) = guess.sin_cos();
         guess + (self * cosine - x * sine) / (self * self + x * x).sqrt()
@@ -146,26 +146,26 @@ impl Twofold {
 }
 
 /// Three numbers.
-pub(super) type Triple = [Twofold; 3];
+pub(crate) type Triple = [Twofold; 3];
 
-pub(super) fn triple(v: [f64; 3]) -> Triple {
+pub(crate) fn triple(v: [f64; 3]) -> Triple {
     v.map(Twofold::from)
 }
 
-pub(super) fn dot(a: &Triple, b: &Triple) -> Twofold {
+pub(crate) fn dot(a: &Triple, b: &Triple) -> Twofold {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: &Triple, b: &Triple) -> Triple {
+pub(crate) fn cross(a: &Triple, b: &Triple) -> Triple {
     let at = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
     [at(1, 2), at(2, 0), at(0, 1)]
 }
 
-pub(super) fn add(a: &Triple, b: &Triple) -> Triple {
+pub(crate) fn add(a: &Triple, b: &Triple) -> Triple {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(super) fn scaled(a: &Triple, s: Twofold) -> Triple {
+pub(crate) fn scaled(a: &Triple, s: Twofold) -> Triple {
     a.map(|x| x * s)
 }
 

@@ -1,0 +1,334 @@
+//! The direction along which two convex solids are farthest apart.
+//!
+//! ```text
+//! s(n) = min over parts j, i of n.(x2_j(n) - x1_i(n)),    |n| = 1,    gap = max s(n) - r1 - r2
+//! s(n + d) ~ min (s_k + b_k.d) + d^T Q d/2,    Q = -sum l_k (H_k + s I),    d across n
+//! ```
+//! `x1 x2` the farthest points of the solids' parts along `n` and `-n`, which move along circles and
+//! ellipsoids as `n` turns (`H` their Hessians). Each pair of parts that was farthest is kept; the
+//! least of their models is maximized within a bound on `|d|`, the bound shrinks where the model does
+//! not hold. `l` the weights of the pairs that meet at the maximum; there `x2 - x1 = s n`, so that
+//! solids that are apart have their closest points and no other maximum. Solids that overlap may have
+//! several: each face and axis is tried, and the best ones are followed. Near the maximum the
+//! iteration is Newton's. Source: Gilbert, Johnson and Keerthi 1988 for the parts that are kept;
+//! Hiriart-Urruty and Lemarechal 1993, chapter XV for the model.
+
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+use crate::shapes::solid::Placed;
+
+type V = Vector3<f64>;
+
+/// Where two solids are closest, or least deep in each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Separation {
+    /// Less than zero where they overlap, m.
+    pub(crate) gap: f64,
+    /// From the first to the second, of length 1.
+    pub(crate) normal: V,
+    /// On their surfaces.
+    pub(crate) points: [V; 2],
+}
+
+/// Iterations of one search; it takes about ten.
+const ITERATIONS: usize = 100;
+/// Increases below this part of the size are rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Turns below this, radians, are taken though rounding hides what they gain.
+const SMALL: f64 = 1e-6;
+/// The first bound on a turn, radians.
+const BOUND: f64 = 0.7;
+/// Searches of solids that overlap start from so many directions.
+const STARTS: usize = 16;
+/// Starts along the axis of a circle lean by so much, radians: there its farthest point is none.
+const LEAN: f64 = 1e-2;
+
+/// A pair of parts that was farthest, at the direction of now.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    parts: [usize; 2],
+    value: f64,
+    slope: Vector2<f64>,
+    weight: f64,
+}
+
+/// Where a search stands.
+struct Search<'a> {
+    solids: [&'a Placed; 2],
+    /// The scale of rounding, m.
+    scale: f64,
+}
+
+/// The separation of two solids; none where it exceeds `margin`.
+pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> {
+    let [a, b] = solids;
+    let centres = b.centre - a.centre;
+    let scale = a.size + b.size + centres.norm();
+    let search = Search { solids, scale };
+    let rounding = a.rounding + b.rounding;
+    let mut starts = Vec::with_capacity(a.faces.len() + b.faces.len() + 12);
+    starts.extend(a.faces.iter().copied());
+    starts.extend(b.faces.iter().map(|n| -n));
+    let kinks = starts.len();
+    starts.extend(centres.try_normalize(0.0));
+    for axis in [a.axis, b.axis].into_iter().flatten() {
+        let across = centres - axis * centres.dot(&axis);
+        starts.extend(across.try_normalize(1e-9 * scale));
+        starts.extend([axis, -axis]);
+    }
+    if let [Some(one), Some(other)] = [a.axis, b.axis]
+        && let Some(across) = one.cross(&other).try_normalize(1e-9)
+    {
+        starts.extend([across, -across]);
+    }
+    let all = [V::x(), V::y(), V::z()];
+    starts.extend(all.iter().flat_map(|n| [*n, -n]));
+    let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+    starts.extend(signs.iter().flat_map(|[x, y]| {
+        let n = V::new(*x, *y, 1.0).normalize();
+        [n, -n]
+    }));
+    let mut order: Vec<(f64, usize)> =
+        starts.iter().enumerate().map(|(k, n)| (search.value(n), k)).collect();
+    order.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+    if order[0].0 - rounding > margin {
+        return None;
+    }
+    let mut best: Option<(f64, V, [V; 2])> = None;
+    for &(_, k) in order.iter().take(STARTS) {
+        let found = search.climb(starts[k]);
+        if best.is_none_or(|best| found.0 > best.0 + ROUNDING * scale) {
+            best = Some(found);
+        }
+        if best.is_some_and(|best| best.0 > 0.0) {
+            break;
+        }
+    }
+    let (mut value, mut normal, mut points) = best?;
+    // Faces are kinks that a search comes near to, and that say themselves where they are.
+    for &(there, k) in &order {
+        if k < kinks && there >= value - ROUNDING * scale && normal.dot(&starts[k]) > 0.9 {
+            (value, normal) = (there, starts[k]);
+            // What lies on a face is the other solid's farthest point.
+            let (solid, back) = if k < a.faces.len() { (b, -normal) } else { (a, normal) };
+            points = [solid.parts[solid.farthest(&back).0].point(&back); 2];
+            break;
+        }
+    }
+    let gap = value - rounding;
+    if !(gap <= margin) {
+        return None;
+    }
+    let middle = (points[0] + points[1]) * 0.5;
+    let on = |along: f64| middle + normal * (along - middle.dot(&normal));
+    let ends = [a.farthest(&normal).1 + a.rounding, -b.farthest(&-normal).1 - b.rounding];
+    Some(Separation { gap, normal, points: ends.map(on) })
+}
+
+/// The separation near a direction, of solids that are known to be close along it.
+pub(crate) fn separate_near(solids: [&Placed; 2], start: &V) -> Separation {
+    let [a, b] = solids;
+    let scale = a.size + b.size + (b.centre - a.centre).norm();
+    let (value, normal, points) = Search { solids, scale }.climb(*start);
+    let points = [points[0] + normal * a.rounding, points[1] - normal * b.rounding];
+    Separation { gap: value - a.rounding - b.rounding, normal, points }
+}
+
+/// Two unit vectors across a third and each other.
+fn across(n: &V) -> [V; 2] {
+    let first = n.cross(&V::ith(n.iamin(), 1.0)).normalize();
+    [first, n.cross(&first)]
+}
+
+impl Search<'_> {
+    fn value(&self, n: &V) -> f64 {
+        let [a, b] = self.solids;
+        -b.farthest(&-n).1 - a.farthest(n).1
+    }
+
+    /// The pair of parts that is farthest.
+    fn parts(&self, n: &V) -> [usize; 2] {
+        let [a, b] = self.solids;
+        [a.farthest(n).0, b.farthest(&-n).0]
+    }
+
+    fn cut(&self, n: &V, basis: &[V; 2], parts: [usize; 2], weight: f64) -> Cut {
+        let [a, b] = self.solids;
+        let apart = b.parts[parts[1]].point(&-n) - a.parts[parts[0]].point(n);
+        let value = -b.parts[parts[1]].reach(&-n) - a.parts[parts[0]].reach(n);
+        let slope = Vector2::new(apart.dot(&basis[0]), apart.dot(&basis[1]));
+        Cut { parts, value, slope, weight }
+    }
+
+    /// The largest value that is reached by turning from a direction, where, and two points of the
+    /// hulls that face each other there.
+    fn climb(&self, start: V) -> (f64, V, [V; 2]) {
+        let [a, b] = self.solids;
+        let tiny = ROUNDING * self.scale;
+        let lean = across(&start)[0] * LEAN;
+        let mut n = (start + lean).normalize();
+        if self.value(&start) > self.value(&n) && !self.at_axis(&start) {
+            n = start;
+        }
+        let mut value = self.value(&n);
+        let mut bound = BOUND;
+        let mut cuts = vec![self.cut(&n, &across(&n), self.parts(&n), 1.0)];
+        for _ in 0..ITERATIONS {
+            let basis = across(&n);
+            for cut in &mut cuts {
+                *cut = self.cut(&n, &basis, cut.parts, cut.weight);
+            }
+            let bend = self.bend(&n, &basis, &cuts);
+            let Some((d, used, promised)) = maximize(&cuts, &bend, bound) else { break };
+            weigh(&mut cuts, &used, &d, &bend);
+            let next = (n + basis[0] * d.x + basis[1] * d.y).normalize();
+            let there = self.value(&next);
+            let turn = d.norm();
+            let farthest = self.parts(&next);
+            let known = cuts.iter().any(|cut| cut.parts == farthest);
+            let gains = there > value;
+            if gains || (known && turn < SMALL && there >= value - tiny) {
+                if turn > 0.7 * bound && there - value > 0.3 * (promised - value) {
+                    bound = (2.0 * bound).min(BOUND);
+                }
+                n = next;
+                value = value.max(there);
+            } else if known {
+                bound = 0.3 * turn.min(bound);
+            }
+            if known && (promised - value <= tiny && turn < SMALL || bound < 1e-15) {
+                break;
+            }
+            if !known {
+                // Of those that do not meet at the maximum none is kept.
+                if cuts.len() > 2 {
+                    cuts.retain(|cut| cut.weight > 0.0);
+                }
+                cuts.push(self.cut(&n, &basis, farthest, 0.0));
+                cuts.truncate(MOST);
+            }
+        }
+        let basis = across(&n);
+        for cut in &mut cuts {
+            *cut = self.cut(&n, &basis, cut.parts, cut.weight);
+        }
+        let bend = self.bend(&n, &basis, &cuts);
+        if let Some((d, used, _)) = maximize(&cuts, &bend, SMALL) {
+            weigh(&mut cuts, &used, &d, &bend);
+        }
+        let mut points = [V::zeros(); 2];
+        for cut in &cuts {
+            points[0] += a.parts[cut.parts[0]].point(&n) * cut.weight;
+            points[1] += b.parts[cut.parts[1]].point(&-n) * cut.weight;
+        }
+        (self.value(&n), n, points)
+    }
+
+    /// Whether a direction is the axis of a circle of one of the solids.
+    fn at_axis(&self, n: &V) -> bool {
+        let along = |axis: &V| n.cross(axis).norm() < 1e-6;
+        self.solids.iter().any(|solid| solid.axis.as_ref().is_some_and(along))
+    }
+
+    /// The second derivative along turns of the cuts by their weights, negative definite.
+    fn bend(&self, n: &V, basis: &[V; 2], cuts: &[Cut]) -> Matrix2<f64> {
+        let [a, b] = self.solids;
+        let mut sum = Matrix3::zeros();
+        let mut height = 0.0;
+        for cut in cuts.iter().filter(|cut| cut.weight > 0.0) {
+            let [i, j] = cut.parts;
+            sum += (a.parts[i].bend(n) + b.parts[j].bend(&-n)) * cut.weight;
+            height += cut.value * cut.weight;
+        }
+        let at = |i: usize, j: usize| basis[i].dot(&(sum * basis[j]));
+        let mut bend = -Matrix2::new(at(0, 0) + height, at(0, 1), at(1, 0), at(1, 1) + height);
+        let (mean, half) = (0.5 * bend.trace(), 0.5 * (bend.m11 - bend.m22));
+        let largest = mean + half.hypot(bend.m12);
+        let least = -1e-9 * self.scale;
+        if largest > least {
+            let shift = largest - least;
+            bend.m11 -= shift;
+            bend.m22 -= shift;
+        }
+        bend
+    }
+}
+
+/// Cuts that are kept at once.
+const MOST: usize = 4;
+
+/// The turn within a bound that maximizes the least of the models, which of them meet there, and the
+/// value there.
+fn maximize(
+    cuts: &[Cut],
+    bend: &Matrix2<f64>,
+    bound: f64,
+) -> Option<(Vector2<f64>, Vec<usize>, f64)> {
+    let inverse = bend.try_inverse()?;
+    let value = |d: &Vector2<f64>| {
+        let least = cuts.iter().map(|c| c.value + c.slope.dot(d)).fold(f64::INFINITY, f64::min);
+        least + 0.5 * d.dot(&(bend * d))
+    };
+    let mut best: Option<(Vector2<f64>, Vec<usize>, f64)> = None;
+    let mut offer = |d: Vector2<f64>, used: &[usize]| {
+        let length = d.norm();
+        let d = if length > bound { d * (bound / length) } else { d };
+        let there = value(&d);
+        if there.is_finite() && best.as_ref().is_none_or(|best| there > best.2) {
+            best = Some((d, used.to_vec(), there));
+        }
+    };
+    for (i, one) in cuts.iter().enumerate() {
+        offer(-inverse * one.slope, &[i]);
+        for (j, other) in cuts.iter().enumerate().skip(i + 1) {
+            // On the line on which both are equal.
+            let (off, step) = (other.slope - one.slope, other.value - one.value);
+            let square = off.norm_squared();
+            if square == 0.0 {
+                continue;
+            }
+            let foot = off * (-step / square);
+            let along = Vector2::new(-off.y, off.x) / square.sqrt();
+            let curve = along.dot(&(bend * along));
+            let rise = along.dot(&(one.slope + bend * foot));
+            offer(foot - along * (rise / curve), &[i, j]);
+            for (k, third) in cuts.iter().enumerate().skip(j + 1) {
+                let both = Matrix2::from_rows(&[
+                    (other.slope - one.slope).transpose(),
+                    (third.slope - one.slope).transpose(),
+                ]);
+                let rest = -Vector2::new(step, third.value - one.value);
+                if let Some(d) = both.try_inverse().map(|inverse| inverse * rest) {
+                    offer(d, &[i, j, k]);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The weights of the cuts that meet at a turn: their slopes and the bend cancel as far as they can.
+fn weigh(cuts: &mut [Cut], used: &[usize], d: &Vector2<f64>, bend: &Matrix2<f64>) {
+    cuts.iter_mut().for_each(|cut| cut.weight = 0.0);
+    let down = bend * d;
+    let slope = |k: usize| cuts[k].slope + down;
+    let weights = match *used {
+        [i, j] => {
+            let off = slope(i) - slope(j);
+            let t = (slope(i).dot(&off) / off.norm_squared()).clamp(0.0, 1.0);
+            [1.0 - t, t, 0.0]
+        }
+        [i, j, k] => {
+            let sides = Matrix2::from_columns(&[slope(j) - slope(i), slope(k) - slope(i)]);
+            let solved = sides.try_inverse().map(|inverse| -(inverse * slope(i)));
+            let [t, u] = solved.map_or([0.0; 2], |t| [t.x.max(0.0), t.y.max(0.0)]);
+            let sum = (t + u).max(1.0);
+            let (t, u) = (t / sum, u / sum);
+            [1.0 - t - u, t, u]
+        }
+        _ => [1.0, 0.0, 0.0],
+    };
+    for (&k, weight) in used.iter().zip(weights) {
+        cuts[k].weight = weight;
+    }
+}
