@@ -31,6 +31,13 @@
 //! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
 pub(crate) mod report;
+mod memory;
+mod reach;
+mod impacts;
+mod tolerances;
+mod islands;
+mod accounts;
+pub(crate) mod lifting;
 pub(crate) mod warm_start;
 pub(crate) mod clearance;
 pub(crate) mod contact_cache;
@@ -42,27 +49,17 @@ pub(crate) mod jointed;
 #[cfg(feature = "2d")]
 pub(crate) mod masonry;
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, System, Vector};
-use stationary_constraints::VelocityRows;
+use stationary_calculus::{Metric, Potential, SizeError, Space, System};
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
-use crate::impact::rounds::ImpactRounds;
-use crate::solve::body_state::{BodyState, speed};
-use crate::solve::exact_projection::FreeMotion;
-use crate::solve::island_solver::{Conditions, SolvesIslands};
-use crate::solve::islands::Islands;
-use crate::solve::rolling::{ContactMoments, TURNS};
-use crate::solve::sweeps::AMPLIFICATION;
-use crate::world::clearance::{StepMotion, has_contacts};
+use crate::solve::body_state::BodyState;
 use crate::world::contact_cache::ContactCache;
-use crate::world::jointed::links;
-use crate::world::painleve::{Painleve, painleve};
-use crate::world::resting::{Guessed, Resting};
+use crate::world::jointed::Closed;
+use crate::world::memory::Memory;
 use crate::world::warm_start::WarmStart;
 use crate::{
-    ContactError, ContactIn, ContactRows, DetectorIn, Dimension, ImpactLaw, InverseMass, JointRows,
-    WorldReport, gap_rows,
+    ContactError, ContactIn, DetectorIn, Dimension, ImpactLaw, InverseMass, JointRows, WorldReport,
 };
 
 /// Bodies under a potential, in the plane or in space.
@@ -82,32 +79,6 @@ pub struct Touch<G: Dimension> {
     pub friction: G::Vector,
 }
 
-/// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
-/// not linear.
-const PENETRATION_CORRECTION: f64 = 0.2;
-/// Gaps up to this part of a body's radius are looked at even where nothing moves.
-const SPECULATIVE_MARGIN: f64 = 1e-6;
-/// Changes of velocities relative to the fastest that are rounding.
-const ROUNDING: f64 = 1e-12;
-/// Gaps relative to the farthest contact point's distance from the origin that are rounding, and so are none: what moves no more
-/// rests.
-const GAP_ROUNDING: f64 = 2.0 * f64::EPSILON;
-/// What nearly rests, and is no faster than a step's velocity increment, is settled to this part of
-/// what counts as settled, so that it may rest.
-const REST_TOLERANCE: f64 = 1.0 / 256.0;
-/// Tolerances where none is asked for, as parts of the largest velocity increment, so of the weight
-/// of what rests: of small islands, and of large ones. A small island that takes too much work is
-/// left at the second, and the step is then not settled.
-const FINE_TOLERANCE: f64 = 1e-8;
-const TOLERANCE: f64 = 1e-2;
-/// Islands of more contacts are large.
-const LARGE: usize = 100;
-/// A body that an impulse takes this part of its radius farther than was looked at may have missed
-/// a contact: the step is solved again.
-const MISSED: f64 = 0.05;
-/// Pairs that move less than this part of the smaller radius against each other have gaps that are
-/// nearly linear over the step.
-const FAR: f64 = 0.1;
 /// How often a step is solved at most.
 const ROUNDS: usize = 6;
 /// The name under which impulses and contacts are saved.
@@ -135,50 +106,6 @@ pub type PlanarWorld<P> = World<crate::Planar, P>;
 #[cfg(feature = "3d")]
 pub type SpatialWorld<P> = World<crate::Spatial, P>;
 
-/// What a step writes before it is known to succeed.
-#[derive(Debug)]
-struct Memory<G: Dimension> {
-    /// At the step's start, and between impacts and the velocity increment.
-    start: Vector<Vec<f64>>,
-    before: Vector<Vec<f64>>,
-    v: Vector<Vec<f64>>,
-    increment: Vector<Vec<f64>>,
-    lift: Vector<Vec<f64>>,
-    /// Rows of joints over the step, the movable bodies that they name, and what is left of the gaps of
-    /// the contacts that are solved with them.
-    joints: VelocityRows,
-    linked: Vec<[usize; 2]>,
-    left: VelocityRows,
-    dv: Covector<Vec<f64>>,
-    /// How far each body moves in the step, m.
-    reach: Vec<f64>,
-    /// Contacts of colliders that pass each other with clearance, and colliders that do not although
-    /// they seemed to.
-    passing: Vec<ContactIn<G>>,
-    meeting: Vec<[usize; 2]>,
-    parts: [Vec<u32>; 2],
-    scales: Vec<G::Velocity>,
-    states: Vec<BodyState<G>>,
-    /// Velocities of bodies in world axes: after the step, and the mean with those before.
-    after: Vec<(G::Vector, G::Spin)>,
-    mean: Vec<(G::Vector, G::Spin)>,
-    bias: Vec<f64>,
-    lift_bias: Vec<f64>,
-    lift_least: Vec<f64>,
-    /// The impulse of each contact on its second body, world axes, N s.
-    impulses: Vec<G::Vector>,
-    /// The impulse of impacts on the second body of each contact, world axes, N s.
-    hits: Vec<G::Vector>,
-    islands: Islands,
-    resting: Resting<G>,
-    moments: ContactMoments<G>,
-    /// Velocities before any impulse, and their increment, without moments.
-    free: Vector<Vec<f64>>,
-    weight: Vector<Vec<f64>>,
-    solver: G::Solver,
-    next: State<Vec<f64>>,
-}
-
 impl<G: Dimension, P: Potential> World<G, P> {
     /// A system of bodies with these colliders; impacts by generalized reflections.
     ///
@@ -189,38 +116,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let n = system.dim();
         SizeError::check("the detector's bodies", n / G::FREEDOMS, detector.bodies())?;
         let mass = InverseMass::of(system.metric())?;
-        let zeros = || Vector(vec![0.0; n]);
-        let memory = Memory {
-            start: zeros(),
-            before: zeros(),
-            v: zeros(),
-            increment: zeros(),
-            lift: zeros(),
-            joints: VelocityRows::default(),
-            linked: Vec::new(),
-            left: VelocityRows::default(),
-            dv: Covector(vec![0.0; n]),
-            reach: Vec::new(),
-            passing: Vec::new(),
-            meeting: Vec::new(),
-            parts: Default::default(),
-            scales: G::scales(system.metric()),
-            states: Vec::new(),
-            after: Vec::new(),
-            mean: Vec::new(),
-            bias: Vec::new(),
-            lift_bias: Vec::new(),
-            lift_least: Vec::new(),
-            impulses: Vec::new(),
-            hits: Vec::new(),
-            islands: Islands::default(),
-            resting: Resting::default(),
-            moments: ContactMoments::default(),
-            free: zeros(),
-            weight: zeros(),
-            solver: G::Solver::default(),
-            next: State::default(),
-        };
+        let memory = Memory::new(n, G::scales(system.metric()));
         Ok(World {
             system,
             detector,
@@ -383,7 +279,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 velocity: self.memory.v.0.clone(),
             });
         }
-        report.lifting_energy = self.advance(state, h, joints)?;
+        let closed;
+        (report.lifting_energy, closed) = self.advance(state, h, joints)?;
+        report.joint_violation = closed.open;
+        report.settled &= closed.done;
         let contacts = self.kept.found().iter().map(|contact| contact.id);
         self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
         std::mem::swap(state, &mut self.memory.next);
@@ -418,47 +317,6 @@ impl<G: Dimension, P: Potential> World<G, P> {
         solved
     }
 
-    /// Drops the contacts of pairs that move far in the step and pass each other with clearance.
-    fn drop_passing(&mut self, contacts: &mut Vec<ContactIn<G>>, q: &[f64], h: f64) {
-        let Memory { start, increment, passing, meeting, parts, reach, .. } = &mut self.memory;
-        let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
-        let detector = &self.detector;
-        let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
-        for of_pair in contacts.chunk_by(ContactIn::same_pair) {
-            let pair = of_pair[0].id.pair();
-            let bodies = || of_pair[0].bodies.into_iter().flatten();
-            let far = bodies().map(|body| FAR * self.detector.radius_of(body));
-            let far = far.fold(f64::INFINITY, f64::min);
-            let clear = bodies().map(|body| reach[body]).sum::<f64>() > far
-                && motion.closing(pair) > far
-                && !meeting.contains(&pair)
-                && of_pair.iter().all(|contact| contact.gap > 0.0)
-                && !motion.meets(of_pair, parts);
-            if clear {
-                passing.extend_from_slice(of_pair);
-            }
-        }
-        if !passing.is_empty() {
-            contacts.retain(|contact| !has_contacts(passing, contact.id.pair()));
-        }
-    }
-
-    /// Finds pairs that seemed to pass each other and meet with the velocities of now; says whether
-    /// there are any.
-    fn find_meeting(&mut self, q: &[f64], h: f64) -> bool {
-        let Memory { v, passing, meeting, parts, .. } = &mut self.memory;
-        let velocity = |freedom: usize| v.0[freedom];
-        let (detector, contacts) = (&self.detector, self.kept.found());
-        let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
-        let before = meeting.len();
-        for of_pair in passing.chunk_by(ContactIn::same_pair) {
-            if motion.meets(of_pair, parts) {
-                meeting.push(of_pair[0].id.pair());
-            }
-        }
-        meeting.len() > before
-    }
-
     /// Turns the velocity before a step into that over it.
     fn solve(
         &mut self,
@@ -491,307 +349,6 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(report)
     }
 
-    /// Impacts of what would close its gap in this step.
-    fn impacts(
-        &mut self,
-        contacts: &[ContactIn<G>],
-        q: &[f64],
-        h: f64,
-        report: &mut WorldReport,
-    ) -> Result<(), ContactError> {
-        let Memory { v, increment, hits, joints, .. } = &mut self.memory;
-        let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
-        let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
-        let friction = of(|contact| contact.friction);
-        if friction.iter().any(|&friction| friction > 0.0) {
-            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut across));
-        }
-        let rounds = ImpactRounds {
-            rows: &rows,
-            across: &across,
-            gap: &of(|contact| contact.gap),
-            restitution: &of(|contact| contact.restitution),
-            friction: &friction,
-            mass: &self.mass,
-            joints,
-            law: self.law,
-            kick: increment,
-            h,
-        };
-        let given = rounds.apply(v)?;
-        report.impacts = given.passes;
-        report.settled &= given.converged;
-        let mut across = given.friction.iter();
-        for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
-            *hit = contact.normal * normal;
-            for (tangent, &impulse) in contact.tangents().zip(&mut across) {
-                *hit = *hit + tangent * impulse;
-            }
-        }
-        Ok(())
-    }
-
-    /// Resting contact and friction by turns with moments, where any pair has them.
-    fn rest_rolling(
-        &mut self,
-        contacts: &[ContactIn<G>],
-        q: &[f64],
-        h: f64,
-        report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
-        if !self.memory.moments.start(contacts, &self.detector) {
-            return self.rest(contacts, q, h, report);
-        }
-        let Memory { v, increment, free, weight, .. } = &mut self.memory;
-        free.copy_from(v.view());
-        weight.copy_from(increment.view());
-        let start = *report;
-        let mut turn = 0;
-        loop {
-            let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
-            v.copy_from(free.view());
-            increment.copy_from(weight.view());
-            moments.add(contacts, states, &mut v.0);
-            moments.add(contacts, states, &mut increment.0);
-            let (relaxed, solved) = (report.relaxed, report.solved);
-            *report = WorldReport { relaxed, solved, ..start };
-            let [finest, enough] = self.rest(contacts, q, h, report)?;
-            let Memory { v, before, increment, weight, moments, states, impulses, .. } =
-                &mut self.memory;
-            let settled = if contacts.len() > LARGE { enough } else { finest };
-            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
-            let taken = moments.energy(contacts, states, [&before.0, &v.0]);
-            let fits = off <= AMPLIFICATION * settled;
-            // Where the last turn would give energy, one without moments follows, which does not.
-            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
-                increment.copy_from(weight.view());
-                report.settled &= fits;
-                report.coulomb = report.coulomb.max(off);
-                report.friction_energy += taken.friction;
-                report.work += taken.work;
-                return Ok([finest, enough]);
-            }
-            turn += 1;
-            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
-        }
-    }
-
-    /// Resting contact and friction; says what counts as settled, m/s.
-    fn rest(
-        &mut self,
-        contacts: &[ContactIn<G>],
-        q: &[f64],
-        h: f64,
-        report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
-        let [finest, enough, still] = self.settled(contacts, h);
-        let f = G::FREEDOMS;
-        let Memory {
-            v, increment, states, bias, impulses, islands, resting, solver, linked, ..
-        } = &mut self.memory;
-        for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
-            state.velocity.as_mut().copy_from_slice(v);
-        }
-        islands.find(
-            states.len(),
-            contacts
-                .iter()
-                .map(|contact| {
-                    let moves = |&body: &usize| states[body].moves();
-                    contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
-                })
-                .chain(linked.iter().copied()),
-        );
-        let radius = |body: usize| self.detector.radius_of(body);
-        bias.clear();
-        // What is not worth a change of velocity is closed; what overlaps is lifted afterwards.
-        bias.extend(contacts.iter().map(|contact| {
-            let bias = contact.gap.max(0.0) / h;
-            if bias <= finest { 0.0 } else { bias }
-        }));
-        let guessed = Guessed { points: contacts, impulses, bias };
-        resting.start(states, radius, &increment.0, guessed);
-        solver.start(states.len());
-        let mut jointed: Vec<usize> = Vec::new();
-        for (members, bodies) in islands.iter() {
-            if has_joints(members, contacts.len()) {
-                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
-                continue;
-            }
-            let guessed = Guessed { points: contacts, impulses, bias };
-            let settled = if members.len() > LARGE { enough } else { finest };
-            let mut reached = AMPLIFICATION * settled;
-            let off = match resting.off(members, guessed, settled) {
-                Some(off) => {
-                    let stands =
-                        bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
-                    for &body in bodies {
-                        let velocity =
-                            if stands { resting.before(body) } else { resting.after(body) };
-                        v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
-                    }
-                    off
-                }
-                None => {
-                    let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };
-                    let gains =
-                        |body: usize| speed::<G>(&increment.0[f * body..][..f], radius(body));
-                    let slow = |&body: &usize| {
-                        speed::<G>(resting.before(body).as_ref(), radius(body)) <= gains(body)
-                    };
-                    let fine = bodies.iter().all(slow).then_some((REST_TOLERANCE * settled).max(
-                        ROUNDING * bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max),
-                    ));
-                    let large = self.tolerance.is_none() && members.len() > LARGE;
-                    let fine = fine.filter(|_| !large);
-                    let conditions = Conditions { free, states, settled, enough, fine };
-                    let off = solver.solve([members, bodies], conditions, impulses, report)?;
-                    if self.tolerance.is_none() {
-                        // What impulses cancel in velocities leaves their rounding.
-                        reached = reached.max(solver.rounding().min(AMPLIFICATION * enough));
-                    }
-                    for &body in bodies {
-                        let (state, change) = (&states[body], solver.change(body));
-                        for (k, v) in v.0[f * body..][..f].iter_mut().enumerate() {
-                            *v = state.velocity.as_ref()[k]
-                                + state.scale.as_ref()[k] * change.as_ref()[k];
-                        }
-                    }
-                    off
-                }
-            };
-            report.islands += 1;
-            report.settled &= off[0].max(off[1]) <= reached;
-            report.residual = report.residual.max(off[0]);
-            report.coulomb = report.coulomb.max(off[1]);
-        }
-        if self.memory.joints.rows() > 0 {
-            self.rest_jointed(contacts, q, &jointed, finest, report)?;
-        }
-        Ok([finest, enough])
-    }
-
-    /// The change of velocity that counts as settled in small islands and in large ones, m/s: such
-    /// changes leave a residual within the tolerance. And that by which what stands may be off from
-    /// rest: a part of the velocity increment, however loose the tolerance, or weight would be lost.
-    fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> [f64; 3] {
-        let Memory { v, increment, .. } = &self.memory;
-        let fastest = |v: &[f64]| {
-            let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
-            bodies.map(|(i, v)| speed::<G>(v, self.detector.radius_of(i))).fold(0.0, f64::max)
-        };
-        let points = contacts.iter().flat_map(|contact| contact.points);
-        let farthest = points.fold(0.0_f64, |m, point| m.max(G::dot(&point, &point))).sqrt();
-        let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h);
-        let gain = fastest(&increment.0);
-        let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
-        let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
-        [or_asked(FINE_TOLERANCE), or_asked(TOLERANCE), within(TOLERANCE * gain)]
-    }
-
-    /// Energies, and what is left of each gap at the end of the step.
-    fn account(&mut self, contacts: &[ContactIn<G>], h: f64, report: &mut WorldReport) {
-        let Memory { v, before, states, after, mean, impulses, hits, lift_bias, .. } =
-            &mut self.memory;
-        let of = |v: &[f64], body: usize| {
-            let mut velocity = G::Velocity::default();
-            velocity.as_mut().copy_from_slice(&v[G::FREEDOMS * body..][..G::FREEDOMS]);
-            G::split(&states[body].frame, &velocity)
-        };
-        after.clear();
-        after.extend((0..states.len()).map(|body| of(&v.0, body)));
-        mean.clear();
-        mean.extend(after.iter().enumerate().map(|(body, &(x, w))| {
-            let (x0, w0) = of(&before.0, body);
-            ((x + x0) * 0.5, (w + w0) * 0.5)
-        }));
-        let at = |of: &[(G::Vector, G::Spin)], contact: &ContactIn<G>, side: usize| {
-            contact.bodies[side].map_or_else(G::Vector::default, |body| {
-                let (x, w) = of[body];
-                x + G::swing(&w, &(contact.points[side] - states[body].centre))
-            })
-        };
-        lift_bias.clear();
-        for ((contact, impulse), hit) in contacts.iter().zip(impulses.iter()).zip(hits.iter()) {
-            let rate = at(after, contact, 1) - at(after, contact, 0);
-            let part = if contact.gap < 0.0 { PENETRATION_CORRECTION } else { 1.0 };
-            lift_bias.push(G::dot(&rate, &contact.normal) + part * contact.gap / h);
-            let whole = *impulse + *hit;
-            if whole == G::Vector::default() {
-                continue;
-            }
-            let pushed = G::dot(impulse, &contact.normal);
-            let rate = at(mean, contact, 1) - at(mean, contact, 0);
-            report.impact_energy -= pushed * G::dot(&rate, &contact.normal);
-            report.friction_energy -= G::dot(&(*impulse - contact.normal * pushed), &rate);
-            for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                if contact.bodies[side].is_some_and(|body| !states[body].moves()) {
-                    let velocity = at(after, contact, side) * sign;
-                    report.work += G::dot(&whole, &velocity);
-                    report.impact_energy += G::dot(hit, &velocity);
-                }
-            }
-        }
-    }
-
-    /// The contact that slides in Painleve's paradox, if one does.
-    fn painleve(&self, contacts: &[ContactIn<G>]) -> Option<Painleve> {
-        let Memory { states, impulses, hits, start, .. } = &self.memory;
-        let along = |i: usize| G::dot(&(impulses[i] + hits[i]), &contacts[i].normal);
-        let radius = |body: usize| self.detector.radius_of(body);
-        painleve(contacts, |i| along(i) > 0.0, states, radius, &start.0)
-    }
-
-    /// Velocities of positions that lift what overlaps.
-    fn lift(
-        &mut self,
-        contacts: &[ContactIn<G>],
-        q: &[f64],
-        settled: f64,
-        h: f64,
-    ) -> Result<(), ContactError> {
-        let Memory { states, lift_bias, lift_least, islands, solver, lift, .. } = &mut self.memory;
-        let f = G::FREEDOMS;
-        // No gap ends below what it was, nor below zero.
-        lift_least.clear();
-        lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
-        let mut jointed: Vec<usize> = Vec::new();
-        for (members, bodies) in islands.iter() {
-            if has_joints(members, contacts.len()) {
-                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
-                continue;
-            }
-            let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
-            let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
-            if !members.iter().any(overlaps) {
-                continue;
-            }
-            let goal = settled.max(LIFT_TOLERANCE * worst);
-            solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
-            for &body in bodies {
-                let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
-                let own = &mut lift.0[f * body..][..f];
-                own.iter_mut().zip(scale.iter().zip(change)).for_each(|(own, (a, b))| *own = a * b);
-            }
-            let part = lifted_part(&self.detector, bodies.iter().copied(), &lift.0, h);
-            for &body in bodies {
-                lift.0[f * body..][..f].iter_mut().for_each(|lift| *lift *= part);
-            }
-        }
-        if self.memory.joints.rows() > 0 {
-            self.lift_jointed(contacts, q, &jointed, settled, h)?;
-        }
-        Ok(())
-    }
-
-    /// The kinetic energy of what impulses move, J.
-    fn kinetic_energy(&self) -> f64 {
-        let Memory { v, scales, .. } = &self.memory;
-        let scales = scales.iter().flat_map(|scale| scale.as_ref());
-        let moving = v.0.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
-        moving.map(|(v, scale)| 0.5 * (v / scale) * (v / scale)).sum()
-    }
-
     /// The velocity increment by the potential in a step; none of obstacles.
     fn find_increment(&mut self, state: &State<Vec<f64>>, h: f64) {
         let Memory { dv, increment, .. } = &mut self.memory;
@@ -803,59 +360,14 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.system.metric().sharp(dv.view(), increment.view_mut());
     }
 
-    /// The rows of joints over a step.
-    fn find_joints(
-        &mut self,
-        state: &State<Vec<f64>>,
-        h: f64,
-        from: &impl JointRows,
-    ) -> Result<(), ContactError> {
-        let Memory { joints, linked, left, scales, .. } = &mut self.memory;
-        joints.clear();
-        left.clear();
-        from.velocity_rows(state.t, &state.q, h, joints)?;
-        joints.check(self.mass.dim())?;
-        let moves = |body: usize| scales[body].as_ref()[0] > 0.0;
-        *linked = links(joints, G::FREEDOMS, scales.len(), moves);
-        Ok(())
-    }
-
-    /// How far each body moves in a step.
-    fn find_reach(&mut self, h: f64) {
-        let Memory { start, increment, reach, .. } = &mut self.memory;
-        let f = G::FREEDOMS;
-        let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
-        reach.clear();
-        reach.extend(bodies.map(|(body, (v, increment))| {
-            let radius = self.detector.radius_of(body);
-            let speeds = speed::<G>(v, radius) + speed::<G>(increment, radius);
-            h * speeds + SPECULATIVE_MARGIN * radius
-        }));
-    }
-
-    /// Widens the reach of what has become much faster; says whether there is any.
-    fn widen_reach(&mut self, h: f64) -> bool {
-        let Memory { v, reach, .. } = &mut self.memory;
-        let mut widened = false;
-        for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
-            let radius = self.detector.radius_of(body);
-            let way = h * speed::<G>(v, radius);
-            if way > *reach + MISSED * radius {
-                *reach = 1.5 * way;
-                widened = true;
-            }
-        }
-        widened
-    }
-
     /// Writes the state a step later: centres straight, rotations free, then lifted, and joints closed;
-    /// says what potential energy that gave.
+    /// says what potential energy that gave, J, and how far joints stay open.
     fn advance(
         &mut self,
         state: &State<Vec<f64>>,
         h: f64,
         joints: &impl JointRows,
-    ) -> Result<f64, ContactError> {
+    ) -> Result<(f64, Closed), ContactError> {
         let Memory { v, lift, next, joints: rows, .. } = &mut self.memory;
         next.clone_from(state);
         self.system.metric().flat(v.view(), next.p.view_mut());
@@ -863,11 +375,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         next.t = state.t + h;
         let jointed = rows.rows() > 0;
         let mut lifted = 0.0;
+        let mut closed = Closed { open: 0.0, done: true };
         if jointed || lift.0.iter().any(|&lift| lift != 0.0) {
             lifted -= self.system.potential().energy(&next.q);
             self.system.space().advance(&mut next.q, h, lift.view());
             if jointed {
-                self.close(joints)?;
+                closed = self.close(joints)?;
             }
             lifted += self.system.potential().energy(&self.memory.next.q);
         }
@@ -875,30 +388,6 @@ impl<G: Dimension, P: Potential> World<G, P> {
         check_finite("the configuration", &next.q)?;
         check_finite("the momentum", next.p.components())?;
         check_time(next.t)?;
-        Ok(lifted)
+        Ok((lifted, closed))
     }
-}
-
-/// The part of the worst approach to which lifting is settled.
-const LIFT_TOLERANCE: f64 = 1e-2;
-
-/// Whether links of joints are among the members of an island, which come in ascending order.
-fn has_joints(members: &[usize], contacts: usize) -> bool {
-    members.last().is_some_and(|&last| last >= contacts)
-}
-
-/// The part of a lift that takes none of these bodies far: what is squeezed would go where gaps are not
-/// linear and nobody has looked.
-pub(crate) fn lifted_part<G: Dimension>(
-    detector: &DetectorIn<G>,
-    bodies: impl Iterator<Item = usize>,
-    lift: &[f64],
-    h: f64,
-) -> f64 {
-    let part = |body: usize| {
-        let radius = detector.radius_of(body);
-        let way = h * speed::<G>(&lift[G::FREEDOMS * body..][..G::FREEDOMS], radius);
-        if way > MISSED * radius { MISSED * radius / way } else { 1.0 }
-    };
-    bodies.map(part).fold(1.0, f64::min)
 }

@@ -38,7 +38,7 @@ mod drive;
 mod bound;
 mod torsion_spring;
 
-pub use bound::{BoundRow, JointFriction, JointLimits};
+pub use bound::{JointFriction, JointLimits};
 pub use constraint::Joint;
 pub use drive::{Drive, Schedule, Steady};
 pub use end::JointEnd;

@@ -112,8 +112,8 @@ pub use jacobian::{
     right_jacobian_inverse,
 };
 pub use joint::{
-    Along, BoundRow, Drive, Joint, JointEnd, JointFault, JointFriction, JointKind, JointLimits,
-    JointName, Schedule, Steady, TorsionSpring,
+    Along, Drive, Joint, JointEnd, JointFault, JointFriction, JointKind, JointLimits, JointName,
+    Schedule, Steady, TorsionSpring,
 };
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;

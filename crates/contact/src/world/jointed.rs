@@ -9,9 +9,12 @@
 
 use stationary_calculus::{Potential, Space, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
+use stationary_integrators::State;
 
 use crate::solve::sweeps::AMPLIFICATION;
-use crate::world::{Memory, lifted_part};
+use crate::world::lifting::lifted_part;
+use crate::world::memory::Memory;
+use crate::world::tolerances::ROUNDING;
 use crate::{
     ContactError, ContactIn, ContactRows, Dimension, JointRows, World, WorldReport, solve_rows,
 };
@@ -20,6 +23,16 @@ use crate::{
 const CLOSINGS: usize = 8;
 /// Openings of joints that are rounding, m.
 const CLOSED: f64 = 1e-14;
+/// Joints that stay open by more than this part of what the step opened contradict each other, or contacts
+/// keep them from closing: the step is not settled.
+const CLOSED_PART: f64 = 1e-3;
+
+/// How far joints stay open, m or rad, and whether that is closed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closed {
+    pub(crate) open: f64,
+    pub(crate) done: bool,
+}
 
 /// The movable bodies that each block of rows names, two by two; the body numbered `bodies` stands for
 /// what does not move.
@@ -45,6 +58,23 @@ pub(crate) fn links(
 }
 
 impl<G: Dimension, P: Potential> World<G, P> {
+    /// The rows of joints over a step.
+    pub(super) fn find_joints(
+        &mut self,
+        state: &State<Vec<f64>>,
+        h: f64,
+        from: &impl JointRows,
+    ) -> Result<(), ContactError> {
+        let Memory { joints, linked, left, scales, .. } = &mut self.memory;
+        joints.clear();
+        left.clear();
+        from.velocity_rows(state.t, &state.q, h, joints)?;
+        joints.check(self.mass.dim())?;
+        let moves = |body: usize| scales[body].as_ref()[0] > 0.0;
+        *linked = links(joints, G::FREEDOMS, scales.len(), moves);
+        Ok(())
+    }
+
     /// Solves the joints, and with them the contacts of these numbers.
     pub(crate) fn rest_jointed(
         &mut self,
@@ -62,7 +92,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let directions = G::directions(&contacts[i].normal);
             x.extend(directions.as_ref().iter().map(|along| G::dot(&impulses[i], along)));
         }
-        let enough = AMPLIFICATION * finest;
+        // Rows of turns have rates that bodies' speeds say nothing of.
+        let fastest =
+            joints.blocks().map(|(law, block)| match joints.lack(block.start, v.view()) {
+                lack if law == RowLaw::Limit => (-lack).max(0.0),
+                lack => lack.abs(),
+            });
+        let enough = (AMPLIFICATION * finest).max(ROUNDING * fastest.fold(0.0, f64::max));
         let done = solve_rows(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
         report.islands += done.islands;
         report.solved += done.solved;
@@ -93,12 +129,19 @@ impl<G: Dimension, P: Potential> World<G, P> {
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { joints, left, lift_bias, lift, .. } = &mut self.memory;
+        let Memory { joints, left, lift_bias, lift, v, .. } = &mut self.memory;
         left.clear();
         let mut rows = VelocityRows::default();
-        for (law, block) in joints.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
-            let entries: Vec<_> = block.flat_map(|row| joints.row(row)).collect();
-            rows.push(law, &[(&entries, 0.0)])?;
+        for (law, block) in joints.blocks() {
+            let row = block.start;
+            // What the step's velocity has left of a limit.
+            let asked = match law {
+                RowLaw::Equality => 0.0,
+                RowLaw::Limit => -joints.lack(row, v.view()).max(0.0),
+                RowLaw::Bounded(_) | RowLaw::Cone(_) => continue,
+            };
+            let entries: Vec<_> = joints.row(row).collect();
+            rows.push(law, &[(&entries, asked)])?;
         }
         let mut overlaps = false;
         for &i in members {
@@ -120,27 +163,37 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(())
     }
 
-    /// Closes the joints of the state that is written, by moving bodies.
-    pub(crate) fn close(&mut self, joints: &impl JointRows) -> Result<(), ContactError> {
+    /// Closes the joints of the state that is written, by moving bodies, as far as they let themselves.
+    pub(crate) fn close(&mut self, joints: &impl JointRows) -> Result<Closed, ContactError> {
         let next = &mut self.memory.next;
-        let mut last = f64::INFINITY;
-        for _ in 0..CLOSINGS {
+        let farthest = next.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
+        let (mut first, mut last) = (0.0, f64::INFINITY);
+        for round in 0..=CLOSINGS {
             let mut rows = self.memory.left.clone();
             let contacts = rows.rows();
             joints.position_rows(next.t, &next.q, &mut rows)?;
             let mut motion = Vector(vec![0.0; self.mass.dim()]);
             rows.check(self.mass.dim())?;
-            let open = (contacts..rows.rows()).map(|row| rows.lack(row, motion.view()).abs());
+            let lacks = rows.blocks().filter(|(_, block)| block.start >= contacts);
+            let open =
+                lacks.map(|(law, block)| match (law, rows.lack(block.start, motion.view())) {
+                    (RowLaw::Limit, lack) => -lack,
+                    (_, lack) => lack.abs(),
+                });
             let open = open.fold(0.0, f64::max);
-            if open <= CLOSED || open >= last {
-                break;
+            if round == 0 {
+                first = open;
+            }
+            if open <= CLOSED || open >= last || round == CLOSINGS {
+                let enough = (CLOSED_PART * first).max(CLOSED * farthest);
+                return Ok(Closed { open, done: open <= enough });
             }
             last = open;
             let mut x = vec![0.0; rows.rows()];
             solve_rows(&rows, &mut &self.mass, CLOSED, &mut x, motion.view_mut())?;
             self.system.space().advance(&mut next.q, 1.0, motion.view());
         }
-        Ok(())
+        Ok(Closed { open: last, done: false })
     }
 }
 

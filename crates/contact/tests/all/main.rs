@@ -4,9 +4,15 @@
 mod clearance;
 mod detection;
 mod exact_friction;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod heavy_stacks;
 mod impact_laws;
 #[cfg(feature = "3d")]
 mod jointed;
+#[cfg(feature = "3d")]
+mod jointed_space;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod joint_limits;
 mod no_allocation;
 #[cfg(feature = "2d")]
 mod planar_detection;

@@ -1,158 +1,227 @@
-//! Limits and friction of a joint, as rows of inequalities: data for who solves them.
+//! Limits and friction of a joint, as rows of inequalities for who solves them.
 //!
 //! ```text
-//! low <= x <= high,     x - low >= 0,  high - x >= 0       x a turn (rad) or a shift (m) along an axis
-//! |f| <= bound                                             f against x., N m or N
+//! low <= x <= high      J v >= -(x - low)/h,   -J v >= -(high - x)/h       impulses >= 0
+//! |f| <= bound          J v = 0                                            |impulse| <= bound h
 //! ```
-//! A limit's row pushes only, a friction's either way up to its bound. Equalities alone are solved by
-//! RATTLE, which takes no inequality: neither is a [`Constraint`].
+//! `x` a turn (rad) or a shift (m) along an axis and `J` its differential, `f` against its rate (N m or
+//! N), `h` a step. A limit pushes only, friction either way up to its bound. Whatever is a constraint of
+//! one row may be such a coordinate: a [`Drive`] or a [`PlanarDrive`] that stands at zero. Equalities
+//! alone are solved by RATTLE, which takes no inequality: neither is a [`Constraint`].
 //! ```compile_fail
 //! use stationary_constraints::Constraint;
-//! use stationary_rigid::{JointLimits, Poses};
+//! use stationary_rigid::{Drive, JointLimits, Poses, Steady};
 //! fn kept_by_rattle<K: Constraint>(_: K) {}
-//! fn limits(limits: JointLimits<Poses>) {
+//! fn limits(limits: JointLimits<Drive<Poses, Steady>>) {
 //!     kept_by_rattle(limits);
 //! }
 //! ```
-//! Turns are known up to whole ones, so that their limits lie within half a turn of zero.
-//! Source: notes 10; Haug (1989), 9.
+//! Turns of space are known up to whole ones, so that their limits lie within half a turn of zero.
+//! Source: notes 10; Haug (1989), 9; Anitescu and Potra 1997 (limits by velocities).
 
 use std::f64::consts::PI;
-use std::marker::PhantomData;
 
 use nalgebra::Vector3;
-#[cfg(doc)]
-use stationary_constraints::Constraint;
+use stationary_calculus::SizeError;
+use stationary_constraints::{Constraint, ConstraintError, RowLaw, Rows, VelocityRows};
 
-use super::kind::unit;
-use super::row::{Along, Row};
-use super::{JointEnd, JointFault, JointName, Placed};
+use super::row::Along;
+use super::{Drive, JointEnd, JointFault, JointName, Steady};
 use crate::error::check_not_negative;
-use crate::{BodySpace, RigidError, Wrench};
+use crate::{BodySpace, PlanarDrive, PlanarEnd, RigidError};
 
-/// A row of an inequality between two bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoundRow {
-    /// The bodies; `None` is the world.
-    pub bodies: [Option<usize>; 2],
-    /// What a unit of the row's force does to them; their motions along it make its rate.
-    pub wrenches: [Wrench; 2],
-    /// How far the limit is, rad or m, negative beyond it; of friction zero.
-    pub gap: f64,
-    /// The largest force that the row exerts, infinite of a limit.
-    pub bound: f64,
-}
-
-/// A coordinate of a joint between two ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Coordinate<S> {
-    ends: [JointEnd; 2],
-    row: Row,
-    space: PhantomData<S>,
-}
-
-impl<S: BodySpace> Coordinate<S> {
-    fn new(
-        bodies: usize,
-        kind: &'static str,
-        (along, axis): (Along, Vector3<f64>),
-        ends: [JointEnd; 2],
-    ) -> Result<(Self, JointName), RigidError> {
-        let joint = JointName { kind, bodies: ends.map(|end| end.body) };
-        let fault = |fault| RigidError::Joint { joint, fault };
-        JointEnd::check_pair(&ends, bodies).map_err(fault)?;
-        let row = Row::coordinate(&unit(axis).map_err(fault)?, along, &ends);
-        Ok((Coordinate { ends, row, space: PhantomData }, joint))
-    }
-
-    /// Its value, and what a unit of its force does; no numbers of bodies that `q` does not hold.
-    fn at(&self, q: &[f64]) -> (f64, [Wrench; 2]) {
-        let placed: [Placed; 2] = self.ends.each_ref().map(|end| end.placed_or_none::<S>(q));
-        (self.row.value(&placed), self.row.differential(&placed))
-    }
-
-    fn bodies(&self) -> [Option<usize>; 2] {
-        self.ends.map(|end| end.body)
-    }
-}
+/// A coordinate that stands at zero.
+const STANDS: Steady = Steady { start: 0.0, speed: 0.0 };
 
 /// How far a joint turns or shifts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointLimits<S> {
-    coordinate: Coordinate<S>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointLimits<C> {
+    coordinate: C,
     limits: [f64; 2],
 }
 
-impl<S: BodySpace> JointLimits<S> {
+impl<S: BodySpace> JointLimits<Drive<S, Steady>> {
     /// The lower and the upper limit of a turn or a shift along an axis, among `bodies` bodies.
     ///
     /// # Errors
     /// [`RigidError::Joint`] names the joint and what is wrong with it: limits that are not numbers, or
     /// in the wrong order; of a turn limits beyond half a turn.
     pub fn new(
-        _space: S,
+        space: S,
         bodies: usize,
         (along, axis): (Along, Vector3<f64>),
         ends: [JointEnd; 2],
         limits: [f64; 2],
     ) -> Result<Self, RigidError> {
-        let (coordinate, joint) = Coordinate::new(bodies, "limits", (along, axis), ends)?;
+        let coordinate = Drive::new(space, bodies, along, axis, ends, STANDS);
+        let most = if along == Along::Turn { PI } else { f64::INFINITY };
+        JointLimits::of(coordinate, ends.map(|end| end.body), limits, most)
+    }
+}
+
+impl JointLimits<PlanarDrive<Steady>> {
+    /// The lower and the upper limit of a turn in the plane, among `bodies` bodies; any number of turns.
+    ///
+    /// # Errors
+    /// [`RigidError::Joint`] names the joint and what is wrong with it: limits that are not numbers, or
+    /// in the wrong order.
+    pub fn in_plane(
+        bodies: usize,
+        ends: [PlanarEnd; 2],
+        limits: [f64; 2],
+    ) -> Result<Self, RigidError> {
+        let coordinate = PlanarDrive::new(bodies, ends, STANDS);
+        JointLimits::of(coordinate, ends.map(|end| end.body), limits, f64::INFINITY)
+    }
+}
+
+impl<C> JointLimits<C> {
+    fn of(
+        coordinate: Result<C, RigidError>,
+        bodies: [Option<usize>; 2],
+        limits: [f64; 2],
+        most: f64,
+    ) -> Result<Self, RigidError> {
+        let joint = JointName { kind: "limits", bodies };
+        let coordinate = coordinate.map_err(|error| named(error, joint))?;
         let [low, high] = limits;
-        let beyond = along == Along::Turn && (low < -PI || high > PI);
-        // Infinite limits of a shift are none.
-        if low.is_nan() || high.is_nan() || low >= high || beyond {
+        // Infinite limits are none.
+        if low.is_nan() || high.is_nan() || low >= high || low < -most || high > most {
             return Err(RigidError::Joint { joint, fault: JointFault::Limits { low, high } });
         }
         Ok(JointLimits { coordinate, limits })
     }
+}
 
+impl<C: Constraint> JointLimits<C> {
     /// The turn (rad) or the shift (m).
-    pub fn coordinate(&self, q: &[f64]) -> f64 {
-        self.coordinate.at(q).0
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the coordinate reads.
+    pub fn coordinate(&self, q: &[f64]) -> Result<f64, SizeError> {
+        value(&self.coordinate, q)
     }
 
-    /// The rows of the lower and of the upper limit.
-    pub fn rows(&self, q: &[f64]) -> [BoundRow; 2] {
-        let (value, wrenches) = self.coordinate.at(q);
-        let back = wrenches.map(|w| Wrench { force: -w.force, torque: -w.torque });
-        let row = |wrenches, gap| BoundRow {
-            bodies: self.coordinate.bodies(),
-            wrenches,
-            gap,
-            bound: f64::INFINITY,
-        };
-        [row(wrenches, value - self.limits[0]), row(back, self.limits[1] - value)]
+    /// Appends the rows of the lower and of the upper limit over a step of `h` seconds; at `h = 1` what
+    /// moves bodies back to them.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the coordinate reads, and one that is not finite.
+    pub fn push_rows(
+        &self,
+        q: &[f64],
+        h: f64,
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        let x = self.coordinate(q)?;
+        for (limit, sign) in self.limits.into_iter().zip([1.0, -1.0]) {
+            if limit.is_finite() {
+                let entries = entries(&self.coordinate, q, sign)?;
+                rows.push(RowLaw::Limit, &[(&entries, -sign * (x - limit) / h)])?;
+            }
+        }
+        Ok(())
     }
 }
 
 /// Dry friction of a joint's turn or shift.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointFriction<S> {
-    coordinate: Coordinate<S>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointFriction<C> {
+    coordinate: C,
     bound: f64,
 }
 
-impl<S: BodySpace> JointFriction<S> {
+impl<S: BodySpace> JointFriction<Drive<S, Steady>> {
     /// Friction of at most `bound` (N m, or N) along an axis, among `bodies` bodies.
     ///
     /// # Errors
     /// [`RigidError::Joint`] names the joint and what is wrong with its ends or axis; a bound that is
     /// negative or not finite.
     pub fn new(
-        _space: S,
+        space: S,
         bodies: usize,
-        along: (Along, Vector3<f64>),
+        (along, axis): (Along, Vector3<f64>),
         ends: [JointEnd; 2],
         bound: f64,
     ) -> Result<Self, RigidError> {
+        let coordinate = Drive::new(space, bodies, along, axis, ends, STANDS);
+        JointFriction::of(coordinate, ends.map(|end| end.body), bound)
+    }
+}
+
+impl JointFriction<PlanarDrive<Steady>> {
+    /// Friction of at most `bound` (N m) of a turn in the plane, among `bodies` bodies.
+    ///
+    /// # Errors
+    /// [`RigidError::Joint`] names the joint and what is wrong with its ends; a bound that is negative or
+    /// not finite.
+    pub fn in_plane(bodies: usize, ends: [PlanarEnd; 2], bound: f64) -> Result<Self, RigidError> {
+        let coordinate = PlanarDrive::new(bodies, ends, STANDS);
+        JointFriction::of(coordinate, ends.map(|end| end.body), bound)
+    }
+}
+
+impl<C> JointFriction<C> {
+    fn of(
+        coordinate: Result<C, RigidError>,
+        bodies: [Option<usize>; 2],
+        bound: f64,
+    ) -> Result<Self, RigidError> {
         check_not_negative("the friction's bound", bound)?;
-        let (coordinate, _) = Coordinate::new(bodies, "friction", along, ends)?;
+        let joint = JointName { kind: "friction", bodies };
+        let coordinate = coordinate.map_err(|error| named(error, joint))?;
         Ok(JointFriction { coordinate, bound })
     }
+}
 
-    /// Its row.
-    pub fn row(&self, q: &[f64]) -> BoundRow {
-        let (_, wrenches) = self.coordinate.at(q);
-        BoundRow { bodies: self.coordinate.bodies(), wrenches, gap: 0.0, bound: self.bound }
+impl<C: Constraint> JointFriction<C> {
+    /// Appends its row over a step of `h` seconds.
+    ///
+    /// # Errors
+    /// A configuration with fewer numbers than the coordinate reads, and one that is not finite.
+    pub fn push_rows(
+        &self,
+        q: &[f64],
+        h: f64,
+        rows: &mut VelocityRows,
+    ) -> Result<(), ConstraintError> {
+        let entries = entries(&self.coordinate, q, 1.0)?;
+        rows.push(RowLaw::Bounded(self.bound * h), &[(&entries, 0.0)])
+    }
+}
+
+/// The same fault under the name of what the coordinate is for.
+fn named(error: RigidError, joint: JointName) -> RigidError {
+    match error {
+        RigidError::Joint { fault, .. } => RigidError::Joint { joint, fault },
+        other => other,
+    }
+}
+
+fn value(coordinate: &impl Constraint, q: &[f64]) -> Result<f64, SizeError> {
+    let mut x = [0.0];
+    coordinate.value(0.0, q, &mut x)?;
+    Ok(x[0])
+}
+
+/// The differential of a coordinate, with this sign.
+fn entries(
+    coordinate: &impl Constraint,
+    q: &[f64],
+    sign: f64,
+) -> Result<Vec<(usize, f64)>, SizeError> {
+    let mut entries = Entries { sign, list: Vec::new() };
+    coordinate.differential(0.0, q, &mut entries)?;
+    Ok(entries.list)
+}
+
+struct Entries {
+    sign: f64,
+    list: Vec<(usize, f64)>,
+}
+
+impl Rows for Entries {
+    fn add(&mut self, _row: usize, freedom: usize, value: f64) {
+        self.list.push((freedom, self.sign * value));
     }
 }

@@ -4,15 +4,15 @@ use nalgebra::Vector3;
 use stationary_calculus::{Covector, Potential, System, assert_derivatives};
 use stationary_constraints::{
     Composed, ConstrainedIntegrator, Constraint, ConstraintError, Forced, Rattle, Redundancy,
-    SparseDiagonal,
+    RowLaw, SparseDiagonal, VelocityRows,
 };
 use stationary_integrators::{Scheme, State};
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
-    Along, Body, BodyForces, BodyMetric, BodyMotion, BoundRow, ConstantVelocity, Drive,
-    ExactRotation, FreeBodies, Joint, JointEnd, JointFriction, JointKind, JointLimits, LieGroup,
-    MechanismError, Mobility, PointMass, Poses, RigidMotion, Rotation, Schedule, Weight, assemble,
-    instant, linearize, mobility,
+    Along, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive, ExactRotation,
+    FreeBodies, Joint, JointEnd, JointFriction, JointKind, JointLimits, LieGroup, MechanismError,
+    Mobility, PointMass, Poses, RigidMotion, Rotation, Schedule, Weight, assemble, instant,
+    linearize, mobility,
 };
 
 type Weighed = System<BodyMetric<Poses>, Weight<Poses>, Poses>;
@@ -330,22 +330,29 @@ fn limits_and_friction_are_rows_along_the_joint_and_limits_in_the_wrong_order_ar
     let limits = |limits| JointLimits::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), limits);
     let state = system.metric().state(&[swinging(0.7, 1.3)]).unwrap();
     let bound = limits([-0.2, 1.0]).unwrap();
-    assert!((bound.coordinate(&state.q) - 0.7).abs() < 1e-14);
-    let [low, high] = bound.rows(&state.q);
-    assert!((low.gap - 0.9).abs() < 1e-14 && (high.gap - 0.3).abs() < 1e-14);
-    // Along the motion the lower gap opens at the hinge's rate, and the upper one closes.
+    assert!((bound.coordinate(&state.q).unwrap() - 0.7).abs() < 1e-14);
+    let mut rows = VelocityRows::default();
+    bound.push_rows(&state.q, 0.5, &mut rows).unwrap();
+    let friction = JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), 0.5).unwrap();
+    friction.push_rows(&state.q, 0.5, &mut rows).unwrap();
+    let laws: Vec<_> = rows.blocks().map(|(law, _)| law).collect();
+    assert_eq!(laws, [RowLaw::Limit, RowLaw::Limit, RowLaw::Bounded(0.25)]);
+    // Along the motion the lower gap opens at the hinge's rate, and the upper one closes; each may close
+    // within the step.
     let mut v = stationary_calculus::Vector(vec![0.0; 6]);
     stationary_calculus::Metric::sharp(system.metric(), state.p.view(), v.view_mut());
-    let rate = |row: &BoundRow| {
-        let [_, own] = row.wrenches;
-        own.force.dot(&Vector3::from_column_slice(&v.0[..3]))
-            + own.torque.dot(&Vector3::from_column_slice(&v.0[3..]))
-    };
-    assert_eq!(low.bodies, [None, Some(0)]);
-    assert!((rate(&low) - 1.3).abs() < 1e-14 && (rate(&high) + 1.3).abs() < 1e-14);
-    let friction = JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), 0.5).unwrap();
-    let row = friction.row(&state.q);
-    assert!(row.bound == 0.5 && (rate(&row) - 1.3).abs() < 1e-14);
+    for (row, [rate, gap]) in [[1.3, 0.9], [-1.3, 0.3], [1.3, 0.0]].into_iter().enumerate() {
+        let own: f64 = rows.row(row).map(|(freedom, value)| value * v.0[freedom]).sum();
+        assert!((own - rate).abs() < 1e-14, "{row}: {own}");
+        assert!((rows.lack(row, v.view()) - rate - gap / 0.5).abs() < 1e-14, "{row}");
+    }
+    let short = bound.push_rows(&state.q[..3], 0.5, &mut rows).unwrap_err();
+    assert!(matches!(short, ConstraintError::Size(_)) && rows.rows() == 3, "{short}");
+    // Nothing holds a shift that has no limits.
+    let free = [f64::NEG_INFINITY, f64::INFINITY];
+    let free = JointLimits::new(Poses, 1, (Along::Shift, Vector3::y()), hung(), free).unwrap();
+    free.push_rows(&state.q, 0.5, &mut rows).unwrap();
+    assert_eq!(rows.rows(), 3);
     for wrong in [[1.0, -0.2], [0.5, 0.5], [f64::NAN, 1.0], [-4.0, 0.0]] {
         let error = limits(wrong).unwrap_err().to_string();
         assert!(

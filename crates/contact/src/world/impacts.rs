@@ -1,0 +1,49 @@
+//! Impacts of a step: what would close its gap, by the law of the world.
+
+use stationary_calculus::Potential;
+
+use crate::impact::rounds::ImpactRounds;
+use crate::world::memory::Memory;
+use crate::{ContactError, ContactIn, ContactRows, Dimension, World, WorldReport, gap_rows};
+
+impl<G: Dimension, P: Potential> World<G, P> {
+    /// Impacts of what would close its gap in this step.
+    pub(super) fn impacts(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        h: f64,
+        report: &mut WorldReport,
+    ) -> Result<(), ContactError> {
+        let Memory { v, increment, hits, joints, .. } = &mut self.memory;
+        let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
+        let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
+        let friction = of(|contact| contact.friction);
+        if friction.iter().any(|&friction| friction > 0.0) {
+            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut across));
+        }
+        let rounds = ImpactRounds {
+            rows: &rows,
+            across: &across,
+            gap: &of(|contact| contact.gap),
+            restitution: &of(|contact| contact.restitution),
+            friction: &friction,
+            mass: &self.mass,
+            joints,
+            law: self.law,
+            kick: increment,
+            h,
+        };
+        let given = rounds.apply(v)?;
+        report.impacts = given.passes;
+        report.settled &= given.converged;
+        let mut across = given.friction.iter();
+        for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
+            *hit = contact.normal * normal;
+            for (tangent, &impulse) in contact.tangents().zip(&mut across) {
+                *hit = *hit + tangent * impulse;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! Resting contact and friction: each island of bodies that hang together on its own, and by turns with the
+//! moments of rolling friction.
+
+use stationary_calculus::Potential;
+
+use crate::solve::body_state::speed;
+use crate::solve::exact_projection::FreeMotion;
+use crate::solve::island_solver::{Conditions, SolvesIslands};
+use crate::solve::rolling::TURNS;
+use crate::solve::sweeps::AMPLIFICATION;
+use crate::world::memory::Memory;
+use crate::world::resting::Guessed;
+use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING};
+use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
+
+impl<G: Dimension, P: Potential> World<G, P> {
+    /// Resting contact and friction by turns with moments, where any pair has them.
+    pub(super) fn rest_rolling(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        h: f64,
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        if !self.memory.moments.start(contacts, &self.detector) {
+            return self.rest(contacts, q, h, report);
+        }
+        let Memory { v, increment, free, weight, .. } = &mut self.memory;
+        free.copy_from(v.view());
+        weight.copy_from(increment.view());
+        let start = *report;
+        let mut turn = 0;
+        loop {
+            let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
+            v.copy_from(free.view());
+            increment.copy_from(weight.view());
+            moments.add(contacts, states, &mut v.0);
+            moments.add(contacts, states, &mut increment.0);
+            let (relaxed, solved) = (report.relaxed, report.solved);
+            *report = WorldReport { relaxed, solved, ..start };
+            let [finest, enough] = self.rest(contacts, q, h, report)?;
+            let Memory { v, before, increment, weight, moments, states, impulses, .. } =
+                &mut self.memory;
+            let settled = if contacts.len() > LARGE { enough } else { finest };
+            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
+            let taken = moments.energy(contacts, states, [&before.0, &v.0]);
+            let fits = off <= AMPLIFICATION * settled;
+            // Where the last turn would give energy, one without moments follows, which does not.
+            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
+                increment.copy_from(weight.view());
+                report.settled &= fits;
+                report.coulomb = report.coulomb.max(off);
+                report.friction_energy += taken.friction;
+                report.work += taken.work;
+                return Ok([finest, enough]);
+            }
+            turn += 1;
+            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
+        }
+    }
+
+    /// Resting contact and friction; says what counts as settled, m/s.
+    pub(super) fn rest(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        h: f64,
+        report: &mut WorldReport,
+    ) -> Result<[f64; 2], ContactError> {
+        let [finest, enough, still] = self.settled(contacts, h);
+        let f = G::FREEDOMS;
+        let Memory {
+            v, increment, states, bias, impulses, islands, resting, solver, linked, ..
+        } = &mut self.memory;
+        for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
+            state.velocity.as_mut().copy_from_slice(v);
+        }
+        islands.find(
+            states.len(),
+            contacts
+                .iter()
+                .map(|contact| {
+                    let moves = |&body: &usize| states[body].moves();
+                    contact.bodies.map(|body| body.filter(moves).unwrap_or(states.len()))
+                })
+                .chain(linked.iter().copied()),
+        );
+        let radius = |body: usize| self.detector.radius_of(body);
+        bias.clear();
+        // What is not worth a change of velocity is closed; what overlaps is lifted afterwards.
+        bias.extend(contacts.iter().map(|contact| {
+            let bias = contact.gap.max(0.0) / h;
+            if bias <= finest { 0.0 } else { bias }
+        }));
+        let guessed = Guessed { points: contacts, impulses, bias };
+        resting.start(states, radius, &increment.0, guessed);
+        solver.start(states.len());
+        let mut jointed: Vec<usize> = Vec::new();
+        for (members, bodies) in islands.iter() {
+            if has_joints(members, contacts.len()) {
+                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                continue;
+            }
+            let guessed = Guessed { points: contacts, impulses, bias };
+            let settled = if members.len() > LARGE { enough } else { finest };
+            let mut reached = AMPLIFICATION * settled;
+            let off = match resting.off(members, guessed, settled) {
+                Some(off) => {
+                    let stands =
+                        bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
+                    for &body in bodies {
+                        let velocity =
+                            if stands { resting.before(body) } else { resting.after(body) };
+                        v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
+                    }
+                    off
+                }
+                None => {
+                    let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };
+                    let gains =
+                        |body: usize| speed::<G>(&increment.0[f * body..][..f], radius(body));
+                    let slow = |&body: &usize| {
+                        speed::<G>(resting.before(body).as_ref(), radius(body)) <= gains(body)
+                    };
+                    let fine = bodies.iter().all(slow).then_some((REST_TOLERANCE * settled).max(
+                        ROUNDING * bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max),
+                    ));
+                    let large = self.tolerance.is_none() && members.len() > LARGE;
+                    let fine = fine.filter(|_| !large);
+                    let conditions = Conditions { free, states, settled, enough, fine };
+                    let off = solver.solve([members, bodies], conditions, impulses, report)?;
+                    if self.tolerance.is_none() {
+                        // What impulses cancel in velocities leaves their rounding.
+                        reached = reached.max(solver.rounding().min(AMPLIFICATION * enough));
+                    }
+                    for &body in bodies {
+                        let (state, change) = (&states[body], solver.change(body));
+                        for (k, v) in v.0[f * body..][..f].iter_mut().enumerate() {
+                            *v = state.velocity.as_ref()[k]
+                                + state.scale.as_ref()[k] * change.as_ref()[k];
+                        }
+                    }
+                    off
+                }
+            };
+            report.islands += 1;
+            report.settled &= off[0].max(off[1]) <= reached;
+            report.residual = report.residual.max(off[0]);
+            report.coulomb = report.coulomb.max(off[1]);
+        }
+        if self.memory.joints.rows() > 0 {
+            self.rest_jointed(contacts, q, &jointed, finest, report)?;
+        }
+        Ok([finest, enough])
+    }
+}
+
+/// Whether links of joints are among the members of an island, which come in ascending order.
+pub(super) fn has_joints(members: &[usize], contacts: usize) -> bool {
+    members.last().is_some_and(|&last| last >= contacts)
+}

@@ -1,0 +1,76 @@
+//! Lifting out of overlap: positions alone, a part of each overlap in a step.
+
+use stationary_calculus::Potential;
+
+use crate::solve::body_state::speed;
+use crate::solve::island_solver::SolvesIslands;
+use crate::world::islands::has_joints;
+use crate::world::memory::Memory;
+use crate::world::reach::MISSED;
+use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
+
+/// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
+/// not linear.
+pub(super) const PENETRATION_CORRECTION: f64 = 0.2;
+/// The part of the worst approach to which lifting is settled.
+const LIFT_TOLERANCE: f64 = 1e-2;
+
+impl<G: Dimension, P: Potential> World<G, P> {
+    /// Velocities of positions that lift what overlaps.
+    pub(super) fn lift(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        settled: f64,
+        h: f64,
+    ) -> Result<(), ContactError> {
+        let Memory { states, lift_bias, lift_least, islands, solver, lift, .. } = &mut self.memory;
+        let f = G::FREEDOMS;
+        // No gap ends below what it was, nor below zero.
+        lift_least.clear();
+        lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
+        let mut jointed: Vec<usize> = Vec::new();
+        for (members, bodies) in islands.iter() {
+            if has_joints(members, contacts.len()) {
+                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                continue;
+            }
+            let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
+            let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
+            if !members.iter().any(overlaps) {
+                continue;
+            }
+            let goal = settled.max(LIFT_TOLERANCE * worst);
+            solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
+            for &body in bodies {
+                let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
+                let own = &mut lift.0[f * body..][..f];
+                own.iter_mut().zip(scale.iter().zip(change)).for_each(|(own, (a, b))| *own = a * b);
+            }
+            let part = lifted_part(&self.detector, bodies.iter().copied(), &lift.0, h);
+            for &body in bodies {
+                lift.0[f * body..][..f].iter_mut().for_each(|lift| *lift *= part);
+            }
+        }
+        if self.memory.joints.rows() > 0 {
+            self.lift_jointed(contacts, q, &jointed, settled, h)?;
+        }
+        Ok(())
+    }
+}
+
+/// The part of a lift that takes none of these bodies far: what is squeezed would go where gaps are not
+/// linear and nobody has looked.
+pub(crate) fn lifted_part<G: Dimension>(
+    detector: &DetectorIn<G>,
+    bodies: impl Iterator<Item = usize>,
+    lift: &[f64],
+    h: f64,
+) -> f64 {
+    let part = |body: usize| {
+        let radius = detector.radius_of(body);
+        let way = h * speed::<G>(&lift[G::FREEDOMS * body..][..G::FREEDOMS], radius);
+        if way > MISSED * radius { MISSED * radius / way } else { 1.0 }
+    };
+    bodies.map(part).fold(1.0, f64::min)
+}

@@ -1,0 +1,94 @@
+//! What a step writes before it is known to succeed: a step takes no memory once as many contacts have
+//! been met.
+
+use stationary_calculus::{Covector, Vector};
+use stationary_constraints::VelocityRows;
+use stationary_integrators::State;
+
+use crate::solve::body_state::BodyState;
+use crate::solve::islands::Islands;
+use crate::solve::rolling::ContactMoments;
+use crate::world::resting::Resting;
+use crate::{ContactIn, Dimension};
+
+/// What a step writes before it is known to succeed.
+#[derive(Debug)]
+pub(crate) struct Memory<G: Dimension> {
+    /// At the step's start, and between impacts and the velocity increment.
+    pub(super) start: Vector<Vec<f64>>,
+    pub(super) before: Vector<Vec<f64>>,
+    pub(super) v: Vector<Vec<f64>>,
+    pub(super) increment: Vector<Vec<f64>>,
+    pub(super) lift: Vector<Vec<f64>>,
+    /// Rows of joints over the step, the movable bodies that they name, and what is left of the gaps of
+    /// the contacts that are solved with them.
+    pub(super) joints: VelocityRows,
+    pub(super) linked: Vec<[usize; 2]>,
+    pub(super) left: VelocityRows,
+    pub(super) dv: Covector<Vec<f64>>,
+    /// How far each body moves in the step, m.
+    pub(super) reach: Vec<f64>,
+    /// Contacts of colliders that pass each other with clearance, and colliders that do not although
+    /// they seemed to.
+    pub(super) passing: Vec<ContactIn<G>>,
+    pub(super) meeting: Vec<[usize; 2]>,
+    pub(super) parts: [Vec<u32>; 2],
+    pub(super) scales: Vec<G::Velocity>,
+    pub(super) states: Vec<BodyState<G>>,
+    /// Velocities of bodies in world axes: after the step, and the mean with those before.
+    pub(super) after: Vec<(G::Vector, G::Spin)>,
+    pub(super) mean: Vec<(G::Vector, G::Spin)>,
+    pub(super) bias: Vec<f64>,
+    pub(super) lift_bias: Vec<f64>,
+    pub(super) lift_least: Vec<f64>,
+    /// The impulse of each contact on its second body, world axes, N s.
+    pub(super) impulses: Vec<G::Vector>,
+    /// The impulse of impacts on the second body of each contact, world axes, N s.
+    pub(super) hits: Vec<G::Vector>,
+    pub(super) islands: Islands,
+    pub(super) resting: Resting<G>,
+    pub(super) moments: ContactMoments<G>,
+    /// Velocities before any impulse, and their increment, without moments.
+    pub(super) free: Vector<Vec<f64>>,
+    pub(super) weight: Vector<Vec<f64>>,
+    pub(super) solver: G::Solver,
+    pub(super) next: State<Vec<f64>>,
+}
+
+impl<G: Dimension> Memory<G> {
+    /// Of so many freedoms, and bodies of these scales.
+    pub(super) fn new(n: usize, scales: Vec<G::Velocity>) -> Self {
+        let zeros = || Vector(vec![0.0; n]);
+        Memory {
+            start: zeros(),
+            before: zeros(),
+            v: zeros(),
+            increment: zeros(),
+            lift: zeros(),
+            joints: VelocityRows::default(),
+            linked: Vec::new(),
+            left: VelocityRows::default(),
+            dv: Covector(vec![0.0; n]),
+            reach: Vec::new(),
+            passing: Vec::new(),
+            meeting: Vec::new(),
+            parts: Default::default(),
+            scales,
+            states: Vec::new(),
+            after: Vec::new(),
+            mean: Vec::new(),
+            bias: Vec::new(),
+            lift_bias: Vec::new(),
+            lift_least: Vec::new(),
+            impulses: Vec::new(),
+            hits: Vec::new(),
+            islands: Islands::default(),
+            resting: Resting::default(),
+            moments: ContactMoments::default(),
+            free: zeros(),
+            weight: zeros(),
+            solver: G::Solver::default(),
+            next: State::default(),
+        }
+    }
+}
