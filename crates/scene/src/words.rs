@@ -101,7 +101,7 @@ table! {
         uniform_gravity: Option<UniformGravityDeclaration> = Kind::Table(&UniformGravityDeclaration::TABLE),
         /// Attraction between every two particles, all of which are free.
         newtonian_gravity: Option<NewtonianGravityDeclaration> = Kind::Table(&NewtonianGravityDeclaration::TABLE),
-        /// A force that holds back every free particle, in proportion to its velocity.
+        /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
         drag: Option<DragDeclaration> = Kind::Table(&DragDeclaration::TABLE),
         /// How things with a radius, or bodies, touch.
         contact: Option<ContactDeclaration> = Kind::Table(&ContactDeclaration::TABLE),

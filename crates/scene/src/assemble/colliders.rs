@@ -1,7 +1,7 @@
 //! Bodies that touch as the contact crate has them: their shapes, walls and fixed balls.
 //!
 //! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
-//! pair, or pass through each other.
+//! pair, or pass through each other, as do two bodies that a joint joins.
 
 use nalgebra::{Vector2, Vector3};
 use stationary_contact::{
@@ -11,7 +11,7 @@ use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
 
 use crate::model::body_shape::BodyShape;
 use crate::model::contact_side::ContactSide;
-use crate::model::items::SceneContact;
+use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
 
 /// How many shapes there are: those of bodies, then walls, then fixed balls.
@@ -59,27 +59,39 @@ impl Colliders {
     }
 }
 
-/// A detector of contacts.
-pub(crate) fn detector<G: Dimension>(
-    colliders: &[ColliderIn<G>],
-    contact: &SceneContact,
-    bodies: usize,
-) -> Result<DetectorIn<G>, ContactError> {
-    let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
-    let all = Colliders::of(colliders, contact);
-    for pair in &contact.pairs {
-        let [a, b] = pair.of.map(|side| all.of_side(side, colliders));
-        let (Some(a), Some(b)) = (a, b) else { continue };
-        detector = match pair.meets {
-            true => detector.with_pair([a, b], pair.restitution, pair.friction)?.with_rolling(
-                [a, b],
-                pair.rolling,
-                pair.torsion,
-            )?,
-            false => detector.without_pair([a, b])?,
+impl Scene {
+    /// What detects contacts. Bodies that a joint joins pass through each other, unless a pair says how they
+    /// touch.
+    pub(crate) fn detector<G: Dimension>(
+        &self,
+        colliders: &[ColliderIn<G>],
+        contact: &SceneContact,
+    ) -> Result<DetectorIn<G>, ContactError> {
+        let mut detector = DetectorIn::new(colliders.to_vec(), self.bodies.len())?;
+        let all = Colliders::of(colliders, contact);
+        let of = |pair: [ContactSide; 2]| -> Option<[usize; 2]> {
+            let [a, b] = pair.map(|side| all.of_side(side, colliders));
+            Some([a?, b?])
         };
+        for joint in &self.joints {
+            let [Some(a), Some(b)] = joint.between else { continue };
+            let sides = [ContactSide::Body(a), ContactSide::Body(b)];
+            let own = |pair: &ScenePair| pair.of == sides || pair.of == [sides[1], sides[0]];
+            if let Some(pair) = of(sides).filter(|_| !contact.pairs.iter().any(own)) {
+                detector = detector.without_pair(pair)?;
+            }
+        }
+        for pair in &contact.pairs {
+            let Some(two) = of(pair.of) else { continue };
+            detector = match pair.meets {
+                true => detector
+                    .with_pair(two, pair.restitution, pair.friction)?
+                    .with_rolling(two, pair.rolling, pair.torsion)?,
+                false => detector.without_pair(two)?,
+            };
+        }
+        Ok(detector)
     }
-    Ok(detector)
 }
 
 impl Scene {

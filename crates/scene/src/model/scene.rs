@@ -194,6 +194,11 @@ impl Scene {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
     }
 
+    /// Whether bodies touch, so that impacts, friction and joints are solved together.
+    pub(crate) fn touches_as_bodies(&self) -> bool {
+        self.contact.is_some() && !self.bodies.is_empty()
+    }
+
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.
     pub(crate) fn keeps_velocities(&self) -> bool {
         self.heat.is_none() && self.bodies.is_empty()

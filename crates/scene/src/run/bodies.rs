@@ -61,7 +61,7 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
     let InSpace { system, joints, initial } = of;
     #[cfg(feature = "contact")]
     if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_space(scene, contact, system, initial);
+        return crate::run::touching::in_space(scene, contact, of);
     }
     #[cfg(feature = "constraints")]
     if !scene.joints.is_empty() {
@@ -84,7 +84,7 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
     let InThePlane { system, joints, initial } = of;
     #[cfg(feature = "contact")]
     if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_the_plane(scene, contact, system, initial);
+        return crate::run::touching::in_the_plane(scene, contact, of);
     }
     #[cfg(feature = "constraints")]
     if !scene.joints.is_empty() {

@@ -150,10 +150,7 @@ impl Scene {
             (JointKind::Fixed, 3) => "fixed joint",
             (JointKind::Fixed, _) => "weld",
         };
-        let [a, b] = joint.between.map(|end| match end {
-            Some(body) => self.bodies[body].name.as_str(),
-            None => "world",
-        });
+        let [a, b] = self.ends_named(joint);
         format!("the {kind} between `{a}` and `{b}`")
     }
 

@@ -477,6 +477,17 @@ pub enum Fault {
     /// A joint that does not turn about one axis.
     #[error("a motor turns a `pin` or a `hinge`; this joint has no one axis to turn about")]
     MotorWithoutAxis,
+    /// A spring or a damper at a joint that does not turn about one axis.
+    #[error(
+        "`stiffness`, `rest` and `damping` are of a `pin` or a `hinge`; this joint has no one axis to turn about"
+    )]
+    SpringWithoutAxis,
+    /// A turn is known up to whole ones.
+    #[error("the turn is {0} radians; it must be within half a turn, from -pi to pi")]
+    BeyondHalfATurn(f64),
+    /// The rest of no spring.
+    #[error("`rest` is of a spring: this joint has no `stiffness`")]
+    RestWithoutSpring,
     /// Two speeds of one joint.
     #[error("this joint already has a motor with a speed")]
     TwoSpeeds,
@@ -489,6 +500,9 @@ pub enum Fault {
          moves as it is told"
     )]
     MotionOfHeld(String),
+    /// A pin that moves and pulls at a damper.
+    #[error("`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves")]
+    MotionOfDamped(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]
     TwoMotions(String),

@@ -44,13 +44,6 @@ impl Scene {
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
         match (self.stepping, self.dimension, untouchable) {
-            _ if !self.joints.is_empty() => {
-                refused("joints and contact at once", "leave one of them out")
-            }
-            _ if self.is_driven() => refused(
-                "bodies that touch under loads or changing gravity",
-                "leave one of them out",
-            ),
             (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
             | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),

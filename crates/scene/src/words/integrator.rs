@@ -136,12 +136,15 @@ impl Scene {
     /// Whether forces act on it that no potential gives.
     pub(crate) fn is_driven(&self) -> bool {
         let Drives { loads, motors, motions, gravity, .. } = &self.drives;
+        let damped = self.links.iter().any(|link| link.damping > 0.0)
+            || self.joints.iter().any(|joint| joint.damping > 0.0);
         let torques = motors.iter().any(|motor| motor.drive == MotorDrive::Torque);
         self.drag.is_some()
             || !loads.is_empty()
             || torques
             || !motions.is_empty()
             || gravity.is_some()
+            || damped
     }
 
     /// Whether the method takes forces that change with the place, as springs to pins that move do.

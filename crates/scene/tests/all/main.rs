@@ -13,6 +13,7 @@ mod faces_and_walls;
 mod fields;
 mod files;
 mod heat;
+mod jointed_contact;
 mod output;
 mod pairs;
 mod parameters;
