@@ -61,7 +61,7 @@ enum What {
     Damper(f64, Rate),
     /// A spring to a pin that moves.
     #[cfg(feature = "elasticity")]
-    Pulled { spring: Spring, first: usize, pin: PinMotion, start: [f64; 3] },
+    Pulled { spring: Spring, pulled: Anchor, pin: PinMotion, start: [f64; 3] },
 }
 
 /// A rate that a damper holds back.
@@ -347,11 +347,9 @@ impl What {
                 }
             }
             #[cfg(feature = "elasticity")]
-            What::Pulled { first, .. } => {
+            What::Pulled { pulled, .. } => {
                 if let Some([_, pull]) = self.pull(now, each) {
-                    for (c, pull) in pull.iter().enumerate().take(each) {
-                        tell(first + c, -pull);
-                    }
+                    pulled.pull(now.1, each, &pull.map(|pull| -pull), tell);
                 }
             }
         }
@@ -360,8 +358,8 @@ impl What {
     /// The differential of the energy of a spring to a pin, by the places of the pin and of what it pulls.
     #[cfg(feature = "elasticity")]
     fn pull(&self, (t, q): (f64, &[f64]), each: usize) -> Option<[[f64; 3]; 2]> {
-        let What::Pulled { spring, first, pin, start } = self else { return None };
-        let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+        let What::Pulled { spring, pulled, pin, start } = self else { return None };
+        let ends = [pin.place(*start, t), pulled.place(q, each)];
         Some(Stencil::<2, 3>::differential(spring, &ends))
     }
 
@@ -373,8 +371,8 @@ impl What {
     /// The energy of a spring to a pin.
     fn energy(&self, t: f64, q: &[f64], each: usize) -> f64 {
         #[cfg(feature = "elasticity")]
-        if let What::Pulled { spring, first, pin, start } = self {
-            let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+        if let What::Pulled { spring, pulled, pin, start } = self {
+            let ends = [pin.place(*start, t), pulled.place(q, each)];
             return Stencil::<2, 3>::energy(spring, &ends);
         }
         let _ = (t, q, each);
@@ -407,12 +405,6 @@ impl What {
         let _ = t;
         [0.0; 3]
     }
-}
-
-/// A vector of as many components as the scene has dimensions, in space.
-#[cfg(feature = "elasticity")]
-fn in_space(x: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
 }
 
 /// A force and a torque at a point of a body, as they act on its freedoms, of which it has `each`:
@@ -500,7 +492,7 @@ impl Scene {
             (false, false) => &[],
         };
         // What touches has joints last of all.
-        let without = self.touches_as_bodies() && self.joints.is_empty();
+        let without = self.touches_as_bodies() && !self.has_joints();
         let own = &own[..own.len() - usize::from(without)];
         names.extend(own.iter().map(|&name| name.to_owned()));
         names
@@ -638,12 +630,12 @@ impl Scene {
                     (None, Some(pin)) => (pin, a),
                     _ => continue,
                 };
-                let vertex = vertices.of_particle[other];
+                let pulled = self.anchor(other, &vertices);
                 let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
-                let (true, Ok(spring)) = (vertex < vertices.free, made) else { continue };
+                let fixed = matches!(pulled, Anchor::World(_));
+                let (false, Ok(spring)) = (fixed, made) else { continue };
                 let start = self.particles[pin.particle].position;
-                let first = self.dimension * vertex;
-                let what = What::Pulled { spring, first, pin: pin.clone(), start };
+                let what = What::Pulled { spring, pulled, pin: pin.clone(), start };
                 let name = format!("motion of {}", self.particles[pin.particle].name);
                 acts.push(Act { name, strength: Strength::constant(1.0), what });
             }

@@ -22,7 +22,8 @@ use crate::assemble::error::AssemblyError;
 use crate::assemble::point_springs::PointSprings;
 use crate::assemble::turn_springs::{PlanarTurnSpring, Several};
 use crate::model::drives::{Motor, MotorDrive};
-use crate::model::items::{RigidBody, SceneJoint};
+use crate::model::items::{RigidBody, Rod, SceneJoint};
+use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
 
@@ -186,6 +187,30 @@ impl Scene {
         Ok(Free { freedoms: each * self.bodies.len() })
     }
 
+    /// A rod between points of bodies, or a point of a body and a place of the world.
+    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
+        let rotation = Rotation::identity();
+        let ends = rod.ends.map(|end| match self.particles[end].motion {
+            Motion::Carried { body, point } => {
+                JointEnd { body: Some(body), frame: RigidMotion { translation: point.into(), rotation } }
+            }
+            _ => {
+                let translation = self.particles[end].position.into();
+                JointEnd { body: None, frame: RigidMotion { translation, rotation } }
+            }
+        });
+        Ok(Joint::new(Poses, self.bodies.len(), JointKind::Rod { length: rod.length }, ends)?)
+    }
+
+    fn rod_in_the_plane(&self, rod: &Rod) -> Result<PlanarJoint, AssemblyError> {
+        let ends = rod.ends.map(|end| match self.particles[end].motion {
+            Motion::Carried { body, point } => PlanarEnd::on(body, Vector3::from(point).xy()),
+            _ => PlanarEnd::world(Vector3::from(self.particles[end].position).xy()),
+        });
+        let kind = PlanarJointKind::Rod { length: rod.length };
+        Ok(PlanarJoint::new(self.bodies.len(), kind, ends)?)
+    }
+
     /// Motors that have a speed.
     fn speeds(&self) -> impl Iterator<Item = &Motor> {
         self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Speed)
@@ -209,6 +234,8 @@ impl Scene {
         });
         let free = Free { freedoms: 6 * self.bodies.len() };
         let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        let rods = self.rods.iter().map(|rod| self.rod_in_space(rod));
+        let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
             let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
             let ends = ends_in_space(&self.bodies, joint);
@@ -241,6 +268,8 @@ impl Scene {
         });
         let free = Free { freedoms: masses.len() };
         let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        let rods = self.rods.iter().map(|rod| self.rod_in_the_plane(rod));
+        let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
             let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
             PlanarDrive::new(self.bodies.len(), ends_in_the_plane(&self.bodies, joint), speed)

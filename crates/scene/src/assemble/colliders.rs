@@ -1,4 +1,4 @@
-//! Bodies that touch as the contact crate has them: their shapes, walls and fixed balls.
+//! Bodies that touch as the contact crate has them: their shapes, walls, fixed balls and pins that have a size.
 //!
 //! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
 //! pair, or pass through each other, as do two bodies that a joint joins.
@@ -14,18 +14,20 @@ use crate::model::contact_side::ContactSide;
 use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
 
-/// How many shapes there are: those of bodies, then walls, then fixed balls.
+/// How many shapes there are: those of bodies, then walls, then fixed balls, then pins.
 #[derive(Clone, Copy)]
 pub(crate) struct Colliders {
     all: usize,
     fixed: usize,
     walls: usize,
+    balls: usize,
 }
 
 impl Colliders {
     pub(crate) fn of<G: Dimension>(all: &[ColliderIn<G>], contact: &SceneContact) -> Self {
-        let walls = contact.walls.len();
-        Colliders { all: all.len(), fixed: walls + contact.balls.len(), walls }
+        let fixed = all.iter().filter(|collider| collider.body().is_none()).count();
+        let (walls, balls) = (contact.walls.len(), contact.balls.len());
+        Colliders { all: all.len(), fixed, walls, balls }
     }
 
     /// How many there are.
@@ -54,7 +56,8 @@ impl Colliders {
         match (body, place.checked_sub(self.walls)) {
             (Some(body), _) => ContactSide::Body(body),
             (None, None) => ContactSide::Wall(place),
-            (None, Some(ball)) => ContactSide::Ball(ball),
+            (None, Some(ball)) if ball < self.balls => ContactSide::Ball(ball),
+            (None, Some(pin)) => ContactSide::Pin(pin - self.balls),
         }
     }
 }
@@ -111,6 +114,9 @@ impl Scene {
         for ball in &contact.balls {
             fixed.push((at(ball.centre.into()), Shape::ball(ball.radius)?));
         }
+        for pin in self.round_pins().map(|pin| &self.particles[pin]) {
+            fixed.push((at(pin.position.into()), Shape::ball(pin.radius)?));
+        }
         self.all_alike(contact, of_body, fixed)
     }
 
@@ -138,6 +144,9 @@ impl Scene {
             let centre = Vector3::from(ball.centre).xy();
             fixed.push((at(centre), PlanarShape::disc(ball.radius)?));
         }
+        for pin in self.round_pins().map(|pin| &self.particles[pin]) {
+            fixed.push((at(Vector3::from(pin.position).xy()), PlanarShape::disc(pin.radius)?));
+        }
         self.all_alike(contact, of_body, fixed)
     }
 
@@ -155,7 +164,10 @@ impl Scene {
         }
         colliders.extend(fixed.into_iter().map(|(place, shape)| ColliderIn::fixed(place, shape)));
         let surface = |collider: ColliderIn<G>| {
-            collider.with_restitution(contact.restitution).with_friction(contact.friction)
+            // A particle has no friction.
+            let smooth = collider.body().is_some_and(|body| self.bodies[body].point_mass);
+            let friction = if smooth { 0.0 } else { contact.friction };
+            collider.with_restitution(contact.restitution).with_friction(friction)
         };
         Ok(colliders.into_iter().map(surface).collect())
     }

@@ -41,11 +41,6 @@ impl Scene {
 }
 
 impl PointSprings {
-    /// How many there are.
-    pub(crate) fn count(&self) -> usize {
-        self.springs.len()
-    }
-
     fn places(&self, ends: &[Anchor; 2], q: &[f64]) -> [[f64; 3]; 2] {
         ends.each_ref().map(|end| end.place(q, self.each))
     }

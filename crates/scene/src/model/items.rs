@@ -50,6 +50,8 @@ pub struct RigidBody {
     pub angular_velocity: [f64; 3],
     /// The points that are followed, in body axes.
     pub points: Vec<[f64; 3]>,
+    /// Whether it is a particle beside bodies: it does not turn, whatever touches it.
+    pub point_mass: bool,
 }
 
 /// What a joint leaves free.

@@ -18,6 +18,7 @@ use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
+use crate::model::contact_side::ContactSide;
 use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
@@ -55,6 +56,8 @@ struct Touching<G: Dimension, P, K> {
     joints: Kept<K>,
     equations: usize,
     colliders: Colliders,
+    /// The pins that have a size, by their places in the scene.
+    pins: Vec<usize>,
     acting: Option<Acting>,
     given: Impulses,
     /// What acts, then friction, impacts, lifting and joints, as [`Scene::works_of`] names them.
@@ -73,6 +76,7 @@ impl<'a, G: Dimension, P: Potential + 'a, K: Constraint> Touching<G, P, &'a K> {
             joints: Kept(joints),
             equations: joints.count(),
             colliders,
+            pins: scene.round_pins().collect(),
             acting: Acting::of(scene),
             given: Impulses::default(),
             works: Vec::new(),
@@ -81,7 +85,11 @@ impl<'a, G: Dimension, P: Potential + 'a, K: Constraint> Touching<G, P, &'a K> {
 }
 
 /// The impulse of a contact on its second side.
-fn push<G: Dimension>(colliders: Colliders, touch: &Touch<G>, time: f64) -> Push {
+fn push<G: Dimension>(
+    (colliders, pins): (Colliders, &[usize]),
+    touch: &Touch<G>,
+    time: f64,
+) -> Push {
     let contact = &touch.contact;
     let in_space = |x: &G::Vector| {
         let mut components = [0.0; 3];
@@ -91,7 +99,12 @@ fn push<G: Dimension>(colliders: Colliders, touch: &Touch<G>, time: f64) -> Push
     let whole = contact.normal * (touch.impact + touch.normal) + touch.friction;
     let [a, b] = contact.points;
     Push {
-        between: [0, 1].map(|k| colliders.side(contact.bodies[k], contact.id.colliders[k])),
+        between: [0, 1].map(|k| {
+            match colliders.side(contact.bodies[k], contact.id.colliders[k]) {
+                ContactSide::Pin(pin) => ContactSide::Pin(pins[pin]),
+                other => other,
+            }
+        }),
         time,
         point: in_space(&((a + b) * 0.5)),
         normal: in_space(&contact.normal),
@@ -153,7 +166,8 @@ impl<G: Dimension, P: Potential, K: Constraint> Stepper for Touching<G, P, K> {
     }
 
     fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
-        self.world.touches().for_each(|touch| see(push(self.colliders, &touch, time)));
+        let of = (self.colliders, &self.pins[..]);
+        self.world.touches().for_each(|touch| see(push(of, &touch, time)));
     }
 
     fn built(&self) -> Built {

@@ -424,11 +424,29 @@ pub enum Fault {
         /// The scene's dimension.
         dimension: usize,
     },
-    /// Bodies and particles do not act on each other here.
-    #[error("a scene has particles or bodies, not both; there are bodies already")]
-    Mixed,
-    /// The attraction of bodies is not built.
-    #[error("bodies do not attract each other here; only particles do")]
+    /// Elastic bodies are not coupled to rigid ones.
+    #[error(
+        "elastic and rigid bodies are not coupled yet, and there are rigid bodies already; leave one of \
+         them out"
+    )]
+    ElasticBesideRigid,
+    /// Both ends of a spring or a rod are on one body.
+    #[error("`{0}` and `{1}` are points of one body, whose distance nothing changes")]
+    SameBody(String, String),
+    /// A point that touches bodies has a size.
+    #[error("`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`")]
+    NoRadius(String),
+    /// What breaks is held by rods of particles alone.
+    #[error("rods break only between particles that nothing else holds; leave `strength` out")]
+    BreakingBesideBodies,
+    /// The impulses of joints that share them with contacts are not told apart.
+    #[error("the tension of a rod is not available where rods and contact are solved together")]
+    TensionInContact,
+    /// The attraction of bodies is not that of points.
+    #[error(
+        "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
+         how its mass is distributed"
+    )]
     BodyAttraction,
     /// Joints without bodies.
     #[error("joints need [[bodies]] to join")]

@@ -49,7 +49,7 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
         return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
     }
     #[cfg(feature = "rigid")]
-    if !declared.bodies.is_empty() && dimension == 3 {
+    if declared.is_of_bodies(dimension) && dimension == 3 {
         let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
         return BodyMethod::ALL.iter().map(word).collect();
     }
@@ -193,7 +193,13 @@ impl Scene {
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         if let Some(contact) = &self.contact {
             return match self.stepping {
-                _ if rods => refused("contact with rods", "leave one of them out"),
+                _ if rods && contact.stiffness.is_some() => {
+                    refused("rods beside contact by springs", "leave `stiffness` out")
+                }
+                _ if rods => refused(
+                    "contact with rods on a line, where a rod leaves its ends nothing to do",
+                    "leave one of them out",
+                ),
                 _ if contact.stiffness.is_some() => match self.stepping {
                     Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
                         Ok(())

@@ -34,7 +34,7 @@ table! {
 
 impl Word for Vec<MotionDeclaration> {
     const FEATURE: Option<Feature> = Some(ELASTICITY);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.of.span())

@@ -87,6 +87,7 @@ mod compiled {
             None => (start, declared.between.span()),
         };
         let same = |end: usize| roster.particles[end].name.clone();
+        roster.check_apart(ends, &declared.between)?;
         Spring::new(ends, rest_length, stiffness, strain).map_err(|error| match error {
             SpringError::Loop(end) => at(declared.between.span(), Fault::Loop(same(end))),
             _ if declared.rest_length.is_none() => at(place.clone(), Fault::NoRestLength),

@@ -45,10 +45,20 @@ fn turn(dimension: usize, angle: f64) -> String {
 
 /// A ball of a pendulum without weight's rod: its centre is 1 below the pivot, its moment m 2/5 r^2 or m r^2/2.
 fn pendulum(dimension: usize, restitution: f64, step: f64, horizon: f64) -> String {
+    pendulum_from(0.5, dimension, restitution, step, horizon)
+}
+
+fn pendulum_from(
+    angle: f64,
+    dimension: usize,
+    restitution: f64,
+    step: f64,
+    horizon: f64,
+) -> String {
     let (joint, axis) = if dimension == 3 { ("hinge", "axis = [0, 0, 1], ") } else { ("pin", "") };
     let [hook, at, normal, wall, g] = [
         vector(dimension, 0.0, 0.0),
-        vector(dimension, -(0.5_f64.sin()), -(0.5_f64.cos())),
+        vector(dimension, -angle.sin(), -angle.cos()),
         vector(dimension, -1.0, 0.0),
         vector(dimension, 0.1, 0.0),
         vector(dimension, 0.0, -9.81),
@@ -121,9 +131,10 @@ fn a_door_that_meets_a_stop_gives_it_the_impulse_of_its_angular_momentum() {
         let spin = last[last.len() - 1];
         assert!((spin + e * w).abs() < 2e-3 * w, "{dimension}: {spin}");
         let [hit] = run.contact_impulses() else { panic!("{:?}", run.contact_impulses()) };
-        let (impulse, exact) = (hit.magnitude, (1.0 + e) * moment * w / r);
-        // The face is turned by asin of what is left of the way, the arm with it.
-        assert!((impulse / exact - 1.0).abs() < 5e-3, "{dimension}: {impulse} {exact}");
+        // Along the face: the stop's centre is half a door and its own radius from the middle line.
+        let arm = (r * r + 0.04 - 0.15 * 0.15_f64).sqrt();
+        let (impulse, exact) = (hit.magnitude, (1.0 + e) * moment * w / arm);
+        assert!((impulse / exact - 1.0).abs() < 1e-3, "{dimension}: {impulse} {exact}");
     }
 }
 
@@ -147,7 +158,7 @@ fn a_chain_draped_over_a_cylinder_comes_to_rest_with_its_pins_closed() {
         }
     }
     let text = format!(
-        "{}sample_every = 50\ndrag = {{ coefficient = 0.3 }}\n\
+        "{}sample_every = 50\ndrag = {{ coefficient = 2 }}\n\
          observables = [\"energy\", \"kinetic-energy\"]\n\
          uniform_gravity = {{ acceleration = [0, -9.81] }}\n\
          contact = {{ friction = 0.8, balls = [{{ name = \"drum\", at = [0, 0], radius = 0.3 }}] }}\n{bodies}{joints}",
@@ -207,43 +218,73 @@ fn what_is_free_keeps_both_momenta_when_it_is_struck() {
         let run = run(&text);
         let (first, last) = (run.observed(0), run.observed(run.times().len() - 1));
         assert!(!run.contact_impulses().is_empty(), "{dimension} {joint}: nothing was struck");
-        for k in 1..first.len() {
+        for k in 1..=dimension {
             assert!((first[k] - last[k]).abs() < 1e-10, "{dimension} {joint} {k}: {first:?} {last:?}");
+        }
+        // Joints are closed by moving bodies, which turns the momentum about their common centre by order
+        // h^2 a step; what they hold rigidly needs no closing.
+        for k in dimension + 1..first.len() {
+            assert!((first[k] - last[k]).abs() < 3e-3, "{dimension} {joint} {k}: {first:?} {last:?}");
         }
         assert!(last[0] < first[0] * (1.0 + 1e-9), "{dimension} {joint}");
     }
 }
 
-/// The largest error along the trajectory halves with the step: through an impact and after it.
+/// The largest error along the trajectory, of pendulums that meet the wall in different parts of a step,
+/// halves with the step: through an impact and after it.
 #[test]
 fn the_steps_of_joints_and_contact_are_of_order_one_along_the_trajectory() {
     for dimension in [2, 3] {
-        let at = |step: f64| {
-            let run = run(&pendulum(dimension, 0.6, step, 1.0));
-            let every = (0.02 / step).round() as usize;
-            let places: Vec<f64> = (0..run.times().len())
-                .step_by(every)
-                .flat_map(|sample| run.positions(sample)[..2].to_vec())
-                .collect();
-            places
+        let at = |angle: f64, step: f64| {
+            let run = run(&pendulum_from(angle, dimension, 0.6, step, 0.96));
+            let every = (0.032 / step).round() as usize;
+            let samples = (0..run.times().len()).step_by(every);
+            samples.flat_map(|sample| run.positions(sample)[..2].to_vec()).collect::<Vec<f64>>()
         };
-        let exact = at(2.5e-5);
-        let error = |step: f64| {
-            at(step).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-        };
-        let errors = [1.6e-3, 8e-4, 4e-4, 2e-4].map(error);
-        let order = (errors[0] / errors[3]).log2() / 3.0;
-        assert!((0.8..1.5).contains(&order), "{dimension}: {order} of {errors:?}");
-        let text = pendulum(dimension, 0.6, 1e-3, 1.0);
-        let summary = run(&text).summary().to_string();
+        let steps = [1.6e-3, 8e-4, 4e-4, 2e-4, 1e-4];
+        let mut errors = [0.0_f64; 5];
+        for angle in [0.4, 0.43, 0.46, 0.49, 0.52, 0.55] {
+            let exact = at(angle, 2e-5);
+            for (error, &step) in errors.iter_mut().zip(&steps) {
+                let off = at(angle, step).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                *error = error.max(off);
+            }
+        }
+        let order = (errors[0] / errors[4]).log2() / 4.0;
+        assert!((0.8..1.3).contains(&order), "{dimension}: {order} of {errors:?}");
+        let summary = run(&pendulum(dimension, 0.6, 1e-3, 1.0)).summary().to_string();
         assert!(summary.contains("of order 1"), "{summary}");
     }
+}
+
+/// The momentum about the common centre that closing joints turns is of order one.
+#[test]
+fn the_angular_momentum_of_free_jointed_bodies_drifts_at_order_one() {
+    let drift = |step: f64| {
+        let text = format!(
+            "{}bodies = [\
+             {{ name = \"a\", mass = 2, box = [1, 0.2], position = [-0.5, 0], angular_velocity = 1 }},\
+             {{ name = \"b\", mass = 3, box = [1, 0.2], position = [0.5, 0], velocity = [0, -1], \
+             angular_velocity = -3 }}]\n\
+             joints = [{{ kind = \"pin\", between = [\"a\", \"b\"], at = [0, 0] }}]\n\
+             contact = {{ restitution = 0 }}\n\
+             observables = [\"angular-momentum\"]\n",
+            head(2, step, 1.0)
+        );
+        let text = text.replace("velocity = [0, -1]", "velocity = [0, -1.0]");
+        let run = run(&text);
+        let first = run.observed(0)[0];
+        (0..run.times().len()).map(|k| (run.observed(k)[0] - first).abs()).fold(0.0, f64::max)
+    };
+    let drifts = [4e-3, 2e-3, 1e-3].map(drift);
+    let order = (drifts[0] / drifts[2]).log2() / 2.0;
+    assert!(drifts[2] < 1e-2 && (0.7..2.5).contains(&order), "{order} of {drifts:?}");
 }
 
 /// A motor turns a crank; its rod pushes a slider against a wall, which stops it: torque over arm.
 #[test]
 fn motors_loads_and_drag_act_where_bodies_touch_and_their_works_close_the_budget() {
-    for drive in ["torque = 2", "speed = { sine = 3, frequency = 1 }"] {
+    for drive in ["torque = 2", "speed = { ramp = [0, -3], to = 0.5 }"] {
         let text = format!(
             "{}bodies = [\
              {{ name = \"crank\", mass = 1, box = [0.2, 0.04], position = [0, 0.1], rotation = {} }},\
