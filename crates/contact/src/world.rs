@@ -1,7 +1,7 @@
 //! A world of the plane or of space: bodies, their shapes, and what happens where they touch.
 //!
 //! ```text
-//! v~ = v - h M^-1 dV                         the velocity increment
+//! v~ = v + h M^-1 (F - dV)                   the velocity increment, F forces beside the potential's
 //! v  <- impact where g + h dg v~ < 0         restitution, on the velocity before the increment
 //! dg v + max(g, 0)/h >= 0,  friction         staggered projections, contact after contact
 //! (t, R, m) <- moved freely with v           translation straight, rotation keeps R m
@@ -49,7 +49,7 @@ pub(crate) mod jointed;
 #[cfg(feature = "2d")]
 pub(crate) mod masonry;
 
-use stationary_calculus::{Metric, Potential, SizeError, Space, System};
+use stationary_calculus::{Force, Metric, Potential, SizeError, Space, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
@@ -195,6 +195,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         })
     }
 
+    /// The velocities between which the forces of the last step did their work: after its impacts, and at its
+    /// end. The work of an impulse is what it does along the mean of the two.
+    pub fn velocities(&self) -> [Vector<&[f64]>; 2] {
+        [self.memory.before.view(), self.memory.v.view()]
+    }
+
     /// Everything on which the next steps depend beside the state: the impulses of the last, and
     /// from where its contact points are kept.
     pub fn save(&self) -> Saved {
@@ -248,6 +254,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         joints: &impl JointRows,
     ) -> Result<WorldReport, ContactError> {
+        self.step_under(state, h, joints, &())
+    }
+
+    /// The same under forces beside those of the potential, at the time, place and velocity at which the
+    /// step starts: they are part of the velocity increment.
+    ///
+    /// # Errors
+    /// Those of [`World::step_with`]; [`ContactError::NonFinite`] where a force leads to what is not finite.
+    pub fn step_under(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        joints: &impl JointRows,
+        forces: &impl Force,
+    ) -> Result<WorldReport, ContactError> {
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::Step(h).into());
         }
@@ -256,7 +277,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         SizeError::check("the poses' numbers", G::STORED * self.detector.bodies(), state.q.len())?;
         check_finite("the momentum", state.p.components())?;
         self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
-        self.find_increment(state, h);
+        self.find_increment(state, h, forces);
         self.find_joints(state, h, joints)?;
         self.find_reach(h);
         self.memory.meeting.clear();
@@ -349,13 +370,15 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(report)
     }
 
-    /// The velocity increment by the potential in a step; none of obstacles.
-    fn find_increment(&mut self, state: &State<Vec<f64>>, h: f64) {
-        let Memory { dv, increment, .. } = &mut self.memory;
+    /// The velocity increment by the potential and by forces in a step; none of obstacles.
+    fn find_increment(&mut self, state: &State<Vec<f64>>, h: f64, forces: &impl Force) {
+        let Memory { start, dv, increment, .. } = &mut self.memory;
         dv.0.fill(0.0);
         self.system.potential().add_differential(&state.q, dv.view_mut());
-        for (freedom, dv) in dv.0.iter_mut().enumerate() {
-            *dv *= if self.mass.is_held(freedom) { 0.0 } else { -h };
+        dv.0.iter_mut().for_each(|dv| *dv = -*dv);
+        forces.add_force(state.t, &state.q, start.view(), dv.view_mut());
+        for (freedom, force) in dv.0.iter_mut().enumerate() {
+            *force *= if self.mass.is_held(freedom) { 0.0 } else { h };
         }
         self.system.metric().sharp(dv.view(), increment.view_mut());
     }

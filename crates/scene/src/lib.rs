@@ -123,7 +123,7 @@
 //! | --- | --- | --- |
 //! | `constraints` | rods, chains; with `rigid`, joints | |
 //! | `rigid` | bodies | |
-//! | `contact` | contact | `rigid` |
+//! | `contact` | contact | `constraints`, `rigid` |
 //! | `elasticity` | springs, nets, solids | |
 //! | `modal` | the integrator `"linear-modes"`; with `elasticity`, solids that are hung | |
 //! | `laplacian` | heat | `modal` |
@@ -211,7 +211,10 @@ mod assemble {
     #[cfg(feature = "constraints")]
     pub(crate) mod rods;
     pub(crate) mod acceleration;
+    pub(crate) mod anchor;
     pub(crate) mod acting;
+    #[cfg(all(feature = "elasticity", feature = "rigid"))]
+    pub(crate) mod point_springs;
     #[cfg(feature = "modal")]
     pub(crate) mod rest;
     pub(crate) mod system;
@@ -219,6 +222,8 @@ mod assemble {
     #[cfg(feature = "modal")]
     pub(crate) mod linear_modes;
     pub(crate) mod particle_system;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod turn_springs;
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
     #[cfg(feature = "contact")]

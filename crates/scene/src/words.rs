@@ -27,6 +27,8 @@ pub(crate) mod node_shares;
 pub(crate) mod observables;
 pub(crate) mod particle_table;
 pub(crate) mod particles;
+#[cfg(feature = "rigid")]
+pub(crate) mod point_masses;
 pub(crate) mod quadratic_shape;
 pub(crate) mod rods;
 pub(crate) mod shape;
@@ -101,7 +103,7 @@ table! {
         uniform_gravity: Option<UniformGravityDeclaration> = Kind::Table(&UniformGravityDeclaration::TABLE),
         /// Attraction between every two particles, all of which are free.
         newtonian_gravity: Option<NewtonianGravityDeclaration> = Kind::Table(&NewtonianGravityDeclaration::TABLE),
-        /// A force that holds back every free particle, in proportion to its velocity.
+        /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
         drag: Option<DragDeclaration> = Kind::Table(&DragDeclaration::TABLE),
         /// How things with a radius, or bodies, touch.
         contact: Option<ContactDeclaration> = Kind::Table(&ContactDeclaration::TABLE),
@@ -111,10 +113,10 @@ table! {
         /// Particles joined by rods, on the line between two others.
         #[serde(default)]
         chains: Vec<ChainDeclaration> = Kind::List(&Kind::Table(&ChainDeclaration::TABLE)),
-        /// Springs between particles.
+        /// Springs between particles and points of bodies.
         #[serde(default)]
         springs: Vec<SpringDeclaration> = Kind::List(&Kind::Table(&SpringDeclaration::TABLE)),
-        /// Rods between particles, as long as at the start.
+        /// Rods between particles and points of bodies, as long as at the start.
         #[serde(default)]
         rods: Vec<RodDeclaration> = Kind::List(&Kind::Table(&RodDeclaration::TABLE)),
         /// Rows and columns of particles joined by springs.
@@ -125,7 +127,7 @@ table! {
         solids: Vec<SolidDeclaration> = Kind::List(&Kind::Table(&SolidDeclaration::TABLE)),
         /// Heat that flows through a shape.
         heat: Option<HeatDeclaration> = Kind::Table(&HeatDeclaration::TABLE),
-        /// Rigid bodies; a scene has particles or bodies, not both.
+        /// Rigid bodies.
         #[serde(default)]
         bodies: Vec<BodyDeclaration> = Kind::List(&Kind::Table(&BodyDeclaration::TABLE)),
         /// Joints between bodies, or a body and the world.
@@ -174,13 +176,33 @@ macro_rules! words {
 
             /// Checks every word, and adds what it says.
             pub(crate) fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
-                $(self.$word.declare(draft)?;)*
+                $(
+                    self.$word.declare(draft)?;
+                    #[cfg(feature = "rigid")]
+                    if stringify!($word) == "rods" {
+                        draft.embody_particles(self.has_impulses());
+                    }
+                )*
                 Ok(())
             }
         }
     };
 }
 
+impl Declaration {
+    /// Whether things touch by impulses.
+    pub(crate) fn has_impulses(&self) -> bool {
+        self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
+    }
+
+    /// Whether it is stepped as bodies are: bodies, or particles that rods join and that touch.
+    pub(crate) fn is_of_bodies(&self, dimension: usize) -> bool {
+        let rods = !self.rods.is_empty() || !self.chains.is_empty();
+        !self.bodies.is_empty() || (rods && self.has_impulses() && dimension > 1)
+    }
+}
+
+// Rods come right before what touches: then particles beside bodies become point masses.
 words! {
     bodies joints particles chains heat nets solids springs rods contact
     uniform_gravity newtonian_gravity drag loads motors motions

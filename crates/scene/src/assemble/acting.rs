@@ -3,6 +3,7 @@
 //! ```text
 //! p <- p + h/2 s F(t, q),    the method's own step,    p <- p + h/2 s F(t + h, q')
 //! s = 1/h int_t^(t+h) strength,       drag   p <- p/(1 + x) before,   p <- (1 - x) p after,   x = h c/2m
+//! damper  F = -c r along a rate r = J v, alike, with J M^-1 J^T for 1/m
 //! W_k = sum of <J_k, M^-1 (p + J_k/2)>,   J_k = h/2 s F_k         the kinetic energy that each brings
 //! W   = sum of <dV/dx, dx>/2                                      of a pin that moves by dx in the step
 //! ```
@@ -14,11 +15,12 @@ use stationary_calculus::{Covector, Force, Sink, Vector};
 #[cfg(feature = "elasticity")]
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
+use crate::assemble::anchor::Anchor;
 use crate::assemble::vertices::Vertices;
 #[cfg(feature = "elasticity")]
 use crate::model::drives::PinMotion;
 use crate::model::drives::{Motor, MotorDrive, SceneLoad};
-use crate::model::items::RigidBody;
+use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
@@ -30,8 +32,9 @@ pub(crate) struct Acting {
     acts: Vec<Act>,
     /// One over the mass of each freedom.
     inverse: Vec<f64>,
-    /// Freedoms of a particle or a body.
+    /// Freedoms of a particle or a body, of which the first are shifts along the dimensions.
     each: usize,
+    dimension: usize,
     works: Vec<f64>,
     /// The time over which a force takes the mean of a strength.
     width: f64,
@@ -46,7 +49,7 @@ struct Act {
 
 #[derive(Clone, Debug)]
 enum What {
-    /// The force over the velocity of every freedom.
+    /// The force over the velocity of every particle, and of the centre of every body.
     Drag(f64),
     /// An acceleration of every freedom, which repeats.
     Weight(Vec<f64>),
@@ -54,9 +57,41 @@ enum What {
     Freedoms(Vec<(usize, f64)>),
     /// A force and a torque at a point of a body.
     Point { body: usize, point: [f64; 3], force: [f64; 3], torque: [f64; 3] },
+    /// What holds back a coordinate: the force over its rate.
+    Damper(f64, Rate),
     /// A spring to a pin that moves.
     #[cfg(feature = "elasticity")]
-    Pulled { spring: Spring, first: usize, pin: PinMotion, start: [f64; 3] },
+    Pulled { spring: Spring, pulled: Anchor, pin: PinMotion, start: [f64; 3] },
+}
+
+/// A rate that a damper holds back.
+#[derive(Clone, Debug)]
+enum Rate {
+    /// Of the distance of two points.
+    Distance([Anchor; 2]),
+    /// A sum of the rates of freedoms.
+    Freedoms(Vec<(usize, f64)>),
+}
+
+impl Rate {
+    /// How it depends on the rates of freedoms; on none where two points meet.
+    fn entries(&self, q: &[f64], each: usize) -> Vec<(usize, f64)> {
+        let ends = match self {
+            Rate::Freedoms(entries) => return entries.clone(),
+            Rate::Distance(ends) => ends,
+        };
+        let [a, b] = ends.each_ref().map(|end| end.place(q, each));
+        let way: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
+        let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut entries = Vec::new();
+        if length > 0.0 {
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                let along = way.map(|x| sign * x / length);
+                end.pull(q, each, &along, &mut |freedom, part| entries.push((freedom, part)));
+            }
+        }
+        entries
+    }
 }
 
 /// At which end of a step a kick is.
@@ -80,13 +115,14 @@ impl Acting {
         }
         acts.extend(scene.loads());
         acts.extend(scene.motors());
+        acts.extend(scene.dampers());
         acts.extend(scene.pulled());
         if acts.is_empty() {
             return None;
         }
         let works = vec![0.0; acts.len()];
         let (inverse, each) = (scene.inverse_masses(), scene.freedoms_of_each());
-        Some(Acting { acts, inverse, each, works, width: 0.0 })
+        Some(Acting { acts, inverse, each, dimension: scene.dimension, works, width: 0.0 })
     }
 
     /// The same, where a force takes the means of strengths over this time.
@@ -114,7 +150,7 @@ impl Acting {
         if end == End::Start {
             self.works.fill(0.0);
         } else {
-            self.hold_back(end, h, p);
+            self.hold_back(end, h, q, p);
         }
         let now = if end == End::Start { t } else { t + h };
         let Acting { acts, inverse, each, works, .. } = self;
@@ -132,32 +168,54 @@ impl Acting {
             };
         }
         if end == End::Start {
-            self.hold_back(end, h, p);
+            self.hold_back(end, h, q, p);
         }
     }
 
-    /// Drag for half a step.
-    fn hold_back(&mut self, end: End, h: f64, p: &mut [f64]) {
-        for (act, work) in self.acts.iter().zip(&mut self.works) {
-            let What::Drag(c) = act.what else { continue };
-            for (p, inverse) in p.iter_mut().zip(&self.inverse) {
-                let x = 0.5 * h * c * inverse;
-                let after = if end == End::Start { *p / (1.0 + x) } else { *p * (1.0 - x) };
-                *work += 0.5 * inverse * (after - *p) * (after + *p);
-                *p = after;
+    /// Drag and dampers for half a step: at its end in the other order, and backward.
+    fn hold_back(&mut self, end: End, h: f64, q: &[f64], p: &mut [f64]) {
+        let Acting { acts, inverse, each, dimension, works, .. } = self;
+        let mut hold = |(act, work): (&Act, &mut f64)| match &act.what {
+            What::Drag(c) => {
+                for freedom in shifts(p.len(), *each, *dimension) {
+                    let (p, inverse) = (&mut p[freedom], inverse[freedom]);
+                    let x = 0.5 * h * c * inverse;
+                    let after = if end == End::Start { *p / (1.0 + x) } else { *p * (1.0 - x) };
+                    *work += 0.5 * inverse * (after - *p) * (after + *p);
+                    *p = after;
+                }
             }
+            What::Damper(c, rate) => {
+                let entries = rate.entries(q, *each);
+                let [now, yields] = rate_of(&entries, p, inverse);
+                let x = 0.5 * h * c;
+                let impulse = -x * now / if end == End::Start { 1.0 + x * yields } else { 1.0 };
+                *work += impulse * (now + 0.5 * impulse * yields);
+                entries.iter().for_each(|&(freedom, part)| p[freedom] += impulse * part);
+            }
+            _ => {}
+        };
+        match end {
+            End::Start => acts.iter().zip(works).for_each(&mut hold),
+            End::Finish => acts.iter().zip(works).rev().for_each(&mut hold),
         }
     }
 
     /// Adds the power of each thing that acts along a velocity `u`, times `scale`, to the works.
     pub(crate) fn add_powers(&mut self, scale: f64, t: f64, q: &[f64], p: &[f64], u: &[f64]) {
         let half = 0.5 * self.width;
-        let Acting { acts, inverse, each, works, .. } = self;
+        let Acting { acts, inverse, each, dimension, works, .. } = self;
         for (act, work) in acts.iter().zip(works) {
             let strength = act.strength.mean(t - half, t + half);
             let power = match act.what {
                 What::Drag(c) => {
-                    -c * p.iter().zip(&*inverse).zip(u).map(|((p, w), u)| p * w * u).sum::<f64>()
+                    let along = |freedom: usize| p[freedom] * inverse[freedom] * u[freedom];
+                    -c * shifts(u.len(), *each, *dimension).map(along).sum::<f64>()
+                }
+                What::Damper(c, ref rate) => {
+                    let entries = rate.entries(q, *each);
+                    let along: f64 = entries.iter().map(|&(freedom, part)| part * u[freedom]).sum();
+                    -c * rate_of(&entries, p, inverse)[0] * along
                 }
                 _ => match act.what.pulling_power((t, q), *each) {
                     Some(power) => power,
@@ -179,10 +237,87 @@ impl Acting {
         v.iter_mut().zip(p).zip(&self.inverse).for_each(|((v, p), inverse)| *v = p * inverse);
     }
 
+    /// Adds the impulses of a whole step, taken at its start; each drag and damper alone ends where it would
+    /// by implicit Euler.
+    pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
+        given.dim = self.inverse.len();
+        for act in &self.acts {
+            let scale = h * act.strength.mean(t, t + h);
+            match act.what {
+                What::Drag(c) => {
+                    for freedom in shifts(p.len(), self.each, self.dimension) {
+                        let x = h * c * self.inverse[freedom];
+                        given.entries.push((freedom, -p[freedom] * x / (1.0 + x)));
+                    }
+                }
+                What::Damper(c, ref rate) => {
+                    let entries = rate.entries(q, self.each);
+                    let [now, yields] = rate_of(&entries, p, &self.inverse);
+                    let impulse = -h * c * now / (1.0 + h * c * yields);
+                    given.entries.extend(entries.iter().map(|&(f, part)| (f, impulse * part)));
+                }
+                _ => act.what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {
+                    given.entries.push((freedom, scale * force));
+                }),
+            }
+            given.ends.push(given.entries.len());
+        }
+    }
+
     /// Forgets the works of the last step.
     pub(crate) fn begin(&mut self) {
         self.works.fill(0.0);
     }
+}
+
+/// What acts gives in a step: impulses on freedoms, those of each thing after one another.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Impulses {
+    dim: usize,
+    entries: Vec<(usize, f64)>,
+    /// Where those of each thing end.
+    ends: Vec<usize>,
+}
+
+impl Impulses {
+    pub(crate) fn clear(&mut self) {
+        self.entries.clear();
+        self.ends.clear();
+    }
+
+    pub(crate) fn dim(&self) -> usize {
+        self.dim
+    }
+
+    pub(crate) fn entries(&self) -> &[(usize, f64)] {
+        &self.entries
+    }
+
+    /// The work of each thing along a velocity.
+    pub(crate) fn works<'a>(
+        &'a self,
+        velocity: impl Fn(usize) -> f64 + 'a,
+    ) -> impl Iterator<Item = f64> + 'a {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(move |(start, &end)| {
+            self.entries[start..end].iter().map(|&(f, impulse)| impulse * velocity(f)).sum()
+        })
+    }
+}
+
+/// A rate where momenta are `p`, and what a unit impulse along it changes of it.
+fn rate_of(entries: &[(usize, f64)], p: &[f64], inverse: &[f64]) -> [f64; 2] {
+    let mut rate = [0.0; 2];
+    for &(freedom, part) in entries {
+        rate[0] += part * inverse[freedom] * p[freedom];
+        rate[1] += part * inverse[freedom] * part;
+    }
+    rate
+}
+
+/// The freedoms that are shifts, where each particle or body has so many.
+fn shifts(freedoms: usize, each: usize, dimension: usize) -> impl Iterator<Item = usize> {
+    (0..freedoms).filter(move |freedom| freedom % each < dimension)
 }
 
 impl What {
@@ -195,7 +330,7 @@ impl What {
         tell: &mut dyn FnMut(usize, f64),
     ) {
         match self {
-            What::Drag(_) => {}
+            What::Drag(_) | What::Damper(..) => {}
             What::Weight(acceleration) => {
                 for (freedom, inverse) in inverse.iter().enumerate() {
                     let a = acceleration[freedom % each];
@@ -212,11 +347,9 @@ impl What {
                 }
             }
             #[cfg(feature = "elasticity")]
-            What::Pulled { first, .. } => {
+            What::Pulled { pulled, .. } => {
                 if let Some([_, pull]) = self.pull(now, each) {
-                    for (c, pull) in pull.iter().enumerate().take(each) {
-                        tell(first + c, -pull);
-                    }
+                    pulled.pull(now.1, each, &pull.map(|pull| -pull), tell);
                 }
             }
         }
@@ -225,8 +358,8 @@ impl What {
     /// The differential of the energy of a spring to a pin, by the places of the pin and of what it pulls.
     #[cfg(feature = "elasticity")]
     fn pull(&self, (t, q): (f64, &[f64]), each: usize) -> Option<[[f64; 3]; 2]> {
-        let What::Pulled { spring, first, pin, start } = self else { return None };
-        let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+        let What::Pulled { spring, pulled, pin, start } = self else { return None };
+        let ends = [pin.place(*start, t), pulled.place(q, each)];
         Some(Stencil::<2, 3>::differential(spring, &ends))
     }
 
@@ -238,8 +371,8 @@ impl What {
     /// The energy of a spring to a pin.
     fn energy(&self, t: f64, q: &[f64], each: usize) -> f64 {
         #[cfg(feature = "elasticity")]
-        if let What::Pulled { spring, first, pin, start } = self {
-            let ends = [pin.place(*start, t), in_space(&q[*first..first + each])];
+        if let What::Pulled { spring, pulled, pin, start } = self {
+            let ends = [pin.place(*start, t), pulled.place(q, each)];
             return Stencil::<2, 3>::energy(spring, &ends);
         }
         let _ = (t, q, each);
@@ -274,15 +407,9 @@ impl What {
     }
 }
 
-/// A vector of as many components as the scene has dimensions, in space.
-#[cfg(feature = "elasticity")]
-fn in_space(x: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
-}
-
 /// A force and a torque at a point of a body, as they act on its freedoms, of which it has `each`:
 /// (F, c x R^T F + R^T m).
-fn wrench(
+pub(crate) fn wrench(
     q: &[f64],
     body: usize,
     each: usize,
@@ -311,7 +438,15 @@ impl Force for Acting {
         let half = 0.5 * self.width;
         for act in &self.acts {
             if let What::Drag(c) = act.what {
-                f.0.iter_mut().zip(v.0).for_each(|(f, v)| *f -= c * v);
+                for freedom in shifts(v.0.len(), self.each, self.dimension) {
+                    f.0[freedom] -= c * v.0[freedom];
+                }
+                continue;
+            }
+            if let What::Damper(c, rate) = &act.what {
+                let entries = rate.entries(q, self.each);
+                let now: f64 = entries.iter().map(|&(freedom, part)| part * v.0[freedom]).sum();
+                entries.iter().for_each(|&(freedom, part)| f.0[freedom] -= c * now * part);
                 continue;
             }
             let strength = act.strength.mean(t - half, t + half);
@@ -321,10 +456,21 @@ impl Force for Acting {
         }
     }
 
-    fn add_damping(&self, _: f64, _: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
+    fn add_damping(&self, _: f64, q: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
         for act in &self.acts {
+            if let What::Damper(c, rate) = &act.what {
+                let entries = rate.entries(q, self.each);
+                let freedoms: Vec<usize> = entries.iter().map(|&(freedom, _)| freedom).collect();
+                let rows = entries.iter().map(|&(_, part)| c * part);
+                let block: Vec<f64> =
+                    rows.flat_map(|row| entries.iter().map(move |&(_, part)| row * part)).collect();
+                damping.add_symmetric(&freedoms, &block);
+                continue;
+            }
             let What::Drag(c) = act.what else { continue };
-            (0..self.inverse.len()).for_each(|freedom| damping.add_symmetric(&[freedom], &[c]));
+            for freedom in shifts(self.inverse.len(), self.each, self.dimension) {
+                damping.add_symmetric(&[freedom], &[c]);
+            }
         }
     }
 }
@@ -337,9 +483,18 @@ impl Scene {
         }
         let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
         let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
-        if self.drives.has_speeds() {
-            names.push("motors with a speed".to_owned());
-        }
+        let own: &[&str] = match (self.touches_as_bodies(), self.drives.has_speeds()) {
+            (true, false) => &["friction", "impacts", "lifting out of overlap", "joints"],
+            (true, true) => {
+                &["friction", "impacts", "lifting out of overlap", "joints and motors with a speed"]
+            }
+            (false, true) => &["motors with a speed"],
+            (false, false) => &[],
+        };
+        // What touches has joints last of all.
+        let without = self.touches_as_bodies() && !self.has_joints();
+        let own = &own[..own.len() - usize::from(without)];
+        names.extend(own.iter().map(|&name| name.to_owned()));
         names
     }
 
@@ -398,33 +553,65 @@ impl Scene {
 
     /// Motors with a torque: about an axis that both bodies keep.
     fn motors(&self) -> Vec<Act> {
-        let each = self.freedoms_of_each();
         let torques = self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Torque);
         let act = |motor: &Motor| {
-            let joint = &self.joints[motor.joint];
-            let mut all = Vec::new();
-            for (end, sign) in joint.between.into_iter().zip([-1.0, 1.0]) {
-                let Some(body) = end else { continue };
-                if self.dimension == 2 {
-                    all.push((each * body + 2, sign));
-                    continue;
-                }
-                #[cfg(feature = "rigid")]
-                for (c, axis) in self.bodies[body].in_axes(joint.axis).into_iter().enumerate() {
-                    all.push((each * body + 3 + c, sign * axis));
-                }
-            }
+            let all = self.turn_between(&self.joints[motor.joint]);
             let strength = motor.strength.clone();
             Act { name: self.motor_named(motor), strength, what: What::Freedoms(all) }
         };
         torques.map(act).collect()
     }
 
+    /// How fast the second body turns against the first about the axis of their joint, by the rates of
+    /// freedoms: both bodies keep the axis.
+    fn turn_between(&self, joint: &SceneJoint) -> Vec<(usize, f64)> {
+        let each = self.freedoms_of_each();
+        let mut all = Vec::new();
+        for (end, sign) in joint.between.into_iter().zip([-1.0, 1.0]) {
+            let Some(body) = end else { continue };
+            if self.dimension == 2 {
+                all.push((each * body + 2, sign));
+                continue;
+            }
+            #[cfg(feature = "rigid")]
+            for (c, axis) in self.bodies[body].in_axes(joint.axis).into_iter().enumerate() {
+                all.push((each * body + 3 + c, sign * axis));
+            }
+        }
+        all
+    }
+
+    /// The names of what a joint joins.
+    pub(crate) fn ends_named(&self, joint: &SceneJoint) -> [&str; 2] {
+        joint.between.map(|end| end.map_or("world", |body| self.bodies[body].name.as_str()))
+    }
+
     /// A motor, by what it joins.
     pub(crate) fn motor_named(&self, motor: &Motor) -> String {
-        let name = |end: Option<usize>| end.map_or("world", |body| self.bodies[body].name.as_str());
-        let [a, b] = self.joints[motor.joint].between.map(name);
+        let [a, b] = self.ends_named(&self.joints[motor.joint]);
         format!("motor between {a} and {b}")
+    }
+
+    /// Springs and joints that are damped.
+    fn dampers(&self) -> Vec<Act> {
+        let vertices = Vertices::new(self);
+        let act = |name, damping, rate| {
+            let strength = Strength::constant(1.0);
+            Act { name, strength, what: What::Damper(damping, rate) }
+        };
+        let damped = self.links.iter().filter(|link| link.damping > 0.0);
+        let springs = damped.map(|link| {
+            let [a, b] = link.ends.map(|end| self.particles[end].name.as_str());
+            let ends = link.ends.map(|end| self.anchor(end, &vertices));
+            act(format!("damper between {a} and {b}"), link.damping, Rate::Distance(ends))
+        });
+        let damped = self.joints.iter().filter(|joint| joint.damping > 0.0);
+        let joints = damped.map(|joint| {
+            let [a, b] = self.ends_named(joint);
+            let rate = Rate::Freedoms(self.turn_between(joint));
+            act(format!("damper between {a} and {b}"), joint.damping, rate)
+        });
+        springs.chain(joints).collect()
     }
 
     /// The springs to pins that move.
@@ -443,12 +630,12 @@ impl Scene {
                     (None, Some(pin)) => (pin, a),
                     _ => continue,
                 };
-                let vertex = vertices.of_particle[other];
+                let pulled = self.anchor(other, &vertices);
                 let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
-                let (true, Ok(spring)) = (vertex < vertices.free, made) else { continue };
+                let fixed = matches!(pulled, Anchor::World(_));
+                let (false, Ok(spring)) = (fixed, made) else { continue };
                 let start = self.particles[pin.particle].position;
-                let first = self.dimension * vertex;
-                let what = What::Pulled { spring, first, pin: pin.clone(), start };
+                let what = What::Pulled { spring, pulled, pin: pin.clone(), start };
                 let name = format!("motion of {}", self.particles[pin.particle].name);
                 acts.push(Act { name, strength: Strength::constant(1.0), what });
             }

@@ -3,7 +3,8 @@
 //! ```text
 //! in space       M = diag(m, m, m, I1, I2, I3) a body, in its axes     7 numbers store 6 freedoms
 //! in the plane   M = diag(m, m, I) a body, flat                        (x, y, theta)
-//! V = uniform gravity,     g = joints, held by RATTLE,  or gaps, closed by impacts and friction
+//! V = uniform gravity, springs between points and at joints,     g = joints
+//! joints alone are held by RATTLE; with contact they are solved with gaps and friction
 //! ```
 
 use nalgebra::{Vector2, Vector3};
@@ -12,13 +13,17 @@ use stationary_integrators::State;
 use stationary_rigid::{
     Along, Body, BodyMetric, BodyMotion, BodySpace, Drive, Free, Joint, JointEnd, JointKind,
     LieGroup, PlanarDrive, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, PointMass, Poses,
-    RigidMotion, Rotation, Schedule, Weight,
+    RigidMotion, Rotation, Schedule, TorsionSpring, Weight,
 };
 
 use crate::JointKind as SceneJointKind;
 use crate::assemble::error::AssemblyError;
+#[cfg(feature = "elasticity")]
+use crate::assemble::point_springs::PointSprings;
+use crate::assemble::turn_springs::{PlanarTurnSpring, Several};
 use crate::model::drives::{Motor, MotorDrive};
-use crate::model::items::{RigidBody, SceneJoint};
+use crate::model::items::{RigidBody, Rod, SceneJoint};
+use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
 
@@ -58,8 +63,12 @@ impl Schedule for Turned {
     }
 }
 
-type Load = (Option<Weight<Poses>>, Free);
-type PlanarLoad = (Option<PlanarWeight>, Free);
+type Load = (Option<Weight<Poses>>, Free, Springs<TorsionSpring<Poses>>);
+type PlanarLoad = (Option<PlanarWeight>, Free, Springs<PlanarTurnSpring>);
+#[cfg(not(feature = "elasticity"))]
+type PointSprings = Free;
+/// Springs between points, and at joints.
+type Springs<T> = (PointSprings, Several<T>);
 pub(crate) type SpatialSystem = System<BodyMetric<Poses>, Load, Poses>;
 pub(crate) type PlanarSystem = System<DiagonalMetric<Vec<f64>>, PlanarLoad>;
 
@@ -172,6 +181,36 @@ fn joint_in_the_plane(
 }
 
 impl Scene {
+    /// No springs between points without the crate that has their law.
+    #[cfg(not(feature = "elasticity"))]
+    fn point_springs(&self, each: usize) -> Result<PointSprings, AssemblyError> {
+        Ok(Free { freedoms: each * self.bodies.len() })
+    }
+
+    /// A rod between points of bodies, or a point of a body and a place of the world.
+    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
+        let rotation = Rotation::identity();
+        let ends = rod.ends.map(|end| match self.particles[end].motion {
+            Motion::Carried { body, point } => {
+                JointEnd { body: Some(body), frame: RigidMotion { translation: point.into(), rotation } }
+            }
+            _ => {
+                let translation = self.particles[end].position.into();
+                JointEnd { body: None, frame: RigidMotion { translation, rotation } }
+            }
+        });
+        Ok(Joint::new(Poses, self.bodies.len(), JointKind::Rod { length: rod.length }, ends)?)
+    }
+
+    fn rod_in_the_plane(&self, rod: &Rod) -> Result<PlanarJoint, AssemblyError> {
+        let ends = rod.ends.map(|end| match self.particles[end].motion {
+            Motion::Carried { body, point } => PlanarEnd::on(body, Vector3::from(point).xy()),
+            _ => PlanarEnd::world(Vector3::from(self.particles[end].position).xy()),
+        });
+        let kind = PlanarJointKind::Rod { length: rod.length };
+        Ok(PlanarJoint::new(self.bodies.len(), kind, ends)?)
+    }
+
     /// Motors that have a speed.
     fn speeds(&self) -> impl Iterator<Item = &Motor> {
         self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Speed)
@@ -195,13 +234,20 @@ impl Scene {
         });
         let free = Free { freedoms: 6 * self.bodies.len() };
         let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        let rods = self.rods.iter().map(|rod| self.rod_in_space(rod));
+        let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
             let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
             let ends = ends_in_space(&self.bodies, joint);
             Drive::new(Poses, self.bodies.len(), Along::Turn, joint.axis.into(), ends, speed)
         });
+        let turned = self.joints.iter().filter(|joint| joint.stiffness > 0.0).map(|joint| {
+            let (ends, law) = (ends_in_space(&self.bodies, joint), [joint.stiffness, joint.rest]);
+            TorsionSpring::new(Poses, self.bodies.len(), (Along::Turn, joint.axis.into()), ends, law)
+        });
+        let springs = (self.point_springs(6)?, Several(turned.collect::<Result<_, _>>()?));
         Ok(InSpace {
-            system: metric.under((weight, free))?,
+            system: metric.under((weight, free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial,
         })
@@ -222,12 +268,17 @@ impl Scene {
         });
         let free = Free { freedoms: masses.len() };
         let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        let rods = self.rods.iter().map(|rod| self.rod_in_the_plane(rod));
+        let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
             let (joint, speed) = (&self.joints[motor.joint], Turned(motor.strength.clone()));
             PlanarDrive::new(self.bodies.len(), ends_in_the_plane(&self.bodies, joint), speed)
         });
+        let turned = self.joints.iter().filter(|joint| joint.stiffness > 0.0);
+        let turned = turned.map(|joint| PlanarTurnSpring::new(&self.bodies, joint)).collect();
+        let springs = (self.point_springs(3)?, Several(turned));
         Ok(InThePlane {
-            system: System::new(DiagonalMetric::new(masses)?, (weight, free))?,
+            system: System::new(DiagonalMetric::new(masses)?, (weight, free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial: State::new(q, Covector(p)),
         })

@@ -1,7 +1,7 @@
-//! Bodies that touch as the contact crate has them: their shapes, walls and fixed balls.
+//! Bodies that touch as the contact crate has them: their shapes, walls, fixed balls and pins that have a size.
 //!
 //! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
-//! pair, or pass through each other.
+//! pair, or pass through each other, as do two bodies that a joint joins.
 
 use nalgebra::{Vector2, Vector3};
 use stationary_contact::{
@@ -11,21 +11,23 @@ use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
 
 use crate::model::body_shape::BodyShape;
 use crate::model::contact_side::ContactSide;
-use crate::model::items::SceneContact;
+use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
 
-/// How many shapes there are: those of bodies, then walls, then fixed balls.
+/// How many shapes there are: those of bodies, then walls, then fixed balls, then pins.
 #[derive(Clone, Copy)]
 pub(crate) struct Colliders {
     all: usize,
     fixed: usize,
     walls: usize,
+    balls: usize,
 }
 
 impl Colliders {
     pub(crate) fn of<G: Dimension>(all: &[ColliderIn<G>], contact: &SceneContact) -> Self {
-        let walls = contact.walls.len();
-        Colliders { all: all.len(), fixed: walls + contact.balls.len(), walls }
+        let fixed = all.iter().filter(|collider| collider.body().is_none()).count();
+        let (walls, balls) = (contact.walls.len(), contact.balls.len());
+        Colliders { all: all.len(), fixed, walls, balls }
     }
 
     /// How many there are.
@@ -54,32 +56,45 @@ impl Colliders {
         match (body, place.checked_sub(self.walls)) {
             (Some(body), _) => ContactSide::Body(body),
             (None, None) => ContactSide::Wall(place),
-            (None, Some(ball)) => ContactSide::Ball(ball),
+            (None, Some(ball)) if ball < self.balls => ContactSide::Ball(ball),
+            (None, Some(pin)) => ContactSide::Pin(pin - self.balls),
         }
     }
 }
 
-/// A detector of contacts.
-pub(crate) fn detector<G: Dimension>(
-    colliders: &[ColliderIn<G>],
-    contact: &SceneContact,
-    bodies: usize,
-) -> Result<DetectorIn<G>, ContactError> {
-    let mut detector = DetectorIn::new(colliders.to_vec(), bodies)?;
-    let all = Colliders::of(colliders, contact);
-    for pair in &contact.pairs {
-        let [a, b] = pair.of.map(|side| all.of_side(side, colliders));
-        let (Some(a), Some(b)) = (a, b) else { continue };
-        detector = match pair.meets {
-            true => detector.with_pair([a, b], pair.restitution, pair.friction)?.with_rolling(
-                [a, b],
-                pair.rolling,
-                pair.torsion,
-            )?,
-            false => detector.without_pair([a, b])?,
+impl Scene {
+    /// What detects contacts. Bodies that a joint joins pass through each other, unless a pair says how they
+    /// touch.
+    pub(crate) fn detector<G: Dimension>(
+        &self,
+        colliders: &[ColliderIn<G>],
+        contact: &SceneContact,
+    ) -> Result<DetectorIn<G>, ContactError> {
+        let mut detector = DetectorIn::new(colliders.to_vec(), self.bodies.len())?;
+        let all = Colliders::of(colliders, contact);
+        let of = |pair: [ContactSide; 2]| -> Option<[usize; 2]> {
+            let [a, b] = pair.map(|side| all.of_side(side, colliders));
+            Some([a?, b?])
         };
+        for joint in &self.joints {
+            let [Some(a), Some(b)] = joint.between else { continue };
+            let sides = [ContactSide::Body(a), ContactSide::Body(b)];
+            let own = |pair: &ScenePair| pair.of == sides || pair.of == [sides[1], sides[0]];
+            if let Some(pair) = of(sides).filter(|_| !contact.pairs.iter().any(own)) {
+                detector = detector.without_pair(pair)?;
+            }
+        }
+        for pair in &contact.pairs {
+            let Some(two) = of(pair.of) else { continue };
+            detector = match pair.meets {
+                true => detector
+                    .with_pair(two, pair.restitution, pair.friction)?
+                    .with_rolling(two, pair.rolling, pair.torsion)?,
+                false => detector.without_pair(two)?,
+            };
+        }
+        Ok(detector)
     }
-    Ok(detector)
 }
 
 impl Scene {
@@ -98,6 +113,9 @@ impl Scene {
         }
         for ball in &contact.balls {
             fixed.push((at(ball.centre.into()), Shape::ball(ball.radius)?));
+        }
+        for pin in self.round_pins().map(|pin| &self.particles[pin]) {
+            fixed.push((at(pin.position.into()), Shape::ball(pin.radius)?));
         }
         self.all_alike(contact, of_body, fixed)
     }
@@ -126,6 +144,9 @@ impl Scene {
             let centre = Vector3::from(ball.centre).xy();
             fixed.push((at(centre), PlanarShape::disc(ball.radius)?));
         }
+        for pin in self.round_pins().map(|pin| &self.particles[pin]) {
+            fixed.push((at(Vector3::from(pin.position).xy()), PlanarShape::disc(pin.radius)?));
+        }
         self.all_alike(contact, of_body, fixed)
     }
 
@@ -143,7 +164,10 @@ impl Scene {
         }
         colliders.extend(fixed.into_iter().map(|(place, shape)| ColliderIn::fixed(place, shape)));
         let surface = |collider: ColliderIn<G>| {
-            collider.with_restitution(contact.restitution).with_friction(contact.friction)
+            // A particle has no friction.
+            let smooth = collider.body().is_some_and(|body| self.bodies[body].point_mass);
+            let friction = if smooth { 0.0 } else { contact.friction };
+            collider.with_restitution(contact.restitution).with_friction(friction)
         };
         Ok(colliders.into_iter().map(surface).collect())
     }

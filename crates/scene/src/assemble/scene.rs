@@ -176,14 +176,16 @@ fn check_what_is_there(declared: &Declaration) -> Checked<()> {
     let (bodies, joints) = (declared.first(Of::Bodies), declared.first(Of::Joints));
     let (weight, load) = (declared.first(Of::Weight), declared.first(Of::Load));
     if declared.heat.is_some() {
-        let all = [particles, attraction, bodies, joints, weight, load];
+        let elastic = declared.first(Of::Elastic);
+        let all = [particles, elastic, attraction, bodies, joints, weight, load];
         let others = all.into_iter().flatten().next();
         return others.map_or(Ok(()), |place| Err(at(place, Fault::MixedWithHeat)));
     }
-    match (bodies, joints, particles, attraction) {
+    let elastic = declared.first(Of::Elastic);
+    match (bodies, joints, elastic, attraction) {
         (None, Some(joint), ..) => Err(at(joint, Fault::NoBodies)),
-        (Some(_), _, Some(particle), _) => Err(at(particle, Fault::Mixed)),
-        (Some(_), _, None, Some(attraction)) => Err(at(attraction, Fault::BodyAttraction)),
+        (Some(_), _, Some(elastic), _) => Err(at(elastic, Fault::ElasticBesideRigid)),
+        (Some(_), _, _, Some(attraction)) => Err(at(attraction, Fault::BodyAttraction)),
         _ => Ok(()),
     }
 }

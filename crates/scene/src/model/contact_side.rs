@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::model::scene::Scene;
+
 /// What takes part in a contact. What does not move comes first in the order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum ContactSide {
@@ -46,9 +48,10 @@ impl ContactSide {
     }
 
     /// The particle at its middle, where it moves: a body's is its centre.
-    pub(crate) fn middle(self) -> Option<usize> {
+    pub(crate) fn middle(self, scene: &Scene) -> Option<usize> {
         match self {
-            ContactSide::Body(index) | ContactSide::Particle(index) => Some(index),
+            ContactSide::Body(body) => Some(scene.centre(body)),
+            ContactSide::Particle(index) => Some(index),
             _ => None,
         }
     }

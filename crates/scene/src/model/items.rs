@@ -21,6 +21,8 @@ pub struct Link {
     pub rest_length: f64,
     /// Its stiffness, force per length.
     pub stiffness: f64,
+    /// Of a damper along it, the force over the rate of its length.
+    pub damping: f64,
     /// Its measure of stretch.
     #[cfg(feature = "elasticity")]
     #[serde(serialize_with = "crate::model::serialized::strain")]
@@ -48,6 +50,8 @@ pub struct RigidBody {
     pub angular_velocity: [f64; 3],
     /// The points that are followed, in body axes.
     pub points: Vec<[f64; 3]>,
+    /// Whether it is a particle beside bodies: it does not turn, whatever touches it.
+    pub point_mass: bool,
 }
 
 /// What a joint leaves free.
@@ -75,6 +79,12 @@ pub struct SceneJoint {
     pub place: [f64; 3],
     /// The axis of a hinge or a slider at the start, of length one; else the third axis.
     pub axis: [f64; 3],
+    /// Of a spring that resists a turn, the torque over the turn; none where it is zero.
+    pub stiffness: f64,
+    /// The turn from the start at which that spring is at rest.
+    pub rest: f64,
+    /// Of a damper that resists a turn, the torque over its rate.
+    pub damping: f64,
 }
 
 /// How the things of a scene touch.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::model::claim::Claim;
 use crate::model::drives::Drives;
 use crate::model::elastic_body::{ElasticBody, HeatedBody};
-use crate::model::items::{Link, RigidBody, Rod, SceneContact, SceneJoint};
+use crate::model::items::{JointKind, Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::observable::Observable;
 use crate::model::particle::{Motion, Particle};
 use crate::model::stepping::Stepping;
@@ -121,7 +121,7 @@ impl Scene {
         &self.rods
     }
 
-    /// Its rigid bodies, in the file's order.
+    /// Its rigid bodies, in the file's order, and beside them its particles, which do not turn.
     pub fn bodies(&self) -> &[RigidBody] {
         &self.bodies
     }
@@ -163,10 +163,58 @@ impl Scene {
             return body.held.iter().filter(|&&held| !held).count();
         }
         if !self.bodies.is_empty() {
-            return (if self.dimension == 3 { 6 } else { 3 }) * self.bodies.len();
+            let rigid = self.rigid_bodies();
+            let each = if self.dimension == 3 { 6 } else { 3 };
+            return each * rigid + self.dimension * (self.bodies.len() - rigid);
         }
         let free = |particle: &&Particle| matches!(particle.motion, Motion::Free { .. });
         self.dimension * self.particles.iter().filter(free).count()
+    }
+
+    /// Whether joints, or rods that are held as joints are, take freedoms of its bodies.
+    pub(crate) fn has_joints(&self) -> bool {
+        !self.bodies.is_empty() && !(self.joints.is_empty() && self.rods.is_empty())
+    }
+
+    /// How many equations a joint has.
+    pub(crate) fn rows_of(&self, joint: &SceneJoint) -> usize {
+        match (joint.kind, self.dimension) {
+            (JointKind::Ball, dimension) => dimension,
+            (JointKind::Slider, 2) => 2,
+            (JointKind::Hinge | JointKind::Slider, _) => 5,
+            (JointKind::Fixed, 3) => 6,
+            (JointKind::Fixed, _) => 3,
+        }
+    }
+
+    /// How many equations all joints have.
+    pub(crate) fn rows_of_joints(&self) -> usize {
+        self.joints.iter().map(|joint| self.rows_of(joint)).sum()
+    }
+
+    /// How many of its bodies turn: those that are particles come after them.
+    pub(crate) fn rigid_bodies(&self) -> usize {
+        self.bodies.iter().take_while(|body| !body.point_mass).count()
+    }
+
+    /// Whether a particle is a point of a body that turns.
+    pub(crate) fn is_point_of_a_body(&self, particle: usize) -> bool {
+        match self.particles[particle].motion {
+            Motion::Carried { body, .. } => !self.bodies[body].point_mass,
+            _ => false,
+        }
+    }
+
+    /// The particle at the centre of a body.
+    pub(crate) fn centre(&self, body: usize) -> usize {
+        let centre = |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
+        self.particles.iter().position(centre).unwrap_or(body)
+    }
+
+    /// Whether a particle beside bodies is one that is written out: none of a net or a chain.
+    fn is_lone_point_mass(&self, particle: &Particle) -> bool {
+        let Motion::Carried { body, .. } = particle.motion else { return false };
+        self.bodies[body].point_mass && !particle.name.contains('.')
     }
 
     /// The lines that a picture draws between particles: springs, or edges of bodies.
@@ -184,6 +232,8 @@ impl Scene {
         });
         let mut followed: Vec<usize> =
             (0..self.written_out).chain(observed.filter(|&p| p >= self.written_out)).collect();
+        let lone = |&p: &usize| self.is_lone_point_mass(&self.particles[p]);
+        followed.extend((self.written_out..self.particles.len()).filter(lone));
         followed.sort_unstable();
         followed.dedup();
         followed
@@ -192,6 +242,11 @@ impl Scene {
     /// Whether its things touch by impulses, and not by springs.
     pub(crate) fn has_impulses(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
+    }
+
+    /// Whether bodies touch, so that impacts, friction and joints are solved together.
+    pub(crate) fn touches_as_bodies(&self) -> bool {
+        self.contact.is_some() && !self.bodies.is_empty()
     }
 
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.

@@ -4,11 +4,12 @@ use nalgebra::Vector3;
 use stationary_integrators::State;
 use stationary_rigid::BodyMotion;
 
+use crate::assemble::acting::Acting;
 use crate::assemble::body_system::{BodySystem, InSpace, InThePlane};
 use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
 use crate::model::columns::Moment;
-use crate::model::particle::Motion;
+use crate::model::particle::{Motion, Particle};
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::run::checkpoint::Checkpoint;
@@ -18,7 +19,7 @@ use crate::run::equal::Equal;
 use crate::run::error::RunError;
 use crate::run::observer::Observer;
 use crate::run::recorder::{Failed, Recorder};
-use crate::run::samples::{Run, Samples};
+use crate::run::samples::{BrokenRod, Run, Samples};
 use crate::run::stepper::Stepper;
 
 impl Scene {
@@ -43,8 +44,10 @@ impl Scene {
         checkpoint: Option<Checkpoint>,
         observer: &mut dyn Observer,
     ) -> Result<Run, RunError> {
-        let built = Built { bodies: self.bodies.len() as u64, ..stepper.built() };
-        let recorder = Box::new(BodyRecorder { scene: self, system });
+        let springs = self.links.len() as u64;
+        let built = Built { bodies: self.bodies.len() as u64, springs, ..stepper.built() };
+        let (acting, tensions) = (Acting::of(self), vec![0.0; self.rods.len()]);
+        let recorder = Box::new(BodyRecorder { scene: self, system, acting, tensions });
         let (state, clock) = (system.initial().clone(), Clock::OfTheSteps);
         Engine { scene: self, state, stepper, recorder, clock, built }
             .integrate(checkpoint, observer)
@@ -61,10 +64,10 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
     let InSpace { system, joints, initial } = of;
     #[cfg(feature = "contact")]
     if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_space(scene, contact, system, initial);
+        return crate::run::touching::in_space(scene, contact, of);
     }
     #[cfg(feature = "constraints")]
-    if !scene.joints.is_empty() {
+    if scene.has_joints() {
         return crate::run::joints::in_space(
             method,
             system,
@@ -84,10 +87,10 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
     let InThePlane { system, joints, initial } = of;
     #[cfg(feature = "contact")]
     if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_the_plane(scene, contact, system, initial);
+        return crate::run::touching::in_the_plane(scene, contact, of);
     }
     #[cfg(feature = "constraints")]
-    if !scene.joints.is_empty() {
+    if scene.has_joints() {
         return crate::run::joints::in_the_plane(
             system,
             joints,
@@ -102,6 +105,9 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
 struct BodyRecorder<'a> {
     scene: &'a Scene,
     system: &'a dyn BodySystem,
+    acting: Option<Acting>,
+    /// Of all rods; zero before the first step.
+    tensions: Vec<f64>,
 }
 
 impl Recorder for BodyRecorder<'_> {
@@ -109,18 +115,24 @@ impl Recorder for BodyRecorder<'_> {
         let (scene, system) = (self.scene, self.system);
         let motions: Vec<BodyMotion> =
             (0..scene.bodies.len()).map(|body| system.motion(state, body)).collect();
-        let at = |particle: &Motion| match *particle {
+        let at = |particle: &Particle| match particle.motion {
             Motion::Carried { body, point } => {
                 let BodyMotion { pose, velocity, angular_velocity } = &motions[body];
                 let point = Vector3::from(point);
                 let turning = pose.rotation.rotate(&angular_velocity.cross(&point));
                 (pose.apply(&point).into(), (velocity + turning).into())
             }
-            _ => ([0.0; 3], [0.0; 3]),
+            _ => (particle.position, [0.0; 3]),
         };
-        let (positions, velocities): (Vec<[f64; 3]>, Vec<[f64; 3]>) =
-            scene.particles.iter().map(|particle| at(&particle.motion)).unzip();
+        let (mut positions, mut velocities): (Vec<[f64; 3]>, Vec<[f64; 3]>) =
+            scene.particles.iter().map(at).unzip();
+        for motion in &scene.drives.motions {
+            let start = scene.particles[motion.particle].position;
+            positions[motion.particle] = motion.place(start, time);
+            velocities[motion.particle] = motion.velocity(time);
+        }
         let [kinetic, potential] = system.energies(state);
+        let pulled = self.acting.as_ref().map_or(0.0, |acting| acting.energy(time, &state.q));
         let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
         let mut scales = [0.0; 2];
         for (body, motion) in scene.bodies.iter().zip(&motions) {
@@ -136,16 +148,23 @@ impl Recorder for BodyRecorder<'_> {
         let turning: Vec<[f64; 3]> = motions.iter().map(|m| m.angular_velocity.into()).collect();
         let moment = Moment {
             kinetic,
-            potential,
+            potential: potential + pulled,
             linear: linear.into(),
             angular: angular.into(),
             positions: &positions,
             velocities: &velocities,
             angular_velocities: &turning,
             bodies: &bodies,
+            tensions: &self.tensions,
             ..Moment::default()
         };
         samples.push(scene, time, &moment, scales);
+    }
+
+    fn feel(&mut self, multipliers: &[f64], _: Option<BrokenRod>) {
+        // Equations of joints come first; the multiplier of a rod's is its tension.
+        let rods = multipliers.get(self.scene.rows_of_joints()..).unwrap_or_default();
+        self.tensions.iter_mut().zip(rods).for_each(|(tension, force)| *tension = *force);
     }
 
     fn failed(&self, failed: Failed, state: &State<Vec<f64>>, run: Run) -> RunError {

@@ -83,7 +83,13 @@ impl Run {
             Motion::Carried { body, point } => bodies[body].velocity_of(point),
             _ => [0.0; 3],
         };
-        scene.particles.iter().map(|particle| of(&particle.motion)).collect()
+        let mut all: Vec<[f64; 3]> =
+            scene.particles.iter().map(|particle| of(&particle.motion)).collect();
+        let time = self.times()[sample];
+        for motion in &scene.drives.motions {
+            all[motion.particle] = motion.velocity(time);
+        }
+        all
     }
 
     /// How all bodies move at a sample, in the scene's order. Empty where there is no such sample.
@@ -132,12 +138,13 @@ impl Run {
     /// The contact impulses that all particles and bodies were given since the sample before, those
     /// of a body at its centre.
     pub(crate) fn impulses_on(&self, sample: usize) -> Vec<[f64; 3]> {
-        let mut given = vec![[0.0; 3]; self.scene.particles.len()];
+        let scene = &self.scene;
+        let mut given = vec![[0.0; 3]; scene.particles.len()];
         let rows = &self.samples.contacts.rows;
         let first = rows.partition_point(|row| row.sample < sample);
         for row in rows[first..].iter().take_while(|row| row.sample == sample) {
             for (side, sign) in row.between.into_iter().zip([-1.0, 1.0]) {
-                if let Some(middle) = side.middle() {
+                if let Some(middle) = side.middle(scene) {
                     given[middle] =
                         std::array::from_fn(|c| given[middle][c] + sign * row.impulse[c]);
                 }

@@ -5,6 +5,7 @@ use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::Vertices;
+use crate::model::drives::MotorDrive;
 use crate::model::items::{JointKind, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::{COORDINATES, Scene};
@@ -68,6 +69,8 @@ impl Scene {
             }
             #[cfg(feature = "constraints")]
             StepFailure::Constraint(error) => self.constraint_in_words(error, left),
+            #[cfg(feature = "contact")]
+            StepFailure::Contact(ContactError::Rows(error)) => self.constraint_in_words(error, left),
             #[cfg(feature = "contact")]
             StepFailure::Contact(error) => self.contact_in_words(error),
             #[cfg(feature = "laplacian")]
@@ -150,30 +153,29 @@ impl Scene {
             (JointKind::Fixed, 3) => "fixed joint",
             (JointKind::Fixed, _) => "weld",
         };
-        let [a, b] = joint.between.map(|end| match end {
-            Some(body) => self.bodies[body].name.as_str(),
-            None => "world",
-        });
+        let [a, b] = self.ends_named(joint);
         format!("the {kind} between `{a}` and `{b}`")
     }
 
-    /// The rod or the joint of an equation.
+    /// The rod or the joint of an equation: those of joints come first, motors with a speed last.
     fn holder(&self, row: usize, left: &[usize]) -> Option<String> {
-        if self.joints.is_empty() {
-            let [a, b] = self.rods[*left.get(row)?].ends.map(|end| &self.particles[end].name);
+        let mut before = 0;
+        let joint = self.joints.iter().find_map(|joint| {
+            before += self.rows_of(joint);
+            (row < before).then(|| self.joint(joint))
+        });
+        if joint.is_some() {
+            return joint;
+        }
+        let row = row - before;
+        if let Some(&rod) = left.get(row) {
+            let [a, b] = self.rods[rod].ends.map(|end| &self.particles[end].name);
             return Some(format!("the rod from `{a}` to `{b}`"));
         }
-        let mut before = 0;
-        self.joints.iter().find_map(|joint| {
-            before += match (joint.kind, self.dimension) {
-                (JointKind::Ball, dimension) => dimension,
-                (JointKind::Slider, 2) => 2,
-                (JointKind::Hinge | JointKind::Slider, _) => 5,
-                (JointKind::Fixed, 3) => 6,
-                (JointKind::Fixed, _) => 3,
-            };
-            (row < before).then(|| self.joint(joint))
-        })
+        let drives = self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Speed);
+        let motor = drives.into_iter().nth(row - left.len())?;
+        let [a, b] = self.ends_named(&self.joints[motor.joint]);
+        Some(format!("the motor between `{a}` and `{b}`"))
     }
 
     /// Rods or joints that cannot be held.
@@ -204,7 +206,11 @@ impl Scene {
             ConstraintError::Dependent { row: None } => format!(
                 "the {} hold the same motion more than once, to working precision; leave one of them \
                  out",
-                if self.joints.is_empty() { "rods" } else { "joints" }
+                match (self.joints.is_empty(), self.rods.is_empty()) {
+                    (true, _) => "rods",
+                    (false, true) => "joints",
+                    (false, false) => "joints and rods",
+                }
             ),
             ConstraintError::NotConverged { iterations, violation, .. } => format!(
                 "{} is still off by {violation:e} of its length after {iterations} iterations; take a \

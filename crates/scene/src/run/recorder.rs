@@ -36,7 +36,8 @@ impl Failed {
     /// The error of the run up to there, in words of its own or in those of the failure.
     pub(crate) fn stops(self, run: Run, named: Option<String>) -> RunError {
         let Failed { step, time, source } = self;
-        let named = named.or_else(|| run.scene.failure_named(&source, &[]));
+        let rods: Vec<usize> = (0..run.scene.rods.len()).collect();
+        let named = named.or_else(|| run.scene.failure_named(&source, &rods));
         let unit = run.scene.units.time.clone();
         let reason = named.unwrap_or_else(|| source.to_string());
         let unstable = run.scene.unstable_step();

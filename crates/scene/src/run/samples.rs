@@ -150,11 +150,7 @@ impl Scene {
     /// Samples, before the first one.
     pub(crate) fn no_samples(&self) -> Samples {
         let columns = self.observables.iter().map(|o| o.headings(self).len()).sum();
-        let works = match self.drives.is_empty() && self.drag.is_none() {
-            true => Vec::new(),
-            false => vec![0.0; self.works_of().len()],
-        };
-        Samples { columns, works, ..Samples::default() }
+        Samples { columns, works: vec![0.0; self.works_of().len()], ..Samples::default() }
     }
 }
 

@@ -62,7 +62,7 @@ impl Scene {
             let outside = self.faces.iter().map(|&corners| Face { corners, body: 0 });
             return self.cells().into_iter().chain(outside).collect();
         }
-        let mut first = self.bodies.len();
+        let mut first = self.rigid_bodies();
         let mut faces = Vec::new();
         for (body, RigidBody { points, .. }) in self.bodies.iter().enumerate() {
             let mut add = |corners: [usize; 3]| {
@@ -78,12 +78,16 @@ impl Scene {
             }
             first += points.len();
         }
+        faces.extend(self.cells());
         faces
     }
 
     /// Springs that are drawn as lines: those of nets are drawn as the sides of their cells.
     pub(crate) fn wires(&self) -> impl Iterator<Item = [usize; 2]> {
-        let of_net = |ends: &[usize; 2]| ends.iter().all(|&end| end >= self.written_out);
+        let net = |end: usize| end >= self.written_out && !self.is_point_of_a_body(end);
+        let of_net = move |ends: &[usize; 2]| {
+            ends.iter().all(|&end| net(end) && vertex(&self.particles[end].name).is_some())
+        };
         self.links.iter().map(|link| link.ends).filter(move |ends| !of_net(ends))
     }
 
@@ -92,6 +96,9 @@ impl Scene {
         let (mut faces, mut columns) = (Vec::new(), 0);
         let all = self.particles.iter().enumerate().skip(self.written_out);
         for (index, name) in all.map(|(index, particle)| (index, particle.name.as_str())) {
+            if self.is_point_of_a_body(index) {
+                continue;
+            }
             let Some([row, column]) = vertex(name) else { continue };
             if row == 0 {
                 columns = column + 1;

@@ -26,7 +26,7 @@ pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {
     if scene.keeps_velocities() {
         write_file(&folder.join("velocity.csv"), |out| velocities(run, out))?;
     }
-    if !scene.bodies.is_empty() {
+    if scene.rigid_bodies() > 0 {
         write_file(&folder.join("bodies.csv"), |out| bodies(run, out))?;
     }
     if !scene.solids.is_empty() {
@@ -130,7 +130,7 @@ fn bodies(run: &Run, out: &mut impl Write) -> io::Result<()> {
     head(run, out, &["body"], headings)?;
     for (sample, time) in run.times().iter().enumerate() {
         // The centres of bodies are the first particles.
-        for (body, field) in run.bodies(sample).iter().enumerate() {
+        for (body, field) in run.bodies(sample).iter().enumerate().take(scene.rigid_bodies()) {
             write!(out, "{time:?},{}", scene.bodies[body].name)?;
             let angle = [field.angle];
             let (turned, turning) = match d {

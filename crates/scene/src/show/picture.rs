@@ -213,8 +213,13 @@ impl<'a> Picture<'a> {
             entry("start", &|canvas, x| canvas.ring(Tone::Ink, (x + 12.0, y), 3.0));
             entry("end", &|canvas, x| canvas.dot(Tone::Ink, (x + 12.0, y), 4.0));
         }
+        let words = match (scene.rigid_bodies() > 0, scene.links().is_empty()) {
+            (true, true) => "bodies",
+            (true, false) => "bodies, springs",
+            (false, _) => "springs",
+        };
         if scene.lines().next().is_some() {
-            entry(if scene.bodies().is_empty() { "springs" } else { "bodies" }, &line(THIN));
+            entry(words, &line(THIN));
         }
         if !scene.rods().is_empty() {
             entry("rods", &line(THICK));

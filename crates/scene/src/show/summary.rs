@@ -95,6 +95,7 @@ fn budget(run: &Run) -> Option<Table> {
         table.push([name.into(), above_rounding(work, scale)]);
     }
     let rest = match scene.contact() {
+        Some(_) if scene.touches_as_bodies() => "defect of the steps, of order 1".to_owned(),
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),
     };
@@ -216,18 +217,23 @@ fn cost(run: &Run) -> Table {
         return table;
     }
     if !scene.bodies().is_empty() {
-        let mut table = Table::new([
-            Column::exact("bodies"),
-            Column::exact("joints"),
-            Column::exact("freedoms"),
-            counted("differentials"),
-        ]);
-        table.push([
-            (scene.bodies().len() as u64).into(),
-            (scene.joints().len() as u64).into(),
-            (scene.freedoms() as u64).into(),
-            count(run.cost().differentials),
-        ]);
+        let rigid = scene.rigid_bodies();
+        let of = |name, number: usize| (Column::exact(name), Cell::from(number as u64));
+        let mut columns =
+            vec![of("bodies", rigid), of("joints", scene.joints().len())];
+        // Only what is there beside them.
+        let beside = [
+            ("particles", scene.bodies().len() - rigid + pinned),
+            ("pinned", pinned),
+            ("springs", scene.links().len()),
+            ("rods", scene.rods().len()),
+        ];
+        columns.extend(beside.iter().filter(|(_, n)| *n > 0).map(|&(name, n)| of(name, n)));
+        columns.push(of("freedoms", scene.freedoms()));
+        columns.push((counted("differentials"), count(run.cost().differentials)));
+        let (headings, cells): (Vec<Column>, Vec<Cell>) = columns.into_iter().unzip();
+        let mut table = Table::new(headings);
+        table.push(cells);
         return table;
     }
     let mut table = Table::new([

@@ -424,11 +424,29 @@ pub enum Fault {
         /// The scene's dimension.
         dimension: usize,
     },
-    /// Bodies and particles do not act on each other here.
-    #[error("a scene has particles or bodies, not both; there are bodies already")]
-    Mixed,
-    /// The attraction of bodies is not built.
-    #[error("bodies do not attract each other here; only particles do")]
+    /// Elastic bodies are not coupled to rigid ones.
+    #[error(
+        "elastic and rigid bodies are not coupled yet, and there are rigid bodies already; leave one of \
+         them out"
+    )]
+    ElasticBesideRigid,
+    /// Both ends of a spring or a rod are on one body.
+    #[error("`{0}` and `{1}` are points of one body, whose distance nothing changes")]
+    SameBody(String, String),
+    /// A point that touches bodies has a size.
+    #[error("`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`")]
+    NoRadius(String),
+    /// What breaks is held by rods of particles alone.
+    #[error("rods break only between particles that nothing else holds; leave `strength` out")]
+    BreakingBesideBodies,
+    /// The impulses of joints that share them with contacts are not told apart.
+    #[error("the tension of a rod is not available where rods and contact are solved together")]
+    TensionInContact,
+    /// The attraction of bodies is not that of points.
+    #[error(
+        "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
+         how its mass is distributed"
+    )]
     BodyAttraction,
     /// Joints without bodies.
     #[error("joints need [[bodies]] to join")]
@@ -477,6 +495,17 @@ pub enum Fault {
     /// A joint that does not turn about one axis.
     #[error("a motor turns a `pin` or a `hinge`; this joint has no one axis to turn about")]
     MotorWithoutAxis,
+    /// A spring or a damper at a joint that does not turn about one axis.
+    #[error(
+        "`stiffness`, `rest` and `damping` are of a `pin` or a `hinge`; this joint has no one axis to turn about"
+    )]
+    SpringWithoutAxis,
+    /// A turn is known up to whole ones.
+    #[error("the turn is {0} radians; it must be within half a turn, from -pi to pi")]
+    BeyondHalfATurn(f64),
+    /// The rest of no spring.
+    #[error("`rest` is of a spring: this joint has no `stiffness`")]
+    RestWithoutSpring,
     /// Two speeds of one joint.
     #[error("this joint already has a motor with a speed")]
     TwoSpeeds,
@@ -489,6 +518,9 @@ pub enum Fault {
          moves as it is told"
     )]
     MotionOfHeld(String),
+    /// A pin that moves and pulls at a damper.
+    #[error("`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves")]
+    MotionOfDamped(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]
     TwoMotions(String),

@@ -204,6 +204,7 @@ mod compiled {
             velocity,
             angular_velocity,
             points,
+            point_mass: false,
         };
         Ok(DeclaredBody { body, has_velocity })
     }

@@ -4,6 +4,7 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
+use crate::model::observable::Observable;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::text::fault::Fault;
@@ -11,6 +12,13 @@ use crate::text::fault::Fault;
 impl Scene {
     /// An error where the scene's method cannot step its bodies.
     pub(crate) fn check_bodies(&self) -> Result<(), Fault> {
+        if self.rods.iter().any(|rod| rod.strength.is_finite()) {
+            return Err(Fault::BreakingBesideBodies);
+        }
+        let tension = |observable: &Observable| matches!(observable, Observable::Tension(_));
+        if self.contact.is_some() && self.observables.iter().any(tension) {
+            return Err(Fault::TensionInContact);
+        }
         if self.contact.is_some() {
             return self.check_touching();
         }
@@ -31,7 +39,7 @@ impl Scene {
                 "name a method up to order 2, such as `stormer-verlet` or `axis-rotations`";
             return Err(Fault::MethodCannot { method: self.stepping.name(), what, instead });
         }
-        match (moves, holds || self.joints.is_empty()) {
+        match (moves, holds || (self.joints.is_empty() && self.rods.is_empty())) {
             (false, _) => Err(Fault::MethodOfAnother(name())),
             (true, false) => Err(Fault::MethodOfJoints(name())),
             (true, true) => Ok(()),
@@ -44,13 +52,6 @@ impl Scene {
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
         match (self.stepping, self.dimension, untouchable) {
-            _ if !self.joints.is_empty() => {
-                refused("joints and contact at once", "leave one of them out")
-            }
-            _ if self.is_driven() => refused(
-                "bodies that touch under loads or changing gravity",
-                "leave one of them out",
-            ),
             (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
             | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),

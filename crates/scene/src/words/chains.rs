@@ -36,7 +36,7 @@ table! {
 
 impl Word for Vec<ChainDeclaration> {
     const FEATURE: Option<Feature> = Some(CONSTRAINTS);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.name.span())

@@ -12,7 +12,7 @@ use crate::words::table::{Kind, table};
 use crate::words::word::{Of, Word};
 
 table! {
-    /// A force that holds back every free particle, in proportion to its velocity.
+    /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
     pub(crate) struct DragDeclaration = "a table with a coefficient" {
         /// The force over the velocity.
         coefficient: Spanned<Number> = Kind::Positive,
@@ -20,7 +20,7 @@ table! {
 }
 
 impl Word for Option<DragDeclaration> {
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.as_ref().map(|drag| drag.coefficient.span())

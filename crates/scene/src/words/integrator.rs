@@ -49,7 +49,7 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
         return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
     }
     #[cfg(feature = "rigid")]
-    if !declared.bodies.is_empty() && dimension == 3 {
+    if declared.is_of_bodies(dimension) && dimension == 3 {
         let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
         return BodyMethod::ALL.iter().map(word).collect();
     }
@@ -136,12 +136,15 @@ impl Scene {
     /// Whether forces act on it that no potential gives.
     pub(crate) fn is_driven(&self) -> bool {
         let Drives { loads, motors, motions, gravity, .. } = &self.drives;
+        let damped = self.links.iter().any(|link| link.damping > 0.0)
+            || self.joints.iter().any(|joint| joint.damping > 0.0);
         let torques = motors.iter().any(|motor| motor.drive == MotorDrive::Torque);
         self.drag.is_some()
             || !loads.is_empty()
             || torques
             || !motions.is_empty()
             || gravity.is_some()
+            || damped
     }
 
     /// Whether the method takes forces that change with the place, as springs to pins that move do.
@@ -190,7 +193,13 @@ impl Scene {
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
         if let Some(contact) = &self.contact {
             return match self.stepping {
-                _ if rods => refused("contact with rods", "leave one of them out"),
+                _ if rods && contact.stiffness.is_some() => {
+                    refused("rods beside contact by springs", "leave `stiffness` out")
+                }
+                _ if rods => refused(
+                    "contact with rods on a line, where a rod leaves its ends nothing to do",
+                    "leave one of them out",
+                ),
                 _ if contact.stiffness.is_some() => match self.stepping {
                     Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
                         Ok(())

@@ -16,7 +16,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use crate::text::diagnostic::Checked;
-use crate::text::number::Components;
+use crate::text::number::{Components, Number};
 use crate::words::draft::Draft;
 use crate::words::table::{Kind, table};
 use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
@@ -32,6 +32,12 @@ table! {
         at: Components = Kind::Vector,
         /// The axis of a hinge, or the direction of a slider, at the start, as the world sees it.
         axis: Option<Components> = Kind::Vector,
+        /// Of a spring at a pin or a hinge: torque over the turn of the second against the first.
+        stiffness: Option<Spanned<Number>> = Kind::NotNegative,
+        /// The turn from the start at which that spring is at rest, within half a turn; 0 where it is missing.
+        rest: Option<Spanned<Number>> = Kind::Number,
+        /// Of a damper at a pin or a hinge: torque over the rate of the turn.
+        damping: Option<Spanned<Number>> = Kind::NotNegative,
     }
 }
 
@@ -148,7 +154,30 @@ mod compiled {
             (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
             (None, _) => [0.0, 0.0, 1.0],
         };
-        Ok(SceneJoint { kind, between, place, axis })
+        let turns =
+            kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
+        let number = |what, given: &Option<Spanned<Number>>| match given {
+            Some(given) if !turns => Err(at(given.span(), Fault::SpringWithoutAxis)),
+            Some(given) => check::finite(what, given),
+            None => Ok(0.0),
+        };
+        let rest = number("the rest", &declared.rest)?;
+        if let Some(given) = declared.rest.as_ref().filter(|_| rest.abs() > std::f64::consts::PI) {
+            return Err(at(given.span(), Fault::BeyondHalfATurn(rest)));
+        }
+        let positive = |what, given: &Option<Spanned<Number>>| match given {
+            Some(declared) => {
+                number(what, given)?;
+                check::not_negative(what, declared)
+            }
+            None => Ok(0.0),
+        };
+        let stiffness = positive("the stiffness", &declared.stiffness)?;
+        let damping = positive("the damping", &declared.damping)?;
+        if let (Some(given), true) = (&declared.rest, stiffness == 0.0) {
+            return Err(at(given.span(), Fault::RestWithoutSpring));
+        }
+        Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping })
     }
 
     /// The body of this name, or the world.

@@ -64,7 +64,7 @@ fn declare(draft: &Draft<'_>, declared: &LoadDeclaration) -> Checked<SceneLoad> 
         None => [0.0; 3],
     };
     let torque = match (&declared.torque, motion) {
-        (Some(torque), Motion::Carried { .. }) => {
+        (Some(torque), Motion::Carried { body, .. }) if !draft.bodies[body].body.point_mass => {
             torque.components("the torque", draft.dimension)?
         }
         (Some(torque), _) => {

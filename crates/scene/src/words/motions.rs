@@ -9,6 +9,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use crate::model::drives::PinMotion;
+use crate::model::items::Link;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
@@ -33,7 +34,7 @@ table! {
 
 impl Word for Vec<MotionDeclaration> {
     const FEATURE: Option<Feature> = Some(ELASTICITY);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.of.span())
@@ -62,6 +63,10 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
         .bodies
         .iter()
         .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
+    let damped = |link: &Link| link.damping > 0.0 && link.ends.contains(&particle);
+    if draft.links.iter().any(damped) {
+        return Err(at(place, Fault::MotionOfDamped(name())));
+    }
     if held || of_solid || pin.radius > 0.0 {
         return Err(at(place, Fault::MotionOfHeld(name())));
     }

@@ -185,6 +185,7 @@ mod compiled {
             at(declared.spacing.span(), Fault::Syntax { message: error.to_string() })
         })?;
         links.extend(springs.iter().map(|spring| Link {
+            damping: 0.0,
             ends: Stencil::<2, 3>::vertices(spring).map(|vertex| first + vertex),
             rest_length: spring.rest_length(),
             stiffness,

@@ -13,7 +13,7 @@ use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
-use crate::words::draft::Draft;
+use crate::words::draft::{DeclaredBody, Draft};
 use crate::words::particle_table::ParticleTable;
 use crate::words::table::{Kind, table};
 
@@ -116,7 +116,7 @@ pub(crate) fn declare_one(
     draft: &Draft<'_>,
 ) -> Checked<Observable> {
     let of_heat = draft.heat.is_some();
-    let observable = declare(&draft.particles, &draft.rods, declared)?;
+    let observable = declare(&draft.particles, (&draft.rods, &draft.bodies), declared)?;
     if observable.of_heat() != of_heat {
         let scenes = if of_heat { "heat scenes" } else { "scenes without heat" };
         return Err(at(declared.span(), Fault::ObservableOfAnother(scenes)));
@@ -127,7 +127,7 @@ pub(crate) fn declare_one(
 /// The observable that is declared.
 fn declare(
     roster: &ParticleTable,
-    rods: &[Rod],
+    (rods, bodies): (&[Rod], &[DeclaredBody]),
     declared: &Spanned<ObservableDeclaration>,
 ) -> Checked<Observable> {
     let table = match declared.get_ref() {
@@ -158,7 +158,9 @@ fn declare(
         ([_, Some(particle), _], _) => Ok(Observable::Velocity(particle)),
         ([.., Some(particle)], _) => Ok(Observable::Temperature(particle)),
         (_, Some(name)) => match roster.particles[roster.find(name)?].motion {
-            Motion::Carried { body, .. } => Ok(Observable::AngularVelocity(body)),
+            Motion::Carried { body, .. } if !bodies[body].body.point_mass => {
+                Ok(Observable::AngularVelocity(body))
+            }
             _ => Err(at(name.span(), Fault::NotABody(name.get_ref().clone()))),
         },
         (_, None) => Err(at(declared.span(), Fault::NotOneObservable(0))),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use crate::model::particle::Particle;
+use crate::model::particle::{Motion, Particle};
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
@@ -52,6 +52,25 @@ impl ParticleTable {
         let names = self.particles.iter().map(|particle| particle.name.as_str());
         let fault = check::unknown("particle", name.get_ref(), names, check::LISTED);
         Err(at(name.span(), fault))
+    }
+
+    /// An error where both of a pair are points of one body, whose distance nothing changes.
+    pub(crate) fn check_apart(
+        &self,
+        ends: [usize; 2],
+        names: &Spanned<Vec<Spanned<String>>>,
+    ) -> Checked<()> {
+        let body = |end: usize| match self.particles[end].motion {
+            Motion::Carried { body, .. } => Some(body),
+            _ => None,
+        };
+        let name = |end: usize| self.particles[end].name.clone();
+        match ends.map(body) {
+            [Some(a), Some(b)] if a == b && ends[0] != ends[1] => {
+                Err(at(names.span(), Fault::SameBody(name(ends[0]), name(ends[1]))))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The two particles of a pair.

@@ -27,7 +27,7 @@ table! {
 
 impl Word for Vec<RodDeclaration> {
     const FEATURE: Option<Feature> = Some(CONSTRAINTS);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.between.span())
@@ -52,6 +52,7 @@ pub(crate) fn declare(
     let ends = roster.pair("a rod", between)?;
     let fault = |fault| Err(at(between.span(), fault));
     let name = |end: usize| roster.particles[end].name.clone();
+    roster.check_apart(ends, between)?;
     if ends[0] == ends[1] {
         return fault(Fault::RodLoop(name(ends[0])));
     }

@@ -72,7 +72,7 @@ table! {
 
 impl Word for Vec<SolidDeclaration> {
     const FEATURE: Option<Feature> = Some(ELASTICITY);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Elastic;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.name.span())

@@ -19,6 +19,8 @@ table! {
         stiffness: Spanned<Number> = Kind::Positive,
         /// Its length at rest; that of the start where it is missing.
         rest_length: Option<Spanned<Number>> = Kind::Number,
+        /// Of a damper along it: force over the rate of its length. None where it is missing.
+        damping: Option<Spanned<Number>> = Kind::NotNegative,
         /// The measure of stretch; cauchy where it is missing.
         strain: Option<Spanned<String>> = Kind::OneOf(&["cauchy", "green"]),
     }
@@ -26,7 +28,7 @@ table! {
 
 impl Word for Vec<SpringDeclaration> {
     const FEATURE: Option<Feature> = Some(ELASTICITY);
-    const OF: Of = Of::Particles;
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.between.span())
@@ -74,6 +76,9 @@ mod compiled {
     pub(crate) fn declare(roster: &ParticleTable, declared: &SpringDeclaration) -> Checked<Link> {
         let ends = roster.pair("a spring", &declared.between)?;
         let stiffness = check::positive("the stiffness", &declared.stiffness)?;
+        let damping = declared.damping.as_ref();
+        let damping = damping.map(|given| check::not_negative("the damping", given)).transpose()?;
+        let damping = damping.unwrap_or(0.0);
         let strain = strain(declared.strain.as_ref())?;
         let [x, y] = ends.map(|end| roster.particles[end].position);
         let start = (0..3).map(|c| (y[c] - x[c]) * (y[c] - x[c])).sum::<f64>().sqrt();
@@ -82,6 +87,7 @@ mod compiled {
             None => (start, declared.between.span()),
         };
         let same = |end: usize| roster.particles[end].name.clone();
+        roster.check_apart(ends, &declared.between)?;
         Spring::new(ends, rest_length, stiffness, strain).map_err(|error| match error {
             SpringError::Loop(end) => at(declared.between.span(), Fault::Loop(same(end))),
             _ if declared.rest_length.is_none() => at(place.clone(), Fault::NoRestLength),
@@ -92,7 +98,7 @@ mod compiled {
             (true, Strain::Cauchy) if rest_length > 0.0 => {
                 Err(at(declared.between.span(), Fault::Spike))
             }
-            _ => Ok(Link { ends, rest_length, stiffness, strain }),
+            _ => Ok(Link { ends, rest_length, stiffness, damping, strain }),
         }
     }
 }

@@ -32,6 +32,8 @@ pub(crate) trait Word {
 pub(crate) enum Of {
     Anything,
     Particles,
+    /// Elastic bodies.
+    Elastic,
     /// Attraction, of particles alone.
     Attraction,
     Bodies,

@@ -48,11 +48,9 @@ fn a_body_that_cannot_be_is_refused_where_it_says_so() {
     let line = "dimension = 1\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 1\n";
     let on_a_line = body("<<\"bead\">>", "box = [1]\nposition = [0]\n");
     refused(&format!("{line}{on_a_line}"), "a body needs a scene of dimension 2 or 3");
-    let word = "[[particles]]\nname = <<\"ball\">>\nmass = 1\nposition = [0, 0, 0]\n";
-    let message = "a scene has particles or bodies, not both; there are bodies already";
-    refused(&format!("{HEAD}{BOX}{word}"), message);
     let gravity = "[newtonian_gravity]\nconstant = <<1>>\n";
-    let message = "bodies do not attract each other here; only particles do";
+    let message = "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
+                   how its mass is distributed";
     refused(&format!("{HEAD}{BOX}{gravity}"), message);
     refused(&format!("{HEAD}{BOX}<<wieght>> = 1\n"), "unknown field `wieght`");
     let head = HEAD.replace("\"axis-rotations\"", "<<\"stormer-verlet\">>");

@@ -71,7 +71,7 @@ fn an_unknown_field_is_shown_with_the_nearest_one() {
         &format!("{HEAD}{BALL}[[springs]]\n<<stiffnes>> = 1\n"),
         &message("stiffnes"),
         "stiffness",
-        "`between`, `stiffness`, `rest_length`, `strain`",
+        "`between`, `stiffness`, `rest_length`, `damping`, `strain`",
     );
     suggested(
         &format!("{HEAD}{NET}<<spcing>> = 1\n"),

@@ -16,7 +16,7 @@ fn schema() -> Value {
 }
 
 /// A file of the vocabulary, and what it has to hold. With `UPDATE_VOCABULARY` set it is written.
-fn check_file(path: &str, made: &str) {
+pub(crate) fn check_file(path: &str, made: &str) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path);
     if std::env::var_os("UPDATE_VOCABULARY").is_some() {
         fs::write(&path, made).unwrap();
