@@ -1,0 +1,91 @@
+//! What keeps a description from being a scene.
+
+/// A description that is no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// The file is none of its kind.
+    #[error("not readable as {format}: {message}")]
+    Syntax {
+        /// `URDF` or `MJCF`.
+        format: &'static str,
+        /// What its reader says.
+        message: String,
+    },
+    /// A joint names a link that is not there.
+    #[error("joint `{joint}` names link `{link}`, which does not exist")]
+    UnknownLink {
+        /// The joint.
+        joint: String,
+        /// The link.
+        link: String,
+    },
+    /// A link hangs on two joints, or links hang on one another in a circle.
+    #[error(
+        "link `{link}` is the child of joint `{first}` and of joint `{second}`; links must form a tree"
+    )]
+    TwoParents {
+        /// The link.
+        link: String,
+        /// One joint.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Two parts have one name.
+    #[error("two {what}s are called `{name}`")]
+    Duplicate {
+        /// `link` or `body`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// No link is the root, or several are.
+    #[error("{count} links have no parent ({names}); one link must be the root")]
+    Roots {
+        /// How many there are.
+        count: usize,
+        /// Their names.
+        names: String,
+    },
+    /// A part that moves has no mass.
+    #[error("`{name}` moves and has no mass; give it a positive mass, or fix it to what has one")]
+    Massless {
+        /// The part.
+        name: String,
+    },
+    /// No body has such moments.
+    #[error(
+        "`{name}` has principal moments {moments:?}; each must be positive and at most the sum of the other two"
+    )]
+    Moments {
+        /// The part.
+        name: String,
+        /// The moments, kg m^2.
+        moments: [f64; 3],
+    },
+    /// A number is no number, or too large for one.
+    #[error("{what} of `{name}` is not finite")]
+    NonFinite {
+        /// What it is.
+        what: &'static str,
+        /// Whose.
+        name: String,
+    },
+    /// An axis of length zero.
+    #[error("joint `{joint}` has an axis of length zero")]
+    Axis {
+        /// The joint.
+        joint: String,
+    },
+    /// Without this the motion could not be told.
+    #[error("{what} (`{name}`): a scene has nothing for it")]
+    Unsupported {
+        /// What it is.
+        what: &'static str,
+        /// Whose.
+        name: String,
+    },
+    /// There is nothing that moves.
+    #[error("nothing moves: every link is fixed to the world")]
+    Empty,
+}

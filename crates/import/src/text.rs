@@ -1,0 +1,153 @@
+//! The scene's text.
+
+use std::fmt::Write as _;
+
+use nalgebra::Vector3;
+
+use crate::robot::{Kind, Link, Outline, Part, Robot};
+use crate::{Description, ImportError};
+
+/// Seconds that the scene runs, at most by half a step more or less.
+const HORIZON: f64 = 1.0;
+
+fn numbers(numbers: impl IntoIterator<Item = f64>) -> String {
+    // A zero has no sign that anyone would want to read.
+    let written = numbers.into_iter().map(|x| format!("{:?}", x + 0.0));
+    format!("[{}]", written.collect::<Vec<_>>().join(", "))
+}
+
+fn vector(v: &Vector3<f64>) -> String {
+    numbers(v.iter().copied())
+}
+
+/// A text in quotes.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+fn body(part: &Part, links: &[Link]) -> Result<String, ImportError> {
+    let Part { name, inertia, .. } = part;
+    if inertia.mass.is_nan() || inertia.mass <= 0.0 {
+        return Err(ImportError::Massless { name: name.clone() });
+    }
+    let (moments, axes) = inertia.principal(name)?;
+    let (shape, pose) = match part.outline() {
+        Some((Outline::Box(sides), pose)) => (format!("box = {}", numbers(sides)), pose),
+        Some((Outline::Ball(radius), pose)) => (format!("ball = {radius:?}"), pose),
+        None => {
+            let ends = links.iter().filter(|link| link.between.contains(name));
+            let points =
+                ends.map(|link| vector(&axes.inverse_transform_point(&link.at.into()).coords));
+            let points = points.collect::<Vec<_>>().join(", ");
+            (format!("moments = {}\npoints = [{points}]", numbers(moments)), axes)
+        }
+    };
+    Ok(format!(
+        "\n[[bodies]]\nname = {}\nmass = {:?}\n{shape}\nposition = {}\nrotation = {}\n",
+        quoted(name),
+        inertia.mass,
+        vector(&pose.translation.vector),
+        vector(&pose.rotation.scaled_axis())
+    ))
+}
+
+fn joint(link: &Link) -> String {
+    let [first, second] = &link.between;
+    let mut out = String::from("\n[[joints]]\n");
+    let (kind, axis) = match link.kind {
+        Kind::Ball => ("ball", None),
+        Kind::Hinge { axis, .. } => ("hinge", Some(axis)),
+        Kind::Slider { axis } => ("slider", Some(axis)),
+        Kind::Fixed => ("fixed", None),
+    };
+    let _ = writeln!(out, "kind = \"{kind}\"\nbetween = [{}, {}]", quoted(first), quoted(second));
+    let _ = writeln!(out, "at = {}", vector(&link.at));
+    if let Some(axis) = axis {
+        let _ = writeln!(out, "axis = {}", vector(&axis));
+    }
+    if let Kind::Hinge { stiffness, rest, damping, .. } = link.kind {
+        if stiffness != 0.0 {
+            let _ = writeln!(out, "stiffness = {stiffness:?}\nrest = {rest:?}");
+        }
+        if damping != 0.0 {
+            let _ = writeln!(out, "damping = {damping:?}");
+        }
+    }
+    out
+}
+
+/// The scene of a robot.
+pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
+    if robot.parts.is_empty() {
+        return Err(ImportError::Empty);
+    }
+    let bodies = robot.parts.iter().map(|part| body(part, &robot.links));
+    let bodies = bodies.collect::<Result<String, _>>()?;
+    let shapeless = robot.parts.iter().filter(|part| part.outline().is_none());
+    let shapeless: Vec<_> = shapeless.map(|part| part.name.clone()).collect();
+    let mut contact = String::new();
+    if !robot.walls.is_empty() && shapeless.is_empty() {
+        contact.push_str("\n[contact]\n");
+        if let Some(friction) = robot.friction.filter(|&friction| friction > 0.0) {
+            let _ = writeln!(contact, "friction = {friction:?}");
+        }
+        // Neighbours at a joint pass through each other.
+        for link in robot
+            .links
+            .iter()
+            .filter(|link| link.between.iter().all(|name| *name != crate::robot::WORLD))
+        {
+            let [a, b] = &link.between;
+            let _ = writeln!(
+                contact,
+                "\n[[contact.pairs]]\nof = [{}, {}]\nmeet = false",
+                quoted(a),
+                quoted(b)
+            );
+        }
+        for [normal, at] in &robot.walls {
+            let _ = writeln!(
+                contact,
+                "\n[[contact.walls]]\nnormal = {}\nat = {}",
+                vector(normal),
+                vector(at)
+            );
+        }
+    } else {
+        robot.left_out.extend(shapeless.into_iter().map(|name| format!("what `{name}` touches")));
+    }
+    let mut text = format!("# From a description in {}.\n", robot.format);
+    if !robot.left_out.is_empty() {
+        text.push_str(
+            "#\n# Left out, so that this motion is another one than that of the description:\n",
+        );
+        for one in &robot.left_out {
+            let _ = writeln!(text, "# - {}", one.replace(char::is_control, " "));
+        }
+    }
+    let steps = (HORIZON / robot.step).round().max(1.0);
+    let _ = write!(
+        text,
+        "\ntitle = {}\ndimension = 3\nintegrator = \"variational-rotation\"\nstep = {:?}\nhorizon = \"= {steps}*{:?}\"\n",
+        quoted(&robot.title),
+        robot.step,
+        robot.step
+    );
+    let _ = writeln!(text, "observables = [\"energy\"]");
+    if robot.gravity.iter().any(|&g| g != 0.0) {
+        let _ = writeln!(text, "\n[uniform_gravity]\nacceleration = {}", numbers(robot.gravity));
+    }
+    text.push_str(&bodies);
+    text.extend(robot.links.iter().map(joint));
+    text.push_str(&contact);
+    Ok(Description { text, left_out: robot.left_out })
+}

@@ -1,0 +1,187 @@
+//! URDF: links that joints hang on one another, each frame given in its parent's.
+
+use std::collections::HashMap;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use urdf_rs::{Geometry, JointType, Pose};
+
+use crate::inertia::Inertia;
+use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
+use crate::text::scene;
+use crate::{Description, ImportError};
+
+/// The step of the scene, s: the format has none.
+const STEP: f64 = 1e-3;
+/// The weight of the scene, m/s^2: the format has none.
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+fn isometry(pose: &Pose) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = pose.rpy.0;
+    let [x, y, z] = pose.xyz.0;
+    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Isometry3::from_parts(Translation3::new(x, y, z), turn)
+}
+
+/// The scene of a robot in the Unified Robot Description Format: where it is with all joints at zero, at rest, under
+/// a weight of 9.81 m/s^2 against z. Links without mass that are fixed to another are part of it; a root without mass
+/// is the world, and a root with mass is free.
+///
+/// # Errors
+/// [`ImportError`] of what is not read, names nothing, is no tree, has no mass, or cannot be told.
+pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
+    let read = urdf_rs::read_from_string(text)
+        .map_err(|error| ImportError::Syntax { format: "URDF", message: error.to_string() })?;
+    let title = if read.name.is_empty() { "robot" } else { &read.name };
+    let mut robot = Robot {
+        title: title.to_owned(),
+        format: "URDF",
+        gravity: GRAVITY,
+        step: STEP,
+        parts: Vec::new(),
+        links: Vec::new(),
+        walls: Vec::new(),
+        friction: None,
+        left_out: Vec::new(),
+    };
+    let mut index = HashMap::new();
+    for (k, link) in read.links.iter().enumerate() {
+        if index.insert(link.name.as_str(), k).is_some() {
+            return Err(ImportError::Duplicate { what: "link", name: link.name.clone() });
+        }
+    }
+    // The joint that a link hangs on, and those that hang on it.
+    let mut above: Vec<Option<usize>> = vec![None; read.links.len()];
+    let mut below = vec![Vec::new(); read.links.len()];
+    for (j, joint) in read.joints.iter().enumerate() {
+        let find = |link: &str| {
+            index.get(link).copied().ok_or_else(|| ImportError::UnknownLink {
+                joint: joint.name.clone(),
+                link: link.to_owned(),
+            })
+        };
+        let (parent, child) = (find(&joint.parent.link)?, find(&joint.child.link)?);
+        if let Some(first) = above[child].replace(j) {
+            return Err(ImportError::TwoParents {
+                link: joint.child.link.clone(),
+                first: read.joints[first].name.clone(),
+                second: joint.name.clone(),
+            });
+        }
+        below[parent].push((j, child));
+    }
+    let roots: Vec<_> = (0..above.len()).filter(|&link| above[link].is_none()).collect();
+    let &[root] = &roots[..] else {
+        let names = roots.iter().map(|&root| read.links[root].name.as_str());
+        let names = names.collect::<Vec<_>>().join(", ");
+        return Err(ImportError::Roots { count: roots.len(), names });
+    };
+    let mut waiting = vec![(root, Isometry3::identity(), None)];
+    let mut reached = 0;
+    while let Some((k, pose, above)) = waiting.pop() {
+        reached += 1;
+        let body = place(&mut robot, &read.links[k], &pose, above)?;
+        for &(j, child) in below[k].iter().rev() {
+            let joint = &read.joints[j];
+            waiting.push((child, pose * isometry(&joint.origin), Some((joint, body.clone()))));
+        }
+    }
+    if reached < read.links.len() {
+        // A circle of links has no root of its own.
+        let all = read.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>();
+        return Err(ImportError::Roots { count: 0, names: all.join(", ") });
+    }
+    robot.check_names("link")?;
+    scene(robot)
+}
+
+/// Puts a link where it is, with the joint that it hangs on; says of which body it is a part.
+fn place(
+    robot: &mut Robot,
+    link: &urdf_rs::Link,
+    pose: &Isometry3<f64>,
+    above: Option<(&urdf_rs::Joint, String)>,
+) -> Result<String, ImportError> {
+    let i = &link.inertial.inertia;
+    let moments = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+    let mass = link.inertial.mass.value;
+    let own = Inertia { mass, centre: Vector3::zeros(), moments };
+    let inertia = own.seen(&(pose * isometry(&link.inertial.origin)));
+    let mut outlines = Some(Vec::new());
+    for collision in &link.collision {
+        let outline = match &collision.geometry {
+            Geometry::Box { size } => Some(Outline::Box(size.0)),
+            Geometry::Sphere { radius } => Some(Outline::Ball(*radius)),
+            _ => None,
+        };
+        let at = pose * isometry(&collision.origin);
+        match (outline, &mut outlines) {
+            (Some(outline), Some(outlines)) => outlines.push((outline, at)),
+            _ => outlines = None,
+        }
+    }
+    let massless = mass == 0.0 && moments.amax() == 0.0;
+    let Some((joint, parent)) = above else {
+        if massless {
+            return Ok(WORLD.to_owned());
+        }
+        let name = plain_name(&link.name);
+        robot.parts.push(Part { name: name.clone(), inertia, outlines });
+        return Ok(name);
+    };
+    let unsupported = |what| ImportError::Unsupported { what, name: joint.name.clone() };
+    if joint.mimic.is_some() {
+        return Err(unsupported("a joint that follows another"));
+    }
+    if joint.joint_type == JointType::Fixed {
+        // What is fixed to the world does not move; the rest is one body.
+        if let Some(part) = robot.part(&parent) {
+            part.inertia = part.inertia.with(&inertia);
+            part.outlines = part.outlines.take().zip(outlines).map(|(mut all, own)| {
+                all.extend(own);
+                all
+            });
+        }
+        return Ok(parent);
+    }
+    if massless {
+        return Err(ImportError::Massless { name: link.name.clone() });
+    }
+    let name = plain_name(&link.name);
+    let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{}`", joint.name));
+    let dynamics = joint.dynamics.as_ref();
+    let [damping, friction] = dynamics.map_or([0.0; 2], |d| [d.damping, d.friction]);
+    if friction != 0.0 {
+        leave("friction");
+    }
+    let axis = || axis_in_world(&joint.name, pose, joint.axis.xyz.0);
+    let kind = match joint.joint_type {
+        JointType::Revolute | JointType::Continuous => {
+            if joint.joint_type == JointType::Revolute {
+                leave("limits");
+            }
+            Some(Kind::Hinge { axis: axis()?, stiffness: 0.0, rest: 0.0, damping })
+        }
+        JointType::Prismatic => {
+            leave("limits");
+            if damping != 0.0 {
+                leave("damping");
+            }
+            Some(Kind::Slider { axis: axis()? })
+        }
+        JointType::Spherical => {
+            if damping != 0.0 {
+                leave("damping");
+            }
+            Some(Kind::Ball)
+        }
+        JointType::Floating => None,
+        JointType::Planar => return Err(unsupported("a planar joint")),
+        JointType::Fixed => None,
+    };
+    if let Some(kind) = kind {
+        let between = [parent, name.clone()];
+        robot.links.push(Link { kind, between, at: pose.translation.vector });
+    }
+    robot.parts.push(Part { name: name.clone(), inertia, outlines });
+    Ok(name)
+}

@@ -1,0 +1,4 @@
+//! Descriptions as scenes that run: against closed forms, one format against the other, and what is refused.
+
+mod refused;
+mod run;

@@ -1,0 +1,164 @@
+//! What a scene cannot tell, by name.
+
+use stationary_import::{ImportError, scene_of_mjcf, scene_of_urdf};
+
+const MASS: &str = r#"<inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>"#;
+
+fn urdf(inside: &str) -> Result<stationary_import::Description, ImportError> {
+    let text = inside.replace("MASS", MASS);
+    scene_of_urdf(&format!("<robot name=\"r\">{text}</robot>"))
+}
+
+fn joint(name: &str, type_: &str, parent: &str, child: &str, more: &str) -> String {
+    format!(
+        r#"<joint name="{name}" type="{type_}"><parent link="{parent}"/><child link="{child}"/>{more}</joint>"#
+    )
+}
+
+fn mjcf(bodies: &str) -> Result<stationary_import::Description, ImportError> {
+    scene_of_mjcf(&format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"), ".")
+}
+
+#[test]
+fn trees_that_are_none_are_refused_by_name() {
+    let two = r#"<link name="a">MASS</link><link name="b">MASS</link>"#;
+    let wrong = [
+        (two.to_owned(), "2 links have no parent (a, b)"),
+        (two.to_owned() + &joint("j", "floating", "a", "c", ""), "joint `j` names link `c`"),
+        (
+            two.to_owned()
+                + &joint("j", "floating", "a", "b", "")
+                + &joint("k", "floating", "a", "b", ""),
+            "link `b` is the child of joint `j` and of joint `k`",
+        ),
+        (
+            two.to_owned()
+                + &joint("j", "floating", "a", "b", "")
+                + &joint("k", "floating", "b", "a", ""),
+            "0 links have no parent",
+        ),
+        (
+            r#"<link name="a">MASS</link><link name="a">MASS</link>"#.to_owned(),
+            "two links are called `a`",
+        ),
+        (
+            two.replace("name=\"b\"", "name=\"world\"") + &joint("j", "floating", "a", "world", ""),
+            "two links are called `world`",
+        ),
+        (
+            r#"<link name="r"/>"#.to_owned()
+                + two
+                + &joint("i", "fixed", "r", "r2", "")
+                + r#"<link name="r2"/>"#
+                + &joint("j", "floating", "a", "b", "")
+                + &joint("k", "floating", "b", "a", ""),
+            "0 links have no parent",
+        ),
+    ];
+    for (text, expected) in wrong {
+        let error = urdf(&text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\nnot: {expected}");
+    }
+}
+
+#[test]
+fn joints_and_masses_that_no_scene_has_are_refused_by_name() {
+    let two = r#"<link name="a"/><link name="b">MASS</link>"#;
+    let light = r#"<link name="a"/><link name="b"/>"#;
+    let thin = MASS.replace("ixx=\"1\"", "ixx=\"3\"");
+    let wrong = [
+        (two.to_owned() + &joint("j", "planar", "a", "b", ""), "a planar joint (`j`)"),
+        (
+            two.to_owned() + &joint("j", "continuous", "a", "b", r#"<mimic joint="k"/>"#),
+            "a joint that follows another (`j`)",
+        ),
+        (
+            two.to_owned() + &joint("j", "continuous", "a", "b", r#"<axis xyz="0 0 0"/>"#),
+            "joint `j` has an axis of length zero",
+        ),
+        (light.to_owned() + &joint("j", "continuous", "a", "b", ""), "`b` moves and has no mass"),
+        (light.to_owned() + &joint("j", "fixed", "a", "b", ""), "nothing moves"),
+        (
+            two.replace("MASS", &thin) + &joint("j", "floating", "a", "b", ""),
+            "`b` has principal moments [3.0, 1.0, 1.0]",
+        ),
+        (
+            two.replace("MASS", &MASS.replace("value=\"1\"", "value=\"NaN\""))
+                + &joint("j", "floating", "a", "b", ""),
+            "`b`",
+        ),
+    ];
+    for (text, expected) in wrong {
+        let error = urdf(&text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\nnot: {expected}");
+    }
+    let geom = r#"<geom size="0.1"/>"#;
+    let wrong = [
+        (
+            format!(r#"<body name="b"><joint type="slide"/><joint type="hinge"/>{geom}</body>"#),
+            "several joints of one body (`b`)",
+        ),
+        (
+            r#"<body name="b"><freejoint/><geom name="g" type="mesh" mesh="m"/></body>"#.to_owned(),
+            "the mass of a surface (`geom g of b`)",
+        ),
+        (
+            format!(r#"<body name="b" mocap="true">{geom}</body>"#),
+            "a body that follows a motion (`b`)",
+        ),
+        (r#"<body name="b"><freejoint/></body>"#.to_owned(), "`b` moves and has no mass"),
+        (
+            format!(
+                r#"<body name="b"><freejoint/>{geom}</body><body name="b"><freejoint/>{geom}</body>"#
+            ),
+            "two bodys are called `b`",
+        ),
+    ];
+    for (text, expected) in wrong {
+        let error = mjcf(&text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\nnot: {expected}");
+    }
+}
+
+#[test]
+fn files_of_another_kind_are_refused_and_none_panics() {
+    for text in ["", "<robot", "<sdf/>", "{}", "<robot name=\"r\"><link/></robot>", "\u{0}"] {
+        assert!(
+            matches!(
+                scene_of_urdf(text),
+                Err(ImportError::Syntax { .. } | ImportError::Roots { .. })
+            ),
+            "{text}"
+        );
+        assert!(scene_of_mjcf(text, ".").is_err(), "{text}");
+    }
+}
+
+#[test]
+fn what_is_left_out_is_named_in_the_list_and_in_the_text() {
+    let limit =
+        r#"<limit lower="-1" upper="1" effort="10" velocity="1"/><dynamics friction="0.2"/>"#;
+    let robot = r#"<link name="a"/><link name="b">MASS</link>"#.to_owned()
+        + &joint("elbow", "revolute", "a", "b", limit);
+    let left = urdf(&robot).unwrap();
+    assert_eq!(
+        left.left_out,
+        ["friction of joint `elbow`", "limits of joint `elbow`"].map(str::to_owned)
+    );
+    let model = r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+      <body name="leg"><joint name="hip" frictionloss="1" armature="0.1" range="-10 10"/>
+        <geom type="capsule" size="0.1 0.2"/></body></worldbody>
+      <actuator><motor name="drive" joint="hip"/></actuator></mujoco>"#;
+    let left = scene_of_mjcf(model, ".").unwrap();
+    for what in [
+        "limits of joint `hip`",
+        "friction of joint `hip`",
+        "armature of joint `hip`",
+        "actuator `drive`",
+        "what `leg` touches",
+    ] {
+        assert!(left.left_out.iter().any(|left| left == what), "{what} not in {:?}", left.left_out);
+        assert!(left.text.contains(&format!("# - {what}")), "{}", left.text);
+    }
+}
