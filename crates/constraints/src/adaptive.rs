@@ -123,7 +123,8 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
     /// Moves a state by one step, which does not pass the time `until`. On an error the state is as it was.
     ///
     /// # Errors
-    /// Those of the method's step, where shorter ones fail as well; a time that is not after the state's.
+    /// Those of the method's step, where shorter ones fail as well; [`ConstraintError::StepTooShort`] where none
+    /// meets the tolerance; a time that is not after the state's.
     pub fn advance(
         &mut self,
         state: &mut State<C>,
@@ -142,7 +143,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             let h = if last { left } else { self.length.min(left) };
             let tried = self.attempt(state, h);
             let again = |shorter: f64| from + shorter > from && rejected < REJECTIONS;
-            let error = match tried {
+            let (number, error) = match tried {
                 Ok(report) => {
                     cost = cost.followed_by(&report);
                     self.error(state, order)
@@ -159,12 +160,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             if error > 1.0 || error.is_nan() {
                 let shorter = h * if error.is_nan() { SHORTER } else { factor.min(CAUTION) };
                 if !again(shorter) {
-                    let violation = error;
-                    return Err(ConstraintError::NotConverged {
-                        iterations: rejected,
-                        row: 0,
-                        violation,
-                    });
+                    return Err(ConstraintError::StepTooShort { t: from, h, error, number });
                 }
                 self.length = shorter;
                 rejected += 1;
@@ -194,18 +190,18 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
         Ok(cost)
     }
 
-    /// The error of the halves in units of the tolerance.
-    fn error(&self, state: &State<C>, order: f64) -> f64 {
+    /// The number in which the halves are off most, and by how many tolerances.
+    fn error(&self, state: &State<C>, order: f64) -> (usize, f64) {
         let (whole, halves) = (self.whole.moving.q.as_ref(), self.halves.moving.q.as_ref());
         let StepTolerance { absolute, relative } = self.tolerance;
-        let numbers = whole.iter().zip(halves).zip(state.q.as_ref());
-        let largest = numbers.fold(0.0_f64, |largest, ((whole, halves), q)| {
+        let numbers = whole.iter().zip(halves).zip(state.q.as_ref()).enumerate();
+        let (number, largest) = numbers.fold((0, 0.0_f64), |largest, (k, ((whole, halves), q))| {
             let allowed = absolute + relative * q.abs().max(halves.abs());
             let off = (whole - halves).abs() / allowed;
             // Not `max`, which loses what is not a number.
-            if off <= largest { largest } else { off }
+            if off <= largest.1 || largest.1.is_nan() { largest } else { (k, off) }
         });
-        largest / (order.exp2() - 1.0)
+        (number, largest / (order.exp2() - 1.0))
     }
 
     /// Writes the state and the multipliers at a time within the last step.

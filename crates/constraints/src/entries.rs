@@ -7,15 +7,19 @@
 //! The places are found once; later visits write values only, and a visit that brings other places
 //! is an error. Products read the list from front to back.
 
+use std::sync::Arc;
+
 use stationary_calculus::{Covector, SizeError, Vector, first_non_finite};
 
 use crate::{Constraint, ConstraintError, Rows};
 
-/// A sparse differential.
+/// A sparse differential. Copies share its places.
 #[derive(Clone, Debug)]
 pub(crate) struct Entries {
-    pub(crate) places: Vec<(u32, u32)>,
+    pub(crate) places: Arc<[(u32, u32)]>,
     pub(crate) values: Vec<f64>,
+    /// Entries of one row that come one after the other: the row, and how many.
+    runs: Arc<[(u32, u32)]>,
 }
 
 /// The first visit.
@@ -55,7 +59,9 @@ impl Entries {
     pub(crate) fn find(constraint: &impl Constraint, t: f64, q: &[f64]) -> Result<Self, SizeError> {
         let mut places = Vec::new();
         constraint.differential(t, q, &mut Find(&mut places))?;
-        Ok(Entries { values: vec![0.0; places.len()], places })
+        let runs = places.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.len() as u32));
+        let runs = runs.collect();
+        Ok(Entries { values: vec![0.0; places.len()], places: places.into(), runs })
     }
 
     /// The values at `(t, q)`.
@@ -66,7 +72,7 @@ impl Entries {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
-        let Entries { places, values } = self;
+        let Entries { places, values, .. } = self;
         let mut write = Write { places, values, at: 0, changed: None };
         constraint.differential(t, q, &mut write)?;
         match (write.changed, write.at) {
@@ -84,19 +90,37 @@ impl Entries {
         }
     }
 
+    /// Every run: its row, the freedoms and the values of its entries.
+    fn runs(&self) -> impl Iterator<Item = (usize, &[(u32, u32)], &[f64])> {
+        let (mut places, mut values) = (&*self.places, &*self.values);
+        self.runs.iter().map(move |&(row, length)| {
+            let (own_places, later_places) = places.split_at(length as usize);
+            let (own_values, later_values) = values.split_at(length as usize);
+            (places, values) = (later_places, later_values);
+            (row as usize, own_places, own_values)
+        })
+    }
+
     /// Adds `scale J^T lambda`.
     #[inline]
     pub(crate) fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>) {
-        for (&(row, freedom), value) in self.places.iter().zip(&self.values) {
-            p.0[freedom as usize] += scale * lambda[row as usize] * value;
+        for (row, places, values) in self.runs() {
+            let factor = scale * lambda[row];
+            for (&(_, freedom), value) in places.iter().zip(values) {
+                p.0[freedom as usize] += factor * value;
+            }
         }
     }
 
     /// Adds `J v`.
     #[inline]
     pub(crate) fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
-        for (&(row, freedom), value) in self.places.iter().zip(&self.values) {
-            rates[row as usize] += value * v.0[freedom as usize];
+        for (row, places, values) in self.runs() {
+            let mut rate = rates[row];
+            for (&(_, freedom), value) in places.iter().zip(values) {
+                rate += value * v.0[freedom as usize];
+            }
+            rates[row] = rate;
         }
     }
 }
@@ -104,8 +128,8 @@ impl Entries {
 /// Which entries are those of each row, whatever the order in which they are brought.
 #[derive(Clone, Debug)]
 pub(crate) struct RowEntries {
-    starts: Vec<usize>,
-    entries: Vec<u32>,
+    starts: Arc<[usize]>,
+    entries: Arc<[u32]>,
 }
 
 impl RowEntries {
@@ -114,7 +138,7 @@ impl RowEntries {
         indices.sort_by_key(|&index| entries.places[index as usize].0);
         let row = |index: &u32| entries.places[*index as usize].0 as usize;
         let starts = (0..=count).map(|i| indices.partition_point(|index| row(index) < i)).collect();
-        RowEntries { starts, entries: indices }
+        RowEntries { starts, entries: indices.into() }
     }
 }
 

@@ -253,6 +253,21 @@ pub enum ConstraintError {
         /// Its violation relative to its length.
         violation: f64,
     },
+    /// No step that can be told from none meets the tolerance of an adaptive method.
+    #[error(
+        "at t = {t} s no step meets the tolerance: one of {h:e} s is off by {error:e} tolerances in stored \
+         number {number} of the configuration; loosen the tolerance, or start farther from a singular position"
+    )]
+    StepTooShort {
+        /// The time at which the step starts, seconds.
+        t: f64,
+        /// The shortest length that was tried, seconds.
+        h: f64,
+        /// Its estimated error, in units of the tolerance.
+        error: f64,
+        /// The number of the configuration that is off most, counted from 0.
+        number: usize,
+    },
     /// The iterations towards a feasible configuration went away from it: the step is too long, or the
     /// constraint is nearly singular where it starts.
     #[error(

@@ -11,6 +11,8 @@ use stationary_calculus::first_non_finite;
 
 use crate::{Constraint, ConstraintError};
 
+/// Violations looked at side by side.
+const LANES: usize = 4;
 /// What is allowed of a violation, relative to the length of the thing constrained.
 pub(crate) const RELATIVE: f64 = 1e-12;
 /// Roundings of the configuration that a violation may consist of.
@@ -23,6 +25,7 @@ const RATE: (f64, f64) = (1e-9, 1e-12);
 pub(crate) struct Scales {
     inverse_slope: Vec<f64>,
     length: Vec<f64>,
+    inverse_length: Vec<f64>,
 }
 
 /// The worst of all equations.
@@ -56,15 +59,15 @@ pub(crate) struct Flight {
 const AWAY: f64 = 1e3;
 
 impl Flight {
-    /// An error where the values g are far away, or no numbers.
+    /// An error where the values g, of which the largest relative violation is `now`, are far away, or no
+    /// numbers.
     #[inline]
     pub(crate) fn check(
         &mut self,
         scales: &Scales,
-        g: &[f64],
+        (g, now): (&[f64], f64),
         regularity: Option<f64>,
     ) -> Result<(), ConstraintError> {
-        let now = scales.largest_relative(g);
         let (row, violation) = *self.start.get_or_insert_with(|| (scales.worst_row(g), now));
         if now <= AWAY * violation.max(1.0) {
             return Ok(());
@@ -87,17 +90,44 @@ impl Scales {
         Ok(Scales {
             inverse_slope: scales.iter().map(|scale| scale.slope.recip()).collect(),
             length: scales.iter().map(|scale| scale.length).collect(),
+            inverse_length: scales.iter().map(|scale| scale.length.recip()).collect(),
         })
     }
 
-    /// The largest of `|g| / slope`, a length; not finite if a value is not.
+    /// The largest of `|g| / slope`, a length, and of the same relative to its equation's length; neither a
+    /// number if a value is not finite.
+    #[inline]
+    pub(crate) fn largest(&self, g: &[f64]) -> [f64; 2] {
+        // A few at a time, so that none waits for the one before it.
+        let (mut sums, mut far, mut relative) = ([0.0; LANES], [0.0_f64; LANES], [0.0_f64; LANES]);
+        let mut see = |lane: usize, g: f64, slope: f64, length: f64| {
+            let d = g.abs() * slope;
+            // What is not a number stays in the sum and is lost in a maximum.
+            sums[lane] += d;
+            far[lane] = if d > far[lane] { d } else { far[lane] };
+            let d = d * length;
+            relative[lane] = if d > relative[lane] { d } else { relative[lane] };
+        };
+        let count = g.len().min(self.inverse_slope.len());
+        let (values, values_left) = g[..count].as_chunks::<LANES>();
+        let (slopes, slopes_left) = self.inverse_slope[..count].as_chunks::<LANES>();
+        let (lengths, lengths_left) = self.inverse_length[..count].as_chunks::<LANES>();
+        for ((g, slope), length) in values.iter().zip(slopes).zip(lengths) {
+            (0..LANES).for_each(|lane| see(lane, g[lane], slope[lane], length[lane]));
+        }
+        for ((g, slope), length) in values_left.iter().zip(slopes_left).zip(lengths_left) {
+            see(0, *g, *slope, *length);
+        }
+        if !sums.iter().sum::<f64>().is_finite() {
+            return [f64::NAN; 2];
+        }
+        [far, relative].map(|lanes| lanes.into_iter().fold(0.0, f64::max))
+    }
+
+    /// The largest of `|g| / slope`, a length; not a number if a value is not finite.
     #[inline]
     pub(crate) fn distance(&self, g: &[f64]) -> f64 {
-        let distances = g.iter().zip(&self.inverse_slope).map(|(g, slope)| g.abs() * slope);
-        // What is not a number stays in the sum and is lost in a maximum.
-        let (sum, largest) = distances
-            .fold((0.0, 0.0), |(sum, largest), d| (sum + d, if d > largest { d } else { largest }));
-        if f64::is_finite(sum) { largest } else { f64::NAN }
+        self.largest(g)[0]
     }
 
     /// Makes distances of values.
@@ -132,11 +162,9 @@ impl Scales {
         (distance / length, RELATIVE + rounding(q) / length)
     }
 
-    /// The largest violation relative to its equation's length; not a number if a value is not.
+    /// The largest violation relative to its equation's length; not a number if a value is not finite.
     pub(crate) fn largest_relative(&self, g: &[f64]) -> f64 {
-        let scales = self.inverse_slope.iter().zip(&self.length);
-        let violations = g.iter().zip(scales).map(|(g, (s, l))| g.abs() * s / l);
-        violations.fold(0.0, |largest, v| if v <= largest { largest } else { v })
+        self.largest(g)[1]
     }
 
     /// The equation that is violated most relative to its length.
@@ -157,11 +185,11 @@ impl Scales {
 
     /// An error unless the rates `J v + dg/dt` belong to a velocity that stays.
     pub(crate) fn check_rates(&self, rates: &[f64], v: &[f64]) -> Result<(), ConstraintError> {
-        let worst = self.worst(rates)?;
         let allowed = RATE.0 * largest(v) + RATE.1;
-        if worst.distance <= allowed {
+        if self.distance(rates) <= allowed {
             return Ok(());
         }
+        self.worst(rates)?;
         let rate = |row: usize| rates[row].abs() * self.inverse_slope[row];
         let row = (0..rates.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0);
         Err(ConstraintError::InfeasibleVelocity { row, rate: rate(row), allowed })

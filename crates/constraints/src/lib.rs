@@ -47,7 +47,8 @@
 //! Configurations move through the system's `Space` only, so that the same code serves rotations;
 //! where momenta turn on the way, [`Rattle`] takes a [`FreeMotion`] that knows how. A state that is
 //! not feasible is an error that says by how much, and [`Projection`] mends it on request. A step
-//! allocates nothing, and a failed one leaves the state as it was.
+//! allocates nothing, and a failed one leaves the state as it was. Iterations start from the last steps'
+//! impulses, continued by an [`Extrapolation`]; `save` and `load` carry them along.
 //!
 //! The rank is examined at each accepted configuration. A linkage passes a singular one between two of them, or the
 //! step is an error that names the equations which depend on each other there. [`Dense`] and [`SparseDiagonal`] tell a row
@@ -87,6 +88,7 @@ mod free_motion;
 mod force_kicks;
 mod forced;
 mod secants;
+mod extrapolation;
 mod warm_start;
 mod rattle_core;
 mod hamilton;
@@ -110,6 +112,7 @@ pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{Dense, DenseMultipliers, SmallVec};
 pub use embedding::{Embedding, Links, Reduced, Sampling, Weight};
 pub use error::ConstraintError;
+pub use extrapolation::Extrapolation;
 pub use force_kicks::ForceKicks;
 pub use forced::Forced;
 pub use free_motion::{FreeMotion, Straight};

@@ -7,6 +7,8 @@
 //! coordinates of a body) make a group, whose products are summed before they go to S. Where they go is
 //! found once.
 
+use std::sync::Arc;
+
 use crate::elimination::Elimination;
 use crate::entries::Entries;
 
@@ -17,18 +19,23 @@ struct Group {
     equations: usize,
 }
 
-/// Which entries make S, and in which order.
+/// Which entries make S, and in which order. Copies share it.
 #[derive(Clone, Debug)]
 pub(crate) struct Products {
+    pattern: Arc<Pattern>,
+    /// The rows of one group, and the same over masses.
+    block: Vec<f64>,
+    weighted: Vec<f64>,
+}
+
+#[derive(Debug, Default)]
+struct Pattern {
     groups: Vec<Group>,
     /// Of each group, equation after equation, its entries; and of each freedom one over its mass.
     entries: Vec<u32>,
     inverse_mass: Vec<f64>,
     /// Of each group where the products of two equations go, first those of the first with itself.
     slots: Vec<u32>,
-    /// The rows of one group, and the same over masses.
-    block: Vec<f64>,
-    weighted: Vec<f64>,
 }
 
 /// Of each freedom its equations and entries, by equations.
@@ -64,14 +71,7 @@ fn add_products<const F: usize>(
 
 impl Products {
     pub(crate) fn of(columns: &[Vec<(u32, u32)>], mass: &[f64], elimination: &Elimination) -> Self {
-        let mut products = Products {
-            groups: Vec::new(),
-            entries: Vec::new(),
-            inverse_mass: Vec::new(),
-            slots: Vec::new(),
-            block: Vec::new(),
-            weighted: Vec::new(),
-        };
+        let mut products = Pattern::default();
         let equations = |column: &[(u32, u32)]| column.iter().map(|c| c.0).collect::<Vec<u32>>();
         let used: Vec<usize> = (0..mass.len()).filter(|&f| !columns[f].is_empty()).collect();
         for group in used.chunk_by(|&a, &b| equations(&columns[a]) == equations(&columns[b])) {
@@ -86,19 +86,18 @@ impl Products {
             products.groups.push(Group { freedoms: group.len(), equations: own.len() });
         }
         let sizes = products.groups.iter().map(|group| group.freedoms * group.equations);
-        products.block = vec![0.0; sizes.max().unwrap_or(0)];
-        products.weighted = products.block.clone();
-        products
+        let block = vec![0.0; sizes.max().unwrap_or(0)];
+        Products { weighted: block.clone(), block, pattern: Arc::new(products) }
     }
 
     /// Writes S.
     #[inline]
     pub(crate) fn write(&mut self, entries: &Entries, values: &mut [f64]) {
         values.fill(0.0);
-        let Products { groups, inverse_mass, slots, block, weighted, .. } = self;
-        let (mut masses, mut slots, mut places) =
-            (&inverse_mass[..], &slots[..], &self.entries[..]);
-        for &Group { freedoms, equations } in &*groups {
+        let Products { pattern, block, weighted } = self;
+        let Pattern { groups, inverse_mass, slots, entries: all } = &**pattern;
+        let (mut masses, mut slots, mut places) = (&inverse_mass[..], &slots[..], &all[..]);
+        for &Group { freedoms, equations } in groups {
             let (own, rest) = places.split_at(freedoms * equations);
             let (inverse, others) = masses.split_at(freedoms);
             let (block, weighted) = (&mut block[..own.len()], &mut weighted[..own.len()]);

@@ -132,10 +132,14 @@ where
             let g = self.lambda.as_mut();
             self.constraint.value(t, q.as_ref(), g)?;
             if iterations > 0 {
-                flight.check(&self.scales, g, self.solver.regularity())?;
+                flight.check(
+                    &self.scales,
+                    (g, self.scales.largest_relative(g)),
+                    self.solver.regularity(),
+                )?;
             }
             let worst = self.scales.worst(g)?;
-            flight.check(&self.scales, g, None)?;
+            flight.check(&self.scales, (g, self.scales.largest_relative(g)), None)?;
             let eps = rounding(q.as_ref());
             let settled = iterations == ITERATIONS
                 || change <= 0.25 * eps

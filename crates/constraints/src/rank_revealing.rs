@@ -21,6 +21,8 @@
 //! Source: Higham, Accuracy and Stability (2002), 10.3 (semidefinite matrices), 20.6 (the seminormal
 //! equations and their correction).
 
+use std::sync::Arc;
+
 use stationary_calculus::first_non_finite;
 
 use crate::elimination::Elimination;
@@ -54,7 +56,8 @@ pub(crate) struct Dependent {
 /// The factor, with the memory to make it.
 #[derive(Clone, Debug)]
 pub(crate) struct RankRevealing {
-    pub(crate) elimination: Elimination,
+    /// Which copies share.
+    pub(crate) elimination: Arc<Elimination>,
     /// S below the diagonal by rows of the factor, then its diagonal.
     pub(crate) values: Vec<f64>,
     /// L below the diagonal by columns, and where each column ends so far.
@@ -94,7 +97,7 @@ impl RankRevealing {
             dependent: Vec::with_capacity(count),
             weakest: (0, f64::INFINITY),
             close: 0,
-            elimination,
+            elimination: Arc::new(elimination),
         }
     }
 
@@ -283,8 +286,19 @@ impl RankRevealing {
             column(at).for_each(|(&below, l)| x[below as usize] -= l * value);
         }
         for at in (0..x.len()).rev() {
-            let below: f64 = column(at).map(|(&below, l)| l * x[below as usize]).sum();
-            x[at] = (x[at] - below) * inverse[at];
+            let own = starts[at]..starts[at + 1];
+            // Two sums side by side, so that none waits for the one before it.
+            let (rows, rows_left) = elimination.column_rows[own.clone()].as_chunks::<2>();
+            let (values, values_left) = factor[own].as_chunks::<2>();
+            let mut sums = [0.0; 2];
+            for ([a, b], [l, k]) in rows.iter().zip(values) {
+                sums[0] += l * x[*a as usize];
+                sums[1] += k * x[*b as usize];
+            }
+            for (&below, l) in rows_left.iter().zip(values_left) {
+                sums[0] += l * x[below as usize];
+            }
+            x[at] = (x[at] - (sums[0] + sums[1])) * inverse[at];
         }
         for (x, &equation) in x.iter().zip(&elimination.order) {
             b[equation as usize] = *x;

@@ -389,18 +389,17 @@ where
             let interval = (self.here.t, h);
             self.motion.advance(metric, space, interval, q.as_mut(), p.view_mut(), room)?;
             self.constraint.value(t, q.as_ref(), g)?;
-            let near = self.scales.largest_relative(g) <= TRUSTED;
+            let [distance, relative] = self.scales.largest(g);
+            let near = relative <= TRUSTED;
             if std::mem::take(&mut guessed) && !near {
                 before.copy_from(self.passage.before.view());
                 impulse.fill(0.0);
                 continue;
             }
-            let distance = self.scales.distance(g);
             if distance.is_nan() && iterations == 0 {
                 return Err(ConstraintError::NonFinite { what: "constraint", index: 0 });
             }
-            flight.check(&self.scales, g, regularity)?;
-            let feasible = self.scales.worst(g)?.excess <= eps;
+            flight.check(&self.scales, (g, relative), regularity)?;
             let stands_still = distance > 0.5 * last;
             (best, stale) = if distance < 0.5 * best { (distance, 0) } else { (best, stale + 1) };
             let done = iterations == ITERATIONS
@@ -409,11 +408,11 @@ where
                 } else {
                     stands_still && !thorough
                 };
-            if distance <= enough || (feasible && done) {
+            if distance <= enough || (done && self.scales.worst(g)?.excess <= eps) {
                 self.here.solver.share(impulse)?;
                 self.passage.slow = learning;
                 self.start.as_mut().copy_from_slice(impulse);
-                return Ok((iterations, self.scales.largest_relative(g)));
+                return Ok((iterations, relative));
             }
             if iterations == ITERATIONS {
                 let row = self.scales.worst(g)?.row;

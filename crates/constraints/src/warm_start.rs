@@ -10,47 +10,41 @@
 
 use stationary_integrators::StepError;
 
-/// Differences that are remembered.
-const MEMORY: usize = 3;
-/// Weights whose sizes add up to more than this would multiply rounding, and the last steps' errors.
-const STEEP: f64 = 10.0;
+use crate::Extrapolation;
 
 /// The memory of the last steps.
 #[derive(Clone, Debug)]
 pub(crate) struct WarmStart<N> {
-    /// At the time of the last state, which is here: the impulse at the end of its step over the length.
+    /// The time of the last state, and the impulse at the end of its step over the length.
     end: f64,
     arrived: N,
-    /// The last step first: the time at its start, and the difference there.
-    changes: [(f64, N); MEMORY],
-    known: usize,
+    changes: Extrapolation<N>,
 }
 
 impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone> WarmStart<N> {
     pub(crate) fn new(numbers: &N) -> Self {
-        let changes = std::array::from_fn(|_| (0.0, numbers.clone()));
-        WarmStart { end: f64::NAN, arrived: numbers.clone(), changes, known: 0 }
+        let changes = Extrapolation::new(numbers);
+        WarmStart { end: f64::NAN, arrived: numbers.clone(), changes }
     }
 
     pub(crate) fn forget(&mut self) {
-        self.known = 0;
+        self.changes.forget();
         self.end = f64::NAN;
     }
 
     /// Takes in a step of `h` seconds from `t`, with the impulses at its start and at its end.
     pub(crate) fn remember(&mut self, (t, h): (f64, f64), start: &[f64], end: &[f64]) {
+        let arrived = self.arrived.as_mut();
         if t == self.end {
-            self.changes.rotate_right(1);
-            let (time, change) = &mut self.changes[0];
-            *time = t;
-            let both = start.iter().zip(self.arrived.as_ref());
-            let differences = both.map(|(start, before)| start / h - before);
-            change.as_mut().iter_mut().zip(differences).for_each(|(change, d)| *change = d);
-            self.known = MEMORY.min(self.known + 1);
+            self.changes.remember(t, |change| {
+                let both = start.iter().zip(&*arrived);
+                let differences = both.map(|(start, before)| start / h - before);
+                change.iter_mut().zip(differences).for_each(|(change, d)| *change = d);
+            });
         } else {
-            self.known = 0;
+            self.changes.forget();
         }
-        self.arrived.as_mut().iter_mut().zip(end).for_each(|(to, end)| *to = end / h);
+        arrived.iter_mut().zip(end).for_each(|(to, end)| *to = end / h);
         self.end = t + h;
     }
 
@@ -60,60 +54,36 @@ impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone> WarmStart<N> {
         if t != self.end {
             return false;
         }
-        let Some(weights) = (0..=self.known).rev().find_map(|known| self.weights(t, known)) else {
-            return false;
-        };
         impulse.copy_from_slice(self.arrived.as_ref());
-        for ((_, change), weight) in self.changes.iter().zip(weights) {
-            let add = |(impulse, change): (&mut f64, &f64)| *impulse += weight * change;
-            impulse.iter_mut().zip(change.as_ref()).for_each(add);
-        }
+        self.changes.add_at(t, impulse);
         impulse.iter_mut().for_each(|impulse| *impulse *= h);
         impulse.iter().all(|impulse| impulse.is_finite())
-    }
-
-    /// Lagrange's weights at `t` of the last steps, unless they are steep.
-    fn weights(&self, t: f64, known: usize) -> Option<[f64; MEMORY]> {
-        let mut weights = [0.0; MEMORY];
-        for (k, weight) in weights.iter_mut().enumerate().take(known) {
-            let own = self.changes[k].0;
-            let others = (0..known).filter(|&j| j != k).map(|j| self.changes[j].0);
-            *weight = others.map(|other| (t - other) / (own - other)).product();
-        }
-        let size = weights.iter().map(|weight| weight.abs()).sum::<f64>();
-        (size <= STEEP).then_some(weights)
     }
 
     /// Everything in it.
     pub(crate) fn save(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         if self.end.is_finite() {
-            let changes = self.changes.iter().take(self.known);
-            for (t, force) in std::iter::once(&(self.end, self.arrived.clone())).chain(changes) {
-                numbers.push(*t);
-                numbers.extend_from_slice(force.as_ref());
-            }
+            numbers.push(self.end);
+            numbers.extend_from_slice(self.arrived.as_ref());
+            self.changes.save(&mut numbers);
         }
         numbers
     }
 
     /// Takes over what was saved.
     pub(crate) fn load(&mut self, numbers: &[f64]) -> Result<(), StepError> {
-        let each = 1 + self.arrived.as_ref().len();
-        let many = numbers.len() / each;
-        if many > 1 + MEMORY || many * each != numbers.len() {
+        let own = self.arrived.as_ref().len() + 1;
+        let Some((first, changes)) = numbers.split_at_checked(own) else {
+            if numbers.is_empty() {
+                self.forget();
+                return Ok(());
+            }
             return Err(StepError::Saved("it has impulses of another number of equations"));
-        }
-        self.forget();
-        let mut parts = numbers.chunks_exact(each);
-        let Some(first) = parts.next() else { return Ok(()) };
+        };
+        self.changes.load(changes)?;
         self.end = first[0];
         self.arrived.as_mut().copy_from_slice(&first[1..]);
-        for ((t, change), numbers) in self.changes.iter_mut().zip(parts) {
-            *t = numbers[0];
-            change.as_mut().copy_from_slice(&numbers[1..]);
-        }
-        self.known = many - 1;
         Ok(())
     }
 }
@@ -149,15 +119,6 @@ mod tests {
         assert!(!warm.guess((t + 1.0, 0.3), &mut impulse));
         warm.remember((t + 1.0, 0.1), &[0.3], &[0.7]);
         assert!(warm.guess((t + 1.1, 0.1), &mut impulse) && (impulse[0] - 0.7).abs() < 1e-15);
-    }
-
-    #[test]
-    fn steps_that_start_at_almost_one_time_are_not_continued_steeply() {
-        let (warm, t) = moved(&[0.1, 1e-9, 0.1]);
-        let mut impulse = [0.0];
-        assert!(warm.guess((t, 0.1), &mut impulse));
-        let nearest = impulses(t, 0.1)[0][0];
-        assert!((impulse[0] - nearest).abs() < 0.1, "{impulse:?} {nearest}");
     }
 
     #[test]

@@ -146,9 +146,9 @@ impl Coordinate {
     fn axis<S: BodySpace>(ends: &[JointEnd; 2], axes: &[Vector3<f64>; 4], q: &[f64]) -> Self {
         let [one, other]: [Placed; 2] = ends.each_ref().map(|end| end.placed_or_none::<S>(q));
         let [u, v, n, second] = axes;
-        let seen = one.rotation.rotate_back(&other.rotation.rotate(second));
+        let seen = one.rotation.tr_mul(&(other.rotation * second));
         let turn = |torque| Wrench { force: Vector3::zeros(), torque };
-        let axis = other.rotation.rotate_back(&one.rotation.rotate(n));
+        let axis = other.rotation.tr_mul(&(one.rotation * n));
         Coordinate {
             bodies: ends.map(|end| end.body),
             value: v.dot(&seen).atan2(u.dot(&seen)),

@@ -35,12 +35,14 @@ mod fault;
 mod kind;
 mod row;
 mod drive;
+mod coordinate;
 mod bound;
 mod torsion_spring;
 
 pub use bound::{JointFriction, JointLimits};
 pub use constraint::Joint;
-pub use drive::{Drive, Schedule, Steady};
+pub use coordinate::{Drive, JointCoordinate};
+pub use drive::{DrivenCoordinate, PrescribedCoordinate, Schedule, Steady};
 pub use end::JointEnd;
 pub use fault::{JointFault, JointName};
 pub use kind::JointKind;

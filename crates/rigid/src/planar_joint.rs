@@ -28,7 +28,7 @@ use stationary_constraints::{
 use crate::{JointFault, JointName, LieGroup, PlanarRotation, RigidError};
 use row::{Local, Placed, Row};
 
-pub use drive::PlanarDrive;
+pub use drive::{PlanarDrive, PlanarTurn};
 
 /// What a joint of the plane leaves free; axes are told in the joint's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]

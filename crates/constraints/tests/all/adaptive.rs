@@ -1,11 +1,11 @@
 //! Steps of their own length, and what is between them.
 
-use stationary_constraints::problems::{Pendulum, pendulum};
+use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
-    Adaptive, Composed, ConstrainedIntegrator, Constraint, ConstraintError, Dense, Rattle,
-    Redundancy, StepTolerance,
+    Adaptive, Composed, ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError,
+    Dense, Rattle, Redundancy, StepTolerance,
 };
-use stationary_integrators::{Scheme, State};
+use stationary_integrators::{Facts, Scheme, State};
 use stationary_measure::loglog_slope;
 
 const ONE: Dense<1> = Dense(Redundancy::Refuse);
@@ -127,4 +127,45 @@ fn what_no_tolerance_or_time_is_is_refused_and_leaves_the_state() {
     assert_eq!(&between, initial);
     method.at(step.to, &mut between, &mut [0.0]).unwrap();
     assert!(between.q.iter().zip(&state.q).all(|(a, b)| (a - b).abs() < 1e-14));
+}
+
+/// A method that is not consistent: whatever the step, it leads to another place than two halves of it.
+#[derive(Clone)]
+struct Jumps;
+
+impl ConstrainedIntegrator<[f64; 2]> for Jumps {
+    fn facts(&self) -> Facts {
+        let RodProblem { system, rods, initial } = pendulum(1.0).unwrap().problem;
+        Rattle::new(&system, rods, &initial, ONE).unwrap().facts()
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State<[f64; 2]>,
+        h: f64,
+    ) -> Result<ConstrainedReport, ConstraintError> {
+        state.q[1] += 1e-3;
+        state.t += h;
+        Ok(ConstrainedReport::default())
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &[]
+    }
+}
+
+#[test]
+fn where_no_step_meets_the_tolerance_the_time_the_step_and_the_number_are_named() {
+    let mut state = pendulum(1.0).unwrap().problem.initial;
+    state.t = 2.0;
+    let before = state.clone();
+    let mut method = Adaptive::new(Jumps, tolerance(1e-6), 0.1, &state).unwrap();
+    let error = method.advance(&mut state, 3.0).unwrap_err();
+    let ConstraintError::StepTooShort { t, h, error: off, number } = error else {
+        panic!("{error}")
+    };
+    assert!(t == 2.0 && h < 1e-14 && number == 1, "{t} {h} {number}");
+    // A jump of 1e-3, over 2^2 - 1, in tolerances of 1e-6.
+    assert!((off / (1e3 / 3.0) - 1.0).abs() < 1e-6, "{off}");
+    assert_eq!(state, before);
 }

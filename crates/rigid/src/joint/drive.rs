@@ -8,18 +8,13 @@
 //! force or torque that the drive exerts on the second end along the axis is minus its multiplier, and
 //! its work is that of the [report](stationary_constraints::ConstrainedReport) of a step. A drive holds
 //! one coordinate; the joint beside it holds the others, and the start must move as the schedule does.
-//! A motor of given speed is a [`Steady`] schedule. Source: notes 6.5, 10.1.
+//! A motor of given speed is a [`Steady`] schedule. In space it is a [`Drive`](crate::Drive), in the plane a
+//! [`PlanarDrive`](crate::PlanarDrive): one equation of two [coordinates](DrivenCoordinate). Source: notes 6.5, 10.1.
 
-use nalgebra::Vector3;
 use stationary_calculus::{Number, Sink, SizeError, Vector, directional_derivative};
-use stationary_constraints::{
-    Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
-};
+use stationary_constraints::{Constraint, Rows, Scale, check_multipliers, check_values};
 
-use super::kind::unit;
-use super::row::{Along, Local, Row};
-use super::{JointEnd, JointName, Placed, pair_freedoms};
-use crate::{BodySpace, RigidError};
+use super::JointName;
 
 /// A function of time, written once over any [`Number`] so that its rate is exact.
 pub trait Schedule {
@@ -42,58 +37,62 @@ impl Schedule for Steady {
     }
 }
 
-/// A turn about an axis, or a shift along it, that follows a schedule.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive<S, T> {
-    bodies: usize,
-    along: Along,
-    ends: [JointEnd; 2],
-    row: Row,
-    schedule: T,
-    space: S,
-}
+/// A coordinate of a mechanism that can be made to follow a schedule.
+pub trait DrivenCoordinate {
+    /// How a message names its drive.
+    fn name(&self) -> JointName;
 
-impl<S: BodySpace, T: Schedule> Drive<S, T> {
-    /// A drive between two ends, among `bodies` bodies.
+    /// The freedoms of the velocities that it is one of.
+    fn dim(&self) -> usize;
+
+    /// How far it is beyond a target at a configuration: of a turn radians, of a shift metres.
     ///
     /// # Errors
-    /// [`RigidError::Joint`] names the drive and what is wrong with it.
-    pub fn new(
-        space: S,
-        bodies: usize,
-        along: Along,
-        axis: Vector3<f64>,
-        ends: [JointEnd; 2],
-        schedule: T,
-    ) -> Result<Self, RigidError> {
-        let joint = JointName { kind: along.drive(), bodies: ends.map(|end| end.body) };
-        let fault = |fault| RigidError::Joint { joint, fault };
-        JointEnd::check_pair(&ends, bodies).map_err(fault)?;
-        let row = Row::coordinate(&unit(axis).map_err(fault)?, along, &ends);
-        Ok(Drive { bodies, along, ends, row, schedule, space })
+    /// A configuration that does not hold its bodies.
+    fn beyond(&self, q: &[f64], target: f64) -> Result<f64, SizeError>;
+
+    /// Brings its differential, as a row 0.
+    ///
+    /// # Errors
+    /// A configuration that does not hold its bodies.
+    fn bring(&self, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError>;
+
+    /// Adds `scale` times its second derivatives.
+    ///
+    /// # Errors
+    /// A configuration that does not hold its bodies.
+    fn add_hessian(&self, q: &[f64], scale: f64, hessian: &mut impl Sink) -> Result<(), SizeError>;
+
+    /// How large its numbers are.
+    fn scale(&self) -> Scale;
+}
+
+/// A coordinate that follows a schedule, as a constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrescribedCoordinate<G, T> {
+    coordinate: G,
+    schedule: T,
+}
+
+impl<G: DrivenCoordinate, T: Schedule> PrescribedCoordinate<G, T> {
+    pub(crate) fn of(coordinate: G, schedule: T) -> Self {
+        PrescribedCoordinate { coordinate, schedule }
     }
 
     /// How a message names it.
     pub fn name(&self) -> JointName {
-        JointName { kind: self.along.drive(), bodies: self.ends.map(|end| end.body) }
+        self.coordinate.name()
     }
 
     /// The rate that the schedule has at a time, radians or metres a second.
     pub fn speed(&self, t: f64) -> f64 {
         directional_derivative(|[t]| self.schedule.at(t), [t], Vector([1.0]))
     }
-
-    fn placed(&self, q: &[f64]) -> Result<[Placed; 2], SizeError> {
-        check_read(S::STORED.saturating_mul(self.bodies), q)?;
-        Ok(self.ends.each_ref().map(|end| end.placed::<S>(q)))
-    }
 }
 
-impl<S: BodySpace, T: Schedule> ConstraintOn<S> for Drive<S, T> {}
-
-impl<S: BodySpace, T: Schedule> Constraint for Drive<S, T> {
+impl<G: DrivenCoordinate, T: Schedule> Constraint for PrescribedCoordinate<G, T> {
     fn dim(&self) -> usize {
-        S::FREEDOMS.saturating_mul(self.bodies)
+        self.coordinate.dim()
     }
 
     fn count(&self) -> usize {
@@ -102,13 +101,12 @@ impl<S: BodySpace, T: Schedule> Constraint for Drive<S, T> {
 
     fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         check_values(1, g)?;
-        g[0] = self.row.value_beyond(&self.placed(q)?, self.schedule.at(t));
+        g[0] = self.coordinate.beyond(q, self.schedule.at(t))?;
         Ok(())
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
-        self.row.bring::<S>(0, &self.ends, &self.placed(q)?, rows);
-        Ok(())
+        self.coordinate.bring(q, rows)
     }
 
     fn add_hessian(
@@ -119,11 +117,7 @@ impl<S: BodySpace, T: Schedule> Constraint for Drive<S, T> {
         hessian: &mut impl Sink,
     ) -> Result<(), SizeError> {
         check_multipliers(1, lambda)?;
-        let mut local = Local::zeros();
-        self.row.add_hessian(&self.placed(q)?, lambda[0], &mut local);
-        let freedoms = pair_freedoms::<S>(self.ends.map(|end| end.body));
-        hessian.add_symmetric(&freedoms, local.as_slice());
-        Ok(())
+        self.coordinate.add_hessian(q, lambda[0], hessian)
     }
 
     fn rate(&self, t: f64, _q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
@@ -137,11 +131,6 @@ impl<S: BodySpace, T: Schedule> Constraint for Drive<S, T> {
     }
 
     fn scale(&self, _row: usize) -> Scale {
-        match self.along {
-            Along::Turn => Scale::default(),
-            Along::Shift => {
-                self.row.scale(self.ends.iter().map(JointEnd::reach).fold(0.0, f64::max))
-            }
-        }
+        self.coordinate.scale()
     }
 }

@@ -4,7 +4,7 @@
 //! frame = pose^-1 F          of a body at `pose`, for a joint whose frame is F in the world
 //! ```
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::FIXED;
 
 use super::JointFault;
@@ -23,8 +23,8 @@ pub struct JointEnd {
 /// An end as it stands in the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
-    /// Of the body; the identity of the world.
-    pub rotation: Rotation,
+    /// The matrix of the body's rotation; the identity of the world.
+    pub rotation: Matrix3<f64>,
     /// From the body's centre to the frame's origin, body axes; zero of the world.
     pub arm: Vector3<f64>,
     /// The frame's origin in the world.
@@ -87,12 +87,13 @@ impl JointEnd {
     fn on_body(&self, pose: impl Fn(usize) -> RigidMotion) -> Placed {
         let Some(body) = self.body else { return self.in_world() };
         let (pose, arm) = (pose(body), self.frame.translation);
-        Placed { rotation: pose.rotation, arm, place: pose.apply(&arm) }
+        let rotation = pose.rotation.matrix();
+        Placed { rotation, arm, place: pose.translation + rotation * arm }
     }
 
     pub(crate) fn in_world(&self) -> Placed {
         let place = self.frame.translation;
-        Placed { rotation: Rotation::identity(), arm: Vector3::zeros(), place }
+        Placed { rotation: Matrix3::identity(), arm: Vector3::zeros(), place }
     }
 
     /// How far the joint's point is from the body's centre, metres; zero of the world.

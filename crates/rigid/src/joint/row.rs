@@ -23,7 +23,7 @@ use stationary_constraints::{Rows, Scale};
 
 use super::end::Placed;
 use super::{JointEnd, JointKind};
-use crate::{BodySpace, LieGroup, Wrench};
+use crate::{BodySpace, Wrench};
 
 /// An equation between two ends; directions of length 1, in the axes of their end's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,10 +185,8 @@ impl Row {
         let d = one.place - other.place;
         match self {
             Row::Together { axis } => d[*axis],
-            Row::Across { a } => one.rotation.rotate(a).dot(&d),
-            Row::Angle { a, b, cosine } => {
-                one.rotation.rotate(a).dot(&other.rotation.rotate(b)) - cosine
-            }
+            Row::Across { a } => (one.rotation * a).dot(&d),
+            Row::Angle { a, b, cosine } => (one.rotation * a).dot(&(other.rotation * b)) - cosine,
             Row::Distance { length } => (d.norm() - length) * (d.norm() + length) / (2.0 * length),
             Row::Coordinate { .. } => self.value_beyond(&[*one, *other], 0.0),
         }
@@ -202,10 +200,10 @@ impl Row {
         let [one, other] = ends;
         let mut value = -target;
         if *shift != 0.0 {
-            value -= shift * one.rotation.rotate(n).dot(&(one.place - other.place));
+            value -= shift * (one.rotation * n).dot(&(one.place - other.place));
         }
         if *turn != 0.0 {
-            let seen = one.rotation.rotate_back(&other.rotation.rotate(second));
+            let seen = one.rotation.tr_mul(&(other.rotation * second));
             value += turn * v.dot(&seen).atan2(u.dot(&seen));
             let whole = TAU * turn.abs();
             value -= whole * (value / whole).round();
@@ -222,8 +220,8 @@ impl Row {
                 [one.pushed(e), other.pushed(-e)]
             }
             Row::Across { a } => {
-                let along = one.rotation.rotate(a);
-                let d = one.rotation.rotate_back(&(one.place - other.place));
+                let along = one.rotation * a;
+                let d = one.rotation.tr_mul(&(one.place - other.place));
                 let mut wrench = one.pushed(along);
                 wrench.torque += a.cross(&d);
                 [wrench, other.pushed(-along)]
@@ -255,20 +253,20 @@ impl Row {
         match self {
             Row::Together { axis } => {
                 let e = Vector3::ith(*axis, scale);
-                add_turn(hessian, W1, curvature(&one.arm, &one.rotation.rotate_back(&e)));
-                add_turn(hessian, W2, -curvature(&other.arm, &other.rotation.rotate_back(&e)));
+                add_turn(hessian, W1, curvature(&one.arm, &one.rotation.tr_mul(&e)));
+                add_turn(hessian, W2, -curvature(&other.arm, &other.rotation.tr_mul(&e)));
             }
             Row::Across { a } => {
-                let along = one.rotation.rotate(a) * scale;
-                let seen = one.rotation.rotate_back(&d) * scale;
+                let along = (one.rotation * a) * scale;
+                let seen = one.rotation.tr_mul(&d) * scale;
                 let both = a.cross_matrix().transpose() * one.arm.cross_matrix() * scale;
                 let own = curvature(a, &seen) + curvature(&one.arm, &(a * scale));
                 add_turn(hessian, W1, own + both + both.transpose());
-                add_turn(hessian, W2, -curvature(&other.arm, &other.rotation.rotate_back(&along)));
-                let moved = a.cross_matrix() * one.rotation_matrix().transpose() * scale;
+                add_turn(hessian, W2, -curvature(&other.arm, &other.rotation.tr_mul(&along)));
+                let moved = a.cross_matrix() * one.rotation.transpose() * scale;
                 add_pair(hessian, W1, V1, moved);
                 add_pair(hessian, W1, V2, -moved);
-                let swung = moved * other.rotation_matrix() * other.arm.cross_matrix();
+                let swung = moved * other.rotation * other.arm.cross_matrix();
                 add_pair(hessian, W1, W2, swung);
             }
             Row::Angle { a, b, .. } => add_turned(hessian, ends, a, b, scale),
@@ -277,9 +275,9 @@ impl Row {
                 let mut slope = SMatrix::<f64, 3, 12>::zeros();
                 for (end, first, sign) in [(one, V1, 1.0), (other, V2, -1.0)] {
                     slope.fixed_view_mut::<3, 3>(0, first).fill_diagonal(sign);
-                    let turn = end.rotation_matrix() * end.arm.cross_matrix() * -sign;
+                    let turn = end.rotation * end.arm.cross_matrix() * -sign;
                     slope.fixed_view_mut::<3, 3>(0, first + 3).copy_from(&turn);
-                    let pull = end.rotation.rotate_back(&d) * (sign * scale);
+                    let pull = end.rotation.tr_mul(&d) * (sign * scale);
                     add_turn(hessian, first + 3, curvature(&end.arm, &pull));
                 }
                 *hessian += slope.transpose() * slope * scale;
@@ -308,11 +306,7 @@ const W2: usize = 9;
 impl Placed {
     /// What a force at the end's point, in world axes, does to its body.
     fn pushed(&self, force: Vector3<f64>) -> Wrench {
-        Wrench { force, torque: self.arm.cross(&self.rotation.rotate_back(&force)) }
-    }
-
-    fn rotation_matrix(&self) -> Matrix3<f64> {
-        self.rotation.matrix()
+        Wrench { force, torque: self.arm.cross(&self.rotation.tr_mul(&force)) }
     }
 }
 
@@ -333,7 +327,7 @@ impl Angle {
         v: &Vector3<f64>,
         b: &Vector3<f64>,
     ) -> Self {
-        let seen = one.rotation.rotate_back(&other.rotation.rotate(b));
+        let seen = one.rotation.tr_mul(&(other.rotation * b));
         let (c, s) = (u.dot(&seen), v.dot(&seen));
         let square = c * c + s * s;
         Angle {
@@ -347,8 +341,8 @@ impl Angle {
 
 /// The differential of `<R_1 a, R_2 b>`.
 fn turned([one, other]: &[Placed; 2], a: &Vector3<f64>, b: &Vector3<f64>) -> [Wrench; 2] {
-    let b_seen = one.rotation.rotate_back(&other.rotation.rotate(b));
-    let a_seen = other.rotation.rotate_back(&one.rotation.rotate(a));
+    let b_seen = one.rotation.tr_mul(&(other.rotation * b));
+    let a_seen = other.rotation.tr_mul(&(one.rotation * a));
     [a.cross(&b_seen), b.cross(&a_seen)].map(|torque| Wrench { force: Vector3::zeros(), torque })
 }
 
@@ -360,12 +354,12 @@ fn add_turned(
     b: &Vector3<f64>,
     scale: f64,
 ) {
-    let b_seen = one.rotation.rotate_back(&other.rotation.rotate(b));
-    let a_seen = other.rotation.rotate_back(&one.rotation.rotate(a));
+    let b_seen = one.rotation.tr_mul(&(other.rotation * b));
+    let a_seen = other.rotation.tr_mul(&(one.rotation * a));
     add_turn(hessian, W1, curvature(a, &(b_seen * scale)));
     add_turn(hessian, W2, curvature(b, &(a_seen * scale)));
-    let moved = one.rotation_matrix() * a.cross_matrix();
-    let cross = moved.transpose() * other.rotation_matrix() * b.cross_matrix();
+    let moved = one.rotation * a.cross_matrix();
+    let cross = moved.transpose() * other.rotation * b.cross_matrix();
     add_pair(hessian, W1, W2, cross * scale);
 }
 

@@ -21,6 +21,9 @@ use super::motion::TreeMotion;
 const ITERATIONS: usize = 100;
 /// A change of speeds this small against them is rounding.
 const ROUNDING: f64 = 4e-16;
+/// What no longer falls in so many iterations is rounding up to this, of a mass matrix that multiplies it.
+const PATIENCE: u32 = 3;
+const STAGNANT: f64 = 1e-10;
 
 /// The memory of the kicks.
 #[derive(Clone, Debug)]
@@ -69,7 +72,7 @@ impl Kicks {
         }
     }
 
-    /// The first kick: the momenta `p` with it, in `momenta`.
+    /// The first kick: the momenta `p` with it, in `momenta`. The motion is placed at `q`.
     pub(super) fn before(
         &mut self,
         motion: &mut TreeMotion,
@@ -77,7 +80,6 @@ impl Kicks {
         interval: (f64, f64),
         (q, p): (&[f64], &[f64]),
     ) -> Result<(), StepError> {
-        motion.put(q);
         motion.speeds_of(p, &mut self.speeds[0]).map_err(speedless)?;
         self.push(motion, drive, interval, q)?;
         let pushed = p.iter().zip(&self.impulse).map(|(p, f)| p + f);
@@ -98,7 +100,8 @@ impl Kicks {
         motion.speeds_of(p, &mut self.speeds[1]).map_err(speedless)?;
         let [now, arrived] = &mut self.speeds;
         now.copy_from_slice(arrived);
-        let (mut last, mut history) = (f64::INFINITY, [0.0; ITERATIONS]);
+        let (mut last, mut best, mut stale) = (f64::INFINITY, f64::INFINITY, 0);
+        let mut history = [0.0; ITERATIONS];
         for iteration in 0..ITERATIONS {
             self.push(motion, drive, (t + h, h), q)?;
             let pushed = p.iter().zip(&self.impulse).map(|(p, f)| p + f);
@@ -110,7 +113,11 @@ impl Kicks {
             let moved = now.iter().zip(&self.forces.joints);
             let change = moved.fold(0.0_f64, |most, (now, then)| most.max((now - then).abs()));
             history[iteration] = change;
-            if change <= ROUNDING * scale || (change >= 0.5 * last && change <= 1e-13 * scale) {
+            (best, stale) = if change < 0.95 * best { (change, 0) } else { (best, stale + 1) };
+            if change <= ROUNDING * scale
+                || (change >= 0.5 * last && change <= 1e-13 * scale)
+                || (stale >= PATIENCE && change <= STAGNANT * scale)
+            {
                 p.copy_from_slice(&self.momenta);
                 self.work += self.along();
                 return Ok(());

@@ -316,7 +316,7 @@ impl LoopRow {
             Some(body) => {
                 let at = &motion.placed[body];
                 let arm = end.frame.translation;
-                Placed { rotation: at.rotation, arm, place: at.centre + at.matrix * arm }
+                Placed { rotation: at.matrix, arm, place: at.centre + at.matrix * arm }
             }
         })
     }

@@ -19,10 +19,18 @@
 //! and gives way freedom by freedom as an articulated inertia does (the file `bilinear`). The last
 //! correction is added to `P` itself, not only to the coordinates, where rounding would swallow it: so
 //! momenta are kept to their own rounding, not to that of places over `h`. The condition of the mass
-//! matrix multiplies that rounding.
+//! matrix multiplies that rounding. The first guess is a step of half the momentum's change, and what such
+//! guesses lacked in the last three steps, continued.
 //!
 //! Beside the weight, [`TreeVariational::driven`] takes what acts at a time and a motion, as a kick at
-//! either end of the step (the file `driven`). A body must turn by less than half a turn in a step, and
+//! either end of the step (the file `driven`), and [`TreeVariational::prescribed`] joints that follow schedules:
+//!
+//! ```text
+//! -D1 L(q, q') = p + A,   q'_k = s(t + h),    p' = D2 L(q, q') + B,   (M^-1 p')_k = s.(t + h)
+//! F = (A + B) / h,        W = A s.(t) + B s.(t + h)
+//! ```
+//! with impulses `A B` of the driven coordinates `k` alone: what RATTLE does with a
+//! [`Drive`](crate::Drive). A body must turn by less than half a turn in a step, and
 //! the step must resolve the fastest mode: below `2 / omega`.
 //! Source: notes 5.5, 6.5, 9.5; Marsden and West 2001; Lee, Liu, Park and Srinivasa 2018, who solve
 //! the equations of the group SE(3) with an approximate matrix.
@@ -30,13 +38,16 @@
 //! [`FreeBodies`]: crate::FreeBodies
 //! [`ConstantVelocity`]: crate::ConstantVelocity
 
+mod guesses;
+mod prescribed;
+
 use std::fmt;
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::{Covector, NewtonError, NewtonFailure, SizeError, first_non_finite};
 use stationary_integrators::{
-    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Stability,
-    State, StepError, StepReport, Symplecticity,
+    Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Saved,
+    Stability, State, StepError, StepReport, Symplecticity,
 };
 
 use super::bilinear::Bilinear;
@@ -49,6 +60,8 @@ use super::motion::{Placed, TreeMotion};
 use super::spatial::{SpatialForce, Twist};
 use crate::LieGroup;
 use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
+use guesses::Guesses;
+use prescribed::Prescribed;
 
 /// The variational step, bound to a tree under its weight and what drives it.
 #[derive(Clone)]
@@ -72,9 +85,18 @@ pub struct TreeVariational<D = Idle> {
     change: Vec<f64>,
     speeds: Vec<f64>,
     next: State<Vec<f64>>,
+    /// The coordinates at which `after` is placed, if it is.
+    arrived: Vec<f64>,
+    guesses: Guesses,
+    prescribed: Prescribed,
 }
 
-/// Most Newton iterations: steps that resolve their motion take three.
+fn add(to: &mut [f64], what: &[f64]) {
+    to.iter_mut().zip(what).for_each(|(to, what)| *to += what);
+}
+
+const NAME: &str = "tree-variational";
+/// Most Newton iterations: steps that resolve their motion take three, and one or two once some were made.
 const ITERATIONS: usize = 30;
 /// A correction this small against the tree: the next would be its square.
 const SMALL: f64 = 1e-10;
@@ -157,7 +179,7 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeVariational<D> {
 impl<D> TreeVariational<D> {
     fn with(tree: Tree, gravity: Vector3<f64>, drive: Option<D>) -> Result<Self, TreeError> {
         check_numbers("the gravity", 3, gravity.as_slice())?;
-        let (bodies, freedoms) = (tree.bodies(), tree.speeds());
+        let (bodies, coordinates, freedoms) = (tree.bodies(), tree.coordinates(), tree.speeds());
         let next = State::new(tree.rest(), Covector(vec![0.0; freedoms]));
         let motion = TreeMotion::new(tree);
         Ok(TreeVariational {
@@ -176,6 +198,9 @@ impl<D> TreeVariational<D> {
             change: vec![0.0; freedoms],
             speeds: vec![0.0; freedoms],
             next,
+            arrived: Vec::with_capacity(coordinates),
+            guesses: Guesses::new(freedoms),
+            prescribed: Prescribed::default(),
         })
     }
 
@@ -189,15 +214,22 @@ impl<D> TreeVariational<D> {
         &self.before.tree
     }
 
-    /// The state of the tree at these coordinates and speeds, at time zero.
+    /// The state of the tree at these coordinates and speeds, at time zero. What follows a schedule is where that
+    /// is.
     ///
     /// # Errors
     /// Those of [`TreeMotion::place`].
     pub fn state(&mut self, q: &[f64], v: &[f64]) -> Result<State<Vec<f64>>, TreeError> {
-        self.before.place(q, v)?;
+        let (mut q, mut v) = (q.to_vec(), v.to_vec());
+        self.tree().check_coordinates(&q)?;
+        self.tree().check_speeds("the speeds", &v)?;
+        for drive in &self.prescribed.drives {
+            [q[drive.coordinate], v[drive.speed], _] = drive.motion(0.0);
+        }
+        self.before.place(&q, &v)?;
         let mut p = vec![0.0; v.len()];
         self.before.momenta(&mut p)?;
-        Ok(State::new(q.to_vec(), Covector(p)))
+        Ok(State::new(q, Covector(p)))
     }
 
     /// The tree in the motion of a state.
@@ -238,6 +270,13 @@ impl<D> TreeVariational<D> {
         if let Some(freedom) = first_non_finite(state.p.components()) {
             return Err(StepError::NonFiniteMomentum { freedom });
         }
+        for drive in &self.prescribed.drives {
+            let (number, [place, ..]) = (drive.coordinate, drive.motion(state.t));
+            let off = (state.q[number] - place).abs();
+            if off.is_nan() || off > UNIT * place.abs().max(1.0) {
+                return Err(StepError::Configuration { number });
+            }
+        }
         for link in &tree.links {
             let Some(first) = link.joint.quaternion() else { continue };
             let number = link.coordinates.start + first;
@@ -249,10 +288,31 @@ impl<D> TreeVariational<D> {
         Ok(())
     }
 
-    /// A first guess: speeds of the momentum half a step on.
-    fn guess(&mut self, q: &[f64], h: f64) -> Result<(), StepError> {
-        let TreeVariational { before, next, change, speeds, gravity, kicks, .. } = self;
-        before.put(q);
+    /// Places the tree where a step starts: most often where the last one ended.
+    fn start(&mut self, q: &[f64]) {
+        if self.arrived == q {
+            std::mem::swap(&mut self.before, &mut self.after);
+        } else {
+            self.before.put(q);
+        }
+        self.arrived.clear();
+    }
+
+    /// A first guess: speeds of the momentum half a step on, with what such guesses lacked if that is to be
+    /// heard; whether any is known.
+    fn guess(&mut self, q: &[f64], interval: (f64, f64), warm: bool) -> Result<bool, StepError> {
+        let TreeVariational {
+            before,
+            next,
+            change,
+            speeds,
+            gravity,
+            kicks,
+            guesses,
+            prescribed,
+            ..
+        } = self;
+        let h = interval.1;
         for (f, link) in before.forces.iter_mut().zip(&before.tree.links) {
             *f = SpatialForce { force: *gravity * link.mass, torque: Vector3::zeros() };
         }
@@ -267,8 +327,13 @@ impl<D> TreeVariational<D> {
             Ok(()) => {
                 next.q.copy_from_slice(q);
                 change.iter_mut().zip(speeds).for_each(|(change, v)| *change = h * *v);
+                if !warm {
+                    guesses.forget();
+                }
+                let improved = guesses.improve(interval, change);
                 before.tree.move_along(&mut next.q, change);
-                Ok(())
+                prescribed.lead(interval.0 + h, &mut next.q);
+                Ok(improved)
             }
         }
     }
@@ -303,6 +368,9 @@ impl<D> TreeVariational<D> {
             let (mut form, mut f) = (self.forms[body], self.before.forces[body]);
             for k in link.speeds.clone().rev() {
                 let (minus, plus) = (&self.before.columns[k], &self.after.columns[k]);
+                if self.prescribed.holds(k) {
+                    continue;
+                }
                 let levers = [form.times(plus), form.transposed_times(minus)];
                 let pivot = levers[0].along(minus);
                 if pivot.is_nan() || pivot <= 0.0 {
@@ -329,6 +397,10 @@ impl<D> TreeVariational<D> {
                 None => Twist::zero(),
             };
             for k in link.speeds.clone() {
+                if self.prescribed.holds(k) {
+                    self.change[k] = 0.0;
+                    continue;
+                }
                 let felt = self.levers[k][1].along(&moved);
                 self.change[k] = (self.rest[k] - felt) * self.inverses[k];
                 moved += self.after.columns[k] * self.change[k];
@@ -339,6 +411,31 @@ impl<D> TreeVariational<D> {
                 + link.moments.component_mul(&turned).dot(&turned);
         }
         Ok(size.sqrt())
+    }
+
+    /// Newton's method from the guess in `next`: the iterations, and the size of the last correction.
+    fn find(&mut self, h: f64) -> Result<(u32, f64), StepError> {
+        let tolerance = self.tolerance();
+        let mut history = [0.0; ITERATIONS];
+        for iteration in 0..ITERATIONS {
+            self.after.put(&self.next.q);
+            let turn = self.set_equations(h);
+            let size = self.correct()?;
+            history[iteration] = size;
+            if !size.is_finite() {
+                return Err(failed(NewtonFailure::NonFinite(0), &history[..=iteration]));
+            }
+            self.after.tree.move_along(&mut self.next.q, &self.change);
+            add(&mut self.guesses.sum, &self.change);
+            if size > tolerance {
+                continue;
+            }
+            if turn > LONGEST_TURN {
+                return Err(failed(NewtonFailure::NotConverged, &history[..=iteration]));
+            }
+            return Ok((iteration as u32 + 1, size));
+        }
+        Err(failed(NewtonFailure::NotConverged, &history))
     }
 
     /// The correction that is small enough, kg^1/2 m.
@@ -369,7 +466,7 @@ impl<D> TreeVariational<D> {
 impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVariational<D> {
     fn facts(&self) -> Facts {
         Facts {
-            name: "tree-variational",
+            name: NAME,
             order: 2,
             stages: 1,
             evaluation: Evaluation::Implicit,
@@ -389,6 +486,7 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
 
     fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
         self.check(state, h)?;
+        self.start(&state.q);
         let TreeVariational { drive, kicks, before, .. } = self;
         match drive {
             None => kicks.momenta.copy_from_slice(state.p.components()),
@@ -397,43 +495,48 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
                 kicks.before(before, drive, (state.t, h), here)?;
             }
         }
-        self.guess(&state.q, h)?;
-        let tolerance = self.tolerance();
-        let mut history = [0.0; ITERATIONS];
-        for iteration in 0..ITERATIONS {
-            self.after.put(&self.next.q);
-            let turn = self.set_equations(h);
-            let size = self.correct()?;
-            history[iteration] = size;
-            if !size.is_finite() {
-                return Err(failed(NewtonFailure::NonFinite(0), &history[..=iteration]));
+        let improved = self.guess(&state.q, (state.t, h), true)?;
+        let found = match self.find(h) {
+            Err(_) if improved => {
+                self.guess(&state.q, (state.t, h), false)?;
+                self.find(h)
             }
-            self.after.tree.move_along(&mut self.next.q, &self.change);
-            if size > tolerance {
-                continue;
-            }
-            if turn > LONGEST_TURN {
-                return Err(failed(NewtonFailure::NotConverged, &history[..=iteration]));
-            }
-            self.after.put(&self.next.q);
-            self.finish(h);
-            let TreeVariational { drive, kicks, after, next, .. } = self;
-            if let Some(drive) = drive {
-                let there = (next.q.as_slice(), next.p.components_mut());
-                kicks.after(after, drive, (state.t, h), there)?;
-            }
-            if let Some(freedom) = first_non_finite(&self.next.q) {
-                return Err(StepError::NonFiniteConfiguration { freedom });
-            }
-            if let Some(freedom) = first_non_finite(self.next.p.components()) {
-                return Err(StepError::NonFiniteMomentum { freedom });
-            }
-            self.next.t = state.t + h;
-            std::mem::swap(state, &mut self.next);
-            let hessians = iteration as u32 + 1;
-            return Ok(StepReport { hessians, residual: size, ..StepReport::default() });
+            found => found,
+        };
+        let (hessians, residual) = found?;
+        self.after.put(&self.next.q);
+        self.finish(h);
+        let TreeVariational { drive, kicks, after, next, .. } = self;
+        if let Some(drive) = drive {
+            let there = (next.q.as_slice(), next.p.components_mut());
+            kicks.after(after, drive, (state.t, h), there)?;
         }
-        Err(failed(NewtonFailure::NotConverged, &history))
+        if !self.prescribed.drives.is_empty() {
+            self.hold((state.t, h))?;
+        }
+        if let Some(freedom) = first_non_finite(&self.next.q) {
+            return Err(StepError::NonFiniteConfiguration { freedom });
+        }
+        if let Some(freedom) = first_non_finite(self.next.p.components()) {
+            return Err(StepError::NonFiniteMomentum { freedom });
+        }
+        self.arrived.extend_from_slice(&self.next.q);
+        self.guesses.remember((state.t, h));
+        self.next.t = state.t + h;
+        std::mem::swap(state, &mut self.next);
+        Ok(StepReport { hessians, residual, ..StepReport::default() })
+    }
+
+    fn save(&self) -> Saved {
+        let numbers = self.guesses.save();
+        Saved { method: NAME.to_owned(), numbers }
+    }
+
+    fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        if saved.method != NAME {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        self.guesses.load(&saved.numbers)
     }
 }
 

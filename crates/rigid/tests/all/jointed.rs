@@ -194,17 +194,18 @@ fn thrown_jointed_boxes_keep_their_momenta_over_100_000_steps_and_their_energy_h
         state.p.0.chunks(6).map(|p| Vector3::new(p[0], p[1], p[2])).sum::<Vector3<f64>>()
     };
     let (start, energy) = (&problem.initial, problem.energy(&problem.initial));
-    let (mut drift, mut worst, mut step) = ([0.0_f64; 2], [0.0_f64; 2], 0);
+    let (mut drift, mut worst, mut mean, mut step) = ([0.0_f64; 2], 0.0_f64, [0.0_f64; 2], 0);
     run(ConstantVelocity, &problem, (2e-3, 100_000), |state, _| {
         drift[0] = drift[0].max((linear(state) - linear(start)).norm());
         drift[1] = drift[1].max((angular(state) - angular(start)).norm());
-        let off = (problem.energy(state) / energy - 1.0).abs();
-        let half = usize::from(step >= 50_000);
-        worst[half] = worst[half].max(off);
+        let off = problem.energy(state) / energy - 1.0;
+        worst = worst.max(off.abs());
+        mean[usize::from(step >= 50_000)] += off / 50_000.0;
         step += 1;
     });
     assert!(drift.iter().all(|drift| *drift < 1e-12), "{drift:?}");
-    assert!(worst[0] < 1e-3 && worst[1] < 2.0 * worst[0], "{worst:?}");
+    // The motion is chaotic: how far energy swings depends on where it leads, its mean does not.
+    assert!(worst < 1e-5 && (mean[1] - mean[0]).abs() < 1e-6, "{worst:e} {mean:?}");
     let end = run(ConstantVelocity, &problem, (2e-3, 1_000), |_, _| ());
     let mut g = vec![0.0; problem.joints.count()];
     problem.joints.value(0.0, &end.q, &mut g).unwrap();

@@ -23,3 +23,4 @@ mod tree_bad_input;
 mod tree_driven;
 mod tree_loops;
 mod tree_motion;
+mod tree_prescribed;
