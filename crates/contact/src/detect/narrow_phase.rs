@@ -63,7 +63,10 @@ pub(crate) fn facing(
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
     let Manifolds { found: manifolds, one, polytopes: space, triangle, round } = room;
-    if shapes.iter().any(|shape| shape.curved().is_some()) {
+    let hull = |shape: &&Shape| shape.polytope().is_some() && shape.wide().is_none();
+    let ball_and_hull =
+        shapes.iter().any(hull) && both.iter().any(|shape| shape.as_ball().is_some());
+    if ball_and_hull || shapes.iter().any(|shape| shape.curved().is_some()) {
         return round_facing(shapes, relative, margin, round, triangle, found);
     }
     if let (Some(first), Some(second), Some(wide)) =
@@ -72,7 +75,15 @@ pub(crate) fn facing(
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
             Clipped::Faces(answer) => {
+                let start = found.len();
                 append(one, wide.excess(one.local_n2), margin, found);
+                // Where the point is on the box as it is.
+                for facing in &mut found[start..] {
+                    let half = second.half_extents;
+                    let own = vector(&facing.points[1]).clamp(-half, half);
+                    let there = from_vector(relative * own);
+                    facing.points = [there - facing.normal * facing.gap, from_vector(own)];
+                }
                 return answer;
             }
             Clipped::Corners => {

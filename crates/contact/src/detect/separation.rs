@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use crate::shapes::solid::Placed;
+use crate::shapes::solid::{Part, Placed};
 
 type V = Vector3<f64>;
 
@@ -34,6 +34,10 @@ pub(crate) struct Separation {
 const ITERATIONS: usize = 100;
 /// Increases below this part of the size are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Closer to the axis of a circle, in radians, no point of it reaches farthest.
+const NO_AZIMUTH: f64 = 1e-6;
+/// Parts that reach as far as the farthest within this part of the size may share a contact.
+const NEAR: f64 = 1e-10;
 /// Turns below this, radians, are taken though rounding hides what they gain.
 const SMALL: f64 = 1e-6;
 /// The first bound on a turn, radians.
@@ -50,6 +54,17 @@ struct Cut {
     value: f64,
     slope: Vector2<f64>,
     weight: f64,
+}
+
+/// Where a search ends.
+#[derive(Clone, Copy, Debug)]
+struct Top {
+    value: f64,
+    normal: V,
+    /// Of the hulls, where they face each other.
+    points: [V; 2],
+    /// Whether no turn leads upwards by more than rounding.
+    converged: bool,
 }
 
 /// Where a search stands.
@@ -94,17 +109,18 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
     if order[0].0 - rounding > margin {
         return None;
     }
-    let mut best: Option<(f64, V, [V; 2])> = None;
+    let mut best: Option<Top> = None;
     for &(_, k) in order.iter().take(STARTS) {
         let found = search.climb(starts[k]);
-        if best.is_none_or(|best| found.0 > best.0 + ROUNDING * scale) {
+        if best.is_none_or(|best| found.value > best.value + ROUNDING * scale) {
             best = Some(found);
         }
-        if best.is_some_and(|best| best.0 > 0.0) {
+        // Solids that are apart have one maximum.
+        if best.is_some_and(|best| best.value > 0.0 && best.converged) {
             break;
         }
     }
-    let (mut value, mut normal, mut points) = best?;
+    let Top { mut value, mut normal, mut points, .. } = best?;
     // Faces are kinks that a search comes near to, and that say themselves where they are.
     for &(there, k) in &order {
         if k < kinks && there >= value - ROUNDING * scale && normal.dot(&starts[k]) > 0.9 {
@@ -129,7 +145,7 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
 pub(crate) fn separate_near(solids: [&Placed; 2], start: &V) -> Separation {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let (value, normal, points) = Search { solids, scale }.climb(*start);
+    let Top { value, normal, points, .. } = Search { solids, scale }.climb(*start);
     let points = [points[0] + normal * a.rounding, points[1] - normal * b.rounding];
     Separation { gap: value - a.rounding - b.rounding, normal, points }
 }
@@ -160,18 +176,72 @@ impl Search<'_> {
         Cut { parts, value, slope, weight }
     }
 
-    /// The largest value that is reached by turning from a direction, where, and two points of the
-    /// hulls that face each other there.
-    fn climb(&self, start: V) -> (f64, V, [V; 2]) {
+    /// The largest value that is reached by turning from a direction. Along the axis of a circle the
+    /// value has a peak of its own, from which the slope leads down, or up in some directions alone.
+    fn climb(&self, start: V) -> Top {
+        let top = match self.circle_along(&start) {
+            None => self.climb_from(start + across(&start)[0] * LEAN),
+            Some(_) => Top {
+                value: self.value(&start),
+                normal: start,
+                points: self.points(&start, Vec::new()),
+                converged: true,
+            },
+        };
+        let Some(axis) = self.circle_along(&top.normal) else { return top };
+        self.ways_down(&axis).iter().fold(top, |best, way| {
+            let other = self.climb_from(axis + way * LEAN);
+            if other.value > best.value { other } else { best }
+        })
+    }
+
+    /// The axis of a circle that reaches farthest along it, near to a direction.
+    fn circle_along(&self, n: &V) -> Option<V> {
         let [a, b] = self.solids;
-        let tiny = ROUNDING * self.scale;
-        let lean = across(&start)[0] * LEAN;
-        let mut n = (start + lean).normalize();
-        if self.value(&start) > self.value(&n) && !self.at_axis(&start) {
-            n = start;
+        let of = |solid: &Placed, n: &V| match solid.parts[solid.farthest(n).0] {
+            Part::Circle { axis, .. } if axis.cross(n).norm() < NO_AZIMUTH => {
+                Some(axis * axis.dot(n).signum())
+            }
+            _ => None,
+        };
+        of(a, n).or_else(|| of(b, &-n).map(|axis| -axis))
+    }
+
+    /// Directions across the axis of a circle in which the value may grow; none where the circle holds
+    /// what lies on it.
+    fn ways_down(&self, n: &V) -> Vec<V> {
+        let [a, b] = self.solids;
+        let ends = |solid: &Placed, n: &V| -> (Vec<V>, f64) {
+            let (k, reach) = solid.farthest(n);
+            if let Part::Circle { centre, axis, radius } = solid.parts[k]
+                && axis.cross(n).norm() < NO_AZIMUTH
+            {
+                return (vec![centre], radius);
+            }
+            let near = |part: &&Part| part.reach(n) >= reach - NEAR * self.scale;
+            (solid.parts.iter().filter(near).map(|part| part.point(n)).collect(), 0.0)
+        };
+        let ((own, one), (others, other)) = (ends(a, n), ends(b, &-n));
+        let mut ways = Vec::with_capacity(own.len() * others.len());
+        for p in &own {
+            for q in &others {
+                let way = q - p;
+                ways.push(way - n * way.dot(n));
+            }
         }
+        if ways.iter().any(|way| way.norm() <= one + other) {
+            return Vec::new();
+        }
+        ways.sort_by(|v, w| v.norm().total_cmp(&w.norm()));
+        ways.truncate(3);
+        ways.iter().map(|way| way.normalize()).collect()
+    }
+
+    fn climb_from(&self, start: V) -> Top {
+        let tiny = ROUNDING * self.scale;
+        let mut n = start.normalize();
         let mut value = self.value(&n);
-        let mut bound = BOUND;
+        let (mut bound, mut last, mut converged) = (BOUND, f64::INFINITY, false);
         let mut cuts = vec![self.cut(&n, &across(&n), self.parts(&n), 1.0)];
         for _ in 0..ITERATIONS {
             let basis = across(&n);
@@ -186,48 +256,70 @@ impl Search<'_> {
             let turn = d.norm();
             let farthest = self.parts(&next);
             let known = cuts.iter().any(|cut| cut.parts == farthest);
-            let gains = there > value;
-            if gains || (known && turn < SMALL && there >= value - tiny) {
+            let small = known && turn < SMALL && there >= value - tiny;
+            if there > value || small {
                 if turn > 0.7 * bound && there - value > 0.3 * (promised - value) {
                     bound = (2.0 * bound).min(BOUND);
                 }
                 n = next;
                 value = value.max(there);
-            } else if known {
-                bound = 0.3 * turn.min(bound);
+            } else {
+                bound = if known { 0.3 * turn.min(bound) } else { 0.8 * bound };
             }
-            if known && (promised - value <= tiny && turn < SMALL || bound < 1e-15) {
+            if small && promised - value <= tiny {
+                converged = true;
+                // Newton's steps go on while they shrink: the place is not as flat as the value.
+                if turn > 0.5 * last || turn < 1e-16 {
+                    break;
+                }
+                last = turn;
+            } else if bound < 1e-15 {
+                converged = promised - value <= tiny;
                 break;
             }
             if !known {
-                // Of those that do not meet at the maximum none is kept.
-                if cuts.len() > 2 {
-                    cuts.retain(|cut| cut.weight > 0.0);
+                if cuts.len() == MOST {
+                    let idle = cuts.iter().position(|cut| cut.weight == 0.0).unwrap_or(0);
+                    cuts.remove(idle);
                 }
                 cuts.push(self.cut(&n, &basis, farthest, 0.0));
-                cuts.truncate(MOST);
             }
         }
-        let basis = across(&n);
+        Top { value: self.value(&n), normal: n, points: self.points(&n, cuts), converged }
+    }
+
+    /// Points of the hulls that face each other along a direction at which no turn leads upwards.
+    fn points(&self, n: &V, mut cuts: Vec<Cut>) -> [V; 2] {
+        let [a, b] = self.solids;
+        let basis = across(n);
         for cut in &mut cuts {
-            *cut = self.cut(&n, &basis, cut.parts, cut.weight);
+            *cut = self.cut(n, &basis, cut.parts, cut.weight);
         }
-        let bend = self.bend(&n, &basis, &cuts);
+        if cuts.is_empty() {
+            cuts.push(self.cut(n, &basis, self.parts(n), 1.0));
+        }
+        // What reaches as far but for rounding takes part.
+        let near = |solid: &Placed, n: &V| -> Vec<usize> {
+            let reach = solid.farthest(n).1 - NEAR * self.scale;
+            (0..solid.parts.len()).filter(|&k| solid.parts[k].reach(n) >= reach).take(3).collect()
+        };
+        for i in near(a, n) {
+            for j in near(b, &-n) {
+                if cuts.iter().all(|cut| cut.parts != [i, j]) {
+                    cuts.push(self.cut(n, &basis, [i, j], 0.0));
+                }
+            }
+        }
+        let bend = self.bend(n, &basis, &cuts);
         if let Some((d, used, _)) = maximize(&cuts, &bend, SMALL) {
             weigh(&mut cuts, &used, &d, &bend);
         }
         let mut points = [V::zeros(); 2];
         for cut in &cuts {
-            points[0] += a.parts[cut.parts[0]].point(&n) * cut.weight;
+            points[0] += a.parts[cut.parts[0]].point(n) * cut.weight;
             points[1] += b.parts[cut.parts[1]].point(&-n) * cut.weight;
         }
-        (self.value(&n), n, points)
-    }
-
-    /// Whether a direction is the axis of a circle of one of the solids.
-    fn at_axis(&self, n: &V) -> bool {
-        let along = |axis: &V| n.cross(axis).norm() < 1e-6;
-        self.solids.iter().any(|solid| solid.axis.as_ref().is_some_and(along))
+        points
     }
 
     /// The second derivative along turns of the cuts by their weights, negative definite.
@@ -254,8 +346,10 @@ impl Search<'_> {
     }
 }
 
+/// Weights that are negative by less are zero: rounding.
+const SLACK: f64 = 1e-9;
 /// Cuts that are kept at once.
-const MOST: usize = 4;
+const MOST: usize = 8;
 
 /// The turn within a bound that maximizes the least of the models, which of them meet there, and the
 /// value there.
@@ -291,14 +385,23 @@ fn maximize(
             let along = Vector2::new(-off.y, off.x) / square.sqrt();
             let curve = along.dot(&(bend * along));
             let rise = along.dot(&(one.slope + bend * foot));
-            offer(foot - along * (rise / curve), &[i, j]);
+            let d = foot - along * (rise / curve);
+            // Beyond one of them, that one alone is the least.
+            let t = (one.slope + bend * d).dot(&-off) / square;
+            if (-SLACK..=1.0 + SLACK).contains(&t) || d.norm() > bound {
+                offer(d, &[i, j]);
+            }
             for (k, third) in cuts.iter().enumerate().skip(j + 1) {
                 let both = Matrix2::from_rows(&[
                     (other.slope - one.slope).transpose(),
                     (third.slope - one.slope).transpose(),
                 ]);
                 let rest = -Vector2::new(step, third.value - one.value);
-                if let Some(d) = both.try_inverse().map(|inverse| inverse * rest) {
+                let Some(inverse) = both.try_inverse() else { continue };
+                let d = inverse * rest;
+                let weights = -(inverse.transpose() * (one.slope + bend * d));
+                let inside = weights.min() >= -SLACK && weights.sum() <= 1.0 + SLACK;
+                if inside || d.norm() > bound {
                     offer(d, &[i, j, k]);
                 }
             }

@@ -25,6 +25,7 @@ use parry3d_f64::transformation::try_convex_hull;
 use crate::ContactError;
 use crate::error::{check_finite, check_length};
 use crate::shapes::convert::{from_vector, vector};
+use crate::shapes::hull::hull;
 use crate::shapes::polytope::Polytope;
 use crate::shapes::solid::Solid;
 
@@ -129,9 +130,20 @@ impl Shape {
         if !spans_space(points) {
             return Err(ContactError::Flat { shape });
         }
+        let own = hull(points).and_then(|triangles| {
+            // Corners alone.
+            let mut used: Vec<usize> = triangles.iter().flatten().copied().collect();
+            used.sort_unstable();
+            used.dedup();
+            let number = |k: &usize| used.binary_search(k).unwrap_or(0);
+            let triangles: Vec<_> =
+                triangles.iter().map(|t| [0, 1, 2].map(|i| number(&t[i]))).collect();
+            Polytope::new(used.iter().map(|&k| points[k]).collect(), &triangles)
+        });
         let points: Vec<_> = points.iter().map(vector).collect();
         let geometry = SharedShape::convex_hull(&points).ok_or(ContactError::Flat { shape })?;
-        let polytope = try_convex_hull(&points).ok().and_then(|(corners, triangles)| {
+        let polytope = own.or_else(|| {
+            let (corners, triangles) = try_convex_hull(&points).ok()?;
             let triangles: Vec<_> = triangles.iter().map(|t| t.map(|k| k as usize)).collect();
             Polytope::new(corners.into_iter().map(from_vector).collect(), &triangles)
         });
@@ -211,7 +223,8 @@ impl Shape {
 
     /// A box of the world that holds it.
     pub(crate) fn aabb(&self, pose: &Pose) -> Aabb {
-        let Some(solid) = self.curved() else { return self.geometry.compute_aabb(pose) };
+        let hull = self.solid().filter(|_| self.geometry.as_convex_polyhedron().is_some());
+        let Some(solid) = self.curved().or(hull) else { return self.geometry.compute_aabb(pose) };
         let reach =
             |n: Vector3<f64>| solid.reach(&from_vector(pose.rotation.inverse() * vector(&n)));
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
@@ -237,7 +250,7 @@ pub(crate) struct WideBox {
 }
 
 /// The hair, relative to the smallest half size.
-const HAIR: f64 = 1e-11;
+const HAIR: f64 = 1e-9;
 
 impl WideBox {
     fn of(half: [f64; 3]) -> Self {

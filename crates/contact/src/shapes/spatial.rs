@@ -261,7 +261,7 @@ impl Dimension for Spatial {
         if let Some(normal) = shape.plane() {
             return farthest_of_plane(direction.norm(), (direction.normalize() - normal).norm());
         }
-        if let Some(solid) = shape.curved() {
+        if let Some(solid) = shape.solid() {
             return solid.reach(direction);
         }
         let along = convert::vector(direction);

@@ -335,7 +335,7 @@ fn search(coarse: &[Solid<f64>; 2], exact: &[Solid<Twofold>; 2], seeds: [u64; 2]
     found.truncate(6);
     for (best, n) in &mut found {
         let mut turn = 0.3;
-        while turn > 1e-11 {
+        for _ in 0..150 {
             let mut gained = false;
             for _ in 0..12 {
                 let next = [0, 1, 2].map(|k| n[k] + turn * random.normal());
