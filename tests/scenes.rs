@@ -75,6 +75,41 @@ fn two_balls_of_the_cradle_come_in_and_two_go_out() {
 }
 
 #[test]
+fn the_slider_crank_comes_back_from_its_stop() {
+    insta::assert_snapshot!(run("slider-crank-with-stop").0);
+}
+
+#[test]
+fn the_bar_swings_up_when_the_ball_strikes_it() {
+    insta::assert_snapshot!(run("ball-strikes-a-pendulum").0);
+}
+
+#[test]
+fn one_ball_of_the_cradle_on_rods_comes_in_and_one_goes_out() {
+    insta::assert_snapshot!(run("newtons-cradle-on-rods").0);
+}
+
+#[test]
+fn the_four_bar_leaves_the_crate_where_its_rocker_turns_back() {
+    insta::assert_snapshot!(run("four-bar-pushes-a-crate").0);
+}
+
+#[test]
+fn the_plunger_shoots_the_ball_as_two_masses_have_it() {
+    insta::assert_snapshot!(run("plunger-shoots-a-ball").0);
+}
+
+#[test]
+fn the_closer_shuts_the_door_that_met_its_stop() {
+    insta::assert_snapshot!(run("sprung-door").0);
+}
+
+#[test]
+fn the_wheel_rolls_over_the_bump_and_the_body_comes_to_rest() {
+    insta::assert_snapshot!(run("wheel-over-a-bump").0);
+}
+
+#[test]
 fn the_nine_balls_leave_as_symmetric_as_they_lay() {
     insta::assert_snapshot!(run("nine-ball-break").0);
 }

@@ -19,22 +19,29 @@ macro_rules! shipped {
 }
 
 shipped!(
+    "ball-strikes-a-pendulum",
     "block-on-incline",
     "box-stack",
     "breaking-bridge",
     "cantilever",
     "cloth-on-a-ball",
+    "four-bar-pushes-a-crate",
     "heavy-top",
     "masonry-arch",
     "newtons-cradle",
+    "newtons-cradle-on-rods",
     "nine-ball-break",
     "outer-solar-system",
     "pendulum-chain",
+    "plunger-shoots-a-ball",
+    "slider-crank-with-stop",
     "slinky-release",
     "spring-net",
+    "sprung-door",
     "thrown-racket",
     "tumbling-wrench",
     "warm-sphere",
+    "wheel-over-a-bump",
 );
 
 /// The JSON schema of a scene's file: every word, what it means and what it may be.

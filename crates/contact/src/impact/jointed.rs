@@ -1,12 +1,13 @@
 //! Impacts of things that joints hold: contacts and joints at once, by Poisson's law.
 //!
 //! ```text
+//! closing       joints alone                                     v-
 //! compression   the laws of all rows between x and v=            joints, and cones of what approaches
 //! restitution   x_c <- (1 + s c) x_c,   joints again             v+
 //! ```
 //! `x_c` the impulses of contacts (N s), `c` their restitution. One `c` and closed joints give
 //! `v+ = v= + c (v= - v-)`, which keeps joints and gains no energy, as friction opposes what slides at the
-//! end of compression; where the restitutions differ `s` is halved until none is gained.
+//! end of compression; where the restitutions differ `s` is the largest part, up to 1, that gains none.
 //! Source: as in `rough.rs`.
 
 use stationary_calculus::Vector;
@@ -16,8 +17,10 @@ use crate::{ContactError, InverseMass, solve_rows};
 
 /// What may be left, relative to the fastest rate of a row.
 const SETTLED: f64 = 1e-9;
-/// How often restitution is halved before there is none, and energy that is rounding.
-const HALVINGS: i32 = 40;
+/// How often the part of the restitution that gains nothing is looked for, how closely it is found, and energy
+/// that is rounding.
+const HALVINGS: usize = 40;
+const CLOSE: f64 = 1e-6;
 const ENERGY_ROUNDING: f64 = 1e-11;
 
 /// A pass over some contacts: their cones behind the rows of joints.
@@ -38,6 +41,9 @@ impl JointedPass<'_> {
         let held = instantaneous(self.joints, v.0.len())?;
         let mut rows = held.clone();
         append(self.contacts, &mut rows)?;
+        // What joints are off by would come back magnified, and as energy.
+        let mut closing = vec![0.0; held.rows()];
+        solve_rows(&held, &mut &*self.mass, 0.0, &mut closing, v.view_mut())?;
         let before = v.clone();
         let rate = |row| rows.lack(row, before.view()).abs();
         let enough = SETTLED * (0..rows.rows()).map(rate).fold(0.0, f64::max);
@@ -45,8 +51,10 @@ impl JointedPass<'_> {
         let done = solve_rows(&rows, &mut &*self.mass, enough, &mut x, v.view_mut())?;
         let compressed = x.split_off(held.rows());
         let mut settled = done.settled;
+        // Between the largest part that is known to gain nothing and the smallest that gains.
+        let (mut least, mut most) = (0.0, 1.0);
+        let mut part = 1.0;
         for halving in 0..=HALVINGS {
-            let part = if halving == HALVINGS { 0.0 } else { 0.5_f64.powi(halving) };
             let mut impulses = compressed.clone();
             for ((_, block), c) in self.contacts.blocks().zip(self.restitution) {
                 impulses[block].iter_mut().for_each(|x| *x *= 1.0 + part * c);
@@ -58,7 +66,6 @@ impl JointedPass<'_> {
             }
             let mut holding = vec![0.0; held.rows()];
             let kept = solve_rows(&held, &mut &*self.mass, enough, &mut holding, v.view_mut())?;
-            settled &= kept.settled;
             let mut gained = [0.0_f64; 2];
             for (rows, x) in [(self.contacts, &impulses), (&held, &holding)] {
                 for (row, x) in x.iter().enumerate() {
@@ -67,9 +74,19 @@ impl JointedPass<'_> {
                     gained = [gained[0] + term, gained[1] + term.abs()];
                 }
             }
-            if gained[0] <= ENERGY_ROUNDING * gained[1] || halving == HALVINGS {
+            let gains = gained[0] > ENERGY_ROUNDING * gained[1];
+            if halving == HALVINGS || (!gains && (part == 1.0 || most - part <= CLOSE)) {
+                settled &= kept.settled;
                 return Ok((impulses, settled));
             }
+            if gains {
+                most = part;
+            } else {
+                least = part;
+            }
+            // The last try is one that is known.
+            let last = halving + 1 == HALVINGS;
+            part = if last { least } else { 0.5 * (least + most) };
         }
         Ok((compressed, settled))
     }

@@ -37,7 +37,6 @@ impl Scene {
     }
 }
 
-
 impl Anchor {
     /// Where it is, of particles or bodies with `each` freedoms.
     pub(crate) fn place(&self, q: &[f64], each: usize) -> [f64; 3] {

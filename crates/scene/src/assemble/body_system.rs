@@ -191,9 +191,10 @@ impl Scene {
     fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
         let rotation = Rotation::identity();
         let ends = rod.ends.map(|end| match self.particles[end].motion {
-            Motion::Carried { body, point } => {
-                JointEnd { body: Some(body), frame: RigidMotion { translation: point.into(), rotation } }
-            }
+            Motion::Carried { body, point } => JointEnd {
+                body: Some(body),
+                frame: RigidMotion { translation: point.into(), rotation },
+            },
             _ => {
                 let translation = self.particles[end].position.into();
                 JointEnd { body: None, frame: RigidMotion { translation, rotation } }
@@ -243,7 +244,13 @@ impl Scene {
         });
         let turned = self.joints.iter().filter(|joint| joint.stiffness > 0.0).map(|joint| {
             let (ends, law) = (ends_in_space(&self.bodies, joint), [joint.stiffness, joint.rest]);
-            TorsionSpring::new(Poses, self.bodies.len(), (Along::Turn, joint.axis.into()), ends, law)
+            TorsionSpring::new(
+                Poses,
+                self.bodies.len(),
+                (Along::Turn, joint.axis.into()),
+                ends,
+                law,
+            )
         });
         let springs = (self.point_springs(6)?, Several(turned.collect::<Result<_, _>>()?));
         Ok(InSpace {

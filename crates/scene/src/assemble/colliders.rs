@@ -86,12 +86,13 @@ impl Scene {
         }
         for pair in &contact.pairs {
             let Some(two) = of(pair.of) else { continue };
-            detector = match pair.meets {
-                true => detector
-                    .with_pair(two, pair.restitution, pair.friction)?
-                    .with_rolling(two, pair.rolling, pair.torsion)?,
-                false => detector.without_pair(two)?,
-            };
+            detector =
+                match pair.meets {
+                    true => detector
+                        .with_pair(two, pair.restitution, pair.friction)?
+                        .with_rolling(two, pair.rolling, pair.torsion)?,
+                    false => detector.without_pair(two)?,
+                };
         }
         Ok(detector)
     }

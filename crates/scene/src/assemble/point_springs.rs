@@ -51,14 +51,15 @@ impl PointSprings {
         for c in 0..3 {
             let mut unit = [0.0; 3];
             unit[c] = 1.0;
-            end.pull(q, self.each, &unit, &mut |freedom, along| {
-                match columns.iter_mut().find(|(other, _)| *other == freedom) {
-                    Some((_, column)) => column[c] = along,
-                    None => {
-                        let mut column = [0.0; 3];
-                        column[c] = along;
-                        columns.push((freedom, column));
-                    }
+            end.pull(q, self.each, &unit, &mut |freedom, along| match columns
+                .iter_mut()
+                .find(|(other, _)| *other == freedom)
+            {
+                Some((_, column)) => column[c] = along,
+                None => {
+                    let mut column = [0.0; 3];
+                    column[c] = along;
+                    columns.push((freedom, column));
                 }
             });
         }
@@ -123,9 +124,8 @@ impl Potential for PointSprings {
             let mut block = Vec::with_capacity(columns.len() * columns.len());
             for &(b, _, along) in &columns {
                 for &(a, _, across) in &columns {
-                    let terms = (0..9).map(|k| {
-                        along[k / 3] * curved[b][k / 3][a][k % 3] * across[k % 3]
-                    });
+                    let terms =
+                        (0..9).map(|k| along[k / 3] * curved[b][k / 3][a][k % 3] * across[k % 3]);
                     block.push(terms.sum());
                 }
             }
@@ -153,7 +153,10 @@ mod tests {
         let springs = vec![
             (law(Strain::Cauchy), [Anchor::Body(0, flat(a)), Anchor::Body(1, flat(b))]),
             (law(Strain::Green), [Anchor::World(flat([2.0, 1.0, 1.0])), Anchor::Body(1, flat(a))]),
-            (law(Strain::Cauchy), [Anchor::Body(0, flat(b)), Anchor::World(flat([-1.0, 1.0, 2.0]))]),
+            (
+                law(Strain::Cauchy),
+                [Anchor::Body(0, flat(b)), Anchor::World(flat([-1.0, 1.0, 2.0]))],
+            ),
         ];
         PointSprings { freedoms: 2 * each, each, springs }
     }

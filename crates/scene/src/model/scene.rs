@@ -207,7 +207,8 @@ impl Scene {
 
     /// The particle at the centre of a body.
     pub(crate) fn centre(&self, body: usize) -> usize {
-        let centre = |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
+        let centre =
+            |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
         self.particles.iter().position(centre).unwrap_or(body)
     }
 

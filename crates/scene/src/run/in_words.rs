@@ -70,7 +70,9 @@ impl Scene {
             #[cfg(feature = "constraints")]
             StepFailure::Constraint(error) => self.constraint_in_words(error, left),
             #[cfg(feature = "contact")]
-            StepFailure::Contact(ContactError::Rows(error)) => self.constraint_in_words(error, left),
+            StepFailure::Contact(ContactError::Rows(error)) => {
+                self.constraint_in_words(error, left)
+            }
             #[cfg(feature = "contact")]
             StepFailure::Contact(error) => self.contact_in_words(error),
             #[cfg(feature = "laplacian")]

@@ -12,6 +12,7 @@ use stationary_calculus::{Covector, Force, Potential, Vector};
 use stationary_constraints::Constraint;
 use stationary_contact::{ContactError, DetectorIn, Dimension, Kept, Touch, World};
 use stationary_integrators::{Saved, State};
+use stationary_rigid::BodyMethod;
 
 use crate::assemble::acting::{Acting, Impulses};
 use crate::assemble::body_system::{InSpace, InThePlane};
@@ -24,6 +25,7 @@ use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
+use crate::run::joints;
 use crate::run::stepper::{Stepped, Stepper};
 
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
@@ -33,6 +35,11 @@ pub(crate) fn in_space<'a>(scene: &Scene, contact: &SceneContact, of: &'a InSpac
     let colliders = scene.colliders(contact)?;
     let mut detector = scene.detector(&colliders, contact)?;
     check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    if scene.has_joints() {
+        // A start that moves against its joints is refused as without contact.
+        let method = BodyMethod::VariationalRotation;
+        joints::in_space(method, &of.system, &of.joints, (&of.initial, None))?;
+    }
     let world = World::new(of.system.clone(), detector)?.with_law(contact.law);
     Ok(Touching::over(scene, world, Colliders::of(&colliders, contact), &of.joints))
 }
@@ -46,6 +53,9 @@ pub(crate) fn in_the_plane<'a>(
     let colliders = scene.planar_colliders(contact)?;
     let mut detector = scene.detector(&colliders, contact)?;
     check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    if scene.has_joints() {
+        joints::in_the_plane(&of.system, &of.joints, (&of.initial, None))?;
+    }
     let world = World::new(of.system.clone(), detector)?.with_law(contact.law);
     Ok(Touching::over(scene, world, Colliders::of(&colliders, contact), &of.joints))
 }
@@ -99,11 +109,9 @@ fn push<G: Dimension>(
     let whole = contact.normal * (touch.impact + touch.normal) + touch.friction;
     let [a, b] = contact.points;
     Push {
-        between: [0, 1].map(|k| {
-            match colliders.side(contact.bodies[k], contact.id.colliders[k]) {
-                ContactSide::Pin(pin) => ContactSide::Pin(pins[pin]),
-                other => other,
-            }
+        between: [0, 1].map(|k| match colliders.side(contact.bodies[k], contact.id.colliders[k]) {
+            ContactSide::Pin(pin) => ContactSide::Pin(pins[pin]),
+            other => other,
         }),
         time,
         point: in_space(&((a + b) * 0.5)),

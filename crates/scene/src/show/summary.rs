@@ -219,8 +219,7 @@ fn cost(run: &Run) -> Table {
     if !scene.bodies().is_empty() {
         let rigid = scene.rigid_bodies();
         let of = |name, number: usize| (Column::exact(name), Cell::from(number as u64));
-        let mut columns =
-            vec![of("bodies", rigid), of("joints", scene.joints().len())];
+        let mut columns = vec![of("bodies", rigid), of("joints", scene.joints().len())];
         // Only what is there beside them.
         let beside = [
             ("particles", scene.bodies().len() - rigid + pinned),

@@ -434,7 +434,9 @@ pub enum Fault {
     #[error("`{0}` and `{1}` are points of one body, whose distance nothing changes")]
     SameBody(String, String),
     /// A point that touches bodies has a size.
-    #[error("`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`")]
+    #[error(
+        "`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`"
+    )]
     NoRadius(String),
     /// What breaks is held by rods of particles alone.
     #[error("rods break only between particles that nothing else holds; leave `strength` out")]
@@ -519,7 +521,9 @@ pub enum Fault {
     )]
     MotionOfHeld(String),
     /// A pin that moves and pulls at a damper.
-    #[error("`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves")]
+    #[error(
+        "`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves"
+    )]
     MotionOfDamped(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]

@@ -8,7 +8,7 @@ use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Number};
 use crate::words::draft::Draft;
 use crate::words::table::{Kind, table};
-use crate::words::word::{CONTACT, Feature, Word};
+use crate::words::word::{CONTACT, Feature, Of, Word};
 
 table! {
     /// How things with a radius, or bodies, touch.
@@ -72,6 +72,7 @@ table! {
 
 impl Word for Option<ContactDeclaration> {
     const FEATURE: Option<Feature> = Some(CONTACT);
+    const OF: Of = Of::Load;
 
     fn place(&self) -> Option<Range<usize>> {
         self.as_ref().and_then(ContactDeclaration::place)
@@ -135,8 +136,13 @@ mod compiled {
             ..
         } = contact;
         let stiffness = stiffness(draft, contact)?;
-        if let Some(body) = draft.bodies.iter().position(|d| d.body.point_mass && d.body.shape == BodyShape::Moments) {
-            let of = |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
+        if let Some(body) = draft
+            .bodies
+            .iter()
+            .position(|d| d.body.point_mass && d.body.shape == BodyShape::Moments)
+        {
+            let of =
+                |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
             let index = draft.particles.particles.iter().position(of);
             if let Some(index) = index {
                 let name = draft.particles.particles[index].name.clone();

@@ -154,8 +154,7 @@ mod compiled {
             (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
             (None, _) => [0.0, 0.0, 1.0],
         };
-        let turns =
-            kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
+        let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
         let number = |what, given: &Option<Spanned<Number>>| match given {
             Some(given) if !turns => Err(at(given.span(), Fault::SpringWithoutAxis)),
             Some(given) => check::finite(what, given),

@@ -8,7 +8,7 @@ const PLANE: &str = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\
 
 /// Asserts the message and the place of a mistake; `<<` and `>>` stand around the word.
 #[track_caller]
-fn refused(marked: &str, message: &str) {
+pub(crate) fn refused(marked: &str, message: &str) {
     let (before, rest) = marked.split_once("<<").expect("a mark");
     let (word, after) = rest.split_once(">>").expect("the end of the mark");
     let text = format!("{before}{word}{after}");

@@ -30,22 +30,29 @@ fn every_shipped_scene_builds_what_it_names_and_nothing_else() {
     let lines: Vec<String> =
         names.iter().map(|name| format!("{name}: {}", built(&first_step(name)))).collect();
     insta::assert_snapshot!(lines.join("\n"), @r"
+    ball-strikes-a-pendulum.toml: rigid bodies 2, constraints equations 5, contact colliders 2
     block-on-incline.toml: rigid bodies 1, contact colliders 2
     box-stack.toml: rigid bodies 9, contact colliders 10
     breaking-bridge.toml: elasticity springs 1, constraints equations 18, calculus sparse solvers 1
     cantilever.toml: elasticity elements 320
     cloth-on-a-ball.toml: elasticity elements 2048, elasticity hinges 3008, contact gaps 1089
+    four-bar-pushes-a-crate.toml: rigid bodies 5, constraints equations 12, contact colliders 6
     heavy-top.toml: rigid bodies 1, constraints equations 3, calculus sparse solvers 1
     masonry-arch.toml: rigid bodies 15, contact colliders 16
+    newtons-cradle-on-rods.toml: rigid bodies 5, constraints equations 5, contact colliders 5
     newtons-cradle.toml: elasticity springs 5, contact gaps 10
     nine-ball-break.toml: contact gaps 45
     outer-solar-system.toml: 
     pendulum-chain.toml: constraints equations 10, calculus sparse solvers 1
+    plunger-shoots-a-ball.toml: elasticity springs 1, rigid bodies 2, constraints equations 2, contact colliders 2
+    slider-crank-with-stop.toml: rigid bodies 3, constraints equations 8, contact colliders 4
     slinky-release.toml: elasticity elements 200, calculus sparse solvers 1
     spring-net.toml: elasticity springs 1482
+    sprung-door.toml: rigid bodies 1, constraints equations 5, contact colliders 2
     struck-bell.toml: elasticity elements 992, elasticity hinges 1472, modal modes 40, calculus sparse solvers 2
     thrown-racket.toml: rigid bodies 1
     tumbling-wrench.toml: rigid bodies 1
     warm-sphere.toml: laplacian simplices 5120, calculus sparse solvers 1
+    wheel-over-a-bump.toml: elasticity springs 1, rigid bodies 4, constraints equations 8, contact colliders 6
     ");
 }

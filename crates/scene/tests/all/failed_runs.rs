@@ -68,3 +68,62 @@ fn bodies_that_overlap_at_the_start_are_named() {
     let plane = plane.replace("at = [0, 0, 0]", "at = [0, 0]");
     assert_names(&words(&plane), &["`low` and `high` overlap by"]);
 }
+
+/// A rod from a pin to a point of a body, and what else a test says.
+fn rod_of_a_body(velocity: &str, more: &str) -> String {
+    format!(
+        r#"
+        dimension = 2
+        integrator = "stormer-verlet"
+        step = 0.01
+        horizon = 1
+        particles = [{{ name = "left", position = [-1, 0], pinned = true }}]
+        bodies = [{{ name = "bob", mass = 1, box = [0.1, 0.1], position = [0, 0], velocity = {velocity} }}]
+        rods = [{{ between = ["left", "bob"] }}]
+        {more}
+        "#
+    )
+}
+
+#[test]
+fn rods_of_bodies_are_told_by_their_ends_with_contact_and_without() {
+    let contact = "contact = { restitution = 0.5 }";
+    for more in ["", contact] {
+        let against = words(&rod_of_a_body("[1, 0]", more));
+        assert_names(&against, &["against the rod from `left` to `bob`"]);
+    }
+    let fast = words(&rod_of_a_body("[0, 400]", ""));
+    assert_names(&fast, &["the rod from `left` to `bob`", "smaller step"]);
+}
+
+#[test]
+fn motors_and_starts_against_them_are_told_by_their_ends() {
+    let text = |more: &str| {
+        format!(
+            r#"
+            dimension = 2
+            integrator = "stormer-verlet"
+            step = 0.01
+            horizon = 1
+            bodies = [{{ name = "arm", mass = 1, box = [1, 0.1], position = [0.5, 0] }}]
+            joints = [{{ kind = "pin", between = ["world", "arm"], at = [0, 0] }}]
+            motors = [{{ between = ["world", "arm"], speed = 3 }}]
+            {more}
+            "#
+        )
+    };
+    for more in ["", "contact = { restitution = 0.5 }"] {
+        assert_names(&words(&text(more)), &["against the motor between `world` and `arm`"]);
+    }
+}
+
+/// The shipped top with a step in which it turns several times.
+#[test]
+fn a_top_that_turns_too_far_in_a_step_is_named() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/heavy-top.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("step = 0.0005", "step = 0.25").replace("horizon = 2", "horizon = 50");
+    let said = words(&text.replace("sample_every = 4", ""));
+    assert!(said.contains("top"), "{said}");
+    assert_names(&said, &["step"]);
+}

@@ -30,7 +30,9 @@ fn work(run: &Run, name: &str) -> f64 {
 /// The heads of a scene in the plane and of one in space, with what is the same in both.
 fn head(dimension: usize, step: f64, horizon: f64) -> String {
     let method = if dimension == 3 { "variational-rotation" } else { "stormer-verlet" };
-    format!("dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {horizon}\n")
+    format!(
+        "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {horizon}\n"
+    )
 }
 
 /// A vector of the plane as one of the scene.
@@ -98,7 +100,10 @@ fn a_pendulum_that_meets_a_wall_rebounds_by_the_restitution() {
             // The impact took (1 - e^2) of the kinetic energy, by an impulse or as resting contact.
             let taken = -work(&run, "impacts");
             let lost = (1.0 - restitution * restitution) * fallen;
-            assert!((taken - lost).abs() < 3e-3 * fallen, "{dimension} {restitution}: {taken} {lost}");
+            assert!(
+                (taken - lost).abs() < 3e-3 * fallen,
+                "{dimension} {restitution}: {taken} {lost}"
+            );
             assert!(defect(&run) < 3e-3, "{}", run.summary());
         }
     }
@@ -192,7 +197,9 @@ fn a_chain_draped_over_a_cylinder_comes_to_rest_with_its_pins_closed() {
 /// Two links on a pin are struck by a ball: no force from outside, both momenta stay.
 #[test]
 fn what_is_free_keeps_both_momenta_when_it_is_struck() {
-    for (dimension, joint) in [(2, "pin"), (3, "ball"), (2, "slider"), (2, "weld"), (3, "hinge"), (3, "fixed")] {
+    for (dimension, joint) in
+        [(2, "pin"), (3, "ball"), (2, "slider"), (2, "weld"), (3, "hinge"), (3, "fixed")]
+    {
         let side = if dimension == 3 { "[1, 0.2, 0.3]" } else { "[1, 0.2]" };
         let axis = match joint {
             "slider" => "axis = [1, 0], ",
@@ -219,12 +226,18 @@ fn what_is_free_keeps_both_momenta_when_it_is_struck() {
         let (first, last) = (run.observed(0), run.observed(run.times().len() - 1));
         assert!(!run.contact_impulses().is_empty(), "{dimension} {joint}: nothing was struck");
         for k in 1..=dimension {
-            assert!((first[k] - last[k]).abs() < 1e-10, "{dimension} {joint} {k}: {first:?} {last:?}");
+            assert!(
+                (first[k] - last[k]).abs() < 1e-10,
+                "{dimension} {joint} {k}: {first:?} {last:?}"
+            );
         }
         // Joints are closed by moving bodies, which turns the momentum about their common centre by order
         // h^2 a step; what they hold rigidly needs no closing.
         for k in dimension + 1..first.len() {
-            assert!((first[k] - last[k]).abs() < 3e-3, "{dimension} {joint} {k}: {first:?} {last:?}");
+            assert!(
+                (first[k] - last[k]).abs() < 3e-3,
+                "{dimension} {joint} {k}: {first:?} {last:?}"
+            );
         }
         assert!(last[0] < first[0] * (1.0 + 1e-9), "{dimension} {joint}");
     }
@@ -246,7 +259,11 @@ fn the_steps_of_joints_and_contact_are_of_order_one_along_the_trajectory() {
         for angle in [0.4, 0.43, 0.46, 0.49, 0.52, 0.55] {
             let exact = at(angle, 2e-5);
             for (error, &step) in errors.iter_mut().zip(&steps) {
-                let off = at(angle, step).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let off = at(angle, step)
+                    .iter()
+                    .zip(&exact)
+                    .map(|(a, b)| (a - b).abs())
+                    .fold(0.0, f64::max);
                 *error = error.max(off);
             }
         }

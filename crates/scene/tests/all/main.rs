@@ -14,6 +14,7 @@ mod fields;
 mod files;
 mod heat;
 mod jointed_contact;
+mod mixture_diagnostics;
 mod mixtures;
 mod output;
 mod pairs;

@@ -11,7 +11,9 @@ fn run(text: &str) -> Run {
 
 fn head(dimension: usize, step: f64, horizon: f64) -> String {
     let method = if dimension == 3 { "variational-rotation" } else { "stormer-verlet" };
-    format!("dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {horizon}\n")
+    format!(
+        "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {horizon}\n"
+    )
 }
 
 fn vector(dimension: usize, x: f64, y: f64) -> String {
@@ -94,10 +96,15 @@ fn a_body_on_a_damped_spring_comes_to_rest_as_the_closed_form_says() {
                     vector(dimension, 0.0, 0.0)
                 );
                 let run = run(&text);
-                let off = run.times().iter().enumerate().map(|(sample, &t)| {
-                    (place(&run, "hub", sample)[0] - 1.0 - exact(t)).abs()
-                });
-                let damper = run.works().into_iter().find(|(name, _)| name == "damper between frame and hub");
+                let off = run
+                    .times()
+                    .iter()
+                    .enumerate()
+                    .map(|(sample, &t)| (place(&run, "hub", sample)[0] - 1.0 - exact(t)).abs());
+                let damper = run
+                    .works()
+                    .into_iter()
+                    .find(|(name, _)| name == "damper between frame and hub");
                 assert!(damper.unwrap().1 < -0.1, "{:?}", run.works());
                 (off.fold(0.0, f64::max), defect(&run))
             };
@@ -214,8 +221,7 @@ fn particles_on_rods_that_touch_pass_on_a_blow() {
         let mut rods = String::new();
         for k in 0..3 {
             let x = 0.1 * k as f64;
-            let (bx, by) =
-                if k == 0 { (x - 0.5_f64.sin(), -(0.5_f64.cos())) } else { (x, -1.0) };
+            let (bx, by) = if k == 0 { (x - 0.5_f64.sin(), -(0.5_f64.cos())) } else { (x, -1.0) };
             particles += &format!(
                 "[[particles]]\nname = \"hook{k}\"\npinned = true\nposition = {}\n\
                  [[particles]]\nname = \"ball{k}\"\nmass = 0.2\nradius = 0.05\nposition = {}\n",
@@ -233,7 +239,11 @@ fn particles_on_rods_that_touch_pass_on_a_blow() {
         let run = run(&text);
         let highest =
             (0..run.times().len()).map(|k| run.observed(k)[2]).fold(f64::NEG_INFINITY, f64::max);
-        assert!((highest + 0.5_f64.cos()).abs() < 2e-3, "{dimension}: {highest} {}", -0.5_f64.cos());
+        assert!(
+            (highest + 0.5_f64.cos()).abs() < 2e-3,
+            "{dimension}: {highest} {}",
+            -0.5_f64.cos()
+        );
     }
 }
 

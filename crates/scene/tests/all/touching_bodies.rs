@@ -182,3 +182,47 @@ fn a_polygon_has_the_moment_of_its_parts() {
     let l = moment("[[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]");
     assert!((l - expected).abs() < 1e-13, "{l} and {expected}");
 }
+
+/// A block that slides on the floor and stops within a step: it goes v^2/(2 mu g) but for v h/2 of a method of
+/// order 1, which are known to the last step, and then stays where it is to rounding.
+#[test]
+fn a_block_that_stops_within_a_step_goes_as_far_as_coulomb_says() {
+    for dimension in [2, 3] {
+        for (speed, friction, step) in [
+            (1.3, 0.37, 0.01),
+            (1.3, 0.37, 0.005),
+            (0.2, 0.9, 0.01),
+            (0.05, 0.8, 0.01),
+            (3.0, 0.11, 0.0025),
+        ] {
+            let of =
+                |plane: &str, space: &str| if dimension == 3 { space } else { plane }.to_owned();
+            let method = of("stormer-verlet", "variational-rotation");
+            let text = format!(
+                "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = 4\n\
+                 uniform_gravity = {{ acceleration = {} }}\n\
+                 bodies = [{{ name = \"block\", mass = 2, box = {}, position = {}, velocity = [{speed}, 0{}] }}]\n\
+                 contact = {{ friction = {friction}, walls = [{{ normal = {}, at = {} }}] }}\n",
+                of("[0, -9.81]", "[0, 0, -9.81]"),
+                of("[1, 0.2]", "[1, 0.6, 0.2]"),
+                of("[0, 0.1]", "[0, 0, 0.1]"),
+                of("", ", 0"),
+                of("[0, 1]", "[0, 0, 1]"),
+                of("[0, 0]", "[0, 0, 0]"),
+            );
+            let run =
+                Scene::parse("block.toml", &text).unwrap_or_else(|e| panic!("{e}")).run().unwrap();
+            let x = |sample: usize| run.positions(sample)[0];
+            let last = run.times().len() - 1;
+            let (a, v): (f64, f64) = (friction * 9.81, speed);
+            // Whole steps at v - k a h, k = 1..n, and none in the step in which it stops.
+            let n = (v / (a * step)).floor();
+            let stepped = step * (n * v - a * step * n * (n + 1.0) / 2.0);
+            let exact = v * v / (2.0 * a);
+            assert!((x(last) - stepped).abs() < 1e-9, "{dimension}: {} {stepped}", x(last));
+            assert!((x(last) - exact).abs() <= 0.5 * v * step + 1e-9, "{} {exact}", x(last));
+            let stopped = (v / (a * step)).ceil() as usize + 1;
+            assert!((x(stopped) - x(last)).abs() < 1e-15, "{dimension}");
+        }
+    }
+}

@@ -102,8 +102,12 @@ impl Pair<'_> {
         }
         let spring = self.says_one_of(&["springs", "motions", "modes"]) && !self.says("heat");
         if self.says("springs") || (spring && self.has_particles()) {
-            let (a, b) = if self.says("motions") { ("hook", "p") } else { (first, second) };
-            say(format!("springs = [{{ between = [\"{a}\", \"{b}\"], stiffness = 5 }}]"));
+            // Modes are about a rest, which what falls has not.
+            let hung = self.says("motions") || self.says("modes") && self.says("uniform_gravity");
+            let hung = if hung { "{ between = [\"hook\", \"p\"], stiffness = 5 }," } else { "" };
+            say(format!(
+                "springs = [{hung} {{ between = [\"{first}\", \"{second}\"], stiffness = 5 }}]"
+            ));
         }
         if self.says("rods") {
             say(format!("rods = [{{ between = [\"{first}\", \"{second}\"] }}]"));
@@ -116,10 +120,11 @@ impl Pair<'_> {
         if self.says("nets") {
             say(format!(
                 "nets = [{{ name = \"net\", rows = 2, columns = 2, spacing = 0.5, origin = {}, \
-                 across = {}, down = {}, particle_mass = 0.1, stiffness = 9 }}]",
+                 across = {}, down = {}, particle_mass = 0.1, stiffness = 9{} }}]",
                 at(5.0, 0.0),
                 at(1.0, 0.0),
-                at(0.0, -1.0)
+                at(0.0, -1.0),
+                if self.says("modes") { ", pinned = [\"top\"]" } else { "" }
             ));
         }
         if self.says("solids") {
@@ -197,12 +202,14 @@ impl Pair<'_> {
                         assert_eq!(run.cost().steps, 2, "{text}");
                         return None;
                     }
-                    Err(error) => (3, error.to_string()),
+                    // What follows has the digits of a residual.
+                    Err(error) => (3, error.to_string().split(':').next().unwrap().to_owned()),
                 },
                 Err(SceneError::Invalid(error)) => {
                     assert!(error.place.is_some(), "{error}\n{text}");
                     let said = error.fault.to_string();
-                    let of_method = said.contains("unknown integrator") || said.contains("does not move");
+                    let of_method =
+                        said.contains("unknown integrator") || said.contains("does not move");
                     (usize::from(!of_method) + 1, said)
                 }
                 Err(error) => panic!("{error}\n{text}"),
