@@ -53,7 +53,7 @@
 //! The rank is examined at each accepted configuration. A linkage passes a singular one between two of them, or the
 //! step is an error that names the equations which depend on each other there. [`Dense`] and [`SparseDiagonal`] tell a row
 //! that depends on others from one that is independent by a part in 1e7 of its size, or say that they
-//! cannot; `SparseGeneral` sees what makes its matrix singular to working precision. The crate states
+//! cannot; `SparseGeneral` sees what makes its matrix singular to working precision, and how near that is. The crate states
 //! inequalities and solves none; it knows nothing of contact or files.
 
 mod error;

@@ -455,6 +455,11 @@ where
                 | ConstraintError::RankUnclear { row, distance: ratio, .. } => {
                     self.position(ratio, vec![row])
                 }
+                // Equations that were independent where the step began.
+                ConstraintError::Dependent { row } if self.here.solver.redundant() == 0 => {
+                    let weakest = self.here.solver.weakest().map(|(row, _)| row);
+                    self.position(0.0, row.or(weakest).into_iter().collect())
+                }
                 error => error,
             });
         }

@@ -14,7 +14,8 @@
 //! The matrix is symmetric and indefinite; its pattern is analysed once, and each solution is refined
 //! and refused if its residual is too large. Redundant equations are refused: the error for equations that
 //! depend on each other is a matrix on which a known vector is found again no better than to 1e-5, from a
-//! ratio of singular values of J M^-1/2 of about 1e-5 on.
+//! ratio of singular values of J M^-1/2 of about 1e-5 on. How far they are from it is found by inverse iteration,
+//! `y <- S^-1 y`, from place to place: the root of `|y| / |S^-1 y|` in scaled equations, from above.
 //! Source: errata conventions; `SparseIndefinite` of calculus, with the traps that it avoids.
 
 use stationary_calculus::{
@@ -29,6 +30,9 @@ use crate::{Constraint, ConstraintError, Multipliers, Solver};
 /// A known vector that is found again no better than this shows equations that depend on each other:
 /// rounding makes what is redundant regular, now and then by as much as 1e-3.
 const DEPENDENT: f64 = 1e-5;
+
+/// Inverse iterations at the first place.
+const FIRST: u32 = 4;
 
 /// The choice of [`GeneralMultipliers`]: many equations, a metric that couples freedoms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +49,10 @@ pub struct GeneralMultipliers {
     solver: SparseIndefinite,
     right: Vec<f64>,
     scaling: Scaling,
+    /// The combination of equations that is nearest to nothing, in scaled equations and of length 1, as far as
+    /// inverse iterations have found it.
+    weakest: Vec<f64>,
+    regularity: f64,
 }
 
 /// D of each freedom, E of each equation.
@@ -60,7 +68,7 @@ impl Scaling {
     fn of(mass: &[f64], constraint: &impl Constraint, entries: &Entries) -> Self {
         let freedoms: Vec<f64> = mass.iter().map(|mass| mass.sqrt().recip()).collect();
         let mut equations = vec![0.0_f64; constraint.count()];
-        for &(row, freedom) in &entries.places {
+        for &(row, freedom) in entries.places.iter() {
             let largest = &mut equations[row as usize];
             *largest = largest.max(freedoms[freedom as usize]);
         }
@@ -132,7 +140,39 @@ impl<C> Solver<C> for SparseGeneral {
             matrix,
             right: vec![0.0; n + count],
             scaling,
+            weakest: Vec::with_capacity(count),
+            regularity: 0.0,
         })
+    }
+}
+
+impl GeneralMultipliers {
+    /// Inverse iterations towards the combination of equations that is nearest to nothing: a few from one that
+    /// knows nothing, later one from the last place's.
+    fn weaken(&mut self) -> Result<(), ConstraintError> {
+        let iterations = if self.weakest.is_empty() { FIRST } else { 1 };
+        if self.weakest.is_empty() {
+            // No two of these are in a ratio that a linkage is likely to have.
+            self.weakest.extend((0..self.count).map(|row| (1.0 + row as f64).sin()));
+        }
+        self.regularity = 1.0;
+        for _ in 0..iterations {
+            let (above, below) = self.right.split_at_mut(self.freedoms);
+            above.fill(0.0);
+            let length = |y: &[f64]| y.iter().map(|y| y * y).sum::<f64>().sqrt();
+            let size = length(&self.weakest);
+            below.iter_mut().zip(&self.weakest).for_each(|(below, y)| *below = y / size);
+            if self.solver.solve(&self.matrix, &mut self.right).is_err() {
+                return Err(ConstraintError::Dependent { row: None });
+            }
+            let found = &self.right[self.freedoms..];
+            let grown = length(found);
+            if grown > 0.0 && grown.is_finite() {
+                self.weakest.iter_mut().zip(found).for_each(|(y, found)| *y = found / grown);
+                self.regularity = grown.recip().sqrt().min(1.0);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -156,12 +196,23 @@ impl Multipliers for GeneralMultipliers {
         matrix.refill(|sink| scaling.visit(metric, entries, sink))?;
         match self.solver.factor(&self.matrix) {
             Ok(_) if self.solver.known_vector_error() <= DEPENDENT => {
+                self.weaken()?;
                 self.prepared = true;
                 Ok(())
             }
             Ok(_) | Err(SparseError::Singular) => Err(ConstraintError::Dependent { row: None }),
             Err(other) => Err(other.into()),
         }
+    }
+
+    fn regularity(&self) -> Option<f64> {
+        Some(self.regularity)
+    }
+
+    fn weakest(&self) -> Option<(usize, f64)> {
+        let size = |row: &usize| self.weakest[*row].abs();
+        let row = (0..self.weakest.len()).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        Some((row, self.regularity))
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
