@@ -31,6 +31,7 @@
 //! stationary run top.toml --out top              a trajectory, tables, pictures and a page that plays
 //! stationary choose top.toml --observable energy --tolerance 1e-3
 //!                                                the cheapest way to run it within that error
+//! stationary import robot.urdf > robot.toml      URDF or MJCF as a scene, with the feature `import`
 //! ```
 
 #[cfg(feature = "calculus")]

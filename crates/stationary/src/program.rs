@@ -1,6 +1,8 @@
 //! What the program can be told: a scene to begin with, the words of a scene, to run one, and to choose how.
 
 mod choose;
+#[cfg(feature = "import")]
+mod import;
 mod new;
 mod run;
 mod words;
@@ -13,6 +15,8 @@ use signal_hook::consts::SIGPIPE;
 use signal_hook::flag;
 
 pub use choose::{Choose, TimeError, json, ladder_of, time};
+#[cfg(feature = "import")]
+pub use import::{Import, ImportFileError, import_file};
 pub use new::{New, NewSceneError, new_scene};
 pub use run::{Ending, Job, Progress, Run, RunSceneError, Series, Start, run_job, run_scene};
 pub use words::{Word, Words, words};
@@ -28,6 +32,9 @@ pub enum Command {
     Words(Words),
     /// Writes a scene to begin with, commented.
     New(New),
+    /// Prints a description of a robot, URDF or MJCF, as a scene.
+    #[cfg(feature = "import")]
+    Import(Import),
 }
 
 impl Command {
@@ -41,6 +48,8 @@ impl Command {
             Command::Choose(choose) => choose.run(),
             Command::Words(words) => Ok(words.run()),
             Command::New(new) => new.run(),
+            #[cfg(feature = "import")]
+            Command::Import(import) => import.run(),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::layers::{LayerError, Metadata, Package};
 use crate::report::aligned;
 
 /// Packages that a crate may pull in. `sparse` brings a solver and has the budget of the rest.
-const BUDGETS: [(&str, usize); 10] = [
+const BUDGETS: [(&str, usize); 11] = [
     ("measure", 0),
     ("chart", 5),
     ("calculus", 30),
@@ -21,6 +21,7 @@ const BUDGETS: [(&str, usize); 10] = [
     ("rigid", 30),
     ("contact", 95),
     ("scene", 120),
+    ("import", 30),
     ("stationary", 140),
 ];
 const BUDGET: usize = 80;

@@ -63,6 +63,15 @@ const ALLOWED: &[(&str, &[Outside])] = &[
             Always("strsim"),
         ],
     ),
+    (
+        "import",
+        &[
+            Always("nalgebra"),
+            Always("thiserror"),
+            Optional("mjcf-rs"),
+            Optional("urdf-rs"),
+        ],
+    ),
     // The program's; a library that takes its crates by feature has none of them.
     (
         "stationary",
