@@ -31,7 +31,7 @@
 //! # Ok::<(), stationary_contact::ContactError>(())
 //! ```
 //!
-//! Reading order: differentials of gaps ([`ContactRows`]), one over the mass ([`InverseMass`]), an
+//! Reading order: differentials of gaps ([`ContactRows`]), the inverse mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
 //! laws ([`ImpactLaw`]). Rows of all laws, equalities and limits of joints beside contacts, between
 //! whatever answers to impulses ([`Response`], [`solve_rows`]). Then the plane and space, by the
@@ -41,7 +41,7 @@
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
 //! when ([`Impacting`]). Last, a [`World`], the front door for scenes: bodies of either dimension,
-//! their shapes, and what happens. Its one solver: a contact packed for many visits, friction at one
+//! their shapes, and what happens, with joints, their limits and their friction ([`JointRows`]). Its one solver: a contact packed for many visits, friction at one
 //! of them, islands, the exact projection of small ones, sweeps over the others with sparse systems
 //! between them, their parts each on its own, impulses and contact points kept from step to step,
 //! what rests on them, what overlaps lifted.
@@ -100,7 +100,7 @@ pub use shapes::shape::Shape;
 #[cfg(feature = "3d")]
 pub use shapes::spatial::Spatial;
 pub use when::gaps::{Balls, FixedBall, Inequality, Swept, Wall};
-pub use when::impacting::{GapImpulses, Impacting, ImpactingReport, REST, When};
+pub use when::impacting::{GapImpulses, Impacting, ImpactingReport, REST_HEIGHT, When};
 pub use when::mesh_filter::{FilterReport, MeshFilter};
 pub use when::moving::{Closeness, Hit, Moving};
 pub use when::penalty::OneSidedPenalty;

@@ -1,4 +1,4 @@
-//! Who pushes, sticks and slides, found by Lemke's pivots.
+//! Active, sticking and sliding sets, found by Lemke's pivots.
 //!
 //! ```text
 //! w - Q z - e z_0 = q,    w, z, z_0 >= 0,   w.z = 0         from z_0 large to z_0 = 0

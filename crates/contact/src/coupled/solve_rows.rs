@@ -7,8 +7,8 @@
 //! `x` impulses (N s), `v` velocities (m/s, rad/s), `w` what the rows ask for, `A` what answers
 //! ([`Response`]). An equality gives any impulse, a limit pushes only, what is bounded gives at most its
 //! bound, a contact stays in Coulomb's cone ([`RowLaw`]). Islands share no freedom that an impulse
-//! reaches; each is solved to rounding where its laws have an answer, by Newton's method on the sets of
-//! who pushes, sticks and slides, and where those do not come by Lemke's pivots. What is left is reported.
+//! reaches; each is solved to rounding where its laws have an answer, by Newton's method on the
+//! active, sticking and sliding sets, and where those do not come by Lemke's pivots. What is left is reported.
 //! A row along which nothing gives way has no impulse.
 //!
 //! The work grows with the cube of an island's rows: there is a bound on them. For equalities alone

@@ -1,4 +1,4 @@
-//! One over the mass, block by block: what an impulse does to the freedoms that it touches.
+//! Inverse mass, block by block: what an impulse does to the freedoms that it touches.
 //!
 //! ```text
 //! M = diag(B_1, B_2, ...),     M^-1 dg^T = the blocks that dg touches, solved             (11.4.2)

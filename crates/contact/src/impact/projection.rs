@@ -9,7 +9,7 @@
 //! exactly by active sets, on each island of bodies on its own: the contact that approaches fastest
 //! joins those that push, those that would have to pull leave, and the system of those that push is
 //! solved by its factor; one that depends on those that push takes the place of another. Every
-//! round ends at a lower kinetic energy, so that no set comes twice. A guess of who pushes (the
+//! round ends at a lower kinetic energy, so that no set comes twice. A guess of the active set (the
 //! last step's) saves most of the rounds.
 //!
 //! Kinetic energy never grows, and momentum is kept. Source: notes 11.5.1 (errata: the conditions
@@ -43,7 +43,7 @@ pub fn project(impact: &Impact, v: Vector<&mut [f64]>) -> Result<Projected, Cont
     project_onto(impact, &all(impact.len()), &vec![0.0; impact.len()], v)
 }
 
-/// The same with a guess of the impulses: who pushes, not how much.
+/// The same with a guess of the active set by impulses, whatever their size.
 ///
 /// # Errors
 /// [`ContactError::Size`] unless there is a guess for each contact; those of [`project`].
@@ -80,7 +80,7 @@ pub(crate) fn project_onto(
     project_with(impact, contacts, &vec![0.0; impact.len()], guess, v)
 }
 
-/// The projection of some contacts, biased, with a guess of who pushes.
+/// The projection of some contacts, biased, with a guess of the active set.
 pub(crate) fn project_with(
     impact: &Impact,
     contacts: &[usize],

@@ -3,8 +3,8 @@
 //! ```text
 //! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, still)
 //! ```
-//! `g` gaps (m), `v` the velocity before the kick `k` (m/s), `h` the step (s). Approach of the order of
-//! a kick is rest and has no restitution. A contact that an impact brings to approach takes part in it:
+//! `g` gaps (m), `v` the velocity before the increment `k` (m/s), `h` the step (s). Approach of the order of
+//! an increment is rest and has no restitution. A contact that an impact brings to approach takes part in it:
 //! the law is applied again to it and to those that hit before, each with its own restitution, until no
 //! contact is added. So a row of balls that touch passes a blow on, and a stack at rest stays at rest.
 //!
@@ -19,10 +19,10 @@ use crate::impact::jointed::JointedPass;
 use crate::impact::rough::RoughContacts;
 use crate::{ContactError, ContactRows, Impact, ImpactLaw, InverseMass};
 
-/// Approach below this part of the largest velocity or kick is rest: gaps have rounding of their
+/// Approach below this part of the largest velocity or increment is rest: gaps have rounding of their
 /// own, which a short step turns into velocity.
 const REST_APPROACH: f64 = 1e-9;
-/// What of it may be left by an impact: velocities after a step have the rounding of its kick, beside
+/// What of it may be left by an impact: velocities after a step have the rounding of its increment, beside
 /// which the impacts of what all but rests are smaller still.
 const LEFT: f64 = 1e-3;
 /// What approaches slower than this part of the fastest approach waits for a pass of its own.
@@ -42,7 +42,7 @@ pub(crate) struct ImpactRounds<'a> {
     /// Rows of joints, which hold in every impact.
     pub(crate) joints: &'a VelocityRows,
     pub(crate) law: ImpactLaw,
-    pub(crate) kick: &'a Vector<Vec<f64>>,
+    pub(crate) increment: &'a Vector<Vec<f64>>,
     pub(crate) h: f64,
 }
 
@@ -55,10 +55,12 @@ pub(crate) struct Given {
     pub(crate) passes: usize,
     /// Whether compression and the law converged.
     pub(crate) converged: bool,
+    /// The fastest approach that is left after the last pass, whose restitution is not given, m/s.
+    pub(crate) left: f64,
 }
 
 impl ImpactRounds<'_> {
-    /// Applies the impacts to the velocity before the kick.
+    /// Applies the impacts to the velocity before the increment.
     pub(crate) fn apply(&self, v: &mut Vector<Vec<f64>>) -> Result<Given, ContactError> {
         let count = self.rows.len();
         let mut given = Given {
@@ -66,18 +68,18 @@ impl ImpactRounds<'_> {
             friction: vec![0.0; self.across.len()],
             passes: 0,
             converged: true,
+            left: 0.0,
         };
         let mut closing: Vec<usize> = Vec::new();
         let mut closes = vec![false; count];
         // Each round adds a contact.
         for _ in 0..count {
-            let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            let still = REST_APPROACH * (fastest(v) + fastest(self.kick));
+            let still = self.still(v);
             let hits = |&i: &usize| {
-                let (own, by_kick) =
-                    (self.rows.along(i, v.view()), self.rows.along(i, self.kick.view()));
-                let reaches = self.gap[i] + self.h * (own + by_kick) < 0.0;
-                !closes[i] && reaches && own < -(2.0 * by_kick.abs()).max(still)
+                let (own, by_increment) =
+                    (self.rows.along(i, v.view()), self.rows.along(i, self.increment.view()));
+                let reaches = self.gap[i] + self.h * (own + by_increment) < 0.0;
+                !closes[i] && reaches && own < -(2.0 * by_increment.abs()).max(still)
             };
             let new: Vec<usize> = (0..count).filter(hits).collect();
             if !new.iter().any(|&i| self.restitution[i] > 0.0) {
@@ -107,6 +109,8 @@ impl ImpactRounds<'_> {
                 Err(error) => return Err(error),
             }
         }
+        let left = self.fastest_approach(&closing, v);
+        given.left = if left > self.still(v) { left } else { 0.0 };
         Ok(given)
     }
 
@@ -124,10 +128,18 @@ impl ImpactRounds<'_> {
 
     /// Those that approach, but for what is slow beside the fastest.
     fn approaching(&self, closing: &[usize], still: f64, v: &Vector<Vec<f64>>) -> Vec<usize> {
-        let rate = |i: usize| self.rows.along(i, v.view());
-        let fastest = closing.iter().map(|&i| -rate(i)).fold(0.0, f64::max);
-        let least = still.max(SLOW * fastest);
-        closing.iter().copied().filter(|&i| rate(i) < -least).collect()
+        let least = still.max(SLOW * self.fastest_approach(closing, v));
+        closing.iter().copied().filter(|&i| self.rows.along(i, v.view()) < -least).collect()
+    }
+
+    /// Approach that is rest, m/s.
+    fn still(&self, v: &Vector<Vec<f64>>) -> f64 {
+        let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        REST_APPROACH * (fastest(v) + fastest(self.increment))
+    }
+
+    fn fastest_approach(&self, closing: &[usize], v: &Vector<Vec<f64>>) -> f64 {
+        closing.iter().map(|&i| -self.rows.along(i, v.view())).fold(0.0, f64::max)
     }
 
     /// Passes with joints until none of these contacts approaches.
@@ -170,7 +182,7 @@ impl ImpactRounds<'_> {
                 across.iter_mut().zip(&x[1..]).for_each(|(sum, x)| *sum += x);
             }
         }
-        // What approaches still is stopped by resting contact.
+        // What approaches still is stopped by resting contact, and told.
         Ok(())
     }
 
@@ -204,7 +216,7 @@ impl ImpactRounds<'_> {
                 Err(ContactError::NotConverged { .. }) => {
                     v.copy_from(before.view());
                     given.converged = false;
-                    return Ok(());
+                    break;
                 }
                 Err(error) => return Err(error),
             };
@@ -213,7 +225,7 @@ impl ImpactRounds<'_> {
             approaching.iter().zip(pass.normal).for_each(|(&i, x)| given.normal[i] += x);
             rows.iter().zip(pass.friction).for_each(|(&i, x)| given.friction[i] += x);
         }
-        // What approaches still is stopped by resting contact.
+        // What approaches still is stopped by resting contact, and told.
         Ok(())
     }
 }

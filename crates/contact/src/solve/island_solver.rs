@@ -104,7 +104,7 @@ pub struct Conditions<'a, G: Dimension> {
 const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
-/// Sweeps that find who pushes, sticks and slides in a small island, which is then polished.
+/// Sweeps that find the active, sticking and sliding sets of a small island, which is then polished.
 const FIRST_SWEEPS: usize = 32;
 /// Islands of no more contacts are polished at once; of no more than these where sweeps do not settle
 /// them: the work grows with the cube.

@@ -6,7 +6,7 @@
 //! ln(s/max_i |dx_i|)/ln r < 30,   r = |dx|/|dx before|                  where sweeps alone will do
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
-//! changes, `s` what counts as settled. Sweeps tell who pushes, sticks and slides, and how far the
+//! changes, `s` what counts as settled. Sweeps find the active, sticking and sliding sets, and how far the
 //! conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
 //! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
 //! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what

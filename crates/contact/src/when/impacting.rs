@@ -9,11 +9,11 @@
 //! order h. The second hits the moment to rounding; a step of Stormer-Verlet in a uniform field is
 //! the exact parabola, so the rebound of a ball is exact too.
 //!
-//! Zeno: bounces lower than [`REST`] of the size of things are rest, and what is left of the step
+//! Zeno: bounces lower than [`REST_HEIGHT`] of the size of things are rest, and what is left of the step
 //! is a filtered step, in which what rests has no restitution.
 //!
 //! The filter is a step of symplectic Euler. Its impact acts on the velocity before the step's own
-//! kick, so that no bounce gains energy, and where all approach is of the order of a kick there is no
+//! increment, so that no bounce gains energy, and where all approach is of the order of an increment there is no
 //! restitution, so that what rests does not rattle. What would still overlap ahead is held by the
 //! projection with `dg v >= -g/h`: gaps are used up, not crossed; and where even that overlaps, bodies
 //! stay where they were proved free. Paths are judged by the smallest gap on them, so that nothing is
@@ -81,7 +81,7 @@ pub struct GapImpulses<'a> {
 type Seen<'a> = &'a mut dyn FnMut(GapImpulses<'_>);
 
 /// Bounces lower than this part of the largest coordinate (or of 1 m) are rest.
-pub const REST: f64 = 1e-12;
+pub const REST_HEIGHT: f64 = 1e-12;
 /// More impacts in a step are an error.
 const IMPACTS: usize = 10_000;
 /// Rounds in which the filter looks for contacts that its own impacts bring about.
@@ -219,11 +219,11 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
     fn arrives(&self, state: &State<Vec<f64>>, left: f64) -> bool {
         let touching = self.closed(state.t, &state.q, TOUCHING * size(&state.q));
         let rows = self.gaps.rows(state.t, &state.q, &touching);
-        let (v, kick) = (self.velocity(&state.p), self.kick(state, left));
+        let (v, increment) = (self.velocity(&state.p), self.increment(state, left));
         let still = TOUCHING * size(&v.0);
         (0..rows.len()).any(|i| {
-            let by_kick = rows.along(i, kick.view()).abs();
-            rows.along(i, v.view()) < -(2.0 * by_kick).max(still)
+            let by_increment = rows.along(i, increment.view()).abs();
+            rows.along(i, v.view()) < -(2.0 * by_increment).max(still)
         })
     }
 
@@ -232,7 +232,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         if free <= 0.0 {
             return Ok(true);
         }
-        let low = REST * size(&state.q);
+        let low = REST_HEIGHT * size(&state.q);
         let touching = self.closed(state.t, &state.q, low);
         let mut middle = state.clone();
         self.verlet.step(&mut middle, 0.5 * free)?;
@@ -285,18 +285,18 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
         seen: Seen<'_>,
     ) -> Result<(), ContactError> {
         let mut before = self.velocity(&state.p);
-        let kick = self.kick(state, h);
+        let increment = self.increment(state, h);
         let mut contacts = Vec::new();
         for _ in 0..ROUNDS {
-            let ahead = self.ahead(state, h, &sum(&before, &kick));
+            let ahead = self.ahead(state, h, &sum(&before, &increment));
             if ahead.is_empty() || !unite(&mut contacts, ahead) {
                 break;
             }
             let rows = self.gaps.rows(state.t, &state.q, &contacts);
             // What rests passes an impact on with all its restitution.
             let bounces = |i: usize| {
-                let by_kick = rows.along(i, kick.view()).abs();
-                rows.along(i, before.view()).abs() > 2.0 * by_kick
+                let by_increment = rows.along(i, increment.view()).abs();
+                rows.along(i, before.view()).abs() > 2.0 * by_increment
             };
             let own = if (0..rows.len()).any(bounces) { self.restitution } else { 0.0 };
             let impact = Impact::new(rows.clone(), &self.mass, vec![own; rows.len()])?;
@@ -306,7 +306,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
             let (time, q, gaps) = (state.t, &state.q, &contacts);
             seen(GapImpulses { time, q, gaps, impulses: &done.impulses });
         }
-        let mut v = sum(&before, &kick);
+        let mut v = sum(&before, &increment);
         let mut held = Vec::new();
         for _ in 0..ROUNDS {
             let ahead = self.ahead(state, h, &v);
@@ -314,7 +314,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
                 break;
             }
             unite(&mut contacts, ahead);
-            v = sum(&before, &kick);
+            v = sum(&before, &increment);
             let gaps = self.gaps.gaps(state.t, &state.q);
             let bias: Vec<f64> = contacts.iter().map(|&i| gaps[i].max(0.0) / h).collect();
             let rows = self.gaps.rows(state.t, &state.q, &contacts);
@@ -334,7 +334,7 @@ impl<'s, M: Metric, P: Potential, K: Swept> Impacting<'s, M, P, K> {
     }
 
     /// The velocity that the potential gives in a step.
-    fn kick(&self, state: &State<Vec<f64>>, h: f64) -> Vector<Vec<f64>> {
+    fn increment(&self, state: &State<Vec<f64>>, h: f64) -> Vector<Vec<f64>> {
         let mut differential = Covector(vec![0.0; self.system.dim()]);
         self.system.potential().add_differential(&state.q, differential.view_mut());
         differential.0.iter_mut().for_each(|dv| *dv *= -h);

@@ -31,12 +31,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
             mass: &self.mass,
             joints,
             law: self.law,
-            kick: increment,
+            increment,
             h,
         };
         let given = rounds.apply(v)?;
         report.impacts = given.passes;
         report.settled &= given.converged;
+        report.impact_residual = given.left;
         let mut across = given.friction.iter();
         for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
             *hit = contact.normal * normal;

@@ -6,7 +6,6 @@ use crate::solve::body_state::speed;
 use crate::solve::island_solver::SolvesIslands;
 use crate::world::islands::has_joints;
 use crate::world::memory::Memory;
-use crate::world::reach::MISSED;
 use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
 
 /// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
@@ -14,6 +13,9 @@ use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
 pub(super) const PENETRATION_CORRECTION: f64 = 0.2;
 /// The part of the worst approach to which lifting is settled.
 const LIFT_TOLERANCE: f64 = 1e-2;
+/// A lift takes no body farther than this part of its radius in a step: beyond it gaps are not linear, and
+/// nobody has looked.
+const LIFT_REACH: f64 = 0.05;
 
 impl<G: Dimension, P: Potential> World<G, P> {
     /// Velocities of positions that lift what overlaps.
@@ -70,7 +72,7 @@ pub(crate) fn lifted_part<G: Dimension>(
     let part = |body: usize| {
         let radius = detector.radius_of(body);
         let way = h * speed::<G>(&lift[G::FREEDOMS * body..][..G::FREEDOMS], radius);
-        if way > MISSED * radius { MISSED * radius / way } else { 1.0 }
+        if way > LIFT_REACH * radius { LIFT_REACH * radius / way } else { 1.0 }
     };
     bodies.map(part).fold(1.0, f64::min)
 }

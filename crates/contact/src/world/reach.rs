@@ -11,7 +11,7 @@ use crate::{ContactIn, Dimension, World};
 const SPECULATIVE_MARGIN: f64 = 1e-6;
 /// A body that an impulse takes this part of its radius farther than was looked at may have missed
 /// a contact: the step is solved again.
-pub(super) const MISSED: f64 = 0.05;
+const MISSED: f64 = 1e-3;
 /// Pairs that move less than this part of the smaller radius against each other have gaps that are
 /// nearly linear over the step.
 const FAR: f64 = 0.1;

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! max_i |min(W_i lambda_i, u_i)|,   max_i |beta_i - disc_i(beta_i - u_i/d_i)| d_i            m/s
-//! T+ - T- = kick work - impact energy - friction energy - joint energy + work                             J
+//! T+ - T- = load work - impact energy - friction energy - joint energy + work                             J
 //! ```
 //! What is left of the normal conditions and of Coulomb's law, as velocities; the symbols are those
 //! of `friction.rs`. The second line is exact to rounding: each impulse is paid at the mean of the
-//! velocities before and after it. Lifting out of overlap moves positions alone, and so what it
+//! velocities before and after it; in space a body's free turn in the step, after them, changes its energy
+//! by third order in the step. Lifting out of overlap moves positions alone, and so what it
 //! gives is potential energy.
 
 use crate::Painleve;
@@ -26,6 +27,9 @@ pub struct WorldReport {
     pub solved: usize,
     /// Passes of the impact law.
     pub impacts: usize,
+    /// The fastest approach that all passes of the impacts leave, m/s: it is stopped by resting contact, and
+    /// its restitution is not given. Zero where the impacts end by themselves.
+    pub impact_residual: f64,
     /// Whether the contact conditions are met as far as asked.
     pub settled: bool,
     /// How far the normal conditions are from being met, m/s; of what rests, at most.

@@ -61,12 +61,12 @@ pub(crate) struct Guessed<'a, G: Dimension> {
 }
 
 impl<G: Dimension> Resting<G> {
-    /// Gives bodies, whose velocities grew by `kick` in this step, the impulses that are guessed.
+    /// Gives bodies, whose velocities grew by `increment` in this step, the impulses that are guessed.
     pub(crate) fn start(
         &mut self,
         states: &[BodyState<G>],
         reach: impl Fn(usize) -> f64,
-        kick: &[f64],
+        increment: &[f64],
         guessed: Guessed<G>,
     ) {
         let (force, torque) = (G::Vector::default(), G::Spin::default());
@@ -93,9 +93,9 @@ impl<G: Dimension> Resting<G> {
                 }
             }
         }
-        let kicks = kick.chunks_exact(G::FREEDOMS);
-        for ((moved, state), kick) in self.moved.iter_mut().zip(states).zip(kicks) {
-            moved.go(state, kick);
+        let increments = increment.chunks_exact(G::FREEDOMS);
+        for ((moved, state), increment) in self.moved.iter_mut().zip(states).zip(increments) {
+            moved.go(state, increment);
         }
     }
 
@@ -174,15 +174,15 @@ impl<G: Dimension> Resting<G> {
 
 impl<G: Dimension> Moved<G> {
     #[inline]
-    fn go(&mut self, state: &BodyState<G>, kick: &[f64]) {
+    fn go(&mut self, state: &BodyState<G>, increment: &[f64]) {
         let wrench = G::join(&state.frame, &self.force, &self.torque);
         let mut change = G::Velocity::default();
-        for (f, kick) in kick.iter().enumerate() {
+        for (f, increment) in increment.iter().enumerate() {
             let scale = state.scale.as_ref()[f];
             let pushed = scale * scale * wrench.as_ref()[f];
-            self.before.as_mut()[f] -= kick;
+            self.before.as_mut()[f] -= increment;
             self.after.as_mut()[f] += pushed;
-            change.as_mut()[f] = kick + pushed;
+            change.as_mut()[f] = increment + pushed;
         }
         self.velocity = G::split(&state.frame, &self.after);
         self.change = G::split(&state.frame, &change);

@@ -249,3 +249,40 @@ fn the_report_names_painleves_paradox_at_and_beyond_the_critical_friction_and_no
     let mut state = State::new(vec![0.0, 0.5, 0.0], Covector(vec![5.0, -1.0, 0.0]));
     assert_eq!(world.step(&mut state, 1e-6).unwrap().painleve, None);
 }
+
+/// A light disc on the floor below a heavy one that falls on it, all elastic: they bounce off each other and the
+/// floor in turn, `tan a = sqrt(m/M)`, and after `n` bounces of both
+/// `V = -cos 2na`, `v = sin 2na/tan a`. The first pass has their contact alone, and twenty with friction follow, ten of
+/// them on the floor: the report says that the light one approaches it still. Without friction the law ends by
+/// itself.
+#[test]
+fn what_all_passes_of_an_impact_leave_is_said_by_the_report_as_the_closed_form_has_it() {
+    let (light, radius) = (1e-4, 0.1);
+    let disc = |body, friction: f64| {
+        let disc = PlanarCollider::on_body(body, PlanarShape::disc(radius).unwrap());
+        disc.with_restitution(1.0).with_friction(friction)
+    };
+    for friction in [0.5, 0.0] {
+        let floor = PlanarShape::half_plane(Vector2::y()).unwrap();
+        let floor = PlanarCollider::fixed(PlanarMotion::identity(), floor);
+        let floor = floor.with_restitution(1.0).with_friction(friction);
+        let colliders = vec![disc(0, friction), disc(1, friction), floor];
+        let moments = [light, 1.0].map(|m: f64| [m, m, 0.5 * m * radius * radius]).concat();
+        let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![light, 1.0] };
+        let system = System::new(DiagonalMetric::new(moments).unwrap(), weight).unwrap();
+        let mut world =
+            PlanarWorld::new(system, PlanarDetector::new(colliders, 2).unwrap()).unwrap();
+        let q = vec![0.0, radius, 0.0, 0.0, 3.0 * radius, 0.0];
+        let mut state = State::new(q, Covector(vec![0.0, 0.0, 0.0, 0.0, -1.0, 0.0]));
+        let report = world.step(&mut state, 1e-3).unwrap();
+        let half = light.sqrt().atan();
+        let expected = if friction > 0.0 { (22.0 * half).sin() / half.tan() } else { 0.0 };
+        assert!(
+            (report.impact_residual - expected).abs() <= 1e-9 * expected,
+            "{friction}: {expected} {report:?}"
+        );
+        let energy = 0.5 * (state.p.0[1].powi(2) / light + state.p.0[4].powi(2));
+        assert!(energy <= 0.5 + 1e-12, "{friction}: {energy}");
+        assert!(friction > 0.0 || (energy - 0.5).abs() < 1e-9, "{energy}");
+    }
+}
