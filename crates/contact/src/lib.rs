@@ -35,9 +35,9 @@
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
 //! laws ([`ImpactLaw`]). Rows of all laws, equalities and limits of joints beside contacts, between
 //! whatever answers to impulses ([`Response`], [`solve_rows`]). Then the plane and space, by the
-//! features `2d` and `3d`: what they are to contact ([`Dimension`]), shapes, colliders and detection,
-//! the same text for both
-//! ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
+//! features `2d` and `3d`: what they are to contact ([`Dimension`]), shapes (balls, capsules, cylinders,
+//! cones, ellipsoids, boxes, hulls, polygons, half-spaces and meshes), colliders and detection, the same
+//! text for both ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
 //! when ([`Impacting`]). Last, a [`World`], the front door for scenes: bodies of either dimension,

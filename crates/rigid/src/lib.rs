@@ -37,7 +37,8 @@
 //!
 //! Reading order: what a Lie group is ([`LieGroup`]), the groups from translations to motions of
 //! space, and the differential of exp; mass properties of shapes, and the [`Body`] that is left of
-//! them; where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
+//! them, of round solids in closed form ([`Body::solid_cylinder`] and others);
+//! where bodies are ([`Poses`], [`Orientations`]), the metric that is constant in their axes,
 //! potentials, forces and joints on them, in space and in the plane, what drives and limits joints,
 //! questions to a mechanism that stands still ([`mobility`], [`assemble`], [`instant`], [`linearize`]),
 //! and the symmetries that they may have; the free top in closed form, and heavy tops; then free rotation by three maps, kicked

@@ -5,8 +5,9 @@
 //! ```
 //! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
 //! faces of any number of corners, and both against the triangles of a surface; on a half-space every
-//! corner counts. What is round and hulls of very many edges are asked of the geometry library:
-//! Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across
+//! corner counts. Capsules, cylinders, cones and ellipsoids have a search of their own
+//! (`separation.rs`), and so have balls beside hulls. Balls beside other shapes and hulls of very many
+//! edges are asked of the geometry library: Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across
 //! `s(n)` are the closest there are, by the inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
@@ -75,15 +76,7 @@ pub(crate) fn facing(
         match clip([first, &wide.cuboid], relative, margin, one) {
             Clipped::Apart => {}
             Clipped::Faces(answer) => {
-                let start = found.len();
                 append(one, wide.excess(one.local_n2), margin, found);
-                // Where the point is on the box as it is.
-                for facing in &mut found[start..] {
-                    let half = second.half_extents;
-                    let own = vector(&facing.points[1]).clamp(-half, half);
-                    let there = from_vector(relative * own);
-                    facing.points = [there - facing.normal * facing.gap, from_vector(own)];
-                }
                 return answer;
             }
             Clipped::Corners => {

@@ -14,7 +14,7 @@
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
-use crate::detect::separation::{Separation, separate, separate_near};
+use crate::detect::separation::{Separation, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
@@ -32,7 +32,7 @@ const PARALLEL: f64 = 1e-2;
 /// Gaps within this part of the size of the least are the least.
 const LEAST: f64 = 1e-12;
 /// Points outside of a polygon by this part of the size are on its border.
-const BORDER: f64 = 1e-9;
+const BORDER: f64 = 1e-12;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
 const FLAT: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
@@ -150,9 +150,14 @@ pub(crate) fn facing(
         let Separation { gap, normal, mut points } = there;
         // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
         let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
+        let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
         let shared = match (flat(one), flat(other)) {
-            (Some((centre, _)), _) => other.closest(&centre, &n),
-            (None, Some((centre, _))) => one.closest(&centre, &n),
+            (Some((centre, _)), _) => {
+                other.closest(&centre, &n).filter(|at| level(at, -second.farthest(&-n).1))
+            }
+            (None, Some((centre, _))) => {
+                one.closest(&centre, &n).filter(|at| level(at, first.farthest(&n).1))
+            }
             (None, None) => None,
         };
         if let Some(shared) = shared {
@@ -377,11 +382,11 @@ fn along_each_other(
                 size: placed[side].size,
                 ..Placed::default()
             };
-            let (pair, towards) = match side {
-                0 => ([&point, placed[1]], *n),
-                _ => ([placed[0], &point], *n),
-            };
-            let Separation { gap, normal, points } = separate_near(pair, &towards);
+            let pair = if side == 0 { [&point, placed[1]] } else { [placed[0], &point] };
+            let Separation { gap, normal, points } = separate_point(pair, side, n);
+            if normal.dot(n) < ALONG {
+                continue;
+            }
             let mut names = [2000, 2000];
             names[side] = end.names[0];
             append(names, points, normal, gap);

@@ -36,8 +36,13 @@ const ITERATIONS: usize = 100;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Closer to the axis of a circle, in radians, no point of it reaches farthest.
 const NO_AZIMUTH: f64 = 1e-6;
-/// Parts that reach as far as the farthest within this part of the size may share a contact.
-const NEAR: f64 = 1e-10;
+/// Parts that reach as far as the farthest within these parts of the size share a contact; the first
+/// that will do.
+const LEVELS: [f64; 3] = [1e-13, 1e-11, 1e-9];
+/// Points this part of the size apart across the normal face each other.
+const MET: f64 = 1e-11;
+/// Parts that reach as far as the farthest within this part of the size may come to do so.
+const LEVEL: f64 = 1e-10;
 /// Turns below this, radians, are taken though rounding hides what they gain.
 const SMALL: f64 = 1e-6;
 /// The first bound on a turn, radians.
@@ -141,12 +146,18 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
     Some(Separation { gap, normal, points: ends.map(on) })
 }
 
-/// The separation near a direction, of solids that are known to be close along it.
-pub(crate) fn separate_near(solids: [&Placed; 2], start: &V) -> Separation {
+/// The separation near a direction of a point, and what is within its rounding, from a solid; of the
+/// pair in its order.
+pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> Separation {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let Top { value, normal, points, .. } = Search { solids, scale }.climb(*start);
-    let points = [points[0] + normal * a.rounding, points[1] - normal * b.rounding];
+    let Top { value, normal, .. } = Search { solids, scale }.climb(*start);
+    let place = solids[point].centre;
+    let [first, second] = match point {
+        0 => [place, place + normal * value],
+        _ => [place - normal * value, place],
+    };
+    let points = [first + normal * a.rounding, second - normal * b.rounding];
     Separation { gap: value - a.rounding - b.rounding, normal, points }
 }
 
@@ -184,7 +195,7 @@ impl Search<'_> {
             Some(_) => Top {
                 value: self.value(&start),
                 normal: start,
-                points: self.points(&start, Vec::new()),
+                points: self.points(&start),
                 converged: true,
             },
         };
@@ -218,7 +229,7 @@ impl Search<'_> {
             {
                 return (vec![centre], radius);
             }
-            let near = |part: &&Part| part.reach(n) >= reach - NEAR * self.scale;
+            let near = |part: &&Part| part.reach(n) >= reach - LEVEL * self.scale;
             (solid.parts.iter().filter(near).map(|part| part.point(n)).collect(), 0.0)
         };
         let ((own, one), (others, other)) = (ends(a, n), ends(b, &-n));
@@ -266,7 +277,8 @@ impl Search<'_> {
             } else {
                 bound = if known { 0.3 * turn.min(bound) } else { 0.8 * bound };
             }
-            if small && promised - value <= tiny {
+            let ends = small && (promised - value).abs() <= tiny && turn < 0.9 * bound;
+            if ends {
                 converged = true;
                 // Newton's steps go on while they shrink: the place is not as flat as the value.
                 if turn > 0.5 * last || turn < 1e-16 {
@@ -274,7 +286,6 @@ impl Search<'_> {
                 }
                 last = turn;
             } else if bound < 1e-15 {
-                converged = promised - value <= tiny;
                 break;
             }
             if !known {
@@ -285,41 +296,40 @@ impl Search<'_> {
                 cuts.push(self.cut(&n, &basis, farthest, 0.0));
             }
         }
-        Top { value: self.value(&n), normal: n, points: self.points(&n, cuts), converged }
+        Top { value: self.value(&n), normal: n, points: self.points(&n), converged }
     }
 
-    /// Points of the hulls that face each other along a direction at which no turn leads upwards.
-    fn points(&self, n: &V, mut cuts: Vec<Cut>) -> [V; 2] {
+    /// Points of the hulls that face each other along a direction at which no turn leads upwards: means
+    /// of what reaches farthest, as close to each other across the direction as they can be.
+    fn points(&self, n: &V) -> [V; 2] {
         let [a, b] = self.solids;
         let basis = across(n);
-        for cut in &mut cuts {
-            *cut = self.cut(n, &basis, cut.parts, cut.weight);
-        }
-        if cuts.is_empty() {
-            cuts.push(self.cut(n, &basis, self.parts(n), 1.0));
-        }
-        // What reaches as far but for rounding takes part.
-        let near = |solid: &Placed, n: &V| -> Vec<usize> {
-            let reach = solid.farthest(n).1 - NEAR * self.scale;
-            (0..solid.parts.len()).filter(|&k| solid.parts[k].reach(n) >= reach).take(3).collect()
+        let near = |solid: &Placed, n: &V, level: f64| -> Vec<V> {
+            let reach = solid.farthest(n).1 - level * self.scale;
+            let parts = solid.parts.iter().filter(|part| part.reach(n) >= reach);
+            parts.map(|part| part.point(n)).take(4).collect()
         };
-        for i in near(a, n) {
-            for j in near(b, &-n) {
-                if cuts.iter().all(|cut| cut.parts != [i, j]) {
-                    cuts.push(self.cut(n, &basis, [i, j], 0.0));
+        let mut best = (f64::INFINITY, [V::zeros(); 2]);
+        for level in LEVELS {
+            let mut pairs = Vec::with_capacity(16);
+            for p in near(a, n, level) {
+                pairs.extend(near(b, &-n, level).into_iter().map(|q| [p, q]));
+            }
+            let apart: Vec<Vector2<f64>> =
+                pairs.iter().map(|[p, q]| Vector2::from(basis.map(|e| (q - p).dot(&e)))).collect();
+            for_each_mean(&apart, |used, weights, off| {
+                if off < best.0 {
+                    let mean = |side: usize| {
+                        used.iter().zip(weights).map(|(&k, w)| pairs[k][side] * *w).sum::<V>()
+                    };
+                    best = (off, [mean(0), mean(1)]);
                 }
+            });
+            if best.0 <= MET * self.scale {
+                break;
             }
         }
-        let bend = self.bend(n, &basis, &cuts);
-        if let Some((d, used, _)) = maximize(&cuts, &bend, SMALL) {
-            weigh(&mut cuts, &used, &d, &bend);
-        }
-        let mut points = [V::zeros(); 2];
-        for cut in &cuts {
-            points[0] += a.parts[cut.parts[0]].point(n) * cut.weight;
-            points[1] += b.parts[cut.parts[1]].point(&-n) * cut.weight;
-        }
-        points
+        best.1
     }
 
     /// The second derivative along turns of the cuts by their weights, negative definite.
@@ -374,6 +384,9 @@ fn maximize(
     };
     for (i, one) in cuts.iter().enumerate() {
         offer(-inverse * one.slope, &[i]);
+        if let Some(steepest) = one.slope.try_normalize(0.0) {
+            offer(steepest * bound, &[i]);
+        }
         for (j, other) in cuts.iter().enumerate().skip(i + 1) {
             // On the line on which both are equal.
             let (off, step) = (other.slope - one.slope, other.value - one.value);
@@ -388,7 +401,11 @@ fn maximize(
             let d = foot - along * (rise / curve);
             // Beyond one of them, that one alone is the least.
             let t = (one.slope + bend * d).dot(&-off) / square;
-            if (-SLACK..=1.0 + SLACK).contains(&t) || d.norm() > bound {
+            if d.norm() > bound {
+                // As far along the line as the bound lets.
+                let left = (bound * bound - foot.norm_squared()).max(0.0).sqrt();
+                offer(foot + along * left.copysign(-rise / curve), &[i, j]);
+            } else if (-SLACK..=1.0 + SLACK).contains(&t) {
                 offer(d, &[i, j]);
             }
             for (k, third) in cuts.iter().enumerate().skip(j + 1) {
@@ -408,6 +425,31 @@ fn maximize(
         }
     }
     best
+}
+
+/// Calls `visit` with the means of up to three vectors that may be closest to zero: which, their
+/// weights, and how close.
+fn for_each_mean(vectors: &[Vector2<f64>], mut visit: impl FnMut(&[usize], &[f64], f64)) {
+    for (i, v) in vectors.iter().enumerate() {
+        visit(&[i], &[1.0], v.norm());
+        for (j, w) in vectors.iter().enumerate().skip(i + 1) {
+            let along = w - v;
+            let square = along.norm_squared();
+            if square == 0.0 {
+                continue;
+            }
+            let t = (-v.dot(&along) / square).clamp(0.0, 1.0);
+            visit(&[i, j], &[1.0 - t, t], (v + along * t).norm());
+            for (k, u) in vectors.iter().enumerate().skip(j + 1) {
+                let inverse = Matrix2::from_columns(&[w - v, u - v]).try_inverse();
+                let Some(t) = inverse.map(|inverse| -(inverse * v)) else { continue };
+                if t.min() >= 0.0 && t.sum() <= 1.0 {
+                    let weights = [1.0 - t.sum(), t.x, t.y];
+                    visit(&[i, j, k], &weights, (v + (w - v) * t.x + (u - v) * t.y).norm());
+                }
+            }
+        }
+    }
 }
 
 /// The weights of the cuts that meet at a turn: their slopes and the bend cancel as far as they can.

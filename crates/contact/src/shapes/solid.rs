@@ -181,7 +181,7 @@ impl Part {
         match self {
             Part::Point(p) => *p,
             Part::Circle { centre, axis, radius } => {
-                let across = n - axis * n.dot(axis);
+                let across = across(n, axis);
                 let length = across.norm();
                 if length > 0.0 { centre + across * (radius / length) } else { *centre }
             }
@@ -197,7 +197,7 @@ impl Part {
         match self {
             Part::Point(_) => Matrix3::zeros(),
             Part::Circle { axis, radius, .. } => {
-                let across = n - axis * n.dot(axis);
+                let across = across(n, axis);
                 let length = across.norm();
                 if length == 0.0 {
                     return Matrix3::zeros();
@@ -214,6 +214,12 @@ impl Part {
             }
         }
     }
+}
+
+/// What of a direction is across an axis: twice, for the first time leaves rounding along the axis.
+fn across(n: &V, axis: &V) -> V {
+    let once = n - axis * n.dot(axis);
+    once - axis * once.dot(axis)
 }
 
 /// Points on a circle that stand for its disc, counterclockwise about its axis, the first along the

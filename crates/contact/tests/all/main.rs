@@ -2,6 +2,10 @@
 
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod clearance;
+#[cfg(feature = "3d")]
+mod compounds;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod curved_seams;
 mod detection;
 mod exact_friction;
 #[cfg(all(feature = "2d", feature = "3d"))]

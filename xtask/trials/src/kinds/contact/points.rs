@@ -22,7 +22,8 @@ pub(super) const KIND: Kind = Kind {
     krate: "contact",
     rule: "with P = 1e-12 of the larger of the pair's size and coordinate: the least gap off the \
            separation of the solids by more than P; a gap below it by more than P; points outside of \
-           their solids, or off the gap along the normal, by more than 10 P; a normal whose length is \
+           their solids, or off the gap along the normal, by more than 10 P (of two boxes, also 4e-9 of the least half \
+           size, by which they are clipped wider); a normal whose length is \
            off 1 by 1e-14; none where the separation is below the margin by P, one whose gap is above \
            it; the gap's rate off its differential by 1e-3 of the speed",
     in_tests: 300,
@@ -67,16 +68,14 @@ fn form(draw: &mut Draw, size: f64) -> Form {
 }
 
 fn rotation(draw: &mut Draw) -> Rotation {
-    let any = |draw: &mut Draw, most: f64| {
-        Rotation::exp(V::from_fn(|_, _| most * draw.symmetric()))
-    };
+    let any =
+        |draw: &mut Draw, most: f64| Rotation::exp(V::from_fn(|_, _| most * draw.symmetric()));
     if draw.chance(0.4) {
         return any(draw, 3.0);
     }
     // Quarter turns, and off them by rounding or by little.
-    let quarter = |axis: V, turns: usize| {
-        Rotation::exp(axis * (std::f64::consts::FRAC_PI_2 * turns as f64))
-    };
+    let quarter =
+        |axis: V, turns: usize| Rotation::exp(axis * (std::f64::consts::FRAC_PI_2 * turns as f64));
     let turned = quarter(V::x(), draw.below(4)).compose(&quarter(V::y(), draw.below(4)));
     let yaw = if draw.chance(0.5) { 3.0 * draw.symmetric() } else { 0.0 };
     let tilt = match draw.below(3) {
@@ -246,8 +245,10 @@ fn rate(
         return Verdict::wrong("no contact a little farther");
     };
     let turned = (ahead.normal - behind.normal).norm();
-    let jumps = (ahead.arms[0] - behind.arms[0]).norm() > 0.1 * thin
-        || (ahead.arms[1] - behind.arms[1]).norm() > 0.1 * thin;
+    let far = |one: &ContactPoint, other: &ContactPoint| {
+        (0..2).any(|k| (one.arms[k] - other.arms[k]).norm() > 0.1 * thin)
+    };
+    let jumps = far(&ahead, &behind) || far(closest, &ahead);
     if turned > 1e-3 || (closest.normal - ahead.normal).norm() > 1e-3 || jumps {
         return Verdict::due();
     }
@@ -263,13 +264,17 @@ struct Referee {
     /// The largest separation that was found by directions of its own.
     best: f64,
     promised: f64,
+    /// How far points may be off, m.
+    place: f64,
 }
 
 impl Referee {
     fn of(pair: &Pair, seeds: [u64; 2]) -> Self {
-        let place = |k: usize| (pair.poses[k].translation.into(), pair.poses[k].rotation.quaternion());
+        let place =
+            |k: usize| (pair.poses[k].translation.into(), pair.poses[k].rotation.quaternion());
         let [(x, p), (y, q)] = [place(0), place(1)];
-        let exact: [Solid<Twofold>; 2] = [Solid::new(&pair.forms[0], x, p), Solid::new(&pair.forms[1], y, q)];
+        let exact: [Solid<Twofold>; 2] =
+            [Solid::new(&pair.forms[0], x, p), Solid::new(&pair.forms[1], y, q)];
         let coarse: [Solid<f64>; 2] =
             [Solid::new(&pair.forms[0], x, p), Solid::new(&pair.forms[1], y, q)];
         let scale = pair.forms.iter().map(Form::size).sum::<f64>();
@@ -278,7 +283,14 @@ impl Referee {
             Form::Floor => separation([&exact[0], &exact[1]], &exactly([0.0, 0.0, -1.0])).value(),
             _ => search(&coarse, &exact, seeds),
         };
-        Referee { exact, best, promised: 1e-12 * scale.max(coordinate) }
+        let promised = 1e-12 * scale.max(coordinate);
+        let place = match &pair.forms {
+            [Form::Box(_), Form::Box(_)] => {
+                10.0 * promised + 4e-9 * pair.forms[0].thin().min(pair.forms[1].thin())
+            }
+            _ => 10.0 * promised,
+        };
+        Referee { exact, best, promised, place }
     }
 
     fn certify(&self, contacts: &[ContactPoint], closest: &ContactPoint) -> Verdict {
@@ -294,14 +306,18 @@ impl Referee {
         for contact in contacts {
             let deep = (best - contact.gap).max(0.0);
             verdict = verdict.and(Verdict::of(deep, promised, "a gap that is invented"));
-            let length = (norm(&exactly::<Twofold>(contact.normal.into())) - Twofold::from(1.0)).value();
+            let length =
+                (norm(&exactly::<Twofold>(contact.normal.into())) - Twofold::from(1.0)).value();
             verdict = verdict.and(Verdict::of(length.abs(), 1e-14, "a normal's length"));
             let [x1, x2] = contact.points.map(|x| exactly::<Twofold>(x.into()));
             let along = contact.normal * contact.gap;
             let off = norm(&minus(&minus(&x2, &x1), &exactly(along.into()))).value();
-            verdict = verdict.and(Verdict::of(off, 10.0 * promised, "points across the gap"));
-            let outside = a.outside(&x1).max(b.outside(&x2)).max(0.0);
-            verdict = verdict.and(Verdict::of(outside, 10.0 * promised, "a point outside"));
+            verdict = verdict.and(Verdict::of(off, self.place, "points across the gap"));
+            for (solid, x) in [(a, &x1), (b, &x2)] {
+                let what = format!("a point of {:?} outside, gap {:e}", contact.id, contact.gap);
+                let outside = solid.outside(x).max(0.0);
+                verdict = verdict.and(Verdict::of(outside, self.place, &what));
+            }
         }
         verdict
     }

@@ -232,9 +232,8 @@ impl<T: Number> Solid<T> {
                     let (a, b) = (minus(&corners[j], &corners[i]), minus(&corners[k], &corners[i]));
                     let Some(n) = unit(&cross(&a, &b)) else { continue };
                     let off = corners.iter().map(|c| dot(&n, &minus(c, &corners[i])).value());
-                    let (low, high) = off.fold((0.0_f64, 0.0_f64), |(low, high), x| {
-                        (low.min(x), high.max(x))
-                    });
+                    let (low, high) =
+                        off.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
                     let slack = 1e-10 * size;
                     if high <= slack {
                         normals.push(n);
@@ -288,7 +287,8 @@ impl<T: Number> Solid<T> {
         match &self.form {
             Form::Ball(r) => less(norm(&own), *r),
             Form::Capsule(a, r) => {
-                let off = if less(size(z), *a) > 0.0 { size(z) - T::from(*a) } else { T::from(0.0) };
+                let off =
+                    if less(size(z), *a) > 0.0 { size(z) - T::from(*a) } else { T::from(0.0) };
                 less((x * x + y * y + off * off).root(), *r)
             }
             Form::Cylinder(a, r) => less(size(z), *a).max(less(around, *r)),
