@@ -1,7 +1,7 @@
 //! Joints and contacts of one world, solved together: a door that hits its frame, a chain draped over a drum.
 
 use nalgebra::Vector2;
-use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, Force, System, Vector};
 use stationary_constraints::Constraint;
 use stationary_contact::{Kept, PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld};
 use stationary_integrators::State;
@@ -126,4 +126,50 @@ fn a_chain_draped_over_a_drum_stays_where_it_lies_with_its_hinges_closed() {
     let moved = moved.fold(0.0, f64::max);
     assert!(moved < 1e-3, "{moved}");
     assert!(unsettled < 150, "{unsettled}");
+}
+
+/// A force that lasts through a step.
+struct Push(Vec<f64>);
+
+impl Force for Push {
+    fn dim(&self) -> usize {
+        self.0.len()
+    }
+
+    fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        f.0.iter_mut().zip(&self.0).for_each(|(f, push)| *f += push);
+    }
+}
+
+/// A block on the floor under a force: pressed down it is no impact, pushed beyond friction it slides with
+/// (F - mu N)/m; the work of the force along the mean velocity is what the energy and friction account for. A
+/// force that is not finite is an error, and nothing has moved.
+#[test]
+fn forces_beside_the_potential_are_part_of_the_velocity_increment() {
+    let masses = [[2.0, 2.0 / 6.0]];
+    let floor = PlanarMotion::identity();
+    let colliders = vec![
+        PlanarCollider::on_body(0, PlanarShape::cuboid([0.5, 0.5]).unwrap()),
+        PlanarCollider::fixed(floor, PlanarShape::half_plane(Vector2::y()).unwrap()),
+    ];
+    let surface = |c: PlanarCollider| c.with_restitution(0.9).with_friction(0.5);
+    let detector = PlanarDetector::new(colliders.into_iter().map(surface).collect(), 1).unwrap();
+    let mut world = PlanarWorld::new(system(&masses, 0.0), detector).unwrap();
+    let mut state = State::new(vec![0.0, 0.5, 0.0], Covector(vec![0.0; 3]));
+    let (h, push) = (1e-3, Push(vec![15.0, -20.0, 0.0]));
+    for step in 1..=100 {
+        let before = energy(&masses, 0.0, &state);
+        let report = world.step_under(&mut state, h, &(), &push).unwrap();
+        assert_eq!((report.impacts, report.settled), (0, true));
+        let v = state.p.0[0] / 2.0;
+        assert!((v - 2.5 * h * f64::from(step)).abs() < 1e-9, "{step}: {v}");
+        let [start, end] = world.velocities();
+        let work: f64 = (0..3).map(|k| 0.5 * h * push.0[k] * (start.0[k] + end.0[k])).sum();
+        let gained = energy(&masses, 0.0, &state) - before;
+        let taken = report.friction_energy + report.impact_energy;
+        assert!((gained - work + taken).abs() < 1e-12, "{step}: {gained} {work} {taken}");
+    }
+    let (kept, infinite) = (state.clone(), Push(vec![f64::INFINITY, 0.0, 0.0]));
+    assert!(world.step_under(&mut state, h, &(), &infinite).is_err());
+    assert_eq!(state, kept);
 }

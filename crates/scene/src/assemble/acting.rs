@@ -11,20 +11,22 @@
 //! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
 //! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
 
+mod impulses;
+mod of_scene;
+mod rate;
+
 use stationary_calculus::{Covector, Force, Sink, Vector};
 #[cfg(feature = "elasticity")]
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
-use crate::assemble::anchor::Anchor;
-use crate::assemble::vertices::Vertices;
+use crate::assemble::acting::rate::{Rate, rate_of};
+use crate::assemble::anchor::{Anchor, wrench};
 #[cfg(feature = "elasticity")]
 use crate::model::drives::PinMotion;
-use crate::model::drives::{Motor, MotorDrive, SceneLoad};
-use crate::model::items::{RigidBody, SceneJoint};
-use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
-use crate::model::turned::{cross, turn_back};
+
+pub(crate) use impulses::Impulses;
 
 /// What acts on a scene, and the works of the last step.
 #[derive(Clone, Debug)]
@@ -62,36 +64,6 @@ enum What {
     /// A spring to a pin that moves.
     #[cfg(feature = "elasticity")]
     Pulled { spring: Spring, pulled: Anchor, pin: PinMotion, start: [f64; 3] },
-}
-
-/// A rate that a damper holds back.
-#[derive(Clone, Debug)]
-enum Rate {
-    /// Of the distance of two points.
-    Distance([Anchor; 2]),
-    /// A sum of the rates of freedoms.
-    Freedoms(Vec<(usize, f64)>),
-}
-
-impl Rate {
-    /// How it depends on the rates of freedoms; on none where two points meet.
-    fn entries(&self, q: &[f64], each: usize) -> Vec<(usize, f64)> {
-        let ends = match self {
-            Rate::Freedoms(entries) => return entries.clone(),
-            Rate::Distance(ends) => ends,
-        };
-        let [a, b] = ends.each_ref().map(|end| end.place(q, each));
-        let way: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
-        let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut entries = Vec::new();
-        if length > 0.0 {
-            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
-                let along = way.map(|x| sign * x / length);
-                end.pull(q, each, &along, &mut |freedom, part| entries.push((freedom, part)));
-            }
-        }
-        entries
-    }
 }
 
 /// At which end of a step a kick is.
@@ -270,51 +242,6 @@ impl Acting {
     }
 }
 
-/// What acts gives in a step: impulses on freedoms, those of each thing after one another.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Impulses {
-    dim: usize,
-    entries: Vec<(usize, f64)>,
-    /// Where those of each thing end.
-    ends: Vec<usize>,
-}
-
-impl Impulses {
-    pub(crate) fn clear(&mut self) {
-        self.entries.clear();
-        self.ends.clear();
-    }
-
-    pub(crate) fn dim(&self) -> usize {
-        self.dim
-    }
-
-    pub(crate) fn entries(&self) -> &[(usize, f64)] {
-        &self.entries
-    }
-
-    /// The work of each thing along a velocity.
-    pub(crate) fn works<'a>(
-        &'a self,
-        velocity: impl Fn(usize) -> f64 + 'a,
-    ) -> impl Iterator<Item = f64> + 'a {
-        let starts = [0].into_iter().chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(move |(start, &end)| {
-            self.entries[start..end].iter().map(|&(f, impulse)| impulse * velocity(f)).sum()
-        })
-    }
-}
-
-/// A rate where momenta are `p`, and what a unit impulse along it changes of it.
-fn rate_of(entries: &[(usize, f64)], p: &[f64], inverse: &[f64]) -> [f64; 2] {
-    let mut rate = [0.0; 2];
-    for &(freedom, part) in entries {
-        rate[0] += part * inverse[freedom] * p[freedom];
-        rate[1] += part * inverse[freedom] * part;
-    }
-    rate
-}
-
 /// The freedoms that are shifts, where each particle or body has so many.
 fn shifts(freedoms: usize, each: usize, dimension: usize) -> impl Iterator<Item = usize> {
     (0..freedoms).filter(move |freedom| freedom % each < dimension)
@@ -407,28 +334,6 @@ impl What {
     }
 }
 
-/// A force and a torque at a point of a body, as they act on its freedoms, of which it has `each`:
-/// (F, c x R^T F + R^T m).
-pub(crate) fn wrench(
-    q: &[f64],
-    body: usize,
-    each: usize,
-    point: &[f64; 3],
-    force: &[f64; 3],
-    torque: &[f64; 3],
-) -> [f64; 6] {
-    if each == 3 {
-        let (sin, cos) = q[3 * body + 2].sin_cos();
-        let arm = [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]];
-        let moment = arm[0] * force[1] - arm[1] * force[0] + torque[2];
-        return [force[0], force[1], moment, 0.0, 0.0, 0.0];
-    }
-    let turn = std::array::from_fn(|k| q[7 * body + 3 + k]);
-    let (own, moment) = (turn_back(turn, *force), turn_back(turn, *torque));
-    let turning = cross(*point, own);
-    std::array::from_fn(|c| if c < 3 { force[c] } else { turning[c - 3] + moment[c - 3] })
-}
-
 impl Force for Acting {
     fn dim(&self) -> usize {
         self.inverse.len()
@@ -471,175 +376,6 @@ impl Force for Acting {
             for freedom in shifts(self.inverse.len(), self.each, self.dimension) {
                 damping.add_symmetric(&[freedom], &[c]);
             }
-        }
-    }
-}
-
-impl Scene {
-    /// What each work of a run is of: what acts, and the motors with a speed.
-    pub(crate) fn works_of(&self) -> Vec<String> {
-        if self.heat.is_some() {
-            return self.drives.sources.iter().map(|_| "sources".to_owned()).collect();
-        }
-        let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
-        let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
-        let own: &[&str] = match (self.touches_as_bodies(), self.drives.has_speeds()) {
-            (true, false) => &["friction", "impacts", "lifting out of overlap", "joints"],
-            (true, true) => {
-                &["friction", "impacts", "lifting out of overlap", "joints and motors with a speed"]
-            }
-            (false, true) => &["motors with a speed"],
-            (false, false) => &[],
-        };
-        // What touches has joints last of all.
-        let without = self.touches_as_bodies() && !self.has_joints();
-        let own = &own[..own.len() - usize::from(without)];
-        names.extend(own.iter().map(|&name| name.to_owned()));
-        names
-    }
-
-    /// Freedoms of a particle or a body.
-    fn freedoms_of_each(&self) -> usize {
-        match (self.bodies.is_empty(), self.dimension) {
-            (true, dimension) => dimension,
-            (false, 3) => 6,
-            (false, _) => 3,
-        }
-    }
-
-    /// A vector as it stands in the freedoms of each particle or body.
-    fn repeated(&self, x: [f64; 3]) -> Vec<f64> {
-        let each = self.freedoms_of_each();
-        (0..each).map(|c| if c < self.dimension { x[c] } else { 0.0 }).collect()
-    }
-
-    /// One over the mass of each freedom.
-    fn inverse_masses(&self) -> Vec<f64> {
-        if self.bodies.is_empty() {
-            let mass = |&particle: &usize| match self.particles[particle].motion {
-                Motion::Free { mass, .. } => mass,
-                _ => f64::INFINITY,
-            };
-            let vertices = Vertices::new(self);
-            let masses = vertices.particles[..vertices.free].iter().map(mass);
-            return masses.flat_map(|mass| vec![1.0 / mass; self.dimension]).collect();
-        }
-        let masses = |body: &RigidBody| {
-            let (m, [i, j, k]) = (body.mass, body.moments);
-            if self.dimension == 3 { vec![m, m, m, i, j, k] } else { vec![m, m, k] }
-        };
-        self.bodies.iter().flat_map(masses).map(|mass| 1.0 / mass).collect()
-    }
-
-    fn loads(&self) -> Vec<Act> {
-        let vertices = Vertices::new(self);
-        let act = |load: &SceneLoad| {
-            let particle = &self.particles[load.on];
-            let what = match particle.motion {
-                Motion::Carried { body, point } => {
-                    What::Point { body, point, force: load.force, torque: load.torque }
-                }
-                _ => {
-                    let first = self.dimension * vertices.of_particle[load.on];
-                    let force = &load.force[..self.dimension];
-                    What::Freedoms((first..).zip(force.iter().copied()).collect())
-                }
-            };
-            let name = format!("load on {}", particle.name);
-            Act { name, strength: load.strength.clone(), what }
-        };
-        self.drives.loads.iter().map(act).collect()
-    }
-
-    /// Motors with a torque: about an axis that both bodies keep.
-    fn motors(&self) -> Vec<Act> {
-        let torques = self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Torque);
-        let act = |motor: &Motor| {
-            let all = self.turn_between(&self.joints[motor.joint]);
-            let strength = motor.strength.clone();
-            Act { name: self.motor_named(motor), strength, what: What::Freedoms(all) }
-        };
-        torques.map(act).collect()
-    }
-
-    /// How fast the second body turns against the first about the axis of their joint, by the rates of
-    /// freedoms: both bodies keep the axis.
-    fn turn_between(&self, joint: &SceneJoint) -> Vec<(usize, f64)> {
-        let each = self.freedoms_of_each();
-        let mut all = Vec::new();
-        for (end, sign) in joint.between.into_iter().zip([-1.0, 1.0]) {
-            let Some(body) = end else { continue };
-            if self.dimension == 2 {
-                all.push((each * body + 2, sign));
-                continue;
-            }
-            #[cfg(feature = "rigid")]
-            for (c, axis) in self.bodies[body].in_axes(joint.axis).into_iter().enumerate() {
-                all.push((each * body + 3 + c, sign * axis));
-            }
-        }
-        all
-    }
-
-    /// The names of what a joint joins.
-    pub(crate) fn ends_named(&self, joint: &SceneJoint) -> [&str; 2] {
-        joint.between.map(|end| end.map_or("world", |body| self.bodies[body].name.as_str()))
-    }
-
-    /// A motor, by what it joins.
-    pub(crate) fn motor_named(&self, motor: &Motor) -> String {
-        let [a, b] = self.ends_named(&self.joints[motor.joint]);
-        format!("motor between {a} and {b}")
-    }
-
-    /// Springs and joints that are damped.
-    fn dampers(&self) -> Vec<Act> {
-        let vertices = Vertices::new(self);
-        let act = |name, damping, rate| {
-            let strength = Strength::constant(1.0);
-            Act { name, strength, what: What::Damper(damping, rate) }
-        };
-        let damped = self.links.iter().filter(|link| link.damping > 0.0);
-        let springs = damped.map(|link| {
-            let [a, b] = link.ends.map(|end| self.particles[end].name.as_str());
-            let ends = link.ends.map(|end| self.anchor(end, &vertices));
-            act(format!("damper between {a} and {b}"), link.damping, Rate::Distance(ends))
-        });
-        let damped = self.joints.iter().filter(|joint| joint.damping > 0.0);
-        let joints = damped.map(|joint| {
-            let [a, b] = self.ends_named(joint);
-            let rate = Rate::Freedoms(self.turn_between(joint));
-            act(format!("damper between {a} and {b}"), joint.damping, rate)
-        });
-        springs.chain(joints).collect()
-    }
-
-    /// The springs to pins that move.
-    fn pulled(&self) -> Vec<Act> {
-        #[cfg(not(feature = "elasticity"))]
-        return Vec::new();
-        #[cfg(feature = "elasticity")]
-        {
-            let mut acts = Vec::new();
-            let vertices = Vertices::new(self);
-            for link in &self.links {
-                let [a, b] = link.ends;
-                let motion = |end| self.drives.motions.iter().find(|m| m.particle == end);
-                let (pin, other) = match (motion(a), motion(b)) {
-                    (Some(pin), None) => (pin, b),
-                    (None, Some(pin)) => (pin, a),
-                    _ => continue,
-                };
-                let pulled = self.anchor(other, &vertices);
-                let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
-                let fixed = matches!(pulled, Anchor::World(_));
-                let (false, Ok(spring)) = (fixed, made) else { continue };
-                let start = self.particles[pin.particle].position;
-                let what = What::Pulled { spring, pulled, pin: pin.clone(), start };
-                let name = format!("motion of {}", self.particles[pin.particle].name);
-                acts.push(Act { name, strength: Strength::constant(1.0), what });
-            }
-            acts
         }
     }
 }

@@ -6,11 +6,10 @@
 //! ```
 //! `c` the point in body axes, `Z` a quarter turn. A force `f` there acts on the freedoms by `f dx`.
 
-use crate::assemble::acting::wrench;
 use crate::assemble::vertices::Vertices;
 use crate::model::particle::{Motion, Particle};
 use crate::model::scene::Scene;
-use crate::model::turned::turn;
+use crate::model::turned::{cross, turn, turn_back};
 
 /// An end of a spring or a damper.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,4 +75,26 @@ impl Anchor {
             }
         }
     }
+}
+
+/// A force and a torque at a point of a body, as they act on its freedoms, of which it has `each`:
+/// (F, c x R^T F + R^T m).
+pub(crate) fn wrench(
+    q: &[f64],
+    body: usize,
+    each: usize,
+    point: &[f64; 3],
+    force: &[f64; 3],
+    torque: &[f64; 3],
+) -> [f64; 6] {
+    if each == 3 {
+        let (sin, cos) = q[3 * body + 2].sin_cos();
+        let arm = [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]];
+        let moment = arm[0] * force[1] - arm[1] * force[0] + torque[2];
+        return [force[0], force[1], moment, 0.0, 0.0, 0.0];
+    }
+    let turn = std::array::from_fn(|k| q[7 * body + 3 + k]);
+    let (own, moment) = (turn_back(turn, *force), turn_back(turn, *torque));
+    let turning = cross(*point, own);
+    std::array::from_fn(|c| if c < 3 { force[c] } else { turning[c - 3] + moment[c - 3] })
 }

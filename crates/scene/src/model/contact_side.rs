@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use crate::model::scene::Scene;
-
 /// What takes part in a contact. What does not move comes first in the order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum ContactSide {
@@ -45,14 +43,5 @@ impl ContactSide {
             ContactSide::Particle,
         ];
         kinds.get(usize::try_from(kind).ok()?).map(|side| side(place))
-    }
-
-    /// The particle at its middle, where it moves: a body's is its centre.
-    pub(crate) fn middle(self, scene: &Scene) -> Option<usize> {
-        match self {
-            ContactSide::Body(body) => Some(scene.centre(body)),
-            ContactSide::Particle(index) => Some(index),
-            _ => None,
-        }
     }
 }

@@ -14,6 +14,7 @@
 use crate::assemble::error::AssemblyError;
 #[cfg(feature = "elasticity")]
 use crate::assemble::vertices::Vertices;
+use crate::model::contact_side::ContactSide;
 use crate::model::items::Stress;
 use crate::model::particle::Motion;
 use crate::model::scene::{Scene, numbers_of_a_body};
@@ -144,7 +145,13 @@ impl Run {
         let first = rows.partition_point(|row| row.sample < sample);
         for row in rows[first..].iter().take_while(|row| row.sample == sample) {
             for (side, sign) in row.between.into_iter().zip([-1.0, 1.0]) {
-                if let Some(middle) = side.middle(scene) {
+                // A body's is its centre.
+                let middle = match side {
+                    ContactSide::Body(body) => Some(scene.centre(body)),
+                    ContactSide::Particle(particle) => Some(particle),
+                    _ => None,
+                };
+                if let Some(middle) = middle {
                     given[middle] =
                         std::array::from_fn(|c| given[middle][c] + sign * row.impulse[c]);
                 }

@@ -1,0 +1,182 @@
+//! What acts on a scene, made from its words: loads, motors, dampers, and springs to pins that move.
+
+use super::rate::Rate;
+use super::{Act, Acting, What};
+use crate::assemble::anchor::Anchor;
+use crate::assemble::vertices::Vertices;
+use crate::model::drives::{Motor, MotorDrive, SceneLoad};
+use crate::model::items::{RigidBody, SceneJoint};
+use crate::model::particle::Motion;
+use crate::model::scene::Scene;
+use crate::model::strength::Strength;
+#[cfg(feature = "elasticity")]
+use stationary_elasticity::Spring;
+
+impl Scene {
+    /// What each work of a run is of: what acts, and the motors with a speed.
+    pub(crate) fn works_of(&self) -> Vec<String> {
+        if self.heat.is_some() {
+            return self.drives.sources.iter().map(|_| "sources".to_owned()).collect();
+        }
+        let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
+        let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
+        let own: &[&str] = match (self.touches_as_bodies(), self.drives.has_speeds()) {
+            (true, false) => &["friction", "impacts", "lifting out of overlap", "joints"],
+            (true, true) => {
+                &["friction", "impacts", "lifting out of overlap", "joints and motors with a speed"]
+            }
+            (false, true) => &["motors with a speed"],
+            (false, false) => &[],
+        };
+        // What touches has joints last of all.
+        let without = self.touches_as_bodies() && !self.has_joints();
+        let own = &own[..own.len() - usize::from(without)];
+        names.extend(own.iter().map(|&name| name.to_owned()));
+        names
+    }
+
+    /// Freedoms of a particle or a body.
+    pub(super) fn freedoms_of_each(&self) -> usize {
+        match (self.bodies.is_empty(), self.dimension) {
+            (true, dimension) => dimension,
+            (false, 3) => 6,
+            (false, _) => 3,
+        }
+    }
+
+    /// A vector as it stands in the freedoms of each particle or body.
+    pub(super) fn repeated(&self, x: [f64; 3]) -> Vec<f64> {
+        let each = self.freedoms_of_each();
+        (0..each).map(|c| if c < self.dimension { x[c] } else { 0.0 }).collect()
+    }
+
+    /// One over the mass of each freedom.
+    pub(super) fn inverse_masses(&self) -> Vec<f64> {
+        if self.bodies.is_empty() {
+            let mass = |&particle: &usize| match self.particles[particle].motion {
+                Motion::Free { mass, .. } => mass,
+                _ => f64::INFINITY,
+            };
+            let vertices = Vertices::new(self);
+            let masses = vertices.particles[..vertices.free].iter().map(mass);
+            return masses.flat_map(|mass| vec![1.0 / mass; self.dimension]).collect();
+        }
+        let masses = |body: &RigidBody| {
+            let (m, [i, j, k]) = (body.mass, body.moments);
+            if self.dimension == 3 { vec![m, m, m, i, j, k] } else { vec![m, m, k] }
+        };
+        self.bodies.iter().flat_map(masses).map(|mass| 1.0 / mass).collect()
+    }
+
+    pub(super) fn loads(&self) -> Vec<Act> {
+        let vertices = Vertices::new(self);
+        let act = |load: &SceneLoad| {
+            let particle = &self.particles[load.on];
+            let what = match particle.motion {
+                Motion::Carried { body, point } => {
+                    What::Point { body, point, force: load.force, torque: load.torque }
+                }
+                _ => {
+                    let first = self.dimension * vertices.of_particle[load.on];
+                    let force = &load.force[..self.dimension];
+                    What::Freedoms((first..).zip(force.iter().copied()).collect())
+                }
+            };
+            let name = format!("load on {}", particle.name);
+            Act { name, strength: load.strength.clone(), what }
+        };
+        self.drives.loads.iter().map(act).collect()
+    }
+
+    /// Motors with a torque: about an axis that both bodies keep.
+    pub(super) fn motors(&self) -> Vec<Act> {
+        let torques = self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Torque);
+        let act = |motor: &Motor| {
+            let all = self.turn_between(&self.joints[motor.joint]);
+            let strength = motor.strength.clone();
+            Act { name: self.motor_named(motor), strength, what: What::Freedoms(all) }
+        };
+        torques.map(act).collect()
+    }
+
+    /// How fast the second body turns against the first about the axis of their joint, by the rates of
+    /// freedoms: both bodies keep the axis.
+    fn turn_between(&self, joint: &SceneJoint) -> Vec<(usize, f64)> {
+        let each = self.freedoms_of_each();
+        let mut all = Vec::new();
+        for (end, sign) in joint.between.into_iter().zip([-1.0, 1.0]) {
+            let Some(body) = end else { continue };
+            if self.dimension == 2 {
+                all.push((each * body + 2, sign));
+                continue;
+            }
+            #[cfg(feature = "rigid")]
+            for (c, axis) in self.bodies[body].in_axes(joint.axis).into_iter().enumerate() {
+                all.push((each * body + 3 + c, sign * axis));
+            }
+        }
+        all
+    }
+
+    /// The names of what a joint joins.
+    pub(crate) fn ends_named(&self, joint: &SceneJoint) -> [&str; 2] {
+        joint.between.map(|end| end.map_or("world", |body| self.bodies[body].name.as_str()))
+    }
+
+    /// A motor, by what it joins.
+    pub(crate) fn motor_named(&self, motor: &Motor) -> String {
+        let [a, b] = self.ends_named(&self.joints[motor.joint]);
+        format!("motor between {a} and {b}")
+    }
+
+    /// Springs and joints that are damped.
+    pub(super) fn dampers(&self) -> Vec<Act> {
+        let vertices = Vertices::new(self);
+        let act = |name, damping, rate| {
+            let strength = Strength::constant(1.0);
+            Act { name, strength, what: What::Damper(damping, rate) }
+        };
+        let damped = self.links.iter().filter(|link| link.damping > 0.0);
+        let springs = damped.map(|link| {
+            let [a, b] = link.ends.map(|end| self.particles[end].name.as_str());
+            let ends = link.ends.map(|end| self.anchor(end, &vertices));
+            act(format!("damper between {a} and {b}"), link.damping, Rate::Distance(ends))
+        });
+        let damped = self.joints.iter().filter(|joint| joint.damping > 0.0);
+        let joints = damped.map(|joint| {
+            let [a, b] = self.ends_named(joint);
+            let rate = Rate::Freedoms(self.turn_between(joint));
+            act(format!("damper between {a} and {b}"), joint.damping, rate)
+        });
+        springs.chain(joints).collect()
+    }
+
+    /// The springs to pins that move.
+    pub(super) fn pulled(&self) -> Vec<Act> {
+        #[cfg(not(feature = "elasticity"))]
+        return Vec::new();
+        #[cfg(feature = "elasticity")]
+        {
+            let mut acts = Vec::new();
+            let vertices = Vertices::new(self);
+            for link in &self.links {
+                let [a, b] = link.ends;
+                let motion = |end| self.drives.motions.iter().find(|m| m.particle == end);
+                let (pin, other) = match (motion(a), motion(b)) {
+                    (Some(pin), None) => (pin, b),
+                    (None, Some(pin)) => (pin, a),
+                    _ => continue,
+                };
+                let pulled = self.anchor(other, &vertices);
+                let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
+                let fixed = matches!(pulled, Anchor::World(_));
+                let (false, Ok(spring)) = (fixed, made) else { continue };
+                let start = self.particles[pin.particle].position;
+                let what = What::Pulled { spring, pulled, pin: pin.clone(), start };
+                let name = format!("motion of {}", self.particles[pin.particle].name);
+                acts.push(Act { name, strength: Strength::constant(1.0), what });
+            }
+            acts
+        }
+    }
+}
