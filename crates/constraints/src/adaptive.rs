@@ -19,9 +19,9 @@
 use stationary_calculus::{SizeError, Storage};
 use stationary_integrators::State;
 
+use crate::checks::{check_step, check_time};
 use crate::halving::is_mended_by_shorter_steps;
 use crate::parts::Parts;
-use crate::rattle_core::{check_step, check_time};
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// Steps that are refused or too long, one after another, at most.

@@ -15,7 +15,7 @@
 use stationary_integrators::State;
 
 use crate::ConstraintError;
-use crate::rattle_core::{check_step, check_time};
+use crate::checks::{check_step, check_time};
 
 /// A pendulum stepped in its angle.
 #[derive(Clone, Copy, Debug, PartialEq)]

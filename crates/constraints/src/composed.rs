@@ -13,8 +13,8 @@
 use stationary_calculus::Storage;
 use stationary_integrators::{Facts, Saved, Scheme, State, StepError};
 
+use crate::checks::check_step;
 use crate::parts::Parts;
-use crate::rattle_core::check_step;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A symmetric method with the steps of a [`Scheme`].

@@ -14,8 +14,8 @@
 use stationary_calculus::Storage;
 use stationary_integrators::{EnergyBehavior, Facts, Saved, State, StepError, Symplecticity};
 
+use crate::checks::check_step;
 use crate::parts::Parts;
-use crate::rattle_core::check_step;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
 
 /// A method whose failed steps are retried in halves.

@@ -23,7 +23,8 @@ use stationary_integrators::{
     StepError, Symplecticity,
 };
 
-use crate::rattle_core::{RattleCore, check_step};
+use crate::checks::check_step;
+use crate::rattle_core::RattleCore;
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     FreeMotion, Multipliers, Solver, Straight,

@@ -67,6 +67,7 @@ mod linear;
 mod function;
 mod level_set;
 mod feasible;
+mod checks;
 mod multipliers;
 mod dense;
 mod entries;

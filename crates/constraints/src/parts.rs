@@ -8,7 +8,7 @@
 use stationary_calculus::{Covector, SizeError, Storage};
 use stationary_integrators::State;
 
-use crate::rattle_core::zeros;
+use crate::checks::zeros;
 use crate::{ConstrainedIntegrator, ConstraintError};
 
 /// The state between parts, and the multipliers that they had so far.

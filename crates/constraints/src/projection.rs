@@ -17,8 +17,8 @@
 use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
 use stationary_integrators::State;
 
+use crate::checks::{check_sizes, check_state, zeros};
 use crate::feasible::{Flight, Scales, largest, rounding};
-use crate::rattle_core::{check_sizes, check_state, zeros};
 use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.

@@ -14,15 +14,19 @@
 //!
 //! Source: notes 6.5; errata 6.5; Andersen (1983); Leimkuhler and Reich (2004), chapter 7.
 
-use stationary_calculus::{
-    Covector, Metric, Potential, SizeError, Space, Storage, System, Vector, first_non_finite,
-};
+mod passage;
+
+use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
 
+use crate::checks::{
+    check_configuration, check_finite, check_sizes, check_state, check_time, zeros,
+};
 use crate::feasible::{Flight, Scales, rounding};
 use crate::secants::Secants;
 use crate::warm_start::WarmStart;
-use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver, equation_name};
+use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
+use passage::{CLOSE, NEAR, Passage};
 
 /// More iterations than this are too long a step, or equations that contradict each other. A step at the
 /// bound that [`Rattle`](crate::Rattle) states may gain no more than a tenth in each.
@@ -40,51 +44,6 @@ const TRIES: u32 = 8;
 const TRUSTED: f64 = 1e-3;
 /// A place at least as regular as this part of the most regular one is not next to a singular position.
 const FAR: f64 = 0.5;
-/// A place less regular than this part of it is near one.
-const NEAR: f64 = 0.2;
-/// The same where iterations failed: otherwise the step was too long.
-const SINGULAR: f64 = 0.05;
-/// The same where a step may have ended without iterations that showed it.
-const CLOSE: f64 = 1e-3;
-/// Impulses at both ends of a step that differ by more than this part of their sum are not of one motion,
-/// unless they are less than the second part of the momentum.
-const UNLIKE: f64 = 0.2;
-const SLIGHT: f64 = 1e-6;
-/// An equation with more than this part of the largest share is involved in a dependence.
-const INVOLVED: f64 = 0.1;
-
-/// What tells whether a step passes a singular position on its branch.
-#[derive(Clone, Debug)]
-struct Passage<C> {
-    /// Whether the iterations of the last drift had to learn.
-    slow: bool,
-    /// The largest regularity that was seen.
-    typical: f64,
-    /// Momenta before the impulses at the start and at the end of a step.
-    before: Covector<C>,
-    after: Covector<C>,
-}
-
-impl<C: Storage> Passage<C> {
-    fn new(n: usize) -> Result<Self, ConstraintError> {
-        let (before, after) = (Covector(zeros(n)?), Covector(zeros(n)?));
-        Ok(Passage { slow: false, typical: 0.0, before, after })
-    }
-
-    fn see(&mut self, regularity: Option<f64>) {
-        self.typical = self.typical.max(regularity.unwrap_or(0.0));
-    }
-
-    fn is_singular(&self, regularity: Option<f64>) -> bool {
-        regularity.is_some_and(|regularity| regularity < SINGULAR * self.typical)
-    }
-
-    /// Whether a regularity is that of a place near a singular position; where it is not known, it
-    /// may be.
-    fn is_near(&self, regularity: Option<f64>) -> bool {
-        regularity.is_none_or(|regularity| regularity < NEAR * self.typical)
-    }
-}
 
 /// A configuration with what is known there.
 #[derive(Clone, Debug)]
@@ -118,49 +77,6 @@ pub(crate) struct RattleCore<'s, M, P, S, K, C, X: Multipliers, F> {
     /// The impulse of the last [`RattleCore::hold_configuration`] or [`RattleCore::hold_velocity`].
     pub(crate) impulse: X::Numbers,
     pub(crate) differentials: u32,
-}
-
-pub(crate) fn zeros<C: Storage>(n: usize) -> Result<C, ConstraintError> {
-    let got = size_of::<C>() / size_of::<f64>();
-    C::zeros(n).ok_or(SizeError { what: "the storage's numbers", expected: n, got }.into())
-}
-
-pub(crate) fn check_sizes<M: Metric, P: Potential, S: Space, C: Storage>(
-    system: &System<M, P, S>,
-    state: &State<C>,
-) -> Result<(), ConstraintError> {
-    let n = system.dim();
-    let stored = system.space().stored(n);
-    SizeError::check("the configuration's numbers", stored, state.q.as_ref().len())?;
-    SizeError::check("the momentum's components", n, state.p.components().len())?;
-    Ok(check_time(state.t)?)
-}
-
-/// An error unless the time is finite.
-pub(crate) fn check_time(t: f64) -> Result<(), StepError> {
-    if t.is_finite() { Ok(()) } else { Err(StepError::Time(t)) }
-}
-
-/// An error unless the state's numbers are finite and its configuration is one of the space.
-pub(crate) fn check_state<S: Space, C: Storage>(
-    space: &S,
-    state: &State<C>,
-) -> Result<(), ConstraintError> {
-    for (what, numbers) in [("configuration", state.q.as_ref()), ("momentum", state.p.components())]
-    {
-        if let Some(index) = first_non_finite(numbers) {
-            return Err(ConstraintError::NonFinite { what, index });
-        }
-    }
-    check_configuration(space, state.q.as_ref())
-}
-
-/// An error unless the configuration is one of the space.
-pub(crate) fn check_configuration(space: &impl Space, q: &[f64]) -> Result<(), ConstraintError> {
-    match space.first_misfit(q) {
-        Some(number) => Err(ConstraintError::Configuration { number }),
-        None => Ok(()),
-    }
 }
 
 impl<'s, M, P, S, K, C, X, F> RattleCore<'s, M, P, S, K, C, X, F>
@@ -292,64 +208,6 @@ where
             }
         }
         Err(error)
-    }
-
-    /// An error where a step that begins or ends near a singular position was turned there: its impulses at both
-    /// ends are not those of one motion.
-    pub(crate) fn check_passage(&mut self) -> Result<(), ConstraintError> {
-        let (here, there) = (self.here.solver.regularity(), self.there.solver.regularity());
-        let close = there.is_some_and(|there| there < CLOSE * self.passage.typical);
-        let near = self.passage.is_near(here) || self.passage.is_near(there);
-        if !(close || self.passage.slow && near) {
-            return Ok(());
-        }
-        let RattleCore { passage, before, next, system, displacement: room, .. } = self;
-        let metric = system.metric();
-        let mut size = |p: &Covector<C>| {
-            metric.sharp(p.view(), room.view_mut());
-            p.apply(room).abs().sqrt()
-        };
-        let whole = size(&next.p);
-        passage.before.add_scaled(-1.0, before.view());
-        passage.after.add_scaled(-1.0, next.p.view());
-        let both = size(&passage.before) + size(&passage.after);
-        passage.before.add_scaled(-1.0, passage.after.view());
-        if size(&passage.before) <= UNLIKE * both + SLIGHT * whole {
-            return Ok(());
-        }
-        Err(self.nearby_position())
-    }
-
-    /// The singular position near which a step begins or ends, with the equations that depend on each other there.
-    #[cold]
-    fn nearby_position(&mut self) -> ConstraintError {
-        let RattleCore { here, g, scales, .. } = self;
-        let g = g.as_mut();
-        let (row, ratio) = here.solver.weakest().unwrap_or((0, f64::NAN));
-        let mut rows = vec![row];
-        g.fill(0.0);
-        if let Some(g) = g.get_mut(row) {
-            *g = 1.0;
-        }
-        // Two inverse iterations from the weakest equation.
-        let found = (0..2).all(|_| {
-            let size = g.iter().fold(0.0_f64, |size, g| size.max(g.abs()));
-            g.iter_mut().for_each(|g| *g /= size);
-            here.solver.solve(g).is_ok()
-        });
-        if found && g.iter().all(|g| g.is_finite()) {
-            scales.unscale(g, 1.0);
-            let most = g.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
-            rows = (0..g.len()).filter(|&row| g[row].abs() > INVOLVED * most).collect();
-        }
-        self.position(ratio, rows)
-    }
-
-    #[cold]
-    fn position(&self, ratio: f64, rows: Vec<usize>) -> ConstraintError {
-        let named = |&row: &usize| equation_name(&self.constraint, row);
-        let names = rows.iter().map(named).collect::<Vec<_>>().join(", ");
-        ConstraintError::SingularPosition { ratio, rows, names }
     }
 
     /// The iterations, from the impulse that the last steps lead to expect if they are to be heard.
@@ -567,20 +425,4 @@ fn work<C: Storage, X>(
 ) -> Result<f64, SizeError> {
     constraint.rate(place.t, place.q.as_ref(), rate)?;
     Ok(impulse.iter().zip(rate).map(|(impulse, rate)| impulse * *rate).sum())
-}
-
-/// An error that names the first number that is not finite.
-pub(crate) fn check_finite<C: Storage>(state: &State<C>) -> Result<(), StepError> {
-    if let Some(freedom) = stationary_calculus::first_non_finite(state.q.as_ref()) {
-        return Err(StepError::NonFiniteConfiguration { freedom });
-    }
-    if let Some(freedom) = stationary_calculus::first_non_finite(state.p.components()) {
-        return Err(StepError::NonFiniteMomentum { freedom });
-    }
-    Ok(())
-}
-
-/// An error unless the step is positive and finite.
-pub(crate) fn check_step(h: f64) -> Result<(), StepError> {
-    if h > 0.0 && h.is_finite() && h.recip().is_finite() { Ok(()) } else { Err(StepError::Step(h)) }
 }

@@ -18,8 +18,8 @@ use stationary_integrators::{
     Conservation, EnergyBehavior, Facts, Integrator, Saved, State, StepError, Symplecticity,
 };
 
+use crate::checks::{check_finite, check_step, check_time, zeros};
 use crate::feasible::Scales;
-use crate::rattle_core::{check_finite, check_step, check_time, zeros};
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     Multipliers, Projection, Solver,

@@ -40,6 +40,7 @@
 
 mod guesses;
 mod prescribed;
+mod turn;
 
 use std::fmt;
 
@@ -56,12 +57,11 @@ use super::driven::Kicks;
 use super::error::{TreeError, check_numbers};
 use super::field::Idle;
 use super::forces::TreeForces;
-use super::motion::{Placed, TreeMotion};
+use super::motion::TreeMotion;
 use super::spatial::{SpatialForce, Twist};
-use crate::LieGroup;
-use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
 use guesses::Guesses;
 use prescribed::Prescribed;
+use turn::Turn;
 
 /// The variational step, bound to a tree under its weight and what drives it.
 #[derive(Clone)]
@@ -106,48 +106,6 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 const LONGEST_TURN: f64 = 3.1;
 /// How far the square of a quaternion's length may be from 1, as everywhere in the crate.
 const UNIT: f64 = 2e-9;
-
-/// The turn of a body in a step.
-struct Turn {
-    theta: Vector3<f64>,
-    /// `I theta`
-    u: Vector3<f64>,
-    c: f64,
-}
-
-impl Turn {
-    #[inline]
-    fn between(before: &Placed, after: &Placed, moments: &Vector3<f64>) -> Self {
-        let theta = before.rotation.direction_to(&after.rotation);
-        let c = inverse_coefficient(theta.norm_squared());
-        Turn { theta, u: moments.component_mul(&theta), c }
-    }
-
-    /// `T(-theta)^-T I theta`
-    #[inline]
-    fn momentum(&self) -> Vector3<f64> {
-        let once = self.theta.cross(&self.u);
-        self.u + once * 0.5 + self.theta.cross(&once) * self.c
-    }
-
-    /// The derivative of `T(-theta)^-T I theta` along turns of the body at the end.
-    #[inline]
-    fn slope(&self, moments: &Vector3<f64>) -> Matrix3<f64> {
-        let Turn { theta: x, u, c } = self;
-        let s = x.norm_squared();
-        // The slope of c with the squared angle, to 1e-5 of itself at a whole radian.
-        let change = (1.0 + s * (1.0 / 21.0 + s * (1.0 / 560.0 + s / 16_632.0))) / 720.0;
-        let inner = Matrix3::identity()
-            + x.cross_matrix() * 0.5
-            + (x * x.transpose() - Matrix3::from_diagonal_element(s)) * *c;
-        let outer = u.cross_matrix() * -0.5
-            + (x * u.transpose() + Matrix3::from_diagonal_element(x.dot(u))
-                - u * x.transpose() * 2.0)
-                * *c
-            + x.cross(&x.cross(u)) * x.transpose() * (2.0 * change);
-        (inner * Matrix3::from_diagonal(moments) + outer) * right_jacobian_inverse(x)
-    }
-}
 
 impl<D> fmt::Debug for TreeVariational<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
