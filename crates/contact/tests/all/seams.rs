@@ -109,7 +109,7 @@ fn lost(
 fn what_slides_over_flat_tiles_and_meshes_keeps_its_speed() {
     let mut random = SplitMix64::new(78);
     let mut failed = Vec::new();
-    for k in 0..240 {
+    for k in 0..600 {
         let turn = match k % 3 {
             0 => Rotation::identity(),
             _ => Rotation::exp(V::from_fn(|_, _| 2.0 * random.symmetric())),
@@ -139,7 +139,7 @@ fn what_slides_over_flat_tiles_and_meshes_keeps_its_speed() {
 fn what_slides_over_flat_tiles_of_the_plane_keeps_its_speed() {
     let mut random = SplitMix64::new(79);
     let mut failed = Vec::new();
-    for k in 0..200 {
+    for k in 0..400 {
         let angle = if k % 3 == 0 { 0.0 } else { 3.0 * random.symmetric() };
         let turn = PlanarRotation::exp(angle);
         let xs = lines(-2.0, 3.0, 8, &mut random);
