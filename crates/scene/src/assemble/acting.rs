@@ -20,7 +20,9 @@ use stationary_calculus::{Covector, Force, Sink, Vector};
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
 use crate::assemble::acting::rate::{Rate, rate_of};
-use crate::assemble::anchor::{Anchor, wrench};
+#[cfg(feature = "elasticity")]
+use crate::assemble::anchor::Anchor;
+use crate::assemble::anchor::wrench;
 #[cfg(feature = "elasticity")]
 use crate::model::drives::PinMotion;
 use crate::model::scene::Scene;

@@ -173,7 +173,8 @@ impl Scene {
 
     /// Whether joints, or rods that are held as joints are, take freedoms of its bodies.
     pub(crate) fn has_joints(&self) -> bool {
-        !self.bodies.is_empty() && !(self.joints.is_empty() && self.rods.is_empty())
+        let held = self.joints.len() + self.rods.len();
+        !self.bodies.is_empty() && held > 0
     }
 
     /// How many equations a joint has.

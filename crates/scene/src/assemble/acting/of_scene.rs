@@ -2,6 +2,7 @@
 
 use super::rate::Rate;
 use super::{Act, Acting, What};
+#[cfg(feature = "elasticity")]
 use crate::assemble::anchor::Anchor;
 use crate::assemble::vertices::Vertices;
 use crate::model::drives::{Motor, MotorDrive, SceneLoad};
