@@ -32,7 +32,7 @@ pub enum ImportError {
         second: String,
     },
     /// Two parts have one name.
-    #[error("two {what}s are called `{name}`")]
+    #[error("{what} `{name}` is defined twice, or has a name that is taken")]
     Duplicate {
         /// `link` or `body`.
         what: &'static str,

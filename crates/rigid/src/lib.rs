@@ -113,9 +113,8 @@ pub use jacobian::{
     right_jacobian_inverse,
 };
 pub use joint::{
-    Along, Drive, DrivenCoordinate, Joint, JointCoordinate, JointEnd, JointFault,
-    JointFriction, JointKind, JointLimits, JointName, PrescribedCoordinate, Schedule, Steady,
-    TorsionSpring,
+    Along, Drive, DrivenCoordinate, Joint, JointCoordinate, JointEnd, JointFault, JointFriction,
+    JointKind, JointLimits, JointName, PrescribedCoordinate, Schedule, Steady, TorsionSpring,
 };
 pub use kovalevskaya::KovalevskayaTop;
 pub use lie_verlet::LieVerlet;

@@ -65,12 +65,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     ),
     (
         "import",
-        &[
-            Always("nalgebra"),
-            Always("thiserror"),
-            Optional("mjcf-rs"),
-            Optional("urdf-rs"),
-        ],
+        &[Always("nalgebra"), Always("thiserror"), Optional("mjcf-rs"), Optional("urdf-rs")],
     ),
     // The program's; a library that takes its crates by feature has none of them.
     (

@@ -40,11 +40,11 @@ fn trees_that_are_none_are_refused_by_name() {
         ),
         (
             r#"<link name="a">MASS</link><link name="a">MASS</link>"#.to_owned(),
-            "two links are called `a`",
+            "link `a` is defined twice",
         ),
         (
             two.replace("name=\"b\"", "name=\"world\"") + &joint("j", "floating", "a", "world", ""),
-            "two links are called `world`",
+            "link `world` is defined twice, or has a name that is taken",
         ),
         (
             r#"<link name="r"/>"#.to_owned()
@@ -112,7 +112,7 @@ fn joints_and_masses_that_no_scene_has_are_refused_by_name() {
             format!(
                 r#"<body name="b"><freejoint/>{geom}</body><body name="b"><freejoint/>{geom}</body>"#
             ),
-            "two bodys are called `b`",
+            "body `b` is defined twice",
         ),
     ];
     for (text, expected) in wrong {
