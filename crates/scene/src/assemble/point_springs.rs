@@ -130,7 +130,8 @@ impl Potential for PointSprings {
                 }
             }
             hessian.add_symmetric(&freedoms, &block);
-            for (_, Turns { first, block }) in &moved {
+            // What stays has no turns.
+            for (_, Turns { first, block }) in moved.iter().filter(|(_, t)| !t.block.is_empty()) {
                 let turns = if block.len() == 9 { 3 } else { block.len() };
                 let freedoms: Vec<usize> = (*first..first + turns).collect();
                 hessian.add_symmetric(&freedoms, block);
