@@ -108,7 +108,8 @@ mod tests {
     #[test]
     fn moments_of_round_bodies_are_those_of_a_fine_sum() {
         let around = |p: &Vector3<f64>| p.x.hypot(p.y);
-        let holds: [(Body, [f64; 3], [f64; 3], &dyn Fn(&Vector3<f64>) -> bool); 5] = [
+        type Case<'a> = (Body, [f64; 3], [f64; 3], &'a dyn Fn(&Vector3<f64>) -> bool);
+        let holds: [Case<'_>; 5] = [
             (Body::solid_ball(2.0, 0.7).unwrap(), [-0.7; 3], [0.7; 3], &|p| p.norm() <= 0.7),
             (
                 Body::solid_ellipsoid(2.0, [0.5, 0.8, 1.1]).unwrap(),

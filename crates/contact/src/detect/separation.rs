@@ -137,7 +137,7 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
         }
     }
     let gap = value - rounding;
-    if !(gap <= margin) {
+    if gap.is_nan() || gap > margin {
         return None;
     }
     let middle = (points[0] + points[1]) * 0.5;

@@ -31,7 +31,7 @@ pub(crate) fn hull(points: &[V]) -> Option<Vec<[usize; 3]>> {
     let normal = (b - a).cross(&(points[third] - a)).try_normalize(0.0)?;
     let fourth = far(&|p| normal.dot(&(p - a)).abs())?;
     let up = normal.dot(&(points[fourth] - a));
-    if !(up.abs() > ON * size) {
+    if up.is_nan() || up.abs() <= ON * size {
         return None;
     }
     let [i, j, k, l] =

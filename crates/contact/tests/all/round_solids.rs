@@ -183,8 +183,8 @@ fn a_cylinder_and_a_capsule_roll_down_a_slope_as_without_slip() {
 /// It stands where its weight passes within its circle: up to tan a = r/half length.
 #[test]
 fn an_upright_cylinder_on_a_slope_stands_below_its_angle_and_tips_beyond_it() {
-    let (half, radius) = (0.6, 0.2);
-    let critical = (radius / half as f64).atan();
+    let (half, radius) = (0.6_f64, 0.2_f64);
+    let critical = (radius / half).atan();
     for yaw in [0.0, 0.2, 0.39, 1.0] {
         for part in [0.97, 1.03] {
             let angle = part * critical;
@@ -215,7 +215,7 @@ fn ellipsoids_cones_and_cylinders_thrown_on_a_floor_never_gain_energy() {
     ];
     for k in 0..32 {
         let (body, shape) = &bodies[k % 4];
-        let (body, shape) = (body.clone().unwrap(), shape.clone().unwrap());
+        let (body, shape) = ((*body).unwrap(), shape.clone().unwrap());
         let name = shape.name();
         let below = if k / 4 % 2 == 0 { floor(V::z()) } else { table(V::z(), 1.0) };
         let pose = at(V::z() * 0.8, Rotation::exp(random_vector(&mut random) * 2.0));

@@ -22,7 +22,7 @@ pub(super) const KIND: Kind = Kind {
     krate: "contact",
     rule: "with P = 1e-12 of the larger of the pair's size and coordinate: the least gap off the \
            separation of the solids by more than P; a gap below it by more than P; points outside of \
-           their solids, or off the gap along the normal, by more than 10 P (of two boxes, also 4e-9 of the least half \
+           their solids, or off the gap along the normal, by more than 10 P (of two boxes, also 4e-9 of the larger least half \
            size, by which they are clipped wider); a normal whose length is \
            off 1 by 1e-14; none where the separation is below the margin by P, one whose gap is above \
            it; the gap's rate off its differential by 1e-3 of the speed",
@@ -286,7 +286,7 @@ impl Referee {
         let promised = 1e-12 * scale.max(coordinate);
         let place = match &pair.forms {
             [Form::Box(_), Form::Box(_)] => {
-                10.0 * promised + 4e-9 * pair.forms[0].thin().min(pair.forms[1].thin())
+                10.0 * promised + 4e-9 * pair.forms[0].thin().max(pair.forms[1].thin())
             }
             _ => 10.0 * promised,
         };
