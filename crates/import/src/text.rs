@@ -92,10 +92,11 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
     }
     let bodies = robot.parts.iter().map(|part| body(part, &robot.links));
     let bodies = bodies.collect::<Result<String, _>>()?;
-    let shapeless = robot.parts.iter().filter(|part| part.outline().is_none());
-    let shapeless: Vec<_> = shapeless.map(|part| part.name.clone()).collect();
     let mut contact = String::new();
-    if !robot.walls.is_empty() && shapeless.is_empty() {
+    // Whatever has a shape, of a kind that scenes have or of another.
+    let touches = |part: &&Part| part.outlines.as_ref().is_none_or(|all| !all.is_empty());
+    let alone = robot.walls.is_empty() && robot.parts.len() == 1;
+    if !alone && robot.parts.iter().all(|part| part.outline().is_some()) {
         contact.push_str("\n[contact]\n");
         if let Some(friction) = robot.friction.filter(|&friction| friction > 0.0) {
             let _ = writeln!(contact, "friction = {friction:?}");
@@ -122,8 +123,9 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
                 vector(at)
             );
         }
-    } else {
-        robot.left_out.extend(shapeless.into_iter().map(|name| format!("what `{name}` touches")));
+    } else if !alone {
+        let left = robot.parts.iter().filter(touches);
+        robot.left_out.extend(left.map(|part| format!("what `{}` touches", part.name)));
     }
     let mut text = format!("# From a description in {}.\n", robot.format);
     if !robot.left_out.is_empty() {

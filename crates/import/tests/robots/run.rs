@@ -36,8 +36,8 @@ fn an_arm_with_a_turned_inertia_falls_as_its_one_equation_says() {
     let own = UnitQuaternion::from_euler_angles(0.3, -0.4, 0.9).to_rotation_matrix();
     let tensor = Matrix3::new(0.11, 0.01, -0.02, 0.01, 0.09, 0.005, -0.02, 0.005, 0.05);
     let (m, g, c) = (2.0, 9.81, 0.3);
-    let axis = Vector3::new(0.0, 2.0, 1.0).normalize();
-    let lever = Vector3::new(0.5, 0.1, -0.2);
+    let axis: Vector3<f64> = Vector3::new(0.0, 2.0, 1.0).normalize();
+    let lever: Vector3<f64> = Vector3::new(0.5, 0.1, -0.2);
     let moment = axis.dot(&(own * tensor * own.transpose() * axis))
         + m * (lever.norm_squared() - axis.dot(&lever).powi(2));
     let centre = |phi: f64| {
