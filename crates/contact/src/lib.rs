@@ -41,10 +41,11 @@
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
 //! when ([`Impacting`]). Last, a [`World`], the front door for scenes: bodies of either dimension,
-//! their shapes, and what happens, with joints, their limits and their friction ([`JointRows`]). Its one solver: a contact packed for many visits, friction at one
-//! of them, islands, the exact projection of small ones, sweeps over the others with sparse systems
-//! between them, their parts each on its own, impulses and contact points kept from step to step,
-//! what rests on them, what overlaps lifted.
+//! their shapes, and what happens, with joints, their limits and their friction ([`JointRows`]), under
+//! forces beside those of the potential ([`World::step_under`]). Its one solver: a contact packed for many
+//! visits, friction at one of them, islands, the exact projection of small ones, sweeps over the others with
+//! sparse systems between them, their parts each on its own, impulses and contact points kept from step to
+//! step, what rests on them, what overlaps lifted.
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.

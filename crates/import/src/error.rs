@@ -1,5 +1,7 @@
 //! What keeps a description from being a scene.
 
+use stationary_rigid::RigidError;
+
 /// A description that is no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
@@ -53,15 +55,13 @@ pub enum ImportError {
         /// The part.
         name: String,
     },
-    /// No body has such moments.
-    #[error(
-        "`{name}` has principal moments {moments:?}; each must be positive and at most the sum of the other two"
-    )]
-    Moments {
+    /// No body has such a mass or such moments.
+    #[error("`{name}` is no body: {source}")]
+    Body {
         /// The part.
         name: String,
-        /// The moments, kg m^2.
-        moments: [f64; 3],
+        /// Why.
+        source: Box<RigidError>,
     },
     /// A number is no number, or too large for one.
     #[error("{what} of `{name}` is not finite")]

@@ -1,12 +1,12 @@
 //! Which scene does a robot's description tell? Bodies and joints of URDF and MJCF files, as the text of a scene.
 //!
 //! ```text
-//! m = sum m_k,   c = sum m_k c_k / m                       links that are fixed to one another: one body
-//! J = sum J_k + m_k (|d_k|^2 1 - d_k d_k^T),  d_k = c_k - c          their moments, by the parallel axes
-//! J = R diag(J_1, J_2, J_3) R^T,   J_1 <= J_2 + J_3, and so on       principal axes; a body can have no others
+//! T_child = T_parent T_joint                   where links and bodies are, all joints at zero
+//! m, c, J of all pieces as one                 links that are fixed to one another: one body
+//! J = R diag(J_1, J_2, J_3) R^T                its principal axes, which are those of the scene's body
 //! ```
-//! `m` masses (kg), `c` centres (m), `J` moments about them (kg m^2) in axes of the world, `R` the axes of the body
-//! that the scene has.
+//! `T` poses in the world, `m` masses (kg), `c` centres (m), `J` inertia tensors (kg m^2), `R` the axes. Masses and
+//! moments are the crate rigid's.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] {
@@ -28,8 +28,6 @@
 //! is an [`ImportError`]: several joints of one body, joints that follow another, masses of surfaces.
 
 mod error;
-#[cfg(any(feature = "urdf", feature = "mjcf"))]
-mod inertia;
 #[cfg(any(feature = "urdf", feature = "mjcf"))]
 mod robot;
 #[cfg(any(feature = "urdf", feature = "mjcf"))]

@@ -8,17 +8,20 @@ use mjcf_rs::Model;
 use mjcf_rs::body::{Body, Geom, GeomType, InertiaSpec, Joint, JointType};
 use mjcf_rs::compiler::InertiaFromGeom;
 use mjcf_rs::equality::Equality;
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
 
-use crate::inertia::{Inertia, solid_ball, solid_box};
-use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
+use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name};
 use crate::text::scene;
 use crate::{Description, ImportError};
 
-fn isometry(pose: &mjcf_rs::Pose) -> Isometry3<f64> {
+/// A frame in its parent's.
+fn motion(name: &str, pose: &mjcf_rs::Pose) -> Result<RigidMotion, ImportError> {
     let (t, r) = (pose.translation, pose.rotation);
-    let turn = UnitQuaternion::from_quaternion(Quaternion::new(r.w, r.x, r.y, r.z));
-    Isometry3::from_parts(Translation3::new(t.x, t.y, t.z), turn)
+    let length = (r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z).sqrt();
+    let rotation = Rotation::from_quaternion([r.w, r.x, r.y, r.z].map(|part| part / length))
+        .map_err(|_| ImportError::NonFinite { what: "the orientation", name: name.to_owned() })?;
+    Ok(RigidMotion { translation: Vector3::new(t.x, t.y, t.z), rotation })
 }
 
 /// The scene of a model of MuJoCo: where it is with all joints at their reference, at rest, with its gravity and its
@@ -52,15 +55,15 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
         left_out: Vec::new(),
     };
     // A parent stands before its children.
-    let mut placed: Vec<(Isometry3<f64>, String)> = Vec::with_capacity(model.bodies.len());
+    let mut placed: Vec<(RigidMotion, String)> = Vec::with_capacity(model.bodies.len());
     for (id, entry) in model.bodies.iter().enumerate() {
-        let own = isometry(&entry.body.pose);
+        let own = motion(entry.body.name.as_deref().unwrap_or(WORLD), &entry.body.pose)?;
         let (pose, parent) = match entry.parent {
-            Some(parent) => (placed[parent].0 * own, placed[parent].1.clone()),
+            Some(parent) => (placed[parent].0.compose(&own), placed[parent].1.clone()),
             None => (own, WORLD.to_owned()),
         };
         let name = if id == 0 {
-            ground(&mut robot, &entry.body, &pose);
+            ground(&mut robot, &entry.body, &pose)?;
             WORLD.to_owned()
         } else {
             place(&mut robot, &model, id, &pose, &parent)?
@@ -82,15 +85,16 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
 }
 
 /// The planes of the world; its other shapes are left out.
-fn ground(robot: &mut Robot, body: &Body, pose: &Isometry3<f64>) {
+fn ground(robot: &mut Robot, body: &Body, pose: &RigidMotion) -> Result<(), ImportError> {
     for geom in &body.geoms {
         if geom.type_ == GeomType::Plane {
-            let at = pose * isometry(&geom.pose);
-            robot.walls.push([at.rotation * Vector3::z(), at.translation.vector]);
+            let at = pose.compose(&motion(named(geom), &geom.pose)?);
+            robot.walls.push([at.rotation.rotate(&Vector3::z()), at.translation]);
         } else {
             robot.left_out.push(format!("what touches geom `{}`", named(geom)));
         }
     }
+    Ok(())
 }
 
 fn named(geom: &Geom) -> &str {
@@ -114,7 +118,7 @@ fn place(
     robot: &mut Robot,
     model: &Model,
     id: usize,
-    pose: &Isometry3<f64>,
+    pose: &RigidMotion,
     parent: &str,
 ) -> Result<String, ImportError> {
     let body = &model.bodies[id].body;
@@ -126,26 +130,27 @@ fn place(
     if body.gravcomp != 0.0 {
         robot.left_out.push(format!("gravity compensation of `{name}`"));
     }
-    let inertia = inertia(model, body, &name)?.seen(pose);
-    let outlines = body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0);
-    let outlines =
-        outlines.map(|geom| Some((outline(geom)?, pose * isometry(&geom.pose)))).collect();
-    let part = Part { name: name.clone(), inertia, outlines };
+    let pieces = pieces(model, body, &name)?.iter().map(|piece| piece.moved(pose)).collect();
+    let mut outlines = Some(Vec::new());
+    for geom in body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0) {
+        let at = pose.compose(&motion(named(geom), &geom.pose)?);
+        outlines = outlines.zip(outline(geom)).map(|(mut all, one)| {
+            all.push((one, at));
+            all
+        });
+    }
+    let part = Part { name: name.clone(), pieces, outlines };
     match &body.joints[..] {
         [] => {
             // What is fixed to the world does not move; the rest is one body.
             if let Some(above) = robot.part(parent) {
-                above.inertia = above.inertia.with(&part.inertia);
-                above.outlines = above.outlines.take().zip(part.outlines).map(|(mut all, own)| {
-                    all.extend(own);
-                    all
-                });
+                above.join(part.pieces, part.outlines);
             }
             Ok(parent.to_owned())
         }
         [joint] => {
             if let Some(kind) = kind(robot, joint, pose, &name)? {
-                let at = pose.transform_point(&Vector3::from(joint.pos).into()).coords;
+                let at = pose.apply(&Vector3::from(joint.pos));
                 robot.links.push(Link { kind, between: [parent.to_owned(), name.clone()], at });
             }
             robot.parts.push(part);
@@ -159,7 +164,7 @@ fn place(
 fn kind(
     robot: &mut Robot,
     joint: &Joint,
-    pose: &Isometry3<f64>,
+    pose: &RigidMotion,
     body: &str,
 ) -> Result<Option<Kind>, ImportError> {
     let name = joint.name.clone().unwrap_or_else(|| format!("joint of {body}"));
@@ -196,7 +201,7 @@ fn kind(
 fn equalities(
     robot: &mut Robot,
     model: &Model,
-    placed: &[(Isometry3<f64>, String)],
+    placed: &[(RigidMotion, String)],
 ) -> Result<(), ImportError> {
     let ids: HashMap<_, _> = model
         .bodies
@@ -241,7 +246,7 @@ fn equalities(
             Some(second) => placed[find(&common.name, second)?].1.clone(),
             None => WORLD.to_owned(),
         };
-        let at = first.0.transform_point(&Vector3::from(anchor).into()).coords;
+        let at = first.0.apply(&Vector3::from(anchor));
         robot.links.push(Link { kind, between: [first.1.clone(), second], at });
     }
     Ok(())
@@ -256,105 +261,91 @@ fn outline(geom: &Geom) -> Option<Outline> {
     }
 }
 
-/// The inertia of a body in its own frame, as it is written or from its shapes.
-fn inertia(model: &Model, body: &Body, name: &str) -> Result<Inertia, ImportError> {
-    let written = body
-        .inertial
-        .as_ref()
-        .filter(|_| model.compiler.inertia_from_geom != InertiaFromGeom::True);
-    if let Some(inertial) = written {
-        let moments = match inertial.inertia {
+/// The pieces of a body in its own frame: as it is written, or its shapes.
+fn pieces(model: &Model, body: &Body, name: &str) -> Result<Vec<SpatialMass>, ImportError> {
+    let from = model.compiler.inertia_from_geom;
+    if let Some(inertial) = body.inertial.as_ref().filter(|_| from != InertiaFromGeom::True) {
+        let inertia = match inertial.inertia {
             InertiaSpec::Diagonal(moments) => Matrix3::from_diagonal(&Vector3::from(moments)),
             InertiaSpec::Full([xx, yy, zz, xy, xz, yz]) => {
                 Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
             }
         };
-        let own = Inertia { mass: inertial.mass, centre: Vector3::zeros(), moments };
-        return Ok(own.seen(&isometry(&inertial.pose)));
+        let own = SpatialMass { mass: inertial.mass, centre: Vector3::zeros(), inertia };
+        return Ok(vec![own.moved(&motion(name, &inertial.pose)?)]);
     }
-    if model.compiler.inertia_from_geom == InertiaFromGeom::False {
-        return Ok(Inertia::NONE);
+    if from == InertiaFromGeom::False {
+        return Ok(Vec::new());
     }
-    let mut sum = Inertia::NONE;
+    let mut all = Vec::new();
     for geom in &body.geoms {
-        let missing = ImportError::Unsupported {
-            what: "the mass of a surface",
-            name: format!("geom {} of {name}", named(geom)),
+        let name = || format!("geom {} of {name}", named(geom));
+        let density = geom.density.unwrap_or(model.compiler.inertia_density);
+        let weightless = geom.mass == Some(0.0) || (geom.mass.is_none() && density == 0.0);
+        if weightless || geom.type_ == GeomType::Plane {
+            continue;
+        }
+        let solid = solid(geom, density)
+            .ok_or_else(|| ImportError::Unsupported {
+                what: "the mass of a surface",
+                name: name(),
+            })?
+            .map_err(|source| ImportError::Body { name: name(), source: Box::new(source) })?;
+        let at = match geom.fromto {
+            Some(ends) => between(&ends),
+            None => motion(named(geom), &geom.pose)?,
         };
-        sum = sum.with(&of_shape(geom, model.compiler.inertia_density).ok_or(missing)?);
+        all.push(piece(&solid).moved(&at));
     }
-    Ok(sum)
+    Ok(all)
 }
 
-/// The inertia of a solid shape in its body's frame; none of a surface.
-fn of_shape(geom: &Geom, density: f64) -> Option<Inertia> {
-    let density = geom.density.unwrap_or(density);
-    if geom.mass == Some(0.0) || (geom.mass.is_none() && density == 0.0) {
-        return Some(Inertia::NONE);
-    }
-    let (mut half, mut pose) = (geom.size[1], isometry(&geom.pose));
+/// The frame whose z leads from one end to the other, at their middle.
+fn between(&[a, b, c, d, e, f]: &[f64; 6]) -> RigidMotion {
+    let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+    let along = to - from;
+    let across = Vector3::z().cross(&along);
+    let angle = across.norm().atan2(along.z);
+    // Straight up or down, any axis across will do.
+    let rotation = Rotation::about(across, angle)
+        .unwrap_or_else(|_| Rotation::exp(Vector3::x() * if along.z < 0.0 { PI } else { 0.0 }));
+    RigidMotion { translation: (from + to) * 0.5, rotation }
+}
+
+/// A solid shape in its own frame; none of a surface.
+fn solid(geom: &Geom, density: f64) -> Option<Result<Solid, RigidError>> {
+    let [r, mut half, c] = geom.size;
     if let Some([a, b, c, d, e, f]) = geom.fromto {
-        let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
-        half = 0.5 * (to - from).norm();
-        let turn = UnitQuaternion::rotation_between(&Vector3::z(), &(to - from));
-        let turn = turn.unwrap_or(UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
-        pose = Isometry3::from_parts(((from + to) * 0.5).into(), turn);
+        half = 0.5 * Vector3::new(d - a, e - b, f - c).norm();
     }
-    let r = geom.size[0];
     let mass = |volume: f64| geom.mass.unwrap_or(density * volume);
-    let own = match geom.type_ {
-        GeomType::Sphere => solid_ball(mass(4.0 / 3.0 * PI * r.powi(3)), r),
-        GeomType::Box if geom.fromto.is_some() => return None,
-        GeomType::Box => {
-            let sides = geom.size.map(|half| 2.0 * half);
-            solid_box(mass(sides.iter().product()), sides)
+    let (tube, ball) = (2.0 * PI * r * r * half, 4.0 / 3.0 * PI * r.powi(3));
+    Some(match (geom.type_, geom.fromto) {
+        (GeomType::Sphere, _) => Solid::solid_ball(mass(ball), r),
+        (GeomType::Box, None) => Solid::solid_box(mass(8.0 * r * half * c), geom.size),
+        (GeomType::Ellipsoid, None) => {
+            Solid::solid_ellipsoid(mass(4.0 / 3.0 * PI * r * half * c), geom.size)
         }
-        GeomType::Ellipsoid if geom.fromto.is_some() => return None,
-        GeomType::Ellipsoid => {
-            let [a, b, c] = geom.size;
-            let m = mass(4.0 / 3.0 * PI * a * b * c);
-            let over = |x: f64, y: f64| m * (x * x + y * y) / 5.0;
-            Inertia::about_axes(m, [over(b, c), over(a, c), over(a, b)])
-        }
-        GeomType::Cylinder => cylinder(mass(2.0 * PI * r * r * half), r, half),
-        GeomType::Capsule => {
-            let [body, ends] = [2.0 * PI * r * r * half, 4.0 / 3.0 * PI * r.powi(3)];
-            let m = mass(body + ends);
-            let tube = cylinder(m * body / (body + ends), r, half);
-            // Two halves of a ball, their centres 3 r/8 beyond the ends.
-            let m = m * ends / (body + ends);
-            let across = m * (0.4 * r * r + half * half + 0.75 * half * r);
-            tube.with(&Inertia::about_axes(m, [across, across, 0.4 * m * r * r]))
-        }
-        GeomType::Plane => return Some(Inertia::NONE),
-        GeomType::Hfield | GeomType::Mesh | GeomType::Sdf => return None,
-    };
-    Some(own.seen(&pose))
-}
-
-/// A solid cylinder about z.
-fn cylinder(mass: f64, radius: f64, half: f64) -> Inertia {
-    let across = mass * (radius * radius / 4.0 + half * half / 3.0);
-    Inertia::about_axes(mass, [across, across, mass * radius * radius / 2.0])
+        (GeomType::Cylinder, _) => Solid::solid_cylinder(mass(tube), half, r),
+        (GeomType::Capsule, _) => Solid::solid_capsule(mass(tube + ball), half, r),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Slices across z: a disc of radius r(z) each.
-    fn slices(density: f64, reach: f64, radius: impl Fn(f64) -> f64) -> [f64; 3] {
+    /// The mass of slices across z: a disc of radius r(z) each.
+    fn slices(density: f64, reach: f64, radius: impl Fn(f64) -> f64) -> f64 {
         let n = 200_000;
         let dz = 2.0 * reach / f64::from(n);
-        (0..n).fold([0.0; 3], |[m, across, along], k| {
-            let z = -reach + dz * (f64::from(k) + 0.5);
-            let (r2, part) = (radius(z).powi(2), density * PI * radius(z).powi(2) * dz);
-            [m + part, across + part * (r2 / 4.0 + z * z), along + part * r2 / 2.0]
-        })
+        let at = |k: u32| -reach + dz * (f64::from(k) + 0.5);
+        (0..n).map(|k| density * PI * radius(at(k)).powi(2) * dz).sum()
     }
 
     #[test]
-    fn masses_and_moments_of_shapes_are_those_of_their_slices() {
+    fn masses_of_shapes_are_those_of_their_slices() {
         let (r, half, density) = (0.3, 0.5, 700.0);
         let tube = |_: f64| r;
         let capsule = |z: f64| {
@@ -362,35 +353,31 @@ mod tests {
             (r * r - beyond * beyond).max(0.0).sqrt()
         };
         let round = |z: f64| r * (1.0 - (z / half).powi(2)).max(0.0).sqrt();
+        let ball = |z: f64| (r * r - z * z).max(0.0).sqrt();
         for (type_, size, expected) in [
             (GeomType::Cylinder, [r, half, 0.0], slices(density, half, tube)),
             (GeomType::Capsule, [r, half, 0.0], slices(density, half + r, capsule)),
             (GeomType::Ellipsoid, [r, r, half], slices(density, half, round)),
+            (GeomType::Sphere, [r, 0.0, 0.0], slices(density, r, ball)),
         ] {
-            let geom = Geom { type_, size, density: Some(density), ..Geom::default() };
-            let found = of_shape(&geom, 1.0).unwrap();
-            let of = [found.mass, found.moments[(0, 0)], found.moments[(2, 2)]];
-            for (a, b) in of.iter().zip(expected) {
-                assert!((a / b - 1.0).abs() < 1e-8, "{type_:?}: {of:?} {expected:?}");
-            }
-            assert_eq!(found.moments[(0, 0)], found.moments[(1, 1)]);
+            let geom = Geom { type_, size, ..Geom::default() };
+            let mass = solid(&geom, density).unwrap().unwrap().mass();
+            assert!((mass / expected - 1.0).abs() < 1e-8, "{type_:?}: {mass} {expected}");
         }
     }
 
     #[test]
-    fn a_capsule_between_two_points_is_the_one_that_is_turned_there() {
-        let geom = |fromto| Geom {
-            type_: GeomType::Capsule,
-            size: [0.1, 0.0, 0.0],
-            fromto: Some(fromto),
-            mass: Some(2.0),
-            ..Geom::default()
-        };
-        let along = of_shape(&geom([1.0, 0.0, 0.0, 3.0, 0.0, 0.0]), 1.0).unwrap();
-        let back = of_shape(&geom([0.0, 0.0, 1.0, 0.0, 0.0, -1.0]), 1.0).unwrap();
-        assert_eq!(along.centre, Vector3::new(2.0, 0.0, 0.0));
-        assert!((along.moments[(0, 0)] - back.moments[(2, 2)]).abs() < 1e-15);
-        assert!((along.moments[(1, 1)] - back.moments[(0, 0)]).abs() < 1e-15);
-        assert!(along.moments[(1, 1)] > 10.0 * along.moments[(0, 0)]);
+    fn what_lies_between_two_points_has_its_axis_along_them() {
+        for ends in [
+            [1.0, 0.0, 0.0, 3.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0, 0.0, -1.0],
+            [0.0, 0.0, -1.0, 0.0, 0.0, 1.0],
+            [0.2, -0.3, 0.5, -0.7, 0.1, -0.9],
+        ] {
+            let [from, to] = [&ends[..3], &ends[3..]].map(Vector3::from_column_slice);
+            let (frame, half) = (between(&ends), 0.5 * (to - from).norm());
+            assert!((frame.apply(&(Vector3::z() * half)) - to).norm() < 1e-15, "{ends:?}");
+            assert!((frame.apply(&(Vector3::z() * -half)) - from).norm() < 1e-15, "{ends:?}");
+        }
     }
 }

@@ -2,14 +2,14 @@
 
 use std::collections::HashSet;
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use stationary_rigid::{Body, PrincipalFrame, RigidError, RigidMotion, SpatialMass};
 
 use crate::ImportError;
-use crate::inertia::{Inertia, solid_ball, solid_box};
 
 /// The name of what does not move.
 pub(crate) const WORLD: &str = "world";
-/// Parts of a body by which a shape's place and moments may differ from the body's own: digits of a file.
+/// Parts by which moments may differ from those of a shape or of a plate: digits of a file.
 const DIGITS: f64 = 1e-6;
 
 /// A shape that scenes have.
@@ -26,26 +26,74 @@ pub(crate) enum Outline {
 pub(crate) struct Part {
     pub(crate) name: String,
     /// In the world.
-    pub(crate) inertia: Inertia,
+    pub(crate) pieces: Vec<SpatialMass>,
     /// The shapes that it has, in the world; none where one is of another kind.
-    pub(crate) outlines: Option<Vec<(Outline, Isometry3<f64>)>>,
+    pub(crate) outlines: Option<Vec<(Outline, RigidMotion)>>,
+}
+
+/// A part as one solid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solid {
+    pub(crate) body: Body,
+    /// Of its principal axes.
+    pub(crate) pose: RigidMotion,
+    /// The one shape that is the body: solid, and where the body's mass is.
+    pub(crate) outline: Option<(Outline, RigidMotion)>,
 }
 
 impl Part {
-    /// The one shape that is the body: solid, and where the body's mass is.
-    pub(crate) fn outline(&self) -> Option<(Outline, Isometry3<f64>)> {
-        let &[(outline, pose)] = &self.outlines.as_ref()?[..] else { return None };
-        let mass = self.inertia.mass;
-        let solid = match outline {
-            Outline::Box(sides) => solid_box(mass, sides),
-            Outline::Ball(radius) => solid_ball(mass, radius),
+    /// Adds what is fixed to it.
+    pub(crate) fn join(
+        &mut self,
+        pieces: Vec<SpatialMass>,
+        outlines: Option<Vec<(Outline, RigidMotion)>>,
+    ) {
+        self.pieces.extend(pieces);
+        self.outlines = self.outlines.take().zip(outlines).map(|(mut all, own)| {
+            all.extend(own);
+            all
+        });
+    }
+
+    /// All of it as one.
+    pub(crate) fn solid(&self) -> Result<Solid, ImportError> {
+        let name = &self.name;
+        if self.pieces.iter().all(|piece| piece.mass == 0.0) {
+            return Err(ImportError::Massless { name: name.clone() });
+        }
+        let solid = || -> Result<Solid, RigidError> {
+            let all = SpatialMass::composite(&self.pieces)?;
+            let frame = PrincipalFrame::of(&((all.inertia + all.inertia.transpose()) * 0.5))?;
+            let [a, b, mut c] = frame.moments;
+            // A plate's moments, written with few digits.
+            if c > a + b && c <= (a + b) * (1.0 + DIGITS) {
+                c = a + b;
+            }
+            let body = Body::new(all.mass, [a, b, c])?;
+            let pose = RigidMotion { translation: all.centre, rotation: frame.rotation };
+            Ok(Solid { body, pose, outline: self.outline(&all) })
         };
-        let (solid, own) = (solid.seen(&pose), &self.inertia);
-        let largest = own.moments.amax();
-        let near = (solid.moments - own.moments).amax() <= DIGITS * largest
-            && (solid.centre - own.centre).norm_squared() * mass <= DIGITS * DIGITS * largest;
+        solid().map_err(|source| ImportError::Body { name: name.clone(), source: Box::new(source) })
+    }
+
+    fn outline(&self, own: &SpatialMass) -> Option<(Outline, RigidMotion)> {
+        let &[(outline, pose)] = &self.outlines.as_ref()?[..] else { return None };
+        let solid = match outline {
+            Outline::Box(sides) => Body::solid_box(own.mass, sides.map(|side| 0.5 * side)),
+            Outline::Ball(radius) => Body::solid_ball(own.mass, radius),
+        };
+        let solid = piece(&solid.ok()?).moved(&pose);
+        let largest = own.inertia.amax();
+        let near = (solid.inertia - own.inertia).amax() <= DIGITS * largest
+            && (solid.centre - own.centre).norm_squared() * own.mass <= DIGITS * DIGITS * largest;
         near.then_some((outline, pose))
     }
+}
+
+/// A body in its own frame.
+pub(crate) fn piece(body: &Body) -> SpatialMass {
+    let inertia = Matrix3::from_diagonal(&body.moments());
+    SpatialMass { mass: body.mass(), centre: Vector3::zeros(), inertia }
 }
 
 /// What a joint leaves free.
@@ -116,10 +164,10 @@ pub(crate) fn plain_name(name: &str) -> String {
 /// The direction of a joint's axis in the world.
 pub(crate) fn axis_in_world(
     joint: &str,
-    pose: &Isometry3<f64>,
+    pose: &RigidMotion,
     axis: [f64; 3],
 ) -> Result<Vector3<f64>, ImportError> {
-    let axis = pose.rotation * Vector3::from(axis);
+    let axis = pose.rotation.rotate(&Vector3::from(axis));
     let length = axis.norm();
     if length.is_nan() || length.is_infinite() {
         return Err(ImportError::NonFinite { what: "the axis", name: joint.to_owned() });

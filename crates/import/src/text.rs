@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use nalgebra::Vector3;
+use stationary_rigid::LieGroup;
 
-use crate::robot::{Kind, Link, Outline, Part, Robot};
+use crate::robot::{Kind, Link, Outline, Part, Robot, Solid, WORLD};
 use crate::{Description, ImportError};
 
 /// Seconds that the scene runs, at most by half a step more or less.
@@ -34,30 +35,25 @@ fn quoted(text: &str) -> String {
     out
 }
 
-fn body(part: &Part, links: &[Link]) -> Result<String, ImportError> {
-    let Part { name, inertia, .. } = part;
-    if inertia.mass.is_nan() || inertia.mass <= 0.0 {
-        return Err(ImportError::Massless { name: name.clone() });
-    }
-    let (moments, axes) = inertia.principal(name)?;
-    let (shape, pose) = match part.outline() {
-        Some((Outline::Box(sides), pose)) => (format!("box = {}", numbers(sides)), pose),
+fn body(name: &String, solid: &Solid, links: &[Link]) -> String {
+    let Solid { body, pose: axes, outline } = solid;
+    let (shape, pose) = match outline {
+        Some((Outline::Box(sides), pose)) => (format!("box = {}", numbers(*sides)), pose),
         Some((Outline::Ball(radius), pose)) => (format!("ball = {radius:?}"), pose),
         None => {
             let ends = links.iter().filter(|link| link.between.contains(name));
-            let points =
-                ends.map(|link| vector(&axes.inverse_transform_point(&link.at.into()).coords));
+            let points = ends.map(|link| vector(&axes.inverse().apply(&link.at)));
             let points = points.collect::<Vec<_>>().join(", ");
-            (format!("moments = {}\npoints = [{points}]", numbers(moments)), axes)
+            (format!("moments = {}\npoints = [{points}]", vector(&body.moments())), axes)
         }
     };
-    Ok(format!(
+    format!(
         "\n[[bodies]]\nname = {}\nmass = {:?}\n{shape}\nposition = {}\nrotation = {}\n",
         quoted(name),
-        inertia.mass,
-        vector(&pose.translation.vector),
-        vector(&pose.rotation.scaled_axis())
-    ))
+        body.mass(),
+        vector(&pose.translation),
+        vector(&pose.rotation.log())
+    )
 }
 
 fn joint(link: &Link) -> String {
@@ -90,22 +86,32 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
     if robot.parts.is_empty() {
         return Err(ImportError::Empty);
     }
-    let bodies = robot.parts.iter().map(|part| body(part, &robot.links));
-    let bodies = bodies.collect::<Result<String, _>>()?;
+    // A place that is none would be read as a word.
+    let places = robot.links.iter().map(|link| &link.at).chain(robot.walls.iter().flatten());
+    if !places.flatten().chain(&robot.gravity).all(|x| x.is_finite()) {
+        return Err(ImportError::NonFinite {
+            what: "a joint, a wall or the gravity",
+            name: robot.title,
+        });
+    }
+    let solids = robot.parts.iter().map(Part::solid).collect::<Result<Vec<_>, _>>()?;
+    let bodies: String = robot
+        .parts
+        .iter()
+        .zip(&solids)
+        .map(|(part, solid)| body(&part.name, solid, &robot.links))
+        .collect();
     let mut contact = String::new();
     // Whatever has a shape, of a kind that scenes have or of another.
     let touches = |part: &&Part| part.outlines.as_ref().is_none_or(|all| !all.is_empty());
     let alone = robot.walls.is_empty() && robot.parts.len() == 1;
-    if !alone && robot.parts.iter().all(|part| part.outline().is_some()) {
+    if !alone && solids.iter().all(|solid| solid.outline.is_some()) {
         contact.push_str("\n[contact]\n");
         if let Some(friction) = robot.friction.filter(|&friction| friction > 0.0) {
             let _ = writeln!(contact, "friction = {friction:?}");
         }
         // Neighbours at a joint pass through each other.
-        for link in robot
-            .links
-            .iter()
-            .filter(|link| link.between.iter().all(|name| *name != crate::robot::WORLD))
+        for link in robot.links.iter().filter(|link| link.between.iter().all(|name| *name != WORLD))
         {
             let [a, b] = &link.between;
             let _ = writeln!(

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use stationary_rigid::{LieGroup, RigidMotion, Rotation, SpatialMass};
 use urdf_rs::{Geometry, JointType, Pose};
 
-use crate::inertia::Inertia;
 use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
 use crate::text::scene;
 use crate::{Description, ImportError};
@@ -15,11 +15,13 @@ const STEP: f64 = 1e-3;
 /// The weight of the scene, m/s^2: the format has none.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-fn isometry(pose: &Pose) -> Isometry3<f64> {
+/// A frame in its parent's: turned about x, then about y, then about z.
+fn motion(pose: &Pose) -> RigidMotion {
     let [roll, pitch, yaw] = pose.rpy.0;
-    let [x, y, z] = pose.xyz.0;
-    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Isometry3::from_parts(Translation3::new(x, y, z), turn)
+    let turn = |axis: Vector3<f64>, angle: f64| Rotation::exp(axis * angle);
+    let last = turn(Vector3::z(), yaw).compose(&turn(Vector3::y(), pitch));
+    let rotation = last.compose(&turn(Vector3::x(), roll));
+    RigidMotion { translation: Vector3::from(pose.xyz.0), rotation }
 }
 
 /// The scene of a robot in the Unified Robot Description Format: where it is with all joints at zero, at rest, under
@@ -75,14 +77,18 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
         let names = names.collect::<Vec<_>>().join(", ");
         return Err(ImportError::Roots { count: roots.len(), names });
     };
-    let mut waiting = vec![(root, Isometry3::identity(), None)];
+    let mut waiting = vec![(root, RigidMotion::identity(), None)];
     let mut reached = 0;
     while let Some((k, pose, above)) = waiting.pop() {
         reached += 1;
         let body = place(&mut robot, &read.links[k], &pose, above)?;
         for &(j, child) in below[k].iter().rev() {
             let joint = &read.joints[j];
-            waiting.push((child, pose * isometry(&joint.origin), Some((joint, body.clone()))));
+            waiting.push((
+                child,
+                pose.compose(&motion(&joint.origin)),
+                Some((joint, body.clone())),
+            ));
         }
     }
     if reached < read.links.len() {
@@ -98,14 +104,14 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
 fn place(
     robot: &mut Robot,
     link: &urdf_rs::Link,
-    pose: &Isometry3<f64>,
+    pose: &RigidMotion,
     above: Option<(&urdf_rs::Joint, String)>,
 ) -> Result<String, ImportError> {
     let i = &link.inertial.inertia;
     let moments = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
     let mass = link.inertial.mass.value;
-    let own = Inertia { mass, centre: Vector3::zeros(), moments };
-    let inertia = own.seen(&(pose * isometry(&link.inertial.origin)));
+    let own = SpatialMass { mass, centre: Vector3::zeros(), inertia: moments };
+    let pieces = vec![own.moved(&pose.compose(&motion(&link.inertial.origin)))];
     let mut outlines = Some(Vec::new());
     for collision in &link.collision {
         let outline = match &collision.geometry {
@@ -113,7 +119,7 @@ fn place(
             Geometry::Sphere { radius } => Some(Outline::Ball(*radius)),
             _ => None,
         };
-        let at = pose * isometry(&collision.origin);
+        let at = pose.compose(&motion(&collision.origin));
         match (outline, &mut outlines) {
             (Some(outline), Some(outlines)) => outlines.push((outline, at)),
             _ => outlines = None,
@@ -125,7 +131,7 @@ fn place(
             return Ok(WORLD.to_owned());
         }
         let name = plain_name(&link.name);
-        robot.parts.push(Part { name: name.clone(), inertia, outlines });
+        robot.parts.push(Part { name: name.clone(), pieces, outlines });
         return Ok(name);
     };
     let unsupported = |what| ImportError::Unsupported { what, name: joint.name.clone() };
@@ -135,11 +141,7 @@ fn place(
     if joint.joint_type == JointType::Fixed {
         // What is fixed to the world does not move; the rest is one body.
         if let Some(part) = robot.part(&parent) {
-            part.inertia = part.inertia.with(&inertia);
-            part.outlines = part.outlines.take().zip(outlines).map(|(mut all, own)| {
-                all.extend(own);
-                all
-            });
+            part.join(pieces, outlines);
         }
         return Ok(parent);
     }
@@ -180,8 +182,8 @@ fn place(
     };
     if let Some(kind) = kind {
         let between = [parent, name.clone()];
-        robot.links.push(Link { kind, between, at: pose.translation.vector });
+        robot.links.push(Link { kind, between, at: pose.translation });
     }
-    robot.parts.push(Part { name: name.clone(), inertia, outlines });
+    robot.parts.push(Part { name: name.clone(), pieces, outlines });
     Ok(name)
 }
