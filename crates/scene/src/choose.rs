@@ -35,6 +35,7 @@ mod ladder;
 mod look;
 mod model;
 mod observable;
+mod rods;
 mod run;
 mod surrogate;
 

@@ -227,6 +227,8 @@ mod assemble {
     pub(crate) mod turn_springs;
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod joint_tree;
     #[cfg(feature = "contact")]
     pub(crate) mod colliders;
     #[cfg(feature = "contact")]
@@ -261,6 +263,8 @@ mod run {
     pub(crate) mod joints;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod joint_coordinates;
     #[cfg(feature = "rigid")]
     pub(crate) mod bodies;
     #[cfg(feature = "laplacian")]

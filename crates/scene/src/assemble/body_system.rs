@@ -4,7 +4,7 @@
 //! in space       M = diag(m, m, m, I1, I2, I3) a body, in its axes     7 numbers store 6 freedoms
 //! in the plane   M = diag(m, m, I) a body, flat                        (x, y, theta)
 //! V = uniform gravity, springs between points and at joints,     g = joints
-//! joints alone are held by RATTLE; with contact they are solved with gaps and friction
+//! joints alone are held by RATTLE, or are the coordinates; with contact they are solved with gaps and friction
 //! ```
 
 use nalgebra::{Vector2, Vector3};
@@ -34,6 +34,9 @@ pub(crate) trait BodySystem {
 
     /// Their kinetic and their potential energy.
     fn energies(&self, state: &State<Vec<f64>>) -> [f64; 2];
+
+    /// Adds the differential of their potential energy.
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>);
 
     /// How a body moves, as a body in space.
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion;
@@ -89,6 +92,10 @@ impl BodySystem for InSpace {
         [kinetic, self.system.potential().energy(&state.q)]
     }
 
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.system.potential().add_differential(q, dv);
+    }
+
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion {
         let (of, p) = (self.system.metric().bodies()[body], &state.p.0[6 * body..][..6]);
         BodyMotion {
@@ -115,6 +122,10 @@ impl BodySystem for InThePlane {
         [kinetic, self.system.potential().energy(&state.q)]
     }
 
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.system.potential().add_differential(q, dv);
+    }
+
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion {
         let masses = &self.system.metric().masses()[3 * body..][..3];
         let (q, p) = (&state.q[3 * body..][..3], &state.p.0[3 * body..][..3]);
@@ -133,7 +144,7 @@ impl BodySystem for InThePlane {
 }
 
 /// The ends of a joint where it stands.
-fn ends_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> [JointEnd; 2] {
+pub(crate) fn ends_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> [JointEnd; 2] {
     let frame = RigidMotion { translation: joint.place.into(), rotation: Rotation::identity() };
     joint.between.map(|end| match end {
         None => JointEnd { body: None, frame },

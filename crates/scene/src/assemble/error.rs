@@ -15,7 +15,7 @@ use stationary_laplacian::LaplacianError;
 #[cfg(feature = "modal")]
 use stationary_modal::ModalError;
 #[cfg(feature = "rigid")]
-use stationary_rigid::RigidError;
+use stationary_rigid::{RigidError, tree::TreeError};
 
 /// A scene that cannot be made into a system: its own checks leave little of this.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -95,6 +95,18 @@ pub enum AssemblyError {
     #[cfg(feature = "rigid")]
     #[error(transparent)]
     Rigid(#[from] RigidError),
+    /// Bodies that make no tree.
+    #[cfg(feature = "rigid")]
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// Joints that close a loop have no coordinates of their own.
+    #[error("the joint between `{first}` and `{second}` closes a loop")]
+    ClosesLoop {
+        /// What it joins.
+        first: String,
+        /// To this.
+        second: String,
+    },
     /// A method or a word whose cargo feature is not on.
     #[error("built without support for `{0}`")]
     NotCompiled(&'static str),

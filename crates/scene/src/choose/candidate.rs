@@ -68,8 +68,11 @@ pub fn candidates(scene: &Scene) -> Vec<Candidate> {
         let stepping = Stepping::Constrained(method);
         Candidate::of(stepping, Kind::EqualSteps, order, 1, Evaluation::Implicit)
     });
+    // An iteration of it goes through the joints as a differential does, and it takes one or two.
+    let joints = Stepping::JointCoordinates;
+    let joints = Candidate::of(joints, Kind::EqualSteps, 2, 3, Evaluation::Explicit);
     let elastic = (!scene.solids().is_empty()).then_some(modes);
-    let all = known.chain(own).chain(held).chain(elastic);
+    let all = known.chain(own).chain(held).chain([joints]).chain(elastic);
     // Springs of touch have a kink where things meet: no order above two holds.
     let kink = scene.contact().is_some_and(|contact| contact.stiffness.is_some());
     all.filter(|candidate| !kink || candidate.name == Method::StormerVerlet.facts().name).collect()

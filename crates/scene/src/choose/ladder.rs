@@ -53,7 +53,7 @@ impl SceneLadder {
         let mut refusal = String::new();
         for (place, model) in models.iter().enumerate() {
             for mut candidate in candidates(&model.scene) {
-                if !scene.rods().is_empty() {
+                if !model.scene.rods().is_empty() && model.scene.bodies().is_empty() {
                     // A step back to the rods is a solve, whatever went before, and has order 1.
                     candidate.evaluation = Evaluation::Implicit;
                     candidate.order = if candidate.name == RATTLE { 2 } else { 1 };

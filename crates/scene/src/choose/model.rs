@@ -5,6 +5,7 @@
 //!            twice and four times as many
 //! elements   quadratic ones in a half, a quarter, ... of the cells; linear ones for quadratic
 //! contact    impulses at another moment, or by another law;  springs,  k = m (pi n/T)^2
+//! rods       for springs that swing so fast that the question cannot see it
 //! rigid      M = sum m_i,  c = sum m_i x_i / M,  I = sum m_i (|r|^2 - r r^T),  r = x_i - c
 //!            v = sum p_i / M,  w = I^-1 sum r x p_i                 a body for each elastic one
 //! points     M at c with v: every place of a body moves as its centre does
@@ -18,7 +19,7 @@ use std::f64::consts::PI;
 use toml::{Table, Value};
 
 use super::observable::observed;
-use super::surrogate;
+use super::{rods, surrogate};
 use crate::model::elastic_body::ElasticBody;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
@@ -52,6 +53,8 @@ pub enum Simplification {
         /// Force per depth.
         stiffness: f64,
     },
+    /// Rods for stiff springs, by their places in the file.
+    Rods(Vec<usize>),
     /// Rigid bodies for elastic ones.
     Rigid,
     /// Point masses for bodies.
@@ -100,6 +103,7 @@ impl Model {
         }
         models.extend(other_contacts(name, &table, scene));
         models.extend(springs(name, &table, scene));
+        models.extend(of_rods(name, &table, scene));
         for simplification in [Simplification::Rigid, Simplification::Points] {
             models.extend(simplified(name, &table, scene, simplification));
         }
@@ -137,14 +141,15 @@ impl Model {
 
     /// How much simpler than the scene itself: of runs that cost the same, the simplest is chosen.
     pub fn simplicity(&self) -> u32 {
-        match self.simplification {
+        match &self.simplification {
             Simplification::AsWritten
             | Simplification::Refined(_)
             | Simplification::Contact { .. }
             | Simplification::Springs { .. } => 0,
             Simplification::Halved(halvings) | Simplification::Elements { halvings, .. } => {
-                halvings
+                *halvings
             }
+            Simplification::Rods(_) => 1,
             Simplification::Rigid => HALVINGS + 1,
             Simplification::Points => HALVINGS + 2,
         }
@@ -154,6 +159,9 @@ impl Model {
     pub fn seen(&self, text: &str) -> Option<String> {
         match self.simplification {
             Simplification::AsWritten => Some(text.to_owned()),
+            Simplification::Rods(ref springs) => {
+                written(&rods::with_rods(&toml::from_str(text).ok()?, springs)?)
+            }
             Simplification::Halved(halvings) => {
                 written(&with_fewer_cells(&toml::from_str(text).ok()?, halvings)?)
             }
@@ -182,9 +190,8 @@ pub(super) fn moved(model: &Model) -> Vec<usize> {
     match model.simplification {
         Simplification::AsWritten
         | Simplification::Contact { .. }
-        | Simplification::Springs { .. } => {
-            particles.map(|(number, _)| number).take(PLACES).collect()
-        }
+        | Simplification::Springs { .. }
+        | Simplification::Rods(_) => particles.map(|(number, _)| number).take(PLACES).collect(),
         _ => Vec::new(),
     }
 }
@@ -382,6 +389,20 @@ fn with_contact(table: &Table, key: &str, word: &str) -> Option<Table> {
     let mut other = table.clone();
     other.get_mut("contact")?.as_table_mut()?.insert(key.to_owned(), word.into());
     Some(other)
+}
+
+/// Rods for its stiff springs.
+fn of_rods(name: &str, table: &Table, scene: &Scene) -> Option<Model> {
+    let springs = rods::stiff(table, scene);
+    if springs.is_empty() {
+        return None;
+    }
+    let (text, scene) = parsed(name, &rods::with_rods(table, &springs)?)?;
+    let words = match springs.len() {
+        1 => "with a rod for a spring".to_owned(),
+        some => format!("with rods for {some} springs"),
+    };
+    Some(Model::new(Simplification::Rods(springs), words, text, scene))
 }
 
 /// Rigid bodies or point masses, where nothing but weight acts on what they stand for.

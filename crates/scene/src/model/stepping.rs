@@ -37,6 +37,10 @@ pub enum Stepping {
     /// is named after.
     #[cfg(feature = "rigid")]
     Bodies(BodyMethod),
+    /// Bodies whose joints close no loop, in the coordinates of these, in equal steps:
+    /// [`TreeVariational`](stationary_rigid::tree::TreeVariational).
+    #[cfg(feature = "rigid")]
+    JointCoordinates,
 }
 
 /// A method that chooses its own steps.
@@ -58,6 +62,10 @@ pub enum Constrained {
     /// [`ConstrainedHamilton`](stationary_constraints::ConstrainedHamilton).
     Hamilton,
 }
+
+/// The word for equal steps in the coordinates of joints.
+#[cfg(feature = "rigid")]
+pub(crate) const JOINT_COORDINATES: &str = "joint-coordinates";
 
 /// The word for motion in closed form.
 pub(crate) const LINEAR_MODES: &str = "linear-modes";
@@ -83,6 +91,8 @@ impl Stepping {
             Stepping::Heat(method) => method.name(),
             #[cfg(feature = "rigid")]
             Stepping::Bodies(method) => method.facts().name,
+            #[cfg(feature = "rigid")]
+            Stepping::JointCoordinates => JOINT_COORDINATES,
         }
     }
 
@@ -95,6 +105,8 @@ impl Stepping {
             // Heat solves its one matrix, without iterations.
             #[cfg(feature = "laplacian")]
             Stepping::Heat(_) => Evaluation::Explicit,
+            #[cfg(feature = "rigid")]
+            Stepping::JointCoordinates => Evaluation::Implicit,
             Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
                 Evaluation::Implicit
             }

@@ -1,4 +1,7 @@
 //! Steps that the method chooses, read off at moments of the scene's choice.
+//!
+//! A method moves numbers of its own, from which the scene's state is read: places and momenta of particles,
+//! or coordinates and speeds of joints.
 
 use stationary_calculus::{Covector, Metric, Vector};
 use stationary_integrators::{
@@ -22,18 +25,40 @@ pub(crate) fn stepper<'s, const D: usize>(
     method: Adaptive,
     tolerance: f64,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
-    let end = scene.timing.horizon();
     let acting = Acting::of(scene);
     let method = adaptive(method, problem, acting.clone(), tolerance)?;
-    let y = vec![0.0; 2 * problem.system.dim()];
-    let driven =
-        acting.map(|acting| Worked { acting, to: 0.0, v: vec![0.0; problem.system.dim()] });
-    Ok(Box::new(Reading { method, end, y, before: Vec::new(), ends: Vec::new(), driven }))
+    let read = |y: &[f64], state: &mut State<Vec<f64>>| {
+        let (q, p) = y.split_at(state.q.len());
+        state.q.copy_from_slice(q);
+        state.p.components_mut().copy_from_slice(p);
+    };
+    Ok(read_off(scene, &problem.initial, method, Box::new(read), acting))
+}
+
+/// How the scene's state is read from a method's numbers.
+pub(crate) type Read<'s> = Box<dyn FnMut(&[f64], &mut State<Vec<f64>>) + 's>;
+
+/// What reads a method's numbers off, and counts the works of what acts.
+pub(crate) fn read_off<'s>(
+    scene: &Scene,
+    initial: &State<Vec<f64>>,
+    method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
+    read: Read<'s>,
+    acting: Option<Acting>,
+) -> Box<dyn Stepper + 's> {
+    let end = scene.timing.horizon();
+    let y = vec![0.0; method.moment().y.len()];
+    let driven = acting.map(|acting| {
+        let v = vec![0.0; initial.p.components().len()];
+        Worked { acting, to: 0.0, at: initial.clone(), v }
+    });
+    Box::new(Reading { method, read, end, y, before: Vec::new(), ends: Vec::new(), driven })
 }
 
 /// A method that chooses its own steps, read off.
 struct Reading<'s> {
     method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
+    read: Read<'s>,
     end: f64,
     y: Vec<f64>,
     /// The method's numbers before its last step, whose polynomial is read off.
@@ -43,10 +68,11 @@ struct Reading<'s> {
     driven: Option<Worked>,
 }
 
-/// What acts, the time up to which its works are counted, and room for a velocity.
+/// What acts, the time up to which its works are counted, and room for a state and its velocity.
 struct Worked {
     acting: Acting,
     to: f64,
+    at: State<Vec<f64>>,
     v: Vec<f64>,
 }
 
@@ -60,14 +86,15 @@ const PLACES: [(f64, f64); 3] = [
 impl Reading<'_> {
     /// Counts the works up to a time within the method's last step.
     fn count_works(&mut self, to: f64) -> Result<(), StepFailure> {
-        let Some(Worked { acting, to: from, v }) = &mut self.driven else { return Ok(()) };
+        let Some(Worked { acting, to: from, at, v }) = &mut self.driven else { return Ok(()) };
         let to = to.min(self.method.moment().t);
         let length = to - *from;
         if length > 0.0 {
             for (place, weight) in PLACES {
                 let t = *from + place * length;
                 self.method.interpolate(t, &mut self.y)?;
-                let (q, p) = self.y.split_at(v.len());
+                (self.read)(&self.y, at);
+                let (q, p) = (&at.q, at.p.components());
                 acting.velocity(p, v);
                 acting.add_powers(weight * length, t, q, p, v);
             }
@@ -105,9 +132,7 @@ impl Stepper for Reading<'_> {
             self.count_works(to)?;
         }
         self.method.interpolate(to, &mut self.y)?;
-        let (q, p) = self.y.split_at(state.q.len());
-        state.q.copy_from_slice(q);
-        state.p.components_mut().copy_from_slice(p);
+        (self.read)(&self.y, state);
         let after = self.method.work();
         let since = |count: fn(&Work) -> u64| (count(after) - count(&before)) as u32;
         Ok(Stepped::done(StepReport {

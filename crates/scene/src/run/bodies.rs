@@ -17,6 +17,7 @@ use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
 use crate::run::error::RunError;
+use crate::run::joint_coordinates;
 use crate::run::observer::Observer;
 use crate::run::recorder::{Failed, Recorder};
 use crate::run::samples::{BrokenRod, Run, Samples};
@@ -31,9 +32,17 @@ impl Scene {
     ) -> Result<Run, RunError> {
         if self.dimension == 3 {
             let system = self.in_space()?;
+            if self.moves_joints() {
+                let stepper = joint_coordinates::stepper(self, &system)?;
+                return self.run_system(&system, stepper, checkpoint, observer);
+            }
             return self.run_system(&system, in_space(self, &system)?, checkpoint, observer);
         }
         let system = self.in_the_plane()?;
+        if self.moves_joints() {
+            let stepper = joint_coordinates::stepper(self, &system)?;
+            return self.run_system(&system, stepper, checkpoint, observer);
+        }
         self.run_system(&system, in_the_plane(self, &system)?, checkpoint, observer)
     }
 

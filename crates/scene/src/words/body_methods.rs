@@ -6,7 +6,7 @@ use stationary_rigid::BodyMethod;
 use crate::model::body_shape::BodyShape;
 use crate::model::observable::Observable;
 use crate::model::scene::Scene;
-use crate::model::stepping::Stepping;
+use crate::model::stepping::{Adaptive, Stepping};
 use crate::text::fault::Fault;
 
 impl Scene {
@@ -21,6 +21,9 @@ impl Scene {
         }
         if self.contact.is_some() {
             return self.check_touching();
+        }
+        if self.moves_joints() {
+            return self.check_joint_coordinates();
         }
         let (moves, holds) = match self.stepping {
             Stepping::Bodies(method) => (self.dimension == 3, follows_free_motion(method)),
@@ -43,6 +46,37 @@ impl Scene {
             (false, _) => Err(Fault::MethodOfAnother(name())),
             (true, false) => Err(Fault::MethodOfJoints(name())),
             (true, true) => Ok(()),
+        }
+    }
+
+    /// Whether its method moves the coordinates of joints, not those of bodies.
+    pub(crate) fn moves_joints(&self) -> bool {
+        match self.stepping {
+            Stepping::JointCoordinates => true,
+            Stepping::Adaptive { method, .. } => method == Adaptive::DormandPrince853,
+            _ => false,
+        }
+    }
+
+    /// An error where the joints are not all the coordinates that the scene needs.
+    fn check_joint_coordinates(&self) -> Result<(), Fault> {
+        let method = self.stepping.name();
+        let refused = |what| {
+            let instead = match self.dimension {
+                3 => "name `variational-rotation`",
+                _ => "name `stormer-verlet`",
+            };
+            Err(Fault::MethodCannot { method, what, instead })
+        };
+        if !self.rods.is_empty() {
+            return refused("rods between bodies");
+        }
+        if self.drives.has_speeds() {
+            return refused("motors with a speed");
+        }
+        match self.closing_joint() {
+            Some(_) => refused("joints that close a loop"),
+            None => Ok(()),
         }
     }
 

@@ -4,6 +4,7 @@
 //! equal       (q, p) -> Phi_h(q, p); with rods, then back to the nearest feasible configuration
 //! adaptive    steps chosen to a tolerance, read off at every moment i h
 //! rattle, constrained-hamilton       equal steps that hold rods by their forces
+//! joint-coordinates    equal steps of bodies, of numbers that are free
 //! linear-modes    no steps: a sum of modes in closed form, read off at every moment i h
 //! ```
 //! `h` the scene's step.
@@ -12,6 +13,8 @@ use stationary_integrators::{Evaluation, Method};
 
 use crate::model::drives::{Drives, MotorDrive};
 use crate::model::scene::Scene;
+#[cfg(feature = "rigid")]
+use crate::model::stepping::JOINT_COORDINATES;
 use crate::model::stepping::{
     ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
 };
@@ -39,6 +42,8 @@ enum Word {
     Heat(HeatMethod),
     #[cfg(feature = "rigid")]
     Bodies(BodyMethod),
+    #[cfg(feature = "rigid")]
+    JointCoordinates,
 }
 
 /// The words that a scene of this kind may say.
@@ -48,19 +53,24 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
         let steps = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
         return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
     }
+    let mut words = Vec::new();
+    #[cfg(feature = "rigid")]
+    if declared.is_of_bodies(dimension) {
+        words.push((JOINT_COORDINATES, Word::JointCoordinates));
+    }
+    words.extend(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))));
     #[cfg(feature = "rigid")]
     if declared.is_of_bodies(dimension) && dimension == 3 {
-        let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
-        return BodyMethod::ALL.iter().map(word).collect();
+        words.extend(
+            BodyMethod::ALL.iter().map(|&method| (method.facts().name, Word::Bodies(method))),
+        );
+        return words;
     }
     let _ = (declared, dimension);
-    Method::ALL
-        .iter()
-        .map(|&method| (method.facts().name, Word::Equal(method)))
-        .chain(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))))
-        .chain(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))))
-        .chain([(LINEAR_MODES, Word::LinearModes)])
-        .collect()
+    words.extend(Method::ALL.iter().map(|&method| (method.facts().name, Word::Equal(method))));
+    words.extend(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))));
+    words.push((LINEAR_MODES, Word::LinearModes));
+    words
 }
 
 /// The stepping that is declared; whether it can step the scene is asked later.
@@ -93,6 +103,8 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
         (Word::Constrained(method), None) => Stepping::Constrained(method),
         #[cfg(feature = "rigid")]
         (Word::Bodies(method), None) => Stepping::Bodies(method),
+        #[cfg(feature = "rigid")]
+        (Word::JointCoordinates, None) => Stepping::JointCoordinates,
     })
 }
 
@@ -249,7 +261,9 @@ impl Scene {
                 refused("so many freedoms with full matrices", "name an explicit method")
             }
             #[cfg(feature = "rigid")]
-            Stepping::Bodies(_) => Err(Fault::MethodOfAnother(method.to_owned())),
+            Stepping::Bodies(_) | Stepping::JointCoordinates => {
+                Err(Fault::MethodOfAnother(method.to_owned()))
+            }
             Stepping::Constrained(Constrained::Rattle) => Ok(()),
             _ if breaking => refused("rods that break", "name `rattle`"),
             _ => Ok(()),

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 use stationary_scene::{
-    Checkpoint, CheckpointError, Control, Observer, Progress, Run, RunError, Scene, Stepping,
+    Adaptive, Checkpoint, CheckpointError, Control, Observer, Progress, Run, RunError, Scene,
+    Stepping,
 };
 
 /// Asks for a checkpoint of a step, and ends the run there.
@@ -211,6 +212,13 @@ fn bodies_resume_to_the_same_bits_with_every_method_with_and_without_joints() {
     ]";
     let held = Scene::parse("held", &format!("{plane}\n{joints}")).unwrap();
     assert_resumes(&held, &[2, 25], "plane-held");
+    let adaptive = Stepping::Adaptive { method: Adaptive::DormandPrince853, tolerance: 1e-6 };
+    for (name, scene) in [("plane", &held), ("top", &top)] {
+        for stepping in [Stepping::JointCoordinates, adaptive] {
+            let scene = scene.clone().with_method(stepping).unwrap();
+            assert_resumes(&scene, &[2, 25, 30], &format!("{name}-{stepping}"));
+        }
+    }
 }
 
 #[test]

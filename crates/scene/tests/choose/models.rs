@@ -205,3 +205,58 @@ fn what_touches_is_tried_at_other_moments_by_other_laws_and_by_springs() {
     let (answer, _) = asked(BALL, "position=ball", 1e-3);
     assert!(answer.choice().is_some(), "{answer}");
 }
+
+#[test]
+fn joints_are_the_coordinates_where_that_is_cheaper() {
+    let text = r#"
+        dimension = 3
+        integrator = "variational-rotation"
+        step = 0.01
+        horizon = 2
+        uniform_gravity = { acceleration = [0, 0, -9.81] }
+        bodies = [
+            { name = "upper", mass = 1, moments = [0.1, 0.1, 0.01], position = [0.5, 0, 0], points = [[0.5, 0, 0]] },
+            { name = "lower", mass = 1, moments = [0.1, 0.1, 0.01], position = [1, 0, -0.5] },
+        ]
+        joints = [
+            { kind = "hinge", between = ["world", "upper"], at = [0, 0, 0], axis = [0, 1, 0] },
+            { kind = "ball", between = ["upper", "lower"], at = [1, 0, 0] },
+        ]
+    "#;
+    for (tolerance, method) in [(1e-2, "joint-coordinates"), (1e-6, "dormand-prince-853")] {
+        let (answer, _) = asked(text, "position=lower", tolerance);
+        let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
+        assert_eq!(row.method, method, "{answer}");
+    }
+}
+
+#[test]
+fn a_stiff_spring_that_does_not_swing_may_be_a_rod() {
+    let pendulum = |at: &str, stiffness: f64| {
+        format!(
+            r#"
+            dimension = 2
+            integrator = "stormer-verlet"
+            step = 1e-4
+            horizon = 5
+            uniform_gravity = {{ acceleration = [0, -9.81] }}
+            particles = [
+                {{ name = "nail", position = [0, 0], pinned = true }},
+                {{ name = "bob", position = {at}, mass = 1 }},
+            ]
+            springs = [{{ between = ["nail", "bob"], stiffness = {stiffness}, rest_length = 1 }}]
+            "#
+        )
+    };
+    let (answer, runs) = asked(&pendulum("[1, 0]", 1e7), "position=bob", 1e-2);
+    let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
+    assert!(row.method.ends_with(" with a rod for a spring"), "{answer}");
+    assert!(
+        runs.ladder().families.iter().any(|family| family.name == "rattle with a rod for a spring")
+    );
+    // One that starts stretched swings, and one that is soft is no rod.
+    for text in [pendulum("[1.01, 0]", 1e7), pendulum("[1, 0]", 100.0)] {
+        let runs = bounded_runs(&text, "position=bob");
+        assert!(runs.ladder().families.iter().all(|family| !family.name.contains("rod")));
+    }
+}

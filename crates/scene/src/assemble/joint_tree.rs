@@ -1,0 +1,299 @@
+//! The bodies of a scene as a tree, in the coordinates of their joints.
+//!
+//! ```text
+//! x_b = x_b(q),   u_b = J_b(q) v          poses and velocities of the bodies
+//! p = sum J_b^T P_b,   v = M^-1 p         the speeds of joints, from the momenta of bodies
+//! ```
+//! `q v` coordinates and speeds of the joints, `P` momenta. Each body hangs from the world or from another by
+//! its joint; one that no joint leads to moves freely. In the plane every turn is about the third axis.
+
+use nalgebra::Vector3;
+use stationary_calculus::Covector;
+use stationary_integrators::State;
+use stationary_rigid::tree::{Tree, TreeBuilder, TreeError, TreeForces, TreeMotion};
+use stationary_rigid::{Body, BodyMotion, JointEnd, JointKind, LieGroup, RigidMotion, Rotation};
+
+use crate::JointKind as SceneJointKind;
+use crate::assemble::body_system::ends_in_space;
+use crate::assemble::error::AssemblyError;
+use crate::model::items::{RigidBody, SceneJoint};
+use crate::model::scene::Scene;
+
+/// A body in the order of the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Hung {
+    body: usize,
+    /// The joint from which it hangs, and which of its ends is the body; none of what moves freely.
+    by: Option<(usize, usize)>,
+}
+
+/// Bodies that hang already.
+struct Order<'a> {
+    of: &'a Scene,
+    hung: Vec<Hung>,
+    seen: Vec<bool>,
+}
+
+impl Order<'_> {
+    /// Hangs the body that a joint leads to; the joint itself, where both ends hang already.
+    fn hang(&mut self, number: usize) -> Result<(), usize> {
+        let between = self.of.joints[number].between;
+        let free = between.iter().position(|end| end.is_some_and(|body| !self.seen[body]));
+        let (Some(end), Some(body)) = (free, free.and_then(|end| between[end])) else {
+            return Err(number);
+        };
+        self.seen[body] = true;
+        self.hung.push(Hung { body, by: Some((number, end)) });
+        Ok(())
+    }
+
+    fn leave_free(&mut self, body: usize) -> usize {
+        self.seen[body] = true;
+        self.hung.push(Hung { body, by: None });
+        body
+    }
+}
+
+/// A scene's bodies as a tree.
+#[derive(Clone, Debug)]
+pub(crate) struct JointTree {
+    pub(crate) tree: Tree,
+    /// The place of each body of the scene in the tree.
+    places: Vec<usize>,
+    /// Mass and moments of each.
+    inertias: Vec<(f64, Vector3<f64>)>,
+    dimension: usize,
+}
+
+impl Scene {
+    /// The first joint that closes a loop, if one does.
+    pub(crate) fn closing_joint(&self) -> Option<usize> {
+        self.hung_in_order().err()
+    }
+
+    /// Every body after what it hangs from; the joint that closes a loop, where one does.
+    fn hung_in_order(&self) -> Result<Vec<Hung>, usize> {
+        let mut joints_of = vec![Vec::new(); self.bodies.len()];
+        let mut of_world = Vec::new();
+        for (number, joint) in self.joints.iter().enumerate() {
+            match joint.between {
+                [None, None] => return Err(number),
+                [Some(a), Some(b)] => {
+                    joints_of[a].push(number);
+                    joints_of[b].push(number);
+                }
+                [Some(one), None] | [None, Some(one)] => {
+                    joints_of[one].push(number);
+                    of_world.push(number);
+                }
+            }
+        }
+        let mut order = Order { of: self, hung: Vec::new(), seen: vec![false; self.bodies.len()] };
+        let mut used = vec![false; self.joints.len()];
+        let mut hang = |order: &mut Order<'_>, number: usize| {
+            if std::mem::replace(&mut used[number], true) { Ok(()) } else { order.hang(number) }
+        };
+        for number in of_world {
+            hang(&mut order, number)?;
+        }
+        let (mut next, mut root) = (0, 0);
+        while let Some(body) = order.hung.get(next).map(|hung| hung.body).or_else(|| {
+            root += order.seen[root..].iter().take_while(|seen| **seen).count();
+            (root < order.seen.len()).then(|| order.leave_free(root))
+        }) {
+            for &number in &joints_of[body] {
+                hang(&mut order, number)?;
+            }
+            next += 1;
+        }
+        Ok(order.hung)
+    }
+
+    /// Its bodies as a tree.
+    pub(crate) fn joint_tree(&self) -> Result<JointTree, AssemblyError> {
+        let order = self.hung_in_order().map_err(|joint| self.closes(joint))?;
+        let mut places = vec![0; self.bodies.len()];
+        let mut builder = TreeBuilder::default();
+        for Hung { body, by } in order {
+            let of = &self.bodies[body];
+            let (parent, kind, frames) = match by {
+                Some((joint, end)) => {
+                    let joint = &self.joints[joint];
+                    let ends: [JointEnd; 2] = ends_in_space(&self.bodies, joint);
+                    let parent = joint.between[1 - end].map(|parent| places[parent]);
+                    (parent, self.kind_of(joint), [ends[1 - end].frame, ends[end].frame])
+                }
+                None => (None, self.free_kind(), [pose(of), RigidMotion::identity()]),
+            };
+            places[body] =
+                builder.hang(parent, kind, frames, Body::new(of.mass, self.moments(of))?);
+        }
+        let inertia = |body: &RigidBody| (body.mass, Vector3::from(self.moments(body)));
+        Ok(JointTree {
+            tree: builder.build()?,
+            places,
+            inertias: self.bodies.iter().map(inertia).collect(),
+            dimension: self.dimension,
+        })
+    }
+
+    fn closes(&self, joint: usize) -> AssemblyError {
+        let [first, second] = self.ends_named(&self.joints[joint]).map(str::to_owned);
+        AssemblyError::ClosesLoop { first, second }
+    }
+
+    fn kind_of(&self, joint: &SceneJoint) -> JointKind {
+        match (joint.kind, self.dimension) {
+            (SceneJointKind::Ball, 2) => JointKind::Hinge { axis: Vector3::z() },
+            (SceneJointKind::Ball, _) => JointKind::Ball,
+            (SceneJointKind::Hinge, _) => JointKind::Hinge { axis: joint.axis.into() },
+            (SceneJointKind::Slider, _) => JointKind::Slider { axis: joint.axis.into() },
+            (SceneJointKind::Fixed, _) => JointKind::Weld,
+        }
+    }
+
+    fn free_kind(&self) -> JointKind {
+        match self.dimension {
+            2 => JointKind::Planar { axes: [Vector3::x(), Vector3::y()] },
+            _ => JointKind::Free,
+        }
+    }
+
+    /// The moments of a body; in the plane that about the third axis stands for all, and the others are
+    /// never asked.
+    fn moments(&self, body: &RigidBody) -> [f64; 3] {
+        if self.dimension == 2 { [body.moments[2]; 3] } else { body.moments }
+    }
+}
+
+fn pose(body: &RigidBody) -> RigidMotion {
+    RigidMotion { translation: body.position.into(), rotation: body.turned() }
+}
+
+impl JointTree {
+    /// Coordinates and speeds of the joints where the bodies start: moving as these allow, as was checked when
+    /// the scene was read.
+    pub(crate) fn start(&self, scene: &Scene) -> Result<[Vec<f64>; 2], AssemblyError> {
+        let (q, mut v) = (self.tree.rest(), vec![0.0; self.tree.speeds()]);
+        let mut motion = TreeMotion::new(self.tree.clone());
+        motion.place(&q, &v)?;
+        let mut momenta = TreeForces::none(&self.tree);
+        for (body, &place) in scene.bodies.iter().zip(&self.places) {
+            momenta.add_force(
+                &motion,
+                place,
+                &Vector3::zeros(),
+                Vector3::from(body.velocity) * body.mass,
+            )?;
+            let spin = Vector3::from(self.inertia_times(body));
+            momenta.add_torque(place, motion.pose(place)?.rotation.rotate(&spin))?;
+        }
+        // At rest, what holds these forces is their opposite along the joints.
+        let mut p = vec![0.0; v.len()];
+        motion.inverse_dynamics(&momenta, &v, &mut p)?;
+        p.iter_mut().for_each(|p| *p = -*p);
+        motion.speeds_of(&p, &mut v)?;
+        Ok([q, v])
+    }
+
+    fn inertia_times(&self, body: &RigidBody) -> [f64; 3] {
+        let [x, y, z] = body.angular_velocity;
+        let [i, j, k] = body.moments;
+        if self.dimension == 2 { [0.0, 0.0, k * z] } else { [i * x, j * y, k * z] }
+    }
+
+    /// Writes where the bodies are and how they move: those of a state of the scene.
+    pub(crate) fn read(
+        &self,
+        motion: &TreeMotion,
+        state: &mut State<Vec<f64>>,
+    ) -> Result<(), TreeError> {
+        let State { q, p, .. } = state;
+        for (body, (&place, (mass, moments))) in self.places.iter().zip(&self.inertias).enumerate()
+        {
+            let BodyMotion { pose, velocity, angular_velocity } = motion.body(place)?;
+            let (x, linear) = (pose.translation, velocity * *mass);
+            if self.dimension == 2 {
+                let [w, .., z] = pose.rotation.quaternion();
+                let (q, p) = (&mut q[3 * body..][..3], &mut p.components_mut()[3 * body..][..3]);
+                let turned = continued(2.0 * z.atan2(w), q[2]);
+                q.copy_from_slice(&[x.x, x.y, turned]);
+                p.copy_from_slice(&[linear.x, linear.y, moments.z * angular_velocity.z]);
+                continue;
+            }
+            let (q, p) = (&mut q[7 * body..][..7], &mut p.components_mut()[6 * body..][..6]);
+            let turned = pose.rotation.quaternion();
+            let same = turned.iter().zip(&q[3..]).map(|(a, b)| a * b).sum::<f64>() >= 0.0;
+            q[..3].copy_from_slice(x.as_slice());
+            q[3..].iter_mut().zip(turned).for_each(|(q, c)| *q = if same { c } else { -c });
+            p[..3].copy_from_slice(linear.as_slice());
+            p[3..].copy_from_slice(moments.component_mul(&angular_velocity).as_slice());
+        }
+        Ok(())
+    }
+
+    /// Adds a covector of the scene's freedoms to the forces on the tree.
+    pub(crate) fn add_forces(
+        &self,
+        motion: &TreeMotion,
+        f: &Covector<Vec<f64>>,
+        forces: &mut TreeForces,
+    ) -> Result<(), TreeError> {
+        let each = if self.dimension == 2 { 3 } else { 6 };
+        for (&place, f) in self.places.iter().zip(f.0.chunks_exact(each)) {
+            let (force, torque) = match *f {
+                [x, y, turn] => (Vector3::new(x, y, 0.0), Vector3::z() * turn),
+                _ => {
+                    let turn = Vector3::from_column_slice(&f[3..]);
+                    let rotation: Rotation = motion.pose(place)?.rotation;
+                    (Vector3::from_column_slice(&f[..3]), rotation.rotate(&turn))
+                }
+            };
+            forces.add_force(motion, place, &Vector3::zeros(), force)?;
+            forces.add_torque(place, torque)?;
+        }
+        Ok(())
+    }
+
+    /// What an error of one means in each coordinate, then in each speed: a radian, or the scene's size; and
+    /// those over the horizon, or the speeds of the start.
+    pub(crate) fn scales(&self, size: f64, horizon: f64, v: &[f64]) -> Result<Vec<f64>, TreeError> {
+        let (mut places, mut speeds) = (Vec::new(), Vec::new());
+        let [mut shift, mut turn] = [size / horizon, 1.0 / horizon];
+        for body in 0..self.tree.bodies() {
+            let (kind, _) = self.tree.joint(body)?;
+            let is_shift = shifts(kind);
+            let own = self.tree.speeds_of(body)?;
+            for (freedom, v) in own.clone().zip(&v[own.clone()]) {
+                let fastest = if freedom - own.start < is_shift { &mut shift } else { &mut turn };
+                *fastest = fastest.max(v.abs());
+            }
+        }
+        for body in 0..self.tree.bodies() {
+            let (kind, _) = self.tree.joint(body)?;
+            let is_shift = shifts(kind);
+            let coordinates = self.tree.coordinates_of(body)?.len();
+            let freedoms = self.tree.speeds_of(body)?.len();
+            places.extend((0..coordinates).map(|k| if k < is_shift { size } else { 1.0 }));
+            speeds.extend((0..freedoms).map(|k| if k < is_shift { shift } else { turn }));
+        }
+        places.append(&mut speeds);
+        Ok(places)
+    }
+}
+
+/// How many freedoms of a joint of a scene are shifts: the first ones.
+fn shifts(kind: &JointKind) -> usize {
+    match kind {
+        JointKind::Slider { .. } => 1,
+        JointKind::Planar { .. } => 2,
+        JointKind::Free => 3,
+        _ => 0,
+    }
+}
+
+/// The angle nearest to another that differs from this one by whole turns.
+fn continued(angle: f64, near: f64) -> f64 {
+    let turn = std::f64::consts::TAU;
+    angle + turn * ((near - angle) / turn).round()
+}
