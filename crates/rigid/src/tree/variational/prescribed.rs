@@ -74,13 +74,14 @@ impl<D> TreeVariational<D> {
     /// Holds what follows schedules: the impulse that the end of the step takes, beyond that at its start, with the
     /// speeds that the schedules have there.
     pub(super) fn hold(&mut self, (t, h): (f64, f64)) -> Result<(), StepError> {
-        let TreeVariational { before, after, prescribed, speeds, next, kicks, .. } = self;
+        let TreeVariational { before, after, equations, prescribed, speeds, next, kicks, .. } =
+            self;
         // At the start: what the bodies carry beyond the momenta that are there.
         for (body, link) in before.tree.links.iter().enumerate() {
-            let (carried, moved) = (&self.carried[body], &self.moved[body]);
+            let (carried, moved) = (&equations.carried[body], &equations.moved[body]);
             before.forces[body] = SpatialForce {
                 force: carried.force + moved.linear * (link.mass / h),
-                torque: carried.torque + self.slopes[body] * moved.angular,
+                torque: carried.torque + equations.slopes[body] * moved.angular,
             };
         }
         before.gather(speeds);
