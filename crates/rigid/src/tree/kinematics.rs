@@ -91,7 +91,7 @@ impl TreeMotion {
         for body in 0..self.placed.len() {
             let Link { parent, joint, before, coordinates, speeds, .. } = &self.tree.links[body];
             let (base, turned) = match *parent {
-                Some(parent) => (self.placed[parent].twist, self.placed[parent].rotation),
+                Some(parent) => (self.moving[parent].twist, self.placed[parent].rotation),
                 None => (Twist::zero(), Rotation::identity()),
             };
             let (q, v) = (&q[coordinates.clone()], &v[speeds.clone()]);
@@ -99,19 +99,19 @@ impl TreeMotion {
             for (column, v) in self.columns[speeds.clone()].iter().zip(v) {
                 own += *column * *v;
             }
-            let placed = &mut self.placed[body];
+            let (placed, moving) = (&self.placed[body], &mut self.moving[body]);
             let (w, arm) = (base.angular, placed.arm);
-            placed.twist = base.outward(&placed.offset()) + own;
+            moving.twist = base.outward(&placed.offset()) + own;
             let shift = own.linear - own.angular.cross(&arm);
             let mut angular = w.cross(&own.angular);
             if let Some(own) = joint.bias(q, v) {
                 angular += turned.compose(&before.rotation).rotate(&own);
             }
-            let spin = placed.twist.angular;
+            let spin = moving.twist.angular;
             let linear = w.cross(&(w.cross(&placed.reach) + shift * 2.0))
                 + angular.cross(&arm)
                 + spin.cross(&spin.cross(&arm));
-            placed.bias = Twist { linear, angular };
+            moving.bias = Twist { linear, angular };
         }
     }
 

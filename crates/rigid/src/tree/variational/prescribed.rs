@@ -92,7 +92,7 @@ impl<D> TreeVariational<D> {
             prescribed.work += impulse * drive.motion(t)[1];
         }
         // At the end: what it takes to have the schedules' speeds.
-        after.placed.iter_mut().for_each(|placed| placed.bias = Twist::zero());
+        after.moving.iter_mut().for_each(|moving| moving.bias = Twist::zero());
         after.held.clear();
         for drive in &prescribed.drives {
             after.held.push(drive.speed);
@@ -101,7 +101,7 @@ impl<D> TreeVariational<D> {
         let factored = after.factor();
         after.forces.fill(SpatialForce::zero());
         if factored.is_ok() {
-            after.solve(next.p.components(), |placed| placed.bias, speeds);
+            after.solve(next.p.components(), |moving| moving.bias, speeds);
         }
         after.held.clear();
         factored.map_err(|_| StepError::SingularLegendreTransform)?;
