@@ -18,6 +18,7 @@ mod manifolds;
 mod mechanisms;
 mod planar;
 mod planar_joints;
+mod published;
 mod shapes;
 mod symmetries;
 mod tree;
