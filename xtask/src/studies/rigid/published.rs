@@ -21,7 +21,7 @@ pub const PUBLISHED: Entry<'static> = Entry {
     chapter: "6.5",
     kind: Kind::WorkPrecision,
     title: "Published mechanisms: error against cost at orders 2, 4 and 6, reduced beside full",
-    tested: Tested::Table,
+    tested: Tested::LongTable,
     run: &study,
 };
 
@@ -138,7 +138,8 @@ impl Page {
         time: f64,
     ) {
         let (work, error): (Cell, Cell) = match found {
-            Some((work, error)) => (work.into(), error.into()),
+            // Rounded: how many iterations a step takes may differ by one between processors.
+            Some((work, error)) => ((work as f64).into(), error.into()),
             None => ("-".into(), "singular position named".into()),
         };
         self.table.push([name.into(), way.into(), setting.into(), work, error, time.into()]);
@@ -200,7 +201,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
 
     let seven = squeezer().map_err(StudyError::at("the squeezer"))?;
     let seen = Seen::new(&seven, (2, seven.horizon))?;
-    page.told_twice("Andrews' squeezer", &seen, &ORDERS, (1e-13, &doubled(800)))?;
+    page.told_twice("Andrews' squeezer", &seen, &ORDERS, (1e-13, &doubled(200)))?;
 
     let Page { table, charts, claims, named, .. } = page;
     Ok(Study {
