@@ -15,7 +15,8 @@
 //! end too close to a singular position, for which a linkage is led across by a step that is not. The
 //! step depends on the state: the whole is neither symmetric nor symplectic, and energy has a trend (equal
 //! steps have none). A tolerance below rounding is met by no step, or by chance: where shorter steps are no better and
-//! their error is slight, that is an error. Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4.
+//! their error is slight, that is an error.
+//! Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4.
 
 use stationary_calculus::{SizeError, Storage};
 use stationary_integrators::State;

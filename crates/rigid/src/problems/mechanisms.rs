@@ -5,7 +5,7 @@
 //! | [`four_bars`] | benchmark A02 of the IFToMM library, there with two loops | singular where it lies flat |
 //! | [`bricard`] | A04 | redundant equations, everywhere |
 //! | [`governor`] | A05 | stiff springs and dampers |
-//! | [`squeezer`] | Andrews' squeezing mechanism, of the test set for solvers of initial value problems | fast turns, three loops |
+//! | [`squeezer`] | Andrews' mechanism, of the test set for initial value problems | fast turns, three loops |
 //!
 //! The first of that library, A01, is a point on a rod let go level: a
 //! [`pendulum`](stationary_constraints::problems::pendulum) that passes the bottom with the speed `sqrt(2)` in units

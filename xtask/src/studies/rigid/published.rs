@@ -206,14 +206,14 @@ fn study(size: Size) -> Result<Study, StudyError> {
     let Page { table, charts, claims, named, .. } = page;
     Ok(Study {
         conclusion: format!(
-            "A point on a rod, two four-bars, Bricard's redundant six-bar and a flyball governor, told as the benchmark \
-             library of the multibody community tells them (IFToMM, A01, A02, A04, A05; the governor for an eighth of a \
-             second, the others for {time} s), and Andrews' squeezer for its 0.03 s, in full coordinates at orders 2, 4 \
-             and 6, and in few coordinates. \
-             Redundant equations do no harm to any order. The four-bars pass where they lie flat, and \
-             may go on in two ways there, on their branch; {named} runs ended a step too close to it, and named it. Orders 4 \
-             and 6 need less work than order 2 for less than about 1e-4 m; with stiff dampers, which composed steps \
-             take backward, only order 2 is of use. In joint coordinates each took less time at every error."
+            "A point on a rod, two four-bars, Bricard's redundant six-bar and a flyball governor, told as the \
+             benchmark library of the multibody community tells them (IFToMM, A01, A02, A04, A05; the governor for \
+             an eighth of a second, the others for {time} s), and Andrews' squeezer for its 0.03 s, in full \
+             coordinates at orders 2, 4 and 6, and in few coordinates. Redundant equations do no harm to any order. \
+             The four-bars pass where they lie flat, and may go on in two ways there, on their branch; {named} runs \
+             ended a step too close to it, and named it. Orders 4 and 6 need less work than order 2 for less than \
+             about 1e-4 m; with stiff dampers, which composed steps take backward, only order 2 is of use. In joint \
+             coordinates each took less time at every error."
         ),
         table,
         charts,

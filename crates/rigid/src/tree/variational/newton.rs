@@ -5,8 +5,8 @@
 //! S^T X^T H X' S' dq' = r,  q' <- q' dq'   solved outward, where each body is placed anew on the way
 //! ```
 //! The matrix of the first guess serves again, with the columns that belong to it, as long as each correction is a
-//! small part of the one before. So the last correction solves its linear equation to rounding, whatever the age of the matrix, and is
-//! added to `P` with the same matrix: momenta are kept to their own rounding.
+//! small part of the one before. So the last correction solves its linear equation to rounding, whatever the age of
+//! the matrix, and is added to `P` with the same matrix: momenta are kept to their own rounding.
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_calculus::NewtonFailure;

@@ -17,9 +17,9 @@ pub(super) const KIND: Kind = Kind {
     name: "closed-loops",
     krate: "rigid",
     rule: "the accelerations of a random tree with one to three loops closed by rows differ from those of the same \
-           bodies under the joints' equations by more than 1e-6 of the largest; loops that are closed as they stand, \
-           and independent, are said not to close; loops that leave no more freedoms than they have rows fewer are said to \
-           depend on each other",
+           bodies under the joints' equations by more than 1e-6 of the largest; loops that are closed as they \
+           stand, and independent, are said not to close; loops that leave no more freedoms than they have rows \
+           fewer are said to depend on each other",
     in_tests: 50,
     trial,
 };
