@@ -32,12 +32,13 @@ fn main() -> ExitCode {
 fn trial(entry: &'static Entry<'static>) -> Trial {
     let test = move || -> Result<(), Failed> {
         let study = measured(entry);
-        if entry.tested == Tested::Table {
+        if matches!(entry.tested, Tested::Table | Tested::LongTable) {
             insta::assert_snapshot!(entry.id, text(&study));
         }
         Ok(())
     };
-    Trial::test(entry.id, test).with_ignored_flag(entry.tested == Tested::ByReport)
+    let long = matches!(entry.tested, Tested::LongTable | Tested::ByReport);
+    Trial::test(entry.id, test).with_ignored_flag(long)
 }
 
 /// The study, whose claims hold.

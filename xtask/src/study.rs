@@ -77,6 +77,8 @@ pub enum Tested {
     Table,
     /// Its claims.
     Claims,
+    /// Its table and its claims where ignored tests are asked for: it takes longer than a second.
+    LongTable,
     /// Nothing: it takes longer than a second, or it times. The report says whether its claims hold.
     ByReport,
 }

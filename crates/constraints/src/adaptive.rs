@@ -14,12 +14,15 @@
 //! A step that fails where a shorter one may not is taken again, shorter; and so is one that would begin or
 //! end too close to a singular position, for which a linkage is led across by a step that is not. The
 //! step depends on the state: the whole is neither symmetric nor symplectic, and energy has a trend (equal
-//! steps have none). Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4.
+//! steps have none). A tolerance below rounding is met by no step, or by chance: where shorter steps are no better and
+//! their error is slight, that is an error.
+//! Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.4.
 
 use stationary_calculus::{SizeError, Storage};
 use stationary_integrators::State;
 
 use crate::checks::{check_step, check_time};
+use crate::feasible::largest;
 use crate::halving::is_mended_by_shorter_steps;
 use crate::parts::Parts;
 use crate::{ConstrainedIntegrator, ConstrainedReport, ConstraintError};
@@ -32,6 +35,11 @@ const CHANGE: f64 = 5.0;
 const CAUTION: f64 = 0.9;
 /// A step that fails is taken again with this part of its length: a part of which no power is a half.
 const SHORTER: f64 = 0.37;
+
+/// Steps at most half as long as the one before, whose error is no smaller than half of it, are off by rounding when
+/// so many follow each other, and when that error is this part of the configuration at most.
+const STAGNANT: u32 = 3;
+const SLIGHT: f64 = 1e-8;
 
 /// The error of the stored numbers of a configuration that a step may have: `absolute + relative |q_i|`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +80,31 @@ pub struct Adaptive<I, C> {
     nodes: [State<C>; 2],
     end: f64,
     forces: [Vec<f64>; 2],
+}
+
+/// Steps that are much shorter than the last and no better.
+#[derive(Clone, Copy, Debug)]
+struct Stagnation {
+    count: u32,
+    length: f64,
+    error: f64,
+}
+
+impl Default for Stagnation {
+    fn default() -> Self {
+        Stagnation { count: 0, length: f64::INFINITY, error: f64::INFINITY }
+    }
+}
+
+impl Stagnation {
+    /// Takes in a step that was too long.
+    fn see(&mut self, length: f64, error: f64) {
+        if length > 0.5 * self.length {
+            return;
+        }
+        self.count = if error > 0.5 * self.error { self.count + 1 } else { 0 };
+        (self.length, self.error) = (length, error);
+    }
 }
 
 impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
@@ -135,7 +168,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
         check_step(until - from)?;
         let order = f64::from(self.integrator.facts().order);
         let mut cost = ConstrainedReport::default();
-        let mut rejected = 0;
+        let (mut rejected, mut stagnation) = (0, Stagnation::default());
         loop {
             let left = until - from;
             // What would be left of it should not be a sliver.
@@ -159,7 +192,9 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             let factor = factor.clamp(CHANGE.recip(), CHANGE);
             if error > 1.0 || error.is_nan() {
                 let shorter = h * if error.is_nan() { SHORTER } else { factor.min(CAUTION) };
-                if !again(shorter) {
+                stagnation.see(h, error);
+                let rounding = stagnation.count >= STAGNANT && self.is_slight(number);
+                if rounding || !again(shorter) {
                     return Err(ConstraintError::StepTooShort { t: from, h, error, number });
                 }
                 self.length = shorter;
@@ -202,6 +237,12 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             if off <= largest.1 || largest.1.is_nan() { largest } else { (k, off) }
         });
         (number, largest / (order.exp2() - 1.0))
+    }
+
+    /// Whether a number is off by a small part of the configuration.
+    fn is_slight(&self, number: usize) -> bool {
+        let (whole, halves) = (self.whole.moving.q.as_ref(), self.halves.moving.q.as_ref());
+        (whole[number] - halves[number]).abs() <= SLIGHT * largest(halves)
     }
 
     /// Writes the state and the multipliers at a time within the last step.

@@ -1,30 +1,39 @@
 //! Numbers that change slowly from step to step, continued.
 //!
 //! ```text
-//! x(t) ~ sum_k w_k x_k        the parabola through the last three, at t
+//! x(t) ~ sum_k w_k x_k        the polynomial through the last few, at t: through three a parabola
 //! ```
 //! `x_k` what was found at the times `t_k`, seconds. Iterations that start from it need fewer turns and end where
 //! they would have ended.
 
 use stationary_integrators::StepError;
 
-/// Times that are remembered.
-const MEMORY: usize = 3;
-/// Weights whose sizes add up to more than this would multiply rounding, and the last steps' errors.
-const STEEP: f64 = 10.0;
+/// Weights whose sizes add up to more than those of equal steps by this factor would multiply rounding, and the
+/// last steps' errors.
+const STEEP: f64 = 3.0;
 
-/// The last few of such numbers.
+/// The numbers at the last few times, `MEMORY` of them.
 #[derive(Clone, Debug)]
-pub struct Extrapolation<N> {
+pub struct Extrapolation<N, const MEMORY: usize = 3> {
     /// The last first.
     known: [(f64, N); MEMORY],
     count: usize,
 }
 
-impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone> Extrapolation<N> {
+impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone, const MEMORY: usize> Extrapolation<N, MEMORY> {
     /// Nothing is known yet of numbers that are as many as these.
     pub fn new(numbers: &N) -> Self {
         Extrapolation { known: std::array::from_fn(|_| (0.0, numbers.clone())), count: 0 }
+    }
+
+    /// Whether as many times are known as are remembered.
+    pub fn is_full(&self) -> bool {
+        self.count == MEMORY
+    }
+
+    /// The numbers at the last time, where one is known.
+    pub fn last(&self) -> Option<&[f64]> {
+        (self.count > 0).then(|| self.known[0].1.as_ref())
     }
 
     /// Forgets all.
@@ -61,7 +70,9 @@ impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone> Extrapolation<N> {
             *weight = others.map(|other| (t - other) / (own - other)).product();
         }
         let size = weights.iter().map(|weight| weight.abs()).sum::<f64>();
-        (size <= STEEP).then_some(weights)
+        // Those of equal steps are binomial coefficients.
+        let equal = (count as f64).exp2() - 1.0;
+        (size <= STEEP * equal).then_some(weights)
     }
 
     /// Appends everything that is known.
@@ -96,7 +107,7 @@ mod tests {
     use super::*;
 
     fn known(times: &[f64]) -> Extrapolation<[f64; 1]> {
-        let mut known = Extrapolation::new(&[0.0]);
+        let mut known = Extrapolation::<_, 3>::new(&[0.0]);
         times.iter().for_each(|&t| known.remember(t, |x| x[0] = 1.0 + 2.0 * t - 3.0 * t * t));
         known
     }
@@ -129,7 +140,7 @@ mod tests {
         first.save(&mut numbers);
         second.load(&numbers).unwrap();
         assert_eq!(at(&first, 0.5), at(&second, 0.5));
-        assert!(Extrapolation::new(&[0.0; 2]).load(&numbers).is_err());
+        assert!(Extrapolation::<_, 3>::new(&[0.0; 2]).load(&numbers).is_err());
         second.load(&[]).unwrap();
         assert_eq!(at(&second, 0.5), 0.0);
     }

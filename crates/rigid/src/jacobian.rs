@@ -91,9 +91,15 @@ fn inverse_coefficient_of(theta: &Vector3<f64>) -> f64 {
     (1.0 - 0.5 * angle * cosine / sine) / s
 }
 
+/// A squared angle below which a few terms are exact to rounding: that of a step that resolves its motion.
+const SHORT: f64 = 4e-3;
+
 /// `(1 - (a/2) cot(a/2))/a^2` at `s = a^2`, without the cancellation of either difference.
 #[inline]
 pub(crate) fn inverse_coefficient(s: f64) -> f64 {
+    if s < SHORT {
+        return 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30_240.0 + s / 1_209_600.0));
+    }
     let half = 0.25 * s;
     let [c2, c3] = c2_c3(half);
     0.25 * (c2 - c3) / c1(half)
@@ -101,7 +107,7 @@ pub(crate) fn inverse_coefficient(s: f64) -> f64 {
 
 /// `I + b [theta] + c [theta]^2`, entry by entry.
 #[inline]
-fn polynomial(theta: &Vector3<f64>, b: f64, c: f64) -> Matrix3<f64> {
+pub(crate) fn polynomial(theta: &Vector3<f64>, b: f64, c: f64) -> Matrix3<f64> {
     let (bt, ct) = (theta * b, theta * c);
     let (xx, yy, zz) = (ct.x * theta.x, ct.y * theta.y, ct.z * theta.z);
     let (xy, yz, zx) = (ct.x * theta.y, ct.y * theta.z, ct.z * theta.x);
@@ -116,4 +122,16 @@ fn polynomial(theta: &Vector3<f64>, b: f64, c: f64) -> Matrix3<f64> {
         yz + bt.x,
         1.0 - (xx + yy),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_series_of_a_short_turn_and_the_quotient_meet() {
+        let [below, above] = [SHORT.next_down(), SHORT].map(inverse_coefficient);
+        assert!((below / above - 1.0).abs() < 4e-16, "{below} {above}");
+        assert_eq!(inverse_coefficient(0.0), 1.0 / 12.0);
+    }
 }

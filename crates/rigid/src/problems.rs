@@ -11,15 +11,19 @@
 //! | [`held_at_a_point`] | any body on a ball joint | its motion about the point; support's force |
 //! | [`top_on_its_tip`] | the top of above on a ball joint | the same as of above |
 //! | [`thrown_boxes`] | three boxes on a ball joint and a hinge, free | energy and momenta |
+//! | [`four_bars`], [`bricard`], [`governor`] | benchmarks of the IFToMM library | their reduced equations |
+//! | [`squeezer`] | Andrews' squeezing mechanism | its published end, [`SQUEEZED`] |
 //!
 //! [`REFERENCES`] and [`LOGARITHMS`] hold exp, log and the Jacobians of rotations to the last digit.
 
+mod mechanisms;
 mod references;
 
 use nalgebra::Vector3;
 use stationary_calculus::{Potential, PotentialOn, System};
 use stationary_integrators::State;
 
+pub use mechanisms::{Mechanism, SQUEEZED, Strut, bricard, four_bars, governor, squeezer};
 pub use references::{LOGARITHMS, Logarithm, REFERENCES, Reference};
 
 use crate::error::check_finite;

@@ -146,8 +146,10 @@ impl LieGroup for Rotation {
     #[inline]
     fn log(&self) -> Vector3<f64> {
         let s = self.x.norm_squared();
-        if s < TINY {
-            return self.x * (2.0 / self.w);
+        let inverse = 1.0 / self.w;
+        let tangent = s * inverse * inverse;
+        if tangent < SHORT {
+            return self.x * (2.0 * inverse * arctangent(tangent));
         }
         let sine = s.sqrt();
         let angle = 2.0 * sine.atan2(self.w.abs());
@@ -189,12 +191,37 @@ impl Rotation {
 /// A squared angle below which neither sine nor cosine of half of it is nearly zero.
 const NEAR: f64 = 4.0;
 
-/// A squared angle whose square root is exact enough to divide by; below it `sin x = x` to
-/// rounding.
-const TINY: f64 = 1e-30;
+/// The square of half a turn's tangent below which a few terms of the arctangent's series are exact to rounding, with
+/// neither root nor library: the turns of a step.
+const SHORT: f64 = 1e-3;
+
+/// `atan(x) / x` at `x^2 < SHORT`.
+#[inline]
+fn arctangent(s: f64) -> f64 {
+    1.0 - s * (1.0 / 3.0 - s * (1.0 / 5.0 - s * (1.0 / 7.0 - s * (1.0 / 9.0 - s / 11.0))))
+}
 
 /// The length of a vector, whatever its size.
 pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     let largest = v.amax();
     if largest == 0.0 || !largest.is_finite() { largest } else { (v / largest).norm() * largest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_logarithm_of_a_short_turn_is_that_of_the_library_on_both_sides_of_the_switch() {
+        for x in [1e-200, 1e-9, 1e-3, 0.03, SHORT.sqrt().next_down()] {
+            assert!((arctangent(x * x) * x / x.atan() - 1.0).abs() < 4e-16, "{x}");
+        }
+        for angle in [1.999, 1.9999, 2.0001, 2.001].map(|half| half * SHORT.sqrt().atan()) {
+            for turned in [1.0, -1.0] {
+                let q = Rotation::exp(Vector3::new(0.6, 0.0, 0.8) * angle).quaternion();
+                let back = Rotation::unchecked(q.map(|c| c * turned)).log();
+                assert!((back.norm() / angle - 1.0).abs() < 5e-16, "{angle}");
+            }
+        }
+    }
 }

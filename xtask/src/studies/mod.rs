@@ -67,6 +67,7 @@ studies! {
             equality_cost: [EQUALITY_COST],
             penalty: [PENALTY_STABILITY],
             drift: [ACCELERATION_DRIFT],
+            adaptive_edge: [ADAPTIVE_EDGE],
             failures: [WHERE_THEY_FAIL],
         }
         rigid {

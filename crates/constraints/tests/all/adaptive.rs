@@ -169,3 +169,25 @@ fn where_no_step_meets_the_tolerance_the_time_the_step_and_the_number_are_named(
     assert!((off / (1e3 / 3.0) - 1.0).abs() < 1e-6, "{off}");
     assert_eq!(state, before);
 }
+
+#[test]
+fn a_tolerance_below_rounding_is_an_error_and_no_crawl() {
+    let problem = pendulum(1.0).unwrap();
+    let RodAnd { system, rods, initial } = RodAnd::of(&problem);
+    let ended = |tol: f64| {
+        let rattle = Rattle::new(system, rods, initial, ONE).unwrap();
+        let mut state = initial.clone();
+        let mut method = Adaptive::new(rattle, tolerance(tol), 0.1, &state).unwrap();
+        for _ in 0..30_000 {
+            match method.advance(&mut state, 1.0) {
+                Ok(step) if step.to == 1.0 => return Some(problem.error(1.0, &state.q)),
+                Ok(_) => {}
+                Err(ConstraintError::StepTooShort { h, .. }) if h > 1e-9 => return None,
+                Err(error) => panic!("{tol:e}: {error}"),
+            }
+        }
+        panic!("{tol:e}: it crawls at {}", state.t)
+    };
+    assert!(ended(1e-14).unwrap() < 1e-9);
+    assert_eq!([1e-17, 1e-18, 1e-20, 1e-30].map(ended), [None; 4]);
+}

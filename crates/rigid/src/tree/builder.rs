@@ -17,7 +17,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::error::{Joining, TreeError, check_numbers};
-use crate::{Body, JointFault, JointKind, LieGroup, RigidMotion};
+use crate::{Body, JointFault, JointKind, LieGroup, RigidMotion, Rotation};
 
 /// A body, and the joint from which it hangs.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,11 +29,15 @@ pub(super) struct Link {
     /// G on the body, and back.
     pub on_body: RigidMotion,
     pub after: RigidMotion,
+    /// Whether F is turned against the parent, and G against the body.
+    pub turned: [bool; 2],
     /// Zero where it is a frame only.
     pub mass: f64,
     pub moments: Vector3<f64>,
     pub coordinates: Range<usize>,
     pub speeds: Range<usize>,
+    /// Whether a body hangs from it that is not the next.
+    pub forks: bool,
 }
 
 /// A tree of bodies with its joints.
@@ -125,11 +129,16 @@ impl TreeBuilder {
                 before: frames[0],
                 on_body: frames[1],
                 after: frames[1].inverse(),
+                turned: frames.map(|frame| frame.rotation != Rotation::identity()),
                 mass: mass.map_or(0.0, |body| body.mass()),
                 moments: mass.map_or(Vector3::zeros(), |body| body.moments()),
                 coordinates: q..tree.coordinates,
                 speeds: v..tree.speeds,
+                forks: false,
             });
+            if let Some(parent) = parent.filter(|parent| parent + 1 != body) {
+                tree.links[parent].forks = true;
+            }
         }
         tree.check_masses()?;
         Ok(tree)
@@ -242,6 +251,20 @@ impl Tree {
     pub(super) fn link(&self, body: usize) -> Result<&Link, TreeError> {
         let bodies = self.links.len();
         self.links.get(body).ok_or(TreeError::NoSuchBody { body, bodies })
+    }
+
+    /// The bodies from which another hangs than the next.
+    pub(super) fn forks(&self) -> Vec<usize> {
+        (0..self.links.len()).filter(|&body| self.links[body].forks).collect()
+    }
+
+    /// The number of bodies on the longest branch.
+    pub(super) fn depth(&self) -> usize {
+        let mut depths = vec![1; self.links.len()];
+        for (body, link) in self.links.iter().enumerate() {
+            depths[body] = 1 + link.parent.map_or(0, |parent| depths[parent]);
+        }
+        depths.into_iter().max().unwrap_or(0)
     }
 
     pub(super) fn joining(&self, body: usize) -> Joining {

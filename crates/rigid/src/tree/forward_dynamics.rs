@@ -17,7 +17,7 @@ use nalgebra::Matrix3;
 use super::error::TreeError;
 use super::forces::TreeForces;
 use super::inertia::Inertia;
-use super::motion::{Placed, TreeMotion};
+use super::motion::{Moving, TreeMotion};
 use super::spatial::{SpatialForce, Twist};
 
 /// A pivot this small, against the inertia that it is left of, is rounding.
@@ -40,14 +40,14 @@ impl TreeMotion {
         for (body, link) in self.tree.links.iter().enumerate() {
             let placed = &self.placed[body];
             let SpatialForce { force, torque } = forces.bodies[body];
-            let w = placed.twist.angular;
+            let w = self.moving[body].twist.angular;
             let gyroscopic = w.cross(&placed.moments_times(&link.moments, &w));
             self.forces[body] = SpatialForce {
                 force: -(forces.gravity * link.mass + force),
                 torque: gyroscopic - torque,
             };
         }
-        self.solve(&forces.joints, |placed| placed.bias, acceleration);
+        self.solve(&forces.joints, |moving| moving.bias, acceleration);
         self.tree.check_speeds("the acceleration", acceleration)
     }
 
@@ -121,7 +121,7 @@ impl TreeMotion {
     pub(super) fn solve(
         &mut self,
         joint_forces: &[f64],
-        bias: impl Fn(&Placed) -> Twist,
+        bias: impl Fn(&Moving) -> Twist,
         acceleration: &mut [f64],
     ) {
         for body in (0..self.placed.len()).rev() {
@@ -133,7 +133,7 @@ impl TreeMotion {
             }
             if let Some(parent) = link.parent {
                 let placed = &self.placed[body];
-                b += self.inertias[body].times(&bias(placed));
+                b += self.inertias[body].times(&bias(&self.moving[body]));
                 self.forces[parent] += b.inward(&placed.offset());
             }
         }
@@ -142,7 +142,7 @@ impl TreeMotion {
             let mut a = match link.parent {
                 Some(parent) => self.accelerations[parent].outward(&placed.offset()),
                 None => Twist::zero(),
-            } + bias(placed);
+            } + bias(&self.moving[body]);
             for k in link.speeds.clone() {
                 let free = self.rest[k] - self.levers[k].along(&a);
                 if self.inverses[k] == 0.0 {

@@ -13,32 +13,32 @@ use nalgebra::Vector3;
 use super::builder::Link;
 use super::error::TreeError;
 use super::motion::{Placed, TreeMotion};
-use super::spatial::SpatialForce;
+use super::spatial::{SpatialForce, Twist};
 
 impl TreeMotion {
     /// The kinetic energy, joules.
     pub fn kinetic_energy(&self) -> f64 {
-        let one = |(link, placed): (&Link, &Placed)| {
-            let w = placed.matrix.tr_mul(&placed.twist.angular);
-            link.mass * placed.twist.linear.norm_squared() + link.moments.component_mul(&w).dot(&w)
+        let one = |(link, placed, twist): (&Link, &Placed, &Twist)| {
+            let w = placed.matrix.tr_mul(&twist.angular);
+            link.mass * twist.linear.norm_squared() + link.moments.component_mul(&w).dot(&w)
         };
         0.5 * self.bodies().map(one).sum::<f64>()
     }
 
     /// The potential energy under an acceleration of gravity (m/s^2), joules; zero at the origin.
     pub fn potential_energy(&self, gravity: &Vector3<f64>) -> f64 {
-        -self.bodies().map(|(link, placed)| link.mass * gravity.dot(&placed.centre)).sum::<f64>()
+        -self.bodies().map(|(link, placed, _)| link.mass * gravity.dot(&placed.centre)).sum::<f64>()
     }
 
     /// The linear momentum, kg m/s.
     pub fn linear_momentum(&self) -> Vector3<f64> {
-        self.bodies().map(|(link, placed)| placed.twist.linear * link.mass).sum()
+        self.bodies().map(|(link, _, twist)| twist.linear * link.mass).sum()
     }
 
     /// The angular momentum about the origin, kg m^2/s.
     pub fn angular_momentum(&self) -> Vector3<f64> {
-        let one = |(link, placed): (&Link, &Placed)| {
-            let SpatialForce { force, torque } = momentum(link, placed);
+        let one = |(link, placed, twist): (&Link, &Placed, &Twist)| {
+            let SpatialForce { force, torque } = momentum(link, placed, twist);
             torque + placed.centre.cross(&force)
         };
         self.bodies().map(one).sum()
@@ -50,22 +50,24 @@ impl TreeMotion {
     /// Another size.
     pub fn momenta(&mut self, momenta: &mut [f64]) -> Result<(), TreeError> {
         self.check_result("the momenta", momenta)?;
-        let bodies = self.tree.links.iter().zip(&self.placed);
-        for (f, (link, placed)) in self.forces.iter_mut().zip(bodies) {
-            *f = momentum(link, placed);
+        let TreeMotion { tree, placed, moving, forces, .. } = self;
+        let bodies = tree.links.iter().zip(&*placed).zip(&*moving);
+        for (f, ((link, placed), moving)) in forces.iter_mut().zip(bodies) {
+            *f = momentum(link, placed, &moving.twist);
         }
         self.gather(momenta);
         Ok(())
     }
 
-    fn bodies(&self) -> impl Iterator<Item = (&Link, &Placed)> {
-        self.tree.links.iter().zip(&self.placed)
+    fn bodies(&self) -> impl Iterator<Item = (&Link, &Placed, &Twist)> {
+        let bodies = self.tree.links.iter().zip(&self.placed).zip(&self.moving);
+        bodies.map(|((link, placed), moving)| (link, placed, &moving.twist))
     }
 }
 
 /// The momentum of a body: linear, and angular about its centre.
 #[inline]
-fn momentum(link: &Link, placed: &Placed) -> SpatialForce {
-    let torque = placed.moments_times(&link.moments, &placed.twist.angular);
-    SpatialForce { force: placed.twist.linear * link.mass, torque }
+fn momentum(link: &Link, placed: &Placed, twist: &Twist) -> SpatialForce {
+    let torque = placed.moments_times(&link.moments, &twist.angular);
+    SpatialForce { force: twist.linear * link.mass, torque }
 }

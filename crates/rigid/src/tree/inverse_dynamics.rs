@@ -37,13 +37,13 @@ impl TreeMotion {
             let mut a = match link.parent {
                 Some(parent) => self.accelerations[parent].outward(&placed.offset()),
                 None => Twist::zero(),
-            } + placed.bias;
+            } + self.moving[body].bias;
             for k in link.speeds.clone() {
                 a += self.columns[k] * acceleration[k];
             }
             self.accelerations[body] = a;
             let SpatialForce { force, torque } = forces.bodies[body];
-            let w = placed.twist.angular;
+            let w = self.moving[body].twist.angular;
             let gyroscopic = w.cross(&placed.moments_times(&link.moments, &w));
             self.forces[body] = SpatialForce {
                 force: (a.linear - forces.gravity) * link.mass - force,

@@ -19,7 +19,7 @@ use super::builder::Link;
 use super::error::{TreeError, check_numbers};
 use super::motion::TreeMotion;
 use super::spatial::Twist;
-use crate::{LieGroup, RigidMotion, Rotation};
+use crate::{JointKind, LieGroup, RigidMotion, Rotation};
 
 impl TreeMotion {
     /// Places the tree at these coordinates, moving with these speeds.
@@ -37,33 +37,53 @@ impl TreeMotion {
 
     /// Poses and columns.
     pub(super) fn put(&mut self, q: &[f64]) {
-        let mut columns = [Twist::zero(); 6];
         for body in 0..self.placed.len() {
-            let link = &self.tree.links[body];
-            let q = &q[link.coordinates.clone()];
-            let (centre, turned, matrix) = match link.parent {
-                Some(parent) => {
-                    let parent = &self.placed[parent];
-                    (parent.centre, parent.rotation, parent.matrix)
-                }
-                None => (Vector3::zeros(), Rotation::identity(), Matrix3::identity()),
-            };
-            let RigidMotion { translation, rotation } = link.before;
+            let own = self.tree.links[body].coordinates.clone();
+            self.put_body(body, &q[own]);
+        }
+    }
+
+    /// The pose and the columns of a body whose parent is placed, at the coordinates of its joint.
+    #[inline]
+    pub(super) fn put_body(&mut self, body: usize, q: &[f64]) {
+        let link = &self.tree.links[body];
+        let (centre, turned, matrix) = match link.parent {
+            Some(parent) => {
+                let parent = &self.placed[parent];
+                (parent.centre, parent.rotation, parent.matrix)
+            }
+            None => (Vector3::zeros(), Rotation::identity(), Matrix3::identity()),
+        };
+        let RigidMotion { translation, rotation } = link.before;
+        let (frame, axes) = if link.turned[0] {
             let frame = turned.compose(&rotation);
-            let axes = frame.matrix();
-            let joint = link.joint.motion(q);
-            let placed = &mut self.placed[body];
-            placed.rotation = frame.compose(&joint.rotation).compose(&link.after.rotation);
-            placed.matrix = placed.rotation.matrix();
-            placed.reach = matrix * translation + axes * joint.translation;
-            placed.arm = -(placed.matrix * link.on_body.translation);
-            placed.centre = centre + placed.offset();
-            link.joint.columns(q, &joint, &mut columns);
-            for (column, local) in self.columns[link.speeds.clone()].iter_mut().zip(&columns) {
+            (frame, frame.matrix())
+        } else {
+            (turned, matrix)
+        };
+        let joint = link.joint.motion(q);
+        let placed = &mut self.placed[body];
+        placed.rotation = frame.compose(&joint.rotation);
+        if link.turned[1] {
+            placed.rotation = placed.rotation.compose(&link.after.rotation);
+        }
+        placed.matrix = placed.rotation.matrix();
+        placed.reach = matrix * translation;
+        placed.arm = -(placed.matrix * link.on_body.translation);
+        let columns = &mut self.columns[link.speeds.clone()];
+        if let JointKind::Hinge { axis } = &link.joint {
+            let origin = Twist { linear: Vector3::zeros(), angular: axes * axis };
+            columns[0] = origin.outward(&placed.arm);
+        } else {
+            placed.reach += axes * joint.translation;
+            let mut local = [Twist::zero(); 6];
+            link.joint.columns(q, &joint, &mut local);
+            for (column, local) in columns.iter_mut().zip(&local) {
                 let origin = Twist { linear: axes * local.linear, angular: axes * local.angular };
                 *column = origin.outward(&placed.arm);
             }
         }
+        placed.centre = centre + placed.offset();
     }
 
     /// Velocities and biases, of a tree that was put at `q`.
@@ -71,7 +91,7 @@ impl TreeMotion {
         for body in 0..self.placed.len() {
             let Link { parent, joint, before, coordinates, speeds, .. } = &self.tree.links[body];
             let (base, turned) = match *parent {
-                Some(parent) => (self.placed[parent].twist, self.placed[parent].rotation),
+                Some(parent) => (self.moving[parent].twist, self.placed[parent].rotation),
                 None => (Twist::zero(), Rotation::identity()),
             };
             let (q, v) = (&q[coordinates.clone()], &v[speeds.clone()]);
@@ -79,19 +99,19 @@ impl TreeMotion {
             for (column, v) in self.columns[speeds.clone()].iter().zip(v) {
                 own += *column * *v;
             }
-            let placed = &mut self.placed[body];
+            let (placed, moving) = (&self.placed[body], &mut self.moving[body]);
             let (w, arm) = (base.angular, placed.arm);
-            placed.twist = base.outward(&placed.offset()) + own;
+            moving.twist = base.outward(&placed.offset()) + own;
             let shift = own.linear - own.angular.cross(&arm);
             let mut angular = w.cross(&own.angular);
             if let Some(own) = joint.bias(q, v) {
                 angular += turned.compose(&before.rotation).rotate(&own);
             }
-            let spin = placed.twist.angular;
+            let spin = moving.twist.angular;
             let linear = w.cross(&(w.cross(&placed.reach) + shift * 2.0))
                 + angular.cross(&arm)
                 + spin.cross(&spin.cross(&arm));
-            placed.bias = Twist { linear, angular };
+            moving.bias = Twist { linear, angular };
         }
     }
 

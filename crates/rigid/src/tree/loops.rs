@@ -351,13 +351,13 @@ impl LoopRow {
     }
 
     fn speed(&self, motion: &TreeMotion) -> f64 {
-        self.rate(motion, |body| motion.placed[body].twist)
+        self.rate(motion, |body| motion.moving[body].twist)
     }
 
     fn acceleration(&self, motion: &TreeMotion) -> f64 {
         let mut bend = Local::zeros();
         self.row.add_hessian(&self.placed(motion), 1.0, &mut bend);
-        let velocity = self.local(motion, |body| motion.placed[body].twist);
+        let velocity = self.local(motion, |body| motion.moving[body].twist);
         self.rate(motion, |body| motion.accelerations[body]) + velocity.dot(&(bend * velocity))
     }
 

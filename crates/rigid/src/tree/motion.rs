@@ -12,7 +12,7 @@ use super::inertia::Inertia;
 use super::spatial::{SpatialForce, Twist};
 use crate::{BodyMotion, LieGroup, RigidMotion, Rotation};
 
-/// Where a body is and how it moves, in world axes, about its centre.
+/// Where a body is, in world axes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
     pub centre: Vector3<f64>,
@@ -22,6 +22,11 @@ pub(super) struct Placed {
     pub reach: Vector3<f64>,
     /// From there to the body's centre.
     pub arm: Vector3<f64>,
+}
+
+/// How a body moves, in world axes, about its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Moving {
     pub twist: Twist,
     /// Its acceleration where the parent's is zero, and that of every speed.
     pub bias: Twist,
@@ -46,6 +51,7 @@ impl Placed {
 pub struct TreeMotion {
     pub(super) tree: Tree,
     pub(super) placed: Vec<Placed>,
+    pub(super) moving: Vec<Moving>,
     /// A twist for every speed, at the centre of the body that it moves first.
     pub(super) columns: Vec<Twist>,
     pub(super) inertias: Vec<Inertia>,
@@ -71,11 +77,11 @@ impl TreeMotion {
             matrix: Matrix3::identity(),
             reach: Vector3::zeros(),
             arm: Vector3::zeros(),
-            twist: Twist::zero(),
-            bias: Twist::zero(),
         };
+        let still = Moving { twist: Twist::zero(), bias: Twist::zero() };
         let mut motion = TreeMotion {
             placed: vec![nowhere; n],
+            moving: vec![still; n],
             columns: vec![Twist::zero(); f],
             inertias: vec![Inertia::of_body(0.0, Matrix3::zeros()); n],
             forces: vec![SpatialForce::zero(); n],
@@ -110,11 +116,11 @@ impl TreeMotion {
     /// # Errors
     /// [`TreeError::NoSuchBody`].
     pub fn body(&self, body: usize) -> Result<BodyMotion, TreeError> {
-        let placed = self.placed(body)?;
+        let (placed, twist) = (self.placed(body)?, self.moving[body].twist);
         Ok(BodyMotion {
             pose: RigidMotion { translation: placed.centre, rotation: placed.rotation },
-            velocity: placed.twist.linear,
-            angular_velocity: placed.matrix.tr_mul(&placed.twist.angular),
+            velocity: twist.linear,
+            angular_velocity: placed.matrix.tr_mul(&twist.angular),
         })
     }
 

@@ -27,7 +27,7 @@ impl TreeMotion {
         let column = self.columns[speed];
         let body = self.tree.links.iter().position(|link| link.speeds.contains(&speed));
         if let Some(body) = body {
-            self.placed[body].bias += column * acceleration;
+            self.moving[body].bias += column * acceleration;
         }
     }
 }

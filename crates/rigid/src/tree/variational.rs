@@ -19,8 +19,8 @@
 //! and gives way freedom by freedom as an articulated inertia does (the file `bilinear`). The last
 //! correction is added to `P` itself, not only to the coordinates, where rounding would swallow it: so
 //! momenta are kept to their own rounding, not to that of places over `h`. The condition of the mass
-//! matrix multiplies that rounding. The first guess is a step of half the momentum's change, and what such
-//! guesses lacked in the last three steps, continued.
+//! matrix multiplies that rounding. The first guess continues the displacements of the last five steps; where there
+//! are none, it is a step of half the momentum's change.
 //!
 //! Beside the weight, [`TreeVariational::driven`] takes what acts at a time and a motion, as a kick at
 //! either end of the step (the file `driven`), and [`TreeVariational::prescribed`] joints that follow schedules:
@@ -39,29 +39,29 @@
 //! [`ConstantVelocity`]: crate::ConstantVelocity
 
 mod guesses;
+mod newton;
 mod prescribed;
 mod turn;
 
 use std::fmt;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use stationary_calculus::{Covector, NewtonError, NewtonFailure, SizeError, first_non_finite};
 use stationary_integrators::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, Integrator, Saved,
     Stability, State, StepError, StepReport, Symplecticity,
 };
 
-use super::bilinear::Bilinear;
 use super::builder::{Link, Tree};
 use super::driven::Kicks;
 use super::error::{TreeError, check_numbers};
 use super::field::Idle;
 use super::forces::TreeForces;
 use super::motion::TreeMotion;
-use super::spatial::{SpatialForce, Twist};
+use super::spatial::SpatialForce;
 use guesses::Guesses;
+use newton::Equations;
 use prescribed::Prescribed;
-use turn::Turn;
 
 /// The variational step, bound to a tree under its weight and what drives it.
 #[derive(Clone)]
@@ -71,17 +71,7 @@ pub struct TreeVariational<D = Idle> {
     gravity: Vector3<f64>,
     before: TreeMotion,
     after: TreeMotion,
-    forms: Vec<Bilinear>,
-    /// `H s+` of each freedom, and `H^T s-`.
-    levers: Vec<[SpatialForce; 2]>,
-    inverses: Vec<f64>,
-    rest: Vec<f64>,
-    /// What each body carries along the step, half its weight's impulse less.
-    carried: Vec<SpatialForce>,
-    /// How its angular part changes with turns at the step's end.
-    slopes: Vec<Matrix3<f64>>,
-    /// The displacement of each body at the step's end.
-    moved: Vec<Twist>,
+    equations: Equations,
     change: Vec<f64>,
     speeds: Vec<f64>,
     next: State<Vec<f64>>,
@@ -89,21 +79,11 @@ pub struct TreeVariational<D = Idle> {
     arrived: Vec<f64>,
     guesses: Guesses,
     prescribed: Prescribed,
-}
-
-fn add(to: &mut [f64], what: &[f64]) {
-    to.iter_mut().zip(what).for_each(|(to, what)| *to += what);
+    /// Where quaternions stand among the coordinates.
+    quaternions: Vec<usize>,
 }
 
 const NAME: &str = "tree-variational";
-/// Most Newton iterations: steps that resolve their motion take three, and one or two once some were made.
-const ITERATIONS: usize = 30;
-/// A correction this small against the tree: the next would be its square.
-const SMALL: f64 = 1e-10;
-/// A correction this small against the distance from the origin is rounding.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// A turn in one step, radians, beyond which its logarithm may have taken the other way.
-const LONGEST_TURN: f64 = 3.1;
 /// How far the square of a quaternion's length may be from 1, as everywhere in the crate.
 const UNIT: f64 = 2e-9;
 
@@ -137,7 +117,10 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeVariational<D> {
 impl<D> TreeVariational<D> {
     fn with(tree: Tree, gravity: Vector3<f64>, drive: Option<D>) -> Result<Self, TreeError> {
         check_numbers("the gravity", 3, gravity.as_slice())?;
-        let (bodies, coordinates, freedoms) = (tree.bodies(), tree.coordinates(), tree.speeds());
+        let (coordinates, freedoms) = (tree.coordinates(), tree.speeds());
+        let quaternion =
+            |link: &Link| link.joint.quaternion().map(|first| link.coordinates.start + first);
+        let quaternions = tree.links.iter().filter_map(quaternion).collect();
         let next = State::new(tree.rest(), Covector(vec![0.0; freedoms]));
         let motion = TreeMotion::new(tree);
         Ok(TreeVariational {
@@ -145,20 +128,15 @@ impl<D> TreeVariational<D> {
             kicks: Kicks::new(&motion),
             gravity,
             after: motion.clone(),
+            equations: Equations::new(&motion),
             before: motion,
-            forms: vec![Bilinear::zero(); bodies],
-            levers: vec![[SpatialForce::zero(); 2]; freedoms],
-            inverses: vec![0.0; freedoms],
-            rest: vec![0.0; freedoms],
-            carried: vec![SpatialForce::zero(); bodies],
-            slopes: vec![Matrix3::zeros(); bodies],
-            moved: vec![Twist::zero(); bodies],
             change: vec![0.0; freedoms],
             speeds: vec![0.0; freedoms],
             next,
             arrived: Vec::with_capacity(coordinates),
             guesses: Guesses::new(freedoms),
             prescribed: Prescribed::default(),
+            quaternions,
         })
     }
 
@@ -235,9 +213,7 @@ impl<D> TreeVariational<D> {
                 return Err(StepError::Configuration { number });
             }
         }
-        for link in &tree.links {
-            let Some(first) = link.joint.quaternion() else { continue };
-            let number = link.coordinates.start + first;
+        for &number in &self.quaternions {
             let square = state.q[number..][..4].iter().map(|c| c * c).sum::<f64>();
             if square.is_nan() || (square - 1.0).abs() > UNIT {
                 return Err(StepError::Configuration { number });
@@ -256,168 +232,39 @@ impl<D> TreeVariational<D> {
         self.arrived.clear();
     }
 
-    /// A first guess: speeds of the momentum half a step on, with what such guesses lacked if that is to be
-    /// heard; whether any is known.
+    /// A first guess: the displacement that the last steps lead to expect if they are to be heard, or speeds of the
+    /// momentum half a step on; whether the former.
     fn guess(&mut self, q: &[f64], interval: (f64, f64), warm: bool) -> Result<bool, StepError> {
-        let TreeVariational {
-            before,
-            next,
-            change,
-            speeds,
-            gravity,
-            kicks,
-            guesses,
-            prescribed,
-            ..
-        } = self;
-        let h = interval.1;
+        let expected = warm && self.guesses.expect(interval);
+        if !expected {
+            self.start_slowly(interval.1)?;
+        }
+        let TreeVariational { before, next, guesses, prescribed, .. } = self;
+        next.q.copy_from_slice(q);
+        before.tree.move_along(&mut next.q, &guesses.displacement);
+        prescribed.lead(interval.0 + interval.1, &mut next.q);
+        Ok(expected)
+    }
+
+    /// The displacement by the speeds of the momentum half a step on.
+    fn start_slowly(&mut self, h: f64) -> Result<(), StepError> {
+        let TreeVariational { before, change, gravity, kicks, guesses, .. } = self;
         for (f, link) in before.forces.iter_mut().zip(&before.tree.links) {
             *f = SpatialForce { force: *gravity * link.mass, torque: Vector3::zeros() };
         }
         before.gather(change);
         let pushed = change.iter_mut().zip(&kicks.momenta);
         pushed.for_each(|(change, p)| *change = p + 0.5 * h * *change);
-        match before.speeds_of(change, speeds) {
+        match before.speeds_of(change, &mut guesses.displacement) {
             Err(TreeError::Singular { .. }) => Err(StepError::SingularLegendreTransform),
             Err(_) => Err(StepError::NonFiniteMomentum {
                 freedom: first_non_finite(change).unwrap_or_default(),
             }),
             Ok(()) => {
-                next.q.copy_from_slice(q);
-                change.iter_mut().zip(speeds).for_each(|(change, v)| *change = h * *v);
-                if !warm {
-                    guesses.forget();
-                }
-                let improved = guesses.improve(interval, change);
-                before.tree.move_along(&mut next.q, change);
-                prescribed.lead(interval.0 + h, &mut next.q);
-                Ok(improved)
+                guesses.displacement.iter_mut().for_each(|v| *v *= h);
+                Ok(())
             }
         }
-    }
-
-    /// The momentum of every body at the start of the step, half its weight's impulse less, and its
-    /// derivative along displacements at the end; the longest turn.
-    fn set_equations(&mut self, h: f64) -> f64 {
-        let mut longest = 0.0_f64;
-        for (body, link) in self.before.tree.links.iter().enumerate() {
-            let (before, after) = (&self.before.placed[body], &self.after.placed[body]);
-            let Link { mass, moments, .. } = link;
-            let turn = Turn::between(before, after, moments);
-            longest = longest.max(turn.theta.norm_squared());
-            let step = (after.centre - before.centre) / h;
-            self.carried[body] = SpatialForce {
-                force: (step - self.gravity * (0.5 * h)) * *mass,
-                torque: before.matrix * (turn.momentum() / h),
-            };
-            let slope = before.matrix * (turn.slope(moments) / h) * after.matrix.transpose();
-            self.slopes[body] = slope;
-            let linear = Matrix3::from_diagonal_element(mass / h);
-            self.forms[body] = Bilinear { linear, angular: slope, ..Bilinear::zero() };
-        }
-        longest.sqrt()
-    }
-
-    /// The Newton step towards the momenta `p`, and its size, kg^1/2 m.
-    fn correct(&mut self) -> Result<f64, StepError> {
-        let p = &self.kicks.momenta;
-        self.before.forces.copy_from_slice(&self.carried);
-        for (body, link) in self.before.tree.links.iter().enumerate().rev() {
-            let (mut form, mut f) = (self.forms[body], self.before.forces[body]);
-            for k in link.speeds.clone().rev() {
-                let (minus, plus) = (&self.before.columns[k], &self.after.columns[k]);
-                if self.prescribed.holds(k) {
-                    continue;
-                }
-                let levers = [form.times(plus), form.transposed_times(minus)];
-                let pivot = levers[0].along(minus);
-                if pivot.is_nan() || pivot <= 0.0 {
-                    return Err(StepError::SingularLegendreTransform);
-                }
-                let inverse = 1.0 / pivot;
-                (self.levers[k], self.inverses[k]) = (levers, inverse);
-                self.rest[k] = p[k] - f.along(minus);
-                form.give_way(&levers[0], &levers[1], inverse);
-                f += levers[0] * (self.rest[k] * inverse);
-            }
-            if let Some(parent) = link.parent {
-                let before = self.before.placed[body].offset();
-                let after = self.after.placed[body].offset();
-                self.forms[parent].add(&form.inward(&before, &after));
-                self.before.forces[parent] += f.inward(&before);
-            }
-        }
-        let mut size = 0.0;
-        for (body, link) in self.before.tree.links.iter().enumerate() {
-            let placed = &self.after.placed[body];
-            let mut moved = match link.parent {
-                Some(parent) => self.moved[parent].outward(&placed.offset()),
-                None => Twist::zero(),
-            };
-            for k in link.speeds.clone() {
-                if self.prescribed.holds(k) {
-                    self.change[k] = 0.0;
-                    continue;
-                }
-                let felt = self.levers[k][1].along(&moved);
-                self.change[k] = (self.rest[k] - felt) * self.inverses[k];
-                moved += self.after.columns[k] * self.change[k];
-            }
-            self.moved[body] = moved;
-            let turned = placed.matrix.tr_mul(&moved.angular);
-            size += link.mass * moved.linear.norm_squared()
-                + link.moments.component_mul(&turned).dot(&turned);
-        }
-        Ok(size.sqrt())
-    }
-
-    /// Newton's method from the guess in `next`: the iterations, and the size of the last correction.
-    fn find(&mut self, h: f64) -> Result<(u32, f64), StepError> {
-        let tolerance = self.tolerance();
-        let mut history = [0.0; ITERATIONS];
-        for iteration in 0..ITERATIONS {
-            self.after.put(&self.next.q);
-            let turn = self.set_equations(h);
-            let size = self.correct()?;
-            history[iteration] = size;
-            if !size.is_finite() {
-                return Err(failed(NewtonFailure::NonFinite(0), &history[..=iteration]));
-            }
-            self.after.tree.move_along(&mut self.next.q, &self.change);
-            add(&mut self.guesses.sum, &self.change);
-            if size > tolerance {
-                continue;
-            }
-            if turn > LONGEST_TURN {
-                return Err(failed(NewtonFailure::NotConverged, &history[..=iteration]));
-            }
-            return Ok((iteration as u32 + 1, size));
-        }
-        Err(failed(NewtonFailure::NotConverged, &history))
-    }
-
-    /// The correction that is small enough, kg^1/2 m.
-    fn tolerance(&self) -> f64 {
-        let (mut size, mut reach) = (0.0, 0.0);
-        for (link, placed) in self.before.tree.links.iter().zip(&self.before.placed) {
-            let arm = if link.parent.is_some() { placed.offset() } else { placed.arm };
-            size += link.mass * arm.norm_squared() + link.moments.sum();
-            reach += link.mass * placed.centre.norm_squared();
-        }
-        (SMALL * size.sqrt()).max(ROUNDING * reach.sqrt())
-    }
-
-    /// The momenta at the end of the step, of what the bodies carry after the last correction.
-    fn finish(&mut self, h: f64) {
-        for (body, link) in self.before.tree.links.iter().enumerate() {
-            let (carried, moved) = (&self.carried[body], &self.moved[body]);
-            let corrected = moved.linear / h + self.gravity * h;
-            self.after.forces[body] = SpatialForce {
-                force: carried.force + corrected * link.mass,
-                torque: carried.torque + self.slopes[body] * moved.angular,
-            };
-        }
-        self.after.gather(self.next.p.components_mut());
     }
 }
 
@@ -453,16 +300,15 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
                 kicks.before(before, drive, (state.t, h), here)?;
             }
         }
-        let improved = self.guess(&state.q, (state.t, h), true)?;
+        let expected = self.guess(&state.q, (state.t, h), true)?;
         let found = match self.find(h) {
-            Err(_) if improved => {
+            Err(_) if expected => {
                 self.guess(&state.q, (state.t, h), false)?;
                 self.find(h)
             }
             found => found,
         };
         let (hessians, residual) = found?;
-        self.after.put(&self.next.q);
         self.finish(h);
         let TreeVariational { drive, kicks, after, next, .. } = self;
         if let Some(drive) = drive {

@@ -2,8 +2,10 @@
 
 mod bad_input;
 mod body_forces;
+mod driven_arm;
 mod exponential;
 mod facts;
+mod forced_steppers;
 mod forces;
 mod free_box;
 mod free_top;
@@ -16,11 +18,15 @@ mod manifolds;
 mod mechanisms;
 mod planar;
 mod planar_joints;
+mod published;
 mod shapes;
 mod symmetries;
 mod tree;
 mod tree_bad_input;
 mod tree_driven;
+mod tree_field;
+mod tree_invariants;
 mod tree_loops;
 mod tree_motion;
 mod tree_prescribed;
+mod wilberforce;

@@ -1,17 +1,14 @@
-//! Trees in motion: against closed forms, against the same bodies held by RATTLE in full coordinates,
-//! and what their motion keeps.
+//! Trees in motion: against closed forms, and against the same bodies held by RATTLE in full coordinates.
 
 use std::ops::ControlFlow;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use stationary_constraints::{ConstrainedIntegrator, Rattle, SparseDiagonal};
 use stationary_integrators::problems::pendulum;
 use stationary_integrators::{
-    AdaptiveMethod, BackwardDifferences, DormandPrince853, Integrator, Moment, RadauIia5, State,
-    Tolerance, VectorField, integrate,
+    AdaptiveMethod, DormandPrince853, Integrator, Moment, State, Tolerance, integrate,
 };
 use stationary_measure::{SplitMix64, loglog_slope};
-use stationary_rigid::problems::thrown_boxes;
 use stationary_rigid::tree::{
     Tree, TreeBuilder, TreeField, TreeForces, TreeMotion, TreeVariational,
 };
@@ -22,14 +19,14 @@ use stationary_rigid::{
 
 use crate::tree::{Shape, somewhere, tree};
 
-const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+pub(crate) const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
-fn at(translation: Vector3<f64>) -> RigidMotion {
+pub(crate) fn at(translation: Vector3<f64>) -> RigidMotion {
     RigidMotion { translation, rotation: Rotation::identity() }
 }
 
 /// The end of a motion under weight from coordinates and speeds, by the adaptive method.
-fn end(
+pub(crate) fn end(
     tree: &Tree,
     gravity: Vector3<f64>,
     q: &[f64],
@@ -47,7 +44,7 @@ fn end(
 }
 
 /// The state after equal steps.
-fn stepped(
+pub(crate) fn stepped(
     method: &mut TreeVariational,
     start: &State<Vec<f64>>,
     time: f64,
@@ -60,13 +57,13 @@ fn stepped(
     state
 }
 
-fn order(errors: impl Fn(u32) -> f64, steps: &[u32]) -> f64 {
+pub(crate) fn order(errors: impl Fn(u32) -> f64, steps: &[u32]) -> f64 {
     let points: Vec<_> = steps.iter().map(|&n| (1.0 / f64::from(n), errors(n))).collect();
     loglog_slope(&points).unwrap()
 }
 
 /// A bar of 2 kg hung by its upper end.
-fn bar() -> (Tree, f64) {
+pub(crate) fn bar() -> (Tree, f64) {
     let half = 0.4;
     let body = Body::solid_box(2.0, [0.03, 0.05, half]).unwrap();
     let mut builder = TreeBuilder::default();
@@ -126,15 +123,15 @@ fn a_free_body_turns_as_the_free_top_in_closed_form_and_flies_straight() {
 
 /// Boxes in a row, each hung by its top from the foot of the one before it: as a tree, and as bodies
 /// with joints.
-struct Both<J> {
-    tree: Tree,
+pub(crate) struct Both<J> {
+    pub(crate) tree: Tree,
     bodies: Vec<Body>,
     joints: J,
 }
 
 const HALF: f64 = 0.25;
 
-fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
+pub(crate) fn row(n: usize, axis: Option<Vector3<f64>>) -> Both<Vec<Joint<Poses>>> {
     let bodies: Vec<Body> = (0..n)
         .map(|k| Body::solid_box(1.0 + 0.3 * k as f64, [0.05, 0.08, HALF]).unwrap())
         .collect();
@@ -227,203 +224,6 @@ fn a_ball_jointed_double_pendulum_moves_as_rattle_moves_it_to_rounding_and_both_
     compare(&both, &q, &[1.0, -0.5, 3.0, 2.0, 1.0, -4.0]);
 }
 
-/// The three boxes of [`thrown_boxes`] as a free tree, with their coordinates and speeds.
-fn boxes() -> (Tree, Vec<f64>, Vec<f64>) {
-    let problem = thrown_boxes().unwrap();
-    let bodies = problem.system.metric().bodies();
-    let widths = [0.1, 0.2, 0.15];
-    let mut builder = TreeBuilder::default();
-    builder.hang(None, JointKind::Free, [RigidMotion::identity(); 2], bodies[0]);
-    let joints = [JointKind::Ball, JointKind::Hinge { axis: Vector3::y() }];
-    for (k, joint) in joints.into_iter().enumerate() {
-        let frames = [at(Vector3::x() * widths[k]), at(-Vector3::x() * widths[k + 1])];
-        builder.hang(Some(k), joint, frames, bodies[k + 1]);
-    }
-    let tree = builder.build().unwrap();
-    let velocity = |k: usize| problem.initial.p.0[k] / bodies[0].mass();
-    let v = vec![velocity(0), velocity(1), velocity(2), 1.0, 2.0, 3.0, -3.0, -1.0, -2.5, 3.0];
-    let mut q = tree.rest();
-    q[..3].copy_from_slice(&problem.initial.q[..3]);
-    (tree, q, v)
-}
-
-#[test]
-fn a_free_tree_keeps_its_momenta_over_100_000_steps_and_its_energy_has_no_trend() {
-    let (tree, q, v) = boxes();
-    let mut method = TreeVariational::new(tree, Vector3::zeros()).unwrap();
-    let mut state = method.state(&q, &v).unwrap();
-    let energy = method.energy(&state).unwrap();
-    let problem = thrown_boxes().unwrap();
-    assert!((energy / problem.energy(&problem.initial) - 1.0).abs() < 1e-14);
-    let mut see = method.clone();
-    let mut momenta = |state: &State<Vec<f64>>| {
-        let motion = see.motion(state).unwrap();
-        (motion.linear_momentum(), motion.angular_momentum())
-    };
-    let start = momenta(&state);
-    let mut worst = [0.0_f64; 2];
-    for step in 0..100_000 {
-        method.step(&mut state, 2e-3).unwrap();
-        if step % 50 == 0 {
-            let (linear, angular) = momenta(&state);
-            assert!((linear - start.0).norm() < 1e-12 && (angular - start.1).norm() < 1e-12);
-            let off = (method.energy(&state).unwrap() / energy - 1.0).abs();
-            let half = usize::from(step >= 50_000);
-            worst[half] = worst[half].max(off);
-        }
-    }
-    assert!(worst[0] < 1e-3 && worst[1] < 2.0 * worst[0], "{worst:?}");
-}
-
-#[test]
-fn under_weight_the_momentum_about_the_vertical_is_kept_and_the_largest_energy_error_falls_with_h_squared()
- {
-    let both = row(3, None);
-    let mut q = both.tree.rest();
-    both.tree.advance(&mut q, &[0.4, 0.9, -0.3, -0.5, 0.2, 0.6, 0.1, 0.3, 0.2]).unwrap();
-    let v = [1.0, -0.5, 3.0, 2.0, 1.0, -4.0, 0.0, 1.0, 0.5];
-    let method = TreeVariational::new(both.tree.clone(), GRAVITY).unwrap();
-    let error = |steps: u32| {
-        let mut method = method.clone();
-        let mut state = method.state(&q, &v).unwrap();
-        let energy = method.energy(&state).unwrap();
-        let about = method.motion(&state).unwrap().angular_momentum().z;
-        let mut worst = 0.0_f64;
-        for _ in 0..steps {
-            method.step(&mut state, 2.0 / f64::from(steps)).unwrap();
-            worst = worst.max((method.energy(&state).unwrap() - energy).abs());
-            let now = method.motion(&state).unwrap().angular_momentum().z;
-            assert!((now - about).abs() < 1e-12, "{:e}", now - about);
-        }
-        worst
-    };
-    let order = order(error, &[1_000, 2_000, 4_000]);
-    assert!((order - 2.0).abs() < 0.05, "{order}");
-}
-
-#[test]
-fn the_variational_step_returns_when_momenta_are_reversed() {
-    let (tree, q, v) = boxes();
-    let mut method = TreeVariational::new(tree, GRAVITY).unwrap();
-    let start = method.state(&q, &v).unwrap();
-    let mut state = start.clone();
-    for _ in 0..2 {
-        for _ in 0..50 {
-            method.step(&mut state, 0.01).unwrap();
-        }
-        state.p.0.iter_mut().for_each(|p| *p = -*p);
-    }
-    let off = state.q.iter().zip(&start.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(off < 1e-11, "{off:e}");
-}
-
-#[test]
-fn energy_is_kept_by_the_adaptive_method_on_random_trees() {
-    for seed in 0..40 {
-        let mut random = SplitMix64::new(1_000 + seed);
-        let shape = [Shape::Chain, Shape::Star, Shape::Any][seed as usize % 3];
-        let root = if seed % 2 == 0 { JointKind::Free } else { JointKind::Ball };
-        let tree = tree(&mut random, 1 + seed as usize % 8, shape, root);
-        let (q, v) = somewhere(&mut random, &tree);
-        let end = end(&tree, GRAVITY, &q, &v, 0.2, 1e-11);
-        let mut motion = TreeMotion::new(tree.clone());
-        let mut parts = |q: &[f64], v: &[f64]| {
-            motion.place(q, v).unwrap();
-            [motion.kinetic_energy(), motion.potential_energy(&GRAVITY)]
-        };
-        let (before, after) = (parts(&q, &v), parts(&end[..q.len()], &end[q.len()..]));
-        let off = (after[0] + after[1] - before[0] - before[1]).abs();
-        let scale = before[0] + after[0] + (after[1] - before[1]).abs();
-        assert!(off < 1e-8 * scale, "seed {seed}: {:e}", off / scale);
-    }
-}
-
-#[test]
-fn a_driven_field_loses_what_its_dampers_take() {
-    let (tree, rate) = bar();
-    // Small swings with a torque -c v die out as exp(-c t/2 I).
-    let damping = 0.05;
-    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
-    let mut momentum = [0.0];
-    let mut motion = TreeMotion::new(tree.clone());
-    motion.place(&[0.0], &[1.0]).unwrap();
-    motion.momenta(&mut momentum).unwrap();
-    let decay = 0.5 * damping / momentum[0];
-    let field =
-        TreeField::driven(tree, weight, |_t, motion: &TreeMotion, forces: &mut TreeForces| {
-            let turning = motion.body(0).map_or(f64::NAN, |body| -body.angular_velocity.y);
-            forces.joints_mut()[0] -= damping * turning;
-        })
-        .unwrap();
-    let tolerance = Tolerance::new(1e-11, 1e-15).unwrap();
-    let start = Moment::new(0.0, vec![1e-4, 0.0]);
-    let mut method = DormandPrince853::new(field, tolerance.into(), start).unwrap();
-    integrate(&mut method, 3.0, |_| ControlFlow::Continue(())).unwrap();
-    let fast = (rate * rate - decay * decay).sqrt();
-    let (sine, cosine) = (fast * 3.0).sin_cos();
-    let expected = 1e-4 * (-decay * 3.0).exp() * (cosine + decay / fast * sine);
-    assert!((method.moment().y[0] - expected).abs() < 1e-11, "{}", method.moment().y[0] - expected);
-}
-
-#[test]
-fn every_adaptive_method_runs_a_tree_to_the_same_end() {
-    let both = row(2, Some(Vector3::y()));
-    let (q, v) = ([0.9, -0.4], [1.0, -2.0]);
-    let exact = end(&both.tree, GRAVITY, &q, &v, 1.0, 1e-12);
-    let weight = TreeForces::weight(&both.tree, GRAVITY).unwrap();
-    let field = TreeField::new(both.tree.clone(), weight).unwrap();
-    let start = || Moment::new(0.0, [q, v].concat());
-    let control = || Tolerance::new(1e-9, 1e-9).unwrap().into();
-    let mut radau = RadauIia5::new(&field, control(), start()).unwrap();
-    let mut backward = BackwardDifferences::new(&field, control(), start()).unwrap();
-    integrate(&mut radau, 1.0, |_| ControlFlow::Continue(())).unwrap();
-    integrate(&mut backward, 1.0, |_| ControlFlow::Continue(())).unwrap();
-    for y in [&radau.moment().y, &backward.moment().y] {
-        let off = y.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-5, "{off:e}");
-    }
-}
-
-#[test]
-fn accelerations_do_not_depend_on_the_length_of_quaternions() {
-    let mut random = SplitMix64::new(5);
-    let tree = tree(&mut random, 6, Shape::Chain, JointKind::Free);
-    let (q, v) = somewhere(&mut random, &tree);
-    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
-    let field = TreeField::new(tree.clone(), weight).unwrap();
-    let n = q.len();
-    let mut stretched = q.clone();
-    for body in 0..tree.bodies() {
-        let range = tree.coordinates_of(body).unwrap();
-        if matches!(tree.joint(body).unwrap().0, JointKind::Ball | JointKind::Free) {
-            stretched[range.end - 4..range.end].iter_mut().for_each(|c| *c *= 3.0);
-        }
-    }
-    let rates = |q: &[f64]| {
-        let mut f = vec![0.0; field.dim()];
-        field.evaluate(0.0, &[q, &v].concat(), &mut f);
-        f
-    };
-    let (unit, long) = (rates(&q), rates(&stretched));
-    let scale = unit[n..].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    assert!(unit[n..].iter().zip(&long[n..]).all(|(a, b)| (a - b).abs() < 1e-12 * scale));
-}
-
-#[test]
-fn a_step_and_an_evaluation_of_a_tree_allocate_nothing() {
-    let (tree, q, v) = boxes();
-    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
-    let field = TreeField::new(tree.clone(), weight).unwrap();
-    let (y, mut f) = ([&q[..], &v].concat(), vec![0.0; field.dim()]);
-    let mut method = TreeVariational::new(tree, GRAVITY).unwrap();
-    let mut state = method.state(&q, &v).unwrap();
-    let count = allocation_counter::measure(|| {
-        field.evaluate(0.0, &y, &mut f);
-        (0..10).for_each(|_| _ = method.step(&mut state, 1e-3).unwrap());
-    });
-    assert_eq!(count.count_total, 0);
-}
-
 /// The condition number of the mass matrix: what a momentum's rounding becomes in the speeds.
 fn condition(tree: &Tree, q: &[f64]) -> f64 {
     let n = tree.speeds();
@@ -455,38 +255,6 @@ fn the_variational_step_moves_every_kind_of_joint_with_order_two_down_to_the_rou
         let rounding = f64::EPSILON * condition(&tree, &q);
         assert!((order - 2.0).abs() < 0.1 || error(400) < rounding, "seed {seed}: {order}");
     }
-}
-
-#[test]
-fn the_variational_step_preserves_the_symplectic_form() {
-    let mut builder = TreeBuilder::default();
-    let body = Body::solid_box(1.0, [0.1, 0.2, 0.3]).unwrap();
-    let axes = [Vector3::x(), Vector3::new(0.0, 1.0, 0.4)];
-    let frames = [at(Vector3::new(0.1, 0.3, -0.4)), at(Vector3::new(0.2, -0.1, 0.3))];
-    builder.hang(None, JointKind::Universal { axes }, frames, body);
-    builder.hang(Some(0), JointKind::Cylinder { axis: axes[1] }, frames, body);
-    let mut method = TreeVariational::new(builder.build().unwrap(), GRAVITY).unwrap();
-    let state = method.state(&[0.3, -0.8, 0.1, 0.5], &[2.0, -1.0, 0.5, 3.0]).unwrap();
-    let mut moved = |k: usize, by: f64| {
-        let mut state = state.clone();
-        let (q, p) = (&mut state.q, &mut state.p.0);
-        *q.iter_mut().chain(p).nth(k).unwrap() += by;
-        method.step(&mut state, 0.05).unwrap();
-        DVector::from_iterator(8, state.q.into_iter().chain(state.p.0))
-    };
-    let e = 1e-3;
-    let mut d = DMatrix::<f64>::zeros(8, 8);
-    for k in 0..8 {
-        let (near, far) = (moved(k, e) - moved(k, -e), moved(k, 2.0 * e) - moved(k, -2.0 * e));
-        d.set_column(k, &((near * 8.0 - far) / (12.0 * e)));
-    }
-    let form = DMatrix::from_fn(8, 8, |i, j| match (i + 4 == j, j + 4 == i) {
-        (true, _) => 1.0,
-        (_, true) => -1.0,
-        _ => 0.0,
-    });
-    let off = (d.transpose() * &form * d - form).amax();
-    assert!(off < 1e-8, "{off:e}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub const EQUALITY_COST: Entry<'static> = Entry {
     chapter: "6.5",
     kind: Kind::WorkPrecision,
     title: "Chains, full and redundant equations: cost of one solve against their number",
-    tested: Tested::ByReport,
+    tested: Tested::Table,
     run: &study,
 };
 

@@ -1,6 +1,7 @@
 //! What rigid promises, on random problems.
 
 mod bad_input;
+mod closed;
 pub(super) mod double_double;
 mod driven;
 mod free_top;
@@ -10,6 +11,7 @@ mod lie_maps;
 mod linkage;
 mod mass_properties;
 mod singular_positions;
+mod variational;
 
 use crate::Kind;
 
@@ -17,6 +19,8 @@ use crate::Kind;
 pub const KINDS: &[Kind] = &[
     joints::KIND,
     driven::KIND,
+    closed::KIND,
+    variational::KIND,
     singular_positions::KIND,
     lie_maps::KIND,
     mass_properties::KIND,

@@ -1,62 +1,67 @@
-//! What the first guesses of the last steps lacked, and what the next is likely to lack.
+//! The displacement that the last steps lead to expect of the next.
 //!
 //! ```text
-//! q' ~ q + h v + h^2 x(t)      x the parabola through what was lacking over h^2
+//! d_n+1 / h  ~  sum_k w_k d_k / h_k        the polynomial through the middles of the last steps
 //! ```
-//! `v` the speeds of the momentum half a step on, without what velocities do to it. With it Newton's method
-//! ends an iteration or two earlier, at the same place to rounding.
+//! `d_k` the displacement (n, in the axes of the speeds) of a step of `h_k` seconds. Newton's method starts from it
+//! and ends where it would have ended, in an iteration or two. Where the last displacement changed by more than
+//! itself nothing is expected.
 
 use stationary_constraints::Extrapolation;
 use stationary_integrators::StepError;
 
-use super::add;
+/// Steps that are remembered: more would multiply rounding, fewer cost an iteration.
+const MEMORY: usize = 5;
 
-/// What first guesses lacked in the last steps, over the square of the step.
+/// The mean speeds of the last steps.
 #[derive(Clone)]
 pub(super) struct Guesses {
-    lacking: Extrapolation<Vec<f64>>,
+    speeds: Extrapolation<Vec<f64>, MEMORY>,
     /// The time of the state to which the last step led.
     end: f64,
-    /// What this step's guess lacks, as far as it is known.
-    pub(super) sum: Vec<f64>,
+    /// The displacement of this step, as far as it is known.
+    pub(super) displacement: Vec<f64>,
 }
 
 impl Guesses {
     pub(super) fn new(freedoms: usize) -> Self {
         let zeros = vec![0.0; freedoms];
-        Guesses { lacking: Extrapolation::new(&zeros), end: f64::NAN, sum: zeros }
+        let speeds = Extrapolation::new(&zeros);
+        Guesses { speeds, end: f64::NAN, displacement: zeros }
     }
 
     pub(super) fn forget(&mut self) {
-        self.lacking.forget();
+        self.speeds.forget();
         self.end = f64::NAN;
     }
 
-    /// Adds what is lacking to a displacement, if it is expected to be less than that; whether any is.
-    pub(super) fn improve(&mut self, (t, h): (f64, f64), displacement: &mut [f64]) -> bool {
-        self.sum.fill(0.0);
-        if t == self.end {
-            self.lacking.add_at(t, &mut self.sum);
-        }
-        let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        self.sum.iter_mut().for_each(|lacking| *lacking *= h * h);
-        let few = size(&self.sum);
-        if !(few > 0.0 && few < size(displacement)) {
-            self.sum.fill(0.0);
+    /// Writes the displacement that is expected of a step; whether one is.
+    pub(super) fn expect(&mut self, (t, h): (f64, f64)) -> bool {
+        if t != self.end || !self.speeds.is_full() {
             return false;
         }
-        add(displacement, &self.sum);
-        true
+        let Guesses { speeds, displacement, .. } = self;
+        displacement.fill(0.0);
+        speeds.add_at(t + 0.5 * h, displacement);
+        let last = speeds.last().unwrap_or_default();
+        let (mut change, mut size) = (0.0, 0.0);
+        for (speed, last) in displacement.iter_mut().zip(last) {
+            change += (*speed - last).powi(2);
+            size += last * last;
+            *speed *= h;
+        }
+        change <= size
     }
 
-    /// Takes in a step, of which `sum` is all that its guess lacked.
+    /// Takes in a step that was made.
     pub(super) fn remember(&mut self, (t, h): (f64, f64)) {
         if t != self.end {
-            self.lacking.forget();
+            self.speeds.forget();
         }
-        let sums = self.sum.iter().map(|sum| sum / (h * h));
-        self.lacking
-            .remember(t, |known| known.iter_mut().zip(sums).for_each(|(to, sum)| *to = sum));
+        let speeds = self.displacement.iter().map(|d| d / h);
+        self.speeds.remember(t + 0.5 * h, |known| {
+            known.iter_mut().zip(speeds).for_each(|(to, v)| *to = v)
+        });
         self.end = t + h;
     }
 
@@ -64,7 +69,7 @@ impl Guesses {
         let mut numbers = Vec::new();
         if self.end.is_finite() {
             numbers.push(self.end);
-            self.lacking.save(&mut numbers);
+            self.speeds.save(&mut numbers);
         }
         numbers
     }
@@ -72,8 +77,8 @@ impl Guesses {
     pub(super) fn load(&mut self, numbers: &[f64]) -> Result<(), StepError> {
         match numbers.split_first() {
             None => self.forget(),
-            Some((&end, lacking)) => {
-                self.lacking.load(lacking)?;
+            Some((&end, speeds)) => {
+                self.speeds.load(speeds)?;
                 self.end = end;
             }
         }

@@ -74,13 +74,14 @@ impl<D> TreeVariational<D> {
     /// Holds what follows schedules: the impulse that the end of the step takes, beyond that at its start, with the
     /// speeds that the schedules have there.
     pub(super) fn hold(&mut self, (t, h): (f64, f64)) -> Result<(), StepError> {
-        let TreeVariational { before, after, prescribed, speeds, next, kicks, .. } = self;
+        let TreeVariational { before, after, equations, prescribed, speeds, next, kicks, .. } =
+            self;
         // At the start: what the bodies carry beyond the momenta that are there.
         for (body, link) in before.tree.links.iter().enumerate() {
-            let (carried, moved) = (&self.carried[body], &self.moved[body]);
+            let (carried, moved) = (&equations.carried[body], &equations.moved[body]);
             before.forces[body] = SpatialForce {
                 force: carried.force + moved.linear * (link.mass / h),
-                torque: carried.torque + self.slopes[body] * moved.angular,
+                torque: carried.torque + equations.slopes[body] * moved.angular,
             };
         }
         before.gather(speeds);
@@ -91,7 +92,7 @@ impl<D> TreeVariational<D> {
             prescribed.work += impulse * drive.motion(t)[1];
         }
         // At the end: what it takes to have the schedules' speeds.
-        after.placed.iter_mut().for_each(|placed| placed.bias = Twist::zero());
+        after.moving.iter_mut().for_each(|moving| moving.bias = Twist::zero());
         after.held.clear();
         for drive in &prescribed.drives {
             after.held.push(drive.speed);
@@ -100,7 +101,7 @@ impl<D> TreeVariational<D> {
         let factored = after.factor();
         after.forces.fill(SpatialForce::zero());
         if factored.is_ok() {
-            after.solve(next.p.components(), |placed| placed.bias, speeds);
+            after.solve(next.p.components(), |moving| moving.bias, speeds);
         }
         after.held.clear();
         factored.map_err(|_| StepError::SingularLegendreTransform)?;

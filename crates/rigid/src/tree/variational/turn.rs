@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::motion::Placed;
 use crate::LieGroup;
-use crate::jacobian::{inverse_coefficient, right_jacobian_inverse};
+use crate::jacobian::{inverse_coefficient, polynomial};
 
 /// The turn of a body in a step.
 pub(super) struct Turn {
@@ -41,14 +41,12 @@ impl Turn {
         let s = x.norm_squared();
         // The slope of c with the squared angle, to 1e-5 of itself at a whole radian.
         let change = (1.0 + s * (1.0 / 21.0 + s * (1.0 / 560.0 + s / 16_632.0))) / 720.0;
-        let inner = Matrix3::identity()
-            + x.cross_matrix() * 0.5
-            + (x * x.transpose() - Matrix3::from_diagonal_element(s)) * *c;
+        let inner = polynomial(x, 0.5, *c);
         let outer = u.cross_matrix() * -0.5
             + (x * u.transpose() + Matrix3::from_diagonal_element(x.dot(u))
                 - u * x.transpose() * 2.0)
                 * *c
             + x.cross(&x.cross(u)) * x.transpose() * (2.0 * change);
-        (inner * Matrix3::from_diagonal(moments) + outer) * right_jacobian_inverse(x)
+        (inner * Matrix3::from_diagonal(moments) + outer) * inner
     }
 }

@@ -30,19 +30,19 @@ pub(super) const KIND: Kind = Kind {
     trial,
 };
 
-fn direction(draw: &mut Draw) -> Vector3<f64> {
+pub(super) fn direction(draw: &mut Draw) -> Vector3<f64> {
     let v = Vector3::from_fn(|_, _| draw.symmetric());
     if v.norm() < 1e-3 { Vector3::z() } else { v.normalize() }
 }
 
-fn frame(draw: &mut Draw) -> RigidMotion {
+pub(super) fn frame(draw: &mut Draw) -> RigidMotion {
     RigidMotion {
         translation: direction(draw) * draw.log_uniform(0.05, 1.0),
         rotation: Rotation::exp(direction(draw) * draw.uniform(0.0, 3.0)),
     }
 }
 
-fn kind(draw: &mut Draw) -> JointKind {
+pub(super) fn kind(draw: &mut Draw) -> JointKind {
     let axis = direction(draw);
     let across = axis.cross(&direction(draw));
     let across = if across.norm() < 1e-2 { axis.yzx() - axis } else { across.normalize() };
@@ -60,7 +60,7 @@ fn kind(draw: &mut Draw) -> JointKind {
 
 /// Something between two bodies, or a body and the world.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+pub(super) struct Link {
     bodies: [Option<usize>; 2],
     points: [Vector3<f64>; 2],
     stiffness: f64,
@@ -233,7 +233,8 @@ fn velocities(motion: &TreeMotion, bodies: usize) -> Vec<f64> {
         .collect()
 }
 
-fn compare(
+/// The accelerations of a tree beside those of the same bodies in full coordinates.
+pub(super) fn compare(
     draw: &mut Draw,
     (tree, loops): (&Tree, TreeLoops),
     bodies: &[Body],
