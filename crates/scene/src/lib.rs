@@ -275,7 +275,9 @@ mod show {
     pub(crate) mod csv;
     pub(crate) mod field_tables;
     pub(crate) mod drawing;
+    pub(crate) mod body_surface;
     pub(crate) mod projection;
+    pub(crate) mod silhouette;
     pub(crate) mod sheet;
     pub(crate) mod walls;
     pub(crate) mod picture;
@@ -292,7 +294,7 @@ pub mod shipped;
 pub use assemble::error::AssemblyError;
 pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
-pub use model::body_shape::BodyShape;
+pub use model::body_shape::{BodyPart, BodyShape};
 pub use model::built::Built;
 pub use model::claim::{Claim, Event, Measured, Scale};
 pub use model::contact_side::ContactSide;

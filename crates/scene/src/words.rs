@@ -6,6 +6,8 @@ pub(crate) mod bodies;
 #[cfg(feature = "rigid")]
 pub(crate) mod body_methods;
 #[cfg(feature = "rigid")]
+pub(crate) mod body_parts;
+#[cfg(feature = "rigid")]
 pub(crate) mod body_shape;
 pub(crate) mod chains;
 pub(crate) mod claims;

@@ -6,7 +6,8 @@ use stationary_integrators::{AdaptiveError, StepError};
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::Vertices;
 use crate::model::drives::MotorDrive;
-use crate::model::items::{JointKind, SceneJoint};
+use crate::model::body_shape::BodyShape;
+use crate::model::items::{JointKind, RigidBody, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::{COORDINATES, Scene};
 use crate::run::error::{RunError, StepFailure};
@@ -260,8 +261,14 @@ impl Scene {
     #[cfg(feature = "contact")]
     fn collider(&self, number: usize) -> Option<String> {
         let contact = self.contact.as_ref()?;
-        let touching = self.bodies.iter().filter(|body| body.shape != crate::BodyShape::Moments);
-        let names = touching.map(|body| format!("`{}`", body.name));
+        let colliders = |body: &RigidBody| match &body.shape {
+            BodyShape::Moments => 0,
+            BodyShape::Parts(parts) => parts.len(),
+            _ => 1,
+        };
+        let names = self.bodies.iter().flat_map(|body| {
+            std::iter::repeat_n(format!("`{}`", body.name), colliders(body))
+        });
         let walls = (1..=contact.walls.len()).map(|wall| format!("wall {wall}"));
         let balls = (1..=contact.balls.len()).map(|ball| format!("ball {ball}"));
         names.chain(walls).chain(balls).nth(number)

@@ -396,11 +396,34 @@ pub enum Fault {
     /// Two bodies of one name.
     #[error("there is already a body called `{0}`")]
     DuplicateBody(String),
-    /// A body is a box, a ball, a polygon, or has moments of its own.
-    #[error("`{0}` needs one of `box`, `ball`, `polygon` and its `moments` of inertia")]
+    /// A body has one shape, or moments of its own.
+    #[error(
+        "`{0}` needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid`, `hull`, \
+         `parts` and its `moments` of inertia"
+    )]
     BodyShape(String),
+    /// Two masses of one body.
+    #[error("the mass of a body of `parts` is theirs together; leave this one out")]
+    MassOfParts,
+    /// A body of no parts.
+    #[error("a body of `parts` needs one at least")]
+    NoParts,
+    /// A part has one shape.
+    #[error(
+        "a part needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid` and `hull`"
+    )]
+    PartShape,
+    /// A shape of space.
+    #[error("`{0}` needs a scene of dimension 3")]
+    SolidInThePlane(&'static str),
+    /// Points without a volume.
+    #[error("these points enclose no volume: a hull needs four that are not in one plane")]
+    FlatHull,
     /// A body is somewhere.
-    #[error("`{0}` needs a `position`; only a polygon may go without, and stays where it is drawn")]
+    #[error(
+        "`{0}` needs a `position`; only a polygon, a hull and parts may go without, and stay where they \
+         are drawn"
+    )]
     NoPosition(String),
     /// A polygon is flat.
     #[error("a polygon needs a scene of dimension 2")]
@@ -411,7 +434,7 @@ pub enum Fault {
     )]
     NoPolygon,
     /// A body that cannot touch.
-    #[error("`{0}` has no shape that could touch: give it a `box`, a `ball` or a `polygon`")]
+    #[error("`{0}` has no shape that could touch: give it one instead of its `moments`")]
     Untouchable(String),
     /// Mass and moments that no body has.
     #[error("{0}")]

@@ -22,6 +22,7 @@ mod parameters;
 mod quadratic;
 mod runs;
 mod schema;
+mod shapes;
 mod solids;
 mod steppings;
 mod touching;
