@@ -231,6 +231,8 @@ mod assemble {
     pub(crate) mod colliders;
     #[cfg(feature = "contact")]
     pub(crate) mod placing;
+    #[cfg(feature = "contact")]
+    pub(crate) mod joint_set;
 }
 
 mod run {

@@ -133,7 +133,7 @@ impl BodySystem for InThePlane {
 }
 
 /// The ends of a joint where it stands.
-fn ends_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> [JointEnd; 2] {
+pub(crate) fn ends_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> [JointEnd; 2] {
     let frame = RigidMotion { translation: joint.place.into(), rotation: Rotation::identity() };
     joint.between.map(|end| match end {
         None => JointEnd { body: None, frame },
@@ -156,7 +156,7 @@ fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Pose
     Ok(Joint::new(Poses, bodies.len(), kind, ends)?)
 }
 
-fn ends_in_the_plane(bodies: &[RigidBody], joint: &SceneJoint) -> [PlanarEnd; 2] {
+pub(crate) fn ends_in_the_plane(bodies: &[RigidBody], joint: &SceneJoint) -> [PlanarEnd; 2] {
     let place = Vector3::from(joint.place).xy();
     joint.between.map(|end| match end {
         None => PlanarEnd::world(place),

@@ -17,7 +17,7 @@ use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
 
 /// How many shapes there are: those of bodies, then walls, then fixed balls, then pins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Colliders {
     all: usize,
     fixed: usize,

@@ -251,6 +251,18 @@ impl Scene {
         self.contact.is_some() && !self.bodies.is_empty()
     }
 
+    /// Whether its joints have limits or friction, or rods beside bodies break.
+    pub(crate) fn has_bounds(&self) -> bool {
+        let bounded = |joint: &SceneJoint| joint.limits.is_some() || joint.friction > 0.0;
+        let breaks = self.rods.iter().any(|rod| rod.strength.is_finite());
+        self.joints.iter().any(bounded) || (breaks && !self.bodies.is_empty())
+    }
+
+    /// Whether bodies are stepped with inequalities: what touches, limits, dry friction, rods that break.
+    pub(crate) fn has_inequalities(&self) -> bool {
+        self.touches_as_bodies() || self.has_bounds()
+    }
+
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.
     pub(crate) fn keeps_velocities(&self) -> bool {
         self.heat.is_none() && self.bodies.is_empty()

@@ -5,8 +5,8 @@ use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::Vertices;
-use crate::model::drives::MotorDrive;
 use crate::model::body_shape::BodyShape;
+use crate::model::drives::MotorDrive;
 use crate::model::items::{JointKind, RigidBody, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::{COORDINATES, Scene};
@@ -266,9 +266,10 @@ impl Scene {
             BodyShape::Parts(parts) => parts.len(),
             _ => 1,
         };
-        let names = self.bodies.iter().flat_map(|body| {
-            std::iter::repeat_n(format!("`{}`", body.name), colliders(body))
-        });
+        let names = self
+            .bodies
+            .iter()
+            .flat_map(|body| std::iter::repeat_n(format!("`{}`", body.name), colliders(body)));
         let walls = (1..=contact.walls.len()).map(|wall| format!("wall {wall}"));
         let balls = (1..=contact.balls.len()).map(|ball| format!("ball {ball}"));
         names.chain(walls).chain(balls).nth(number)

@@ -127,7 +127,9 @@ fn of_part(part: &BodyPart, dimension: usize) -> BodySurface {
 fn convex(shape: &BodyShape, dimension: usize) -> BodySurface {
     match (shape, dimension) {
         (BodyShape::Ball(radius), 2) => outline(&stadium(0.0, *radius), Some(AROUND / 4)),
-        (BodyShape::Capsule { length, radius }, 2) => outline(&stadium(0.5 * length, *radius), Some(AROUND / 4)),
+        (BodyShape::Capsule { length, radius }, 2) => {
+            outline(&stadium(0.5 * length, *radius), Some(AROUND / 4))
+        }
         (BodyShape::Box(_), 2) => {
             let corners = shape.corners(2);
             outline(&sides(2)[0].map(|corner| corners[corner]), None)
@@ -144,8 +146,7 @@ fn convex(shape: &BodyShape, dimension: usize) -> BodySurface {
         }
         (BodyShape::Cone { height, radius }, _) => {
             let (base, apex) = (-0.25 * height, 0.75 * height);
-            let rings =
-                [Ring(0.0, base, false), Ring(*radius, base, true), Ring(0.0, apex, false)];
+            let rings = [Ring(0.0, base, false), Ring(*radius, base, true), Ring(0.0, apex, false)];
             revolved(&rings)
         }
         (BodyShape::Box(_), _) => {

@@ -290,10 +290,11 @@ impl Drawn {
         for (body, centre, surfaces) in run.surfaces() {
             let BodySurface { points, triangles, lines } = BodySurface::joined(surfaces);
             drawn.lines.extend(lines.into_iter().map(|ends| ends.map(|end| before + end)));
-            drawn.faces.extend(triangles.into_iter().map(|corners| Face {
-                corners: corners.map(|corner| before + corner),
-                body,
-            }));
+            drawn.faces.extend(
+                triangles
+                    .into_iter()
+                    .map(|corners| Face { corners: corners.map(|corner| before + corner), body }),
+            );
             before += points.len();
             let points = singles(points.into_iter().flatten());
             drawn.surfaces.push(Surface { centre, points });

@@ -67,9 +67,8 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
 /// The convex hull of points on paper, counterclockwise: Andrew's monotone chain.
 fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let left = |[a, b, c]: [[f64; 2]; 3]| {
-        (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
-    };
+    let left =
+        |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
     let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
         let mut chain: Vec<[f64; 2]> = Vec::new();
         for point in points {

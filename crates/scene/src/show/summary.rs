@@ -95,7 +95,7 @@ fn budget(run: &Run) -> Option<Table> {
         table.push([name.into(), above_rounding(work, scale)]);
     }
     let rest = match scene.contact() {
-        Some(_) if scene.touches_as_bodies() => "defect of the steps, of order 1".to_owned(),
+        _ if scene.has_inequalities() => "defect of the steps, of order 1".to_owned(),
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),
     };

@@ -208,9 +208,11 @@ fn grid(
     let size = cells.offsets.len();
     writeln!(out, "<Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{size}\">")?;
     let places = (0..particles).flat_map(|particle| run.position(sample, particle));
-    let places = places.chain(surfaces.points().flat_map(|(body, centre, point)| {
-        run.placed(sample, centre, &fields[body], point)
-    }));
+    let places = places.chain(
+        surfaces
+            .points()
+            .flat_map(|(body, centre, point)| run.placed(sample, centre, &fields[body], point)),
+    );
     writeln!(out, "<Points>")?;
     array(out, "Float64", "points", 3, places.map(|x| format!("{x:?}")))?;
     writeln!(out, "</Points>\n<Cells>")?;

@@ -461,12 +461,6 @@ pub enum Fault {
         "`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`"
     )]
     NoRadius(String),
-    /// What breaks is held by rods of particles alone.
-    #[error("rods break only between particles that nothing else holds; leave `strength` out")]
-    BreakingBesideBodies,
-    /// The impulses of joints that share them with contacts are not told apart.
-    #[error("the tension of a rod is not available where rods and contact are solved together")]
-    TensionInContact,
     /// The attraction of bodies is not that of points.
     #[error(
         "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
@@ -525,6 +519,22 @@ pub enum Fault {
         "`stiffness`, `rest` and `damping` are of a `pin` or a `hinge`; this joint has no one axis to turn about"
     )]
     SpringWithoutAxis,
+    /// Limits or friction of a joint without one turn or shift that is measured.
+    #[error(
+        "`limits` and `friction` are of a `pin` or a `hinge`, or in space of a `slider`; in the plane a slider \
+         stops at a wall or a ball of [contact]"
+    )]
+    BoundsWithoutCoordinate,
+    /// Limits that do not hold the start between them.
+    #[error(
+        "the limits are {low} and {high}; the least comes first, and the start, which is at 0, is between them"
+    )]
+    LimitsBesideTheStart {
+        /// The first.
+        low: f64,
+        /// The second.
+        high: f64,
+    },
     /// A turn is known up to whole ones.
     #[error("the turn is {0} radians; it must be within half a turn, from -pi to pi")]
     BeyondHalfATurn(f64),
@@ -570,8 +580,8 @@ pub enum Fault {
         /// Where it stands.
         kind: &'static str,
     },
-    /// Values before and after.
-    #[error("{key} has {got} values; it needs two, before and after")]
+    /// Two values, of a strength before and after, of limits the least and the largest.
+    #[error("{key} has {got} values; it needs two")]
     TwoValues {
         /// The key.
         key: &'static str,

@@ -153,8 +153,8 @@ mod compiled {
     use crate::text::turn::Turn;
     use crate::text::{check, limits};
     use crate::words::body_shape::Shaped;
-    use crate::words::{body_parts, body_shape};
     use crate::words::particle_table::ParticleTable;
+    use crate::words::{body_parts, body_shape};
 
     /// Which of a body's points are joined in the picture.
     type Edges = Vec<[usize; 2]>;

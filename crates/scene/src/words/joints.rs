@@ -19,7 +19,7 @@ use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Number};
 use crate::words::draft::Draft;
 use crate::words::table::{Kind, table};
-use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
+use crate::words::word::{CONSTRAINTS, CONTACT, Feature, Of, Word};
 
 table! {
     /// A joint, given by its place at the start.
@@ -38,6 +38,11 @@ table! {
         rest: Option<Spanned<Number>> = Kind::Number,
         /// Of a damper at a pin or a hinge: torque over the rate of the turn.
         damping: Option<Spanned<Number>> = Kind::NotNegative,
+        /// The least and the largest turn of the second against the first from the start, at a pin or a hinge; of a
+        /// slider in space the least and the largest shift along its axis. What meets them stops.
+        limits: Option<Spanned<Vec<Spanned<Number>>>> = Kind::List(&Kind::Number),
+        /// The largest torque of dry friction at a pin or a hinge; of a slider in space the largest force.
+        friction: Option<Spanned<Number>> = Kind::NotNegative,
     }
 }
 
@@ -47,6 +52,14 @@ impl Word for Vec<JointDeclaration> {
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.kind.span())
+    }
+
+    fn inner(&self) -> Option<(&'static str, Feature, Range<usize>)> {
+        let limits = |joint: &JointDeclaration| Some(("limits", joint.limits.as_ref()?.span()));
+        let friction =
+            |joint: &JointDeclaration| Some(("friction", joint.friction.as_ref()?.span()));
+        let first = self.iter().find_map(|joint| limits(joint).or_else(|| friction(joint)));
+        first.map(|(word, place)| (word, CONTACT, place))
     }
 
     fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
@@ -176,7 +189,45 @@ mod compiled {
         if let (Some(given), true) = (&declared.rest, stiffness == 0.0) {
             return Err(at(given.span(), Fault::RestWithoutSpring));
         }
-        Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping })
+        let (limits, friction) = bounds(dimension, kind, declared)?;
+        Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping, limits, friction })
+    }
+
+    /// Limits with the start between them, and the largest friction.
+    fn bounds(
+        dimension: usize,
+        kind: JointKind,
+        declared: &JointDeclaration,
+    ) -> Checked<(Option<[f64; 2]>, f64)> {
+        let (limits, friction) = (&declared.limits, &declared.friction);
+        let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
+        let shifts = kind == JointKind::Slider && dimension == 3;
+        let place = limits.as_ref().map(Spanned::span);
+        if let Some(place) = place.or(friction.as_ref().map(Spanned::span))
+            && !(turns || shifts)
+        {
+            return Err(at(place, Fault::BoundsWithoutCoordinate));
+        }
+        let friction = friction.as_ref().map(|given| check::not_negative("the friction", given));
+        let friction = friction.transpose()?.unwrap_or(0.0);
+        let Some(given) = limits else { return Ok((None, friction)) };
+        let [low, high] = given.get_ref().as_slice() else {
+            let fault = Fault::TwoValues { key: "`limits`", got: given.get_ref().len() };
+            return Err(at(given.span(), fault));
+        };
+        let mut limits = [0.0; 2];
+        for (limit, given) in limits.iter_mut().zip([low, high]) {
+            *limit = check::finite("the limit", given)?;
+            // In space a turn is known up to whole ones.
+            if dimension == 3 && turns && limit.abs() > std::f64::consts::PI {
+                return Err(at(given.span(), Fault::BeyondHalfATurn(*limit)));
+            }
+        }
+        let [low, high] = limits;
+        if low > 0.0 || high < 0.0 || low >= high {
+            return Err(at(given.span(), Fault::LimitsBesideTheStart { low, high }));
+        }
+        Ok((Some(limits), friction))
     }
 
     /// The body of this name, or the world.

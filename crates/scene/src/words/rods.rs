@@ -20,7 +20,7 @@ table! {
     pub(crate) struct RodDeclaration = "a rod" {
         /// Two names.
         between: Spanned<Vec<Spanned<String>>> = Kind::Pair,
-        /// The tension or thrust beyond which it breaks, with rattle.
+        /// The tension or thrust beyond which it breaks: between particles with rattle, beside bodies in steps of order 1.
         strength: Option<Spanned<Number>> = Kind::Positive,
     }
 }

@@ -26,7 +26,8 @@ pub(crate) fn refused(marked: &str, message: &str) {
 fn a_body_that_cannot_be_is_refused_where_it_says_so() {
     let body = |name: &str, rest: &str| format!("[[bodies]]\nname = {name}\nmass = 1\n{rest}");
     let lone = body("<<\"stone\">>", "position = [0, 0, 0]\n");
-    let message = "`stone` needs one of `box`, `ball`, `polygon` and its `moments` of inertia";
+    let message = "`stone` needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid`, \
+                   `hull`, `parts` and its `moments` of inertia";
     refused(&format!("{HEAD}{lone}"), message);
     refused(&format!("{HEAD}{lone}box = [1, 1, 1]\nmoments = [1, 1, 1]\n"), message);
     let thin = body("\"stone\"", "box = [1, <<0>>, 1]\nposition = [0, 0, 0]\n");

@@ -13,6 +13,7 @@ mod faces_and_walls;
 mod fields;
 mod files;
 mod heat;
+mod joint_bounds;
 mod jointed_contact;
 mod mixture_diagnostics;
 mod mixtures;

@@ -52,8 +52,11 @@ fn round_bodies_roll_down_a_slope_as_their_moments_say() {
         ("cylinder = { length = 0.8, radius = 0.2 }", laid, 0.5),
         ("capsule = { length = 0.8, radius = 0.2 }", laid, of_capsule),
         ("ellipsoid = [0.2, 0.5, 0.2]", "rotation = [0, 0, 0]", 0.4),
-        ("parts = [{ mass = 1, ball = 0.2, at = [0, 0.4, 0] }, { mass = 1, ball = 0.2, at = [0, -0.4, 0] }]",
-         "rotation = [0, 0, 0]", 0.4),
+        (
+            "parts = [{ mass = 1, ball = 0.2, at = [0, 0.4, 0] }, { mass = 1, ball = 0.2, at = [0, -0.4, 0] }]",
+            "rotation = [0, 0, 0]",
+            0.4,
+        ),
     ];
     for (shape, turned, part) in bodies {
         let mass = if shape.starts_with("parts") { "" } else { "mass = 2, " };
@@ -99,7 +102,8 @@ fn a_hull_moves_as_the_box_whose_corners_it_has_however_it_is_drawn() {
     let drawn = |[x, y, z]: [f64; 3]| [cos * x - sin * y + 4.0, sin * x + cos * y - 1.0, z + 2.0];
     let corners: Vec<[f64; 3]> = (0..8).map(|k| drawn(corner(k))).collect();
     let hull = format!("mass = 2, hull = {corners:?}, velocity = [0.4, 0.3, 0]");
-    let cuboid = "mass = 2, box = [0.6, 0.4, 0.2], rotation = [0, 0, 0.7], velocity = [0.4, 0.3, 0]";
+    let cuboid =
+        "mass = 2, box = [0.6, 0.4, 0.2], rotation = [0, 0, 0.7], velocity = [0.4, 0.3, 0]";
     let [one, other] = [hull.as_str(), cuboid].map(|body| run(&on_a_slope(0.2, body, 0.3)));
     let [mut own, mut moments] = [&one, &other].map(|run| run.scene().bodies()[0].moments);
     (own.sort_by(f64::total_cmp), moments.sort_by(f64::total_cmp));
@@ -148,12 +152,14 @@ fn a_planar_capsule_has_the_moment_of_the_plate_that_it_is() {
     };
     let corners: Vec<[f64; 2]> = (0..n).map(corner).collect();
     let head = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.1\nhorizon = 0.1\n";
-    let [capsule, polygon] =
-        [format!("capsule = {{ length = {}, radius = {r} }}", 2.0 * a), format!("polygon = {corners:?}")]
-            .map(|shape| {
-                let body = format!("name = \"it\", mass = 2, position = [0, 0], {shape}");
-                parsed(&format!("{head}bodies = [{{ {body} }}]")).bodies()[0].moments[2]
-            });
+    let [capsule, polygon] = [
+        format!("capsule = {{ length = {}, radius = {r} }}", 2.0 * a),
+        format!("polygon = {corners:?}"),
+    ]
+    .map(|shape| {
+        let body = format!("name = \"it\", mass = 2, position = [0, 0], {shape}");
+        parsed(&format!("{head}bodies = [{{ {body} }}]")).bodies()[0].moments[2]
+    });
     assert!((capsule / polygon - 1.0).abs() < 1e-6, "{capsule} {polygon}");
 }
 
@@ -231,6 +237,7 @@ fn round_bodies_are_drawn_in_the_picture_the_page_and_for_paraview() {
         let out = folder.join("out");
         let _ = fs::remove_dir_all(&out);
         run.write(&out).unwrap();
+        run.write_vtk(&out).unwrap();
         let picture = run.picture();
         assert!(!picture.contains("NaN"), "{body}");
         // An outline of the body at the end, filled.
