@@ -135,6 +135,7 @@ pub(crate) fn assemble(
         timing,
         gravity: draft.gravity,
         drag: draft.drag,
+        frame: draft.frame,
         drives: draft.drives,
         contact: draft.contact,
         particles: draft.particles.particles,

@@ -22,6 +22,7 @@ pub struct Scene {
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) frame: Option<[f64; 3]>,
     pub(crate) drives: Drives,
     pub(crate) contact: Option<SceneContact>,
     pub(crate) particles: Vec<Particle>,
@@ -93,6 +94,11 @@ impl Scene {
     /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
     pub fn drag(&self) -> Option<f64> {
         self.drag
+    }
+
+    /// The angular velocity of the frame in which it is seen, where that turns.
+    pub fn frame(&self) -> Option<[f64; 3]> {
+        self.frame
     }
 
     /// What is driven: loads, motors, pins that move, gravity and heat in time.

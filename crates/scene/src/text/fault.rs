@@ -467,6 +467,9 @@ pub enum Fault {
          how its mass is distributed"
     )]
     BodyAttraction,
+    /// A turning frame acts on what turns too.
+    #[error("a `frame` that turns is for particles alone; in it bodies are not available")]
+    FrameOfBodies,
     /// Joints without bodies.
     #[error("joints need [[bodies]] to join")]
     NoBodies,

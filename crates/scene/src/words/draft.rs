@@ -26,6 +26,7 @@ pub(crate) struct Draft<'a> {
     pub(crate) contact: Option<SceneContact>,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) frame: Option<[f64; 3]>,
     pub(crate) drives: Drives,
 }
 
@@ -53,6 +54,7 @@ impl<'a> Draft<'a> {
             contact: None,
             gravity: Gravity { acceleration: None, constant: None },
             drag: None,
+            frame: None,
             drives: Drives::default(),
         }
     }

@@ -140,6 +140,7 @@ impl Scene {
             || self.joints.iter().any(|joint| joint.damping > 0.0);
         let torques = motors.iter().any(|motor| motor.drive == MotorDrive::Torque);
         self.drag.is_some()
+            || self.frame.is_some()
             || !loads.is_empty()
             || torques
             || !motions.is_empty()

@@ -12,6 +12,7 @@ mod failed_runs;
 mod faces_and_walls;
 mod fields;
 mod files;
+mod frames;
 mod heat;
 mod joint_bounds;
 mod jointed_contact;

@@ -17,6 +17,7 @@ const MORE: [&str; 5] = [
         horizon = 1
         units = { length = "cm", time = "ms", mass = "g" }
         drag = { coefficient = 0.1 }
+        frame = { angular_velocity = 0.1 }
         newtonian_gravity = { constant = 1 }
         observables = [{ distance = ["a", "b"] }, { velocity = "a" }, "linear-momentum"]
         particles = [
