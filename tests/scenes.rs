@@ -167,3 +167,27 @@ fn the_bell_rings_in_closed_form() {
 fn the_warm_cap_evens_out_over_the_sphere() {
     insta::assert_snapshot!(run("warm-sphere").0);
 }
+
+#[test]
+fn a_ball_with_draw_comes_back_and_a_masse_shot_turns_aside() {
+    let (summary, _) = run("billiard-with-spin");
+    insta::assert_snapshot!(summary);
+}
+
+#[test]
+fn the_first_domino_fells_the_last() {
+    let (summary, _) = run("domino-row");
+    insta::assert_snapshot!(summary);
+}
+
+#[test]
+fn the_tippe_top_stands_on_its_head_with_the_spin_of_jellett() {
+    let (summary, _) = run("tippe-top");
+    insta::assert_snapshot!(summary);
+}
+
+#[test]
+fn the_plane_of_foucaults_pendulum_turns_by_a_right_angle() {
+    let (summary, _) = run("foucault-pendulum");
+    insta::assert_snapshot!(summary);
+}
