@@ -18,6 +18,8 @@ pub(crate) mod frame;
 pub(crate) mod gravity;
 pub(crate) mod heat;
 pub(crate) mod integrator;
+#[cfg(feature = "rigid")]
+pub(crate) mod joint_velocities;
 pub(crate) mod joints;
 pub(crate) mod laid_shape;
 pub(crate) mod loads;

@@ -99,9 +99,12 @@ fn budget(run: &Run) -> Option<Table> {
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),
     };
-    // Its digits depend on rounding where it is small.
-    let left =
-        if scale > 0.0 { format!("{:.0e} of the largest", left.abs() / scale) } else { "0".into() };
+    let left = match left.abs() / scale {
+        _ if scale == 0.0 => "0".to_owned(),
+        // Its digits are those of rounding.
+        part if part < ROUNDING => format!("<{ROUNDING:.0e} of the largest"),
+        part => format!("{part:.0e} of the largest"),
+    };
     table.push([rest.into(), left.into()]);
     table.push(["change of the energy".into(), above_rounding(change, scale)]);
     Some(table)

@@ -486,8 +486,15 @@ pub enum Fault {
     #[error("only a hinge or a slider has an axis")]
     NoHinge,
     /// Two bodies that move apart where they are joined.
-    #[error("the two sides of the joint move apart at {apart} a unit of time")]
+    #[error(
+        "`{first}` and `{second}` move apart at {apart} a unit of time where they are joined: velocities that are \
+         given must fit there, and those that are not must follow from them"
+    )]
     JointTorn {
+        /// One side.
+        first: String,
+        /// The other.
+        second: String,
         /// The size of the difference of their velocities there.
         apart: f64,
     },

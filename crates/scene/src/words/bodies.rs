@@ -63,7 +63,7 @@ table! {
         /// The velocity of its centre; where it is missing, what its joints determine, else
         /// zero.
         velocity: Option<Components> = Kind::Vector,
-        /// Its angular velocity, in space in body axes.
+        /// Its angular velocity, in space in body axes; where it is missing, zero, or what its joints determine.
         angular_velocity: Option<Turn> = Kind::Turn,
     }
 
@@ -258,6 +258,7 @@ mod compiled {
             angular_velocity = axes.rotate_back(&angular_velocity.into()).into();
         }
         let has_velocity = declared.velocity.is_some();
+        let has_spin = declared.angular_velocity.is_some();
         let body = RigidBody {
             name,
             mass,
@@ -270,7 +271,7 @@ mod compiled {
             points,
             point_mass: false,
         };
-        Ok(DeclaredBody { body, has_velocity })
+        Ok(DeclaredBody { body, has_velocity, has_spin })
     }
 
     /// The mass, the shape and the moments that a body can have.

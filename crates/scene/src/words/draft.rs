@@ -36,6 +36,8 @@ pub(crate) struct DeclaredBody {
     pub(crate) body: RigidBody,
     /// Whether its velocity was given; if not, joints determine it.
     pub(crate) has_velocity: bool,
+    /// Whether its angular velocity was.
+    pub(crate) has_spin: bool,
 }
 
 impl<'a> Draft<'a> {

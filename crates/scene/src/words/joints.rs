@@ -4,10 +4,9 @@
 //! x_a(p) = x_b(p),    v_a + w_a x (p - x_a) = v_b + w_b x (p - x_b)       at the start
 //! ```
 //! A joint is given by its place `p`, and a hinge by its axis too, as the world sees them at the
-//! start: so it is closed there, whatever the bodies' poses. Bodies whose velocity is not given
-//! move with the first joint that leads to a body, or the world, whose velocity is known; two of
-//! that which disagree are an error. `x` centres, `v` velocities, `w` angular velocities in world
-//! axes.
+//! start: so it is closed there, whatever the bodies' poses. Velocities that are not given follow from
+//! joints (`joint_velocities.rs`); where they cannot it is an error. `x` centres, `v` velocities, `w` angular
+//! velocities in world axes.
 
 #[cfg(feature = "rigid")]
 use crate::words::draft::DeclaredBody;
@@ -78,16 +77,18 @@ pub(crate) use compiled::*;
 #[cfg(feature = "rigid")]
 mod compiled {
     use super::*;
-    use std::collections::{HashMap, VecDeque};
+    use std::collections::HashMap;
 
-    use nalgebra::Vector3;
     use toml::Spanned;
 
-    use crate::model::items::{JointKind, RigidBody, SceneJoint};
+    use crate::model::items::{JointKind, SceneJoint};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
     use crate::text::fault::Fault;
     use crate::words::bodies::WORLD;
+    use crate::words::joint_velocities::{
+        self, VELOCITY, fastest, forbidden_shift, forbidden_turn,
+    };
 
     const IN_SPACE: [(&str, JointKind); 4] = [
         ("ball", JointKind::Ball),
@@ -109,18 +110,15 @@ mod compiled {
             .iter()
             .map(|declared| joint(dimension, &by_name, declared))
             .collect::<Checked<Vec<_>>>()?;
-        carry_velocities(bodies, &joints);
+        joint_velocities::complete(dimension, bodies, &joints);
         for (joint, declared) in joints.iter().zip(all) {
-            let [a, b] = joint.between.map(|end| velocity_at(bodies, end, joint.place));
-            let speed = a.norm().max(b.norm());
-            let mut torn = a - b;
-            if joint.kind == JointKind::Slider {
-                let along = Vector3::from(joint.axis);
-                torn -= along * torn.dot(&along);
-            }
+            let speed = joint.between.map(|end| fastest(bodies, end, joint.place));
+            let speed = speed[0].max(speed[1]);
+            let torn = forbidden_shift(bodies, joint);
             if torn.norm() > VELOCITY * speed {
-                let apart = torn.norm();
-                return Err(at(declared.at.span(), Fault::JointTorn { apart }));
+                let [first, second] = joint.between.map(|end| named(bodies, end));
+                let fault = Fault::JointTorn { first, second, apart: torn.norm() };
+                return Err(at(declared.at.span(), fault));
             }
             if let Some(turn) = forbidden_turn(bodies, joint) {
                 return Err(at(declared.between.span(), Fault::JointTurns { turn }));
@@ -134,8 +132,9 @@ mod compiled {
         bodies.iter().enumerate().map(|(k, d)| (d.body.name.as_str(), k)).collect()
     }
 
-    /// What ends may move against each other, relative to their speed: rounding of what a file says.
-    const VELOCITY: f64 = 1e-9;
+    fn named(bodies: &[DeclaredBody], end: Option<usize>) -> String {
+        end.map_or(WORLD, |body| bodies[body].body.name.as_str()).to_owned()
+    }
 
     fn joint(
         dimension: usize,
@@ -247,56 +246,5 @@ mod compiled {
         let names = names.iter().map(|&(name, _)| name).chain([WORLD]);
         let fault = check::unknown("body", name.get_ref(), names, check::LISTED);
         Err(at(name.span(), fault))
-    }
-
-    fn spin(body: &RigidBody) -> Vector3<f64> {
-        body.turned().rotate(&body.angular_velocity.into())
-    }
-
-    fn velocity_at(bodies: &[DeclaredBody], end: Option<usize>, place: [f64; 3]) -> Vector3<f64> {
-        let Some(index) = end else { return Vector3::zeros() };
-        let body = &bodies[index].body;
-        let arm = Vector3::from(place) - Vector3::from(body.position);
-        Vector3::from(body.velocity) + spin(body).cross(&arm)
-    }
-
-    /// Gives a velocity to bodies that have none, from joint to joint, the world's joints first.
-    fn carry_velocities(bodies: &mut [DeclaredBody], joints: &[SceneJoint]) {
-        let mut touching: Vec<Vec<usize>> = vec![Vec::new(); bodies.len()];
-        for (index, joint) in joints.iter().enumerate() {
-            joint.between.into_iter().flatten().for_each(|body| touching[body].push(index));
-        }
-        let mut known: Vec<bool> = bodies.iter().map(|declared| declared.has_velocity).collect();
-        let fixed = joints.iter().enumerate().filter(|(_, joint)| joint.between.contains(&None));
-        let mut next: VecDeque<usize> = fixed.map(|(index, _)| index).collect();
-        next.extend(
-            (0..bodies.len()).filter(|&body| known[body]).flat_map(|b| touching[b].clone()),
-        );
-        while let Some(index) = next.pop_front() {
-            let [a, b] = joints[index].between;
-            for (from, to) in [(a, b), (b, a)] {
-                let Some(body) = to.filter(|&body| !known[body]) else { continue };
-                if from.is_none_or(|from| known[from]) {
-                    let place = joints[index].place;
-                    let gap = velocity_at(bodies, from, place) - velocity_at(bodies, to, place);
-                    bodies[body].body.velocity = gap.into();
-                    known[body] = true;
-                    next.extend(&touching[body]);
-                }
-            }
-        }
-    }
-
-    /// The rate of a turn that the joint does not allow, where there is one.
-    fn forbidden_turn(bodies: &[DeclaredBody], joint: &SceneJoint) -> Option<f64> {
-        let [a, b] =
-            joint.between.map(|end| end.map_or(Vector3::zeros(), |i| spin(&bodies[i].body)));
-        let (turn, axis) = (a - b, Vector3::from(joint.axis));
-        let forbidden = match joint.kind {
-            JointKind::Ball => 0.0,
-            JointKind::Hinge => (turn - axis * turn.dot(&axis)).norm(),
-            JointKind::Fixed | JointKind::Slider => turn.norm(),
-        };
-        (forbidden > VELOCITY * a.norm().max(b.norm())).then_some(forbidden)
     }
 }

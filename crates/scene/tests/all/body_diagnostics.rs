@@ -88,9 +88,12 @@ fn a_joint_that_cannot_be_is_refused_where_it_says_so() {
     refused(&format!("{two}{zero}"), "the axis is zero; a direction is not");
     let moving = format!("{two}velocity = [2, 0, 0]\n");
     let held = joint("\"ball\"", "[\"lid\", \"world\"]", "at = <<[0, 0, 0]>>");
-    let message = "the two sides of the joint move apart at 2 a unit of time";
+    let message = "`lid` and `world` move apart at 2 a unit of time where they are joined: velocities that are \
+                   given must fit there, and those that are not must follow from them";
     refused(&format!("{moving}{held}"), message);
-    let turning = format!("{two}angular_velocity = [0, 0, 2]\n");
+    let still = format!("{BOX}angular_velocity = [0, 0, 0]\n");
+    let lid = BOX.replace("crate", "lid");
+    let turning = format!("{HEAD}{still}{lid}angular_velocity = [0, 0, 2]\n");
     let fixed = joint("\"fixed\"", "<<[\"lid\", \"crate\"]>>", "at = [0, 0, 0]");
     let message =
         "the two sides turn against each other at 2 radians a unit of time, as the joint forbids";
