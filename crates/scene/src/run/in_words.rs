@@ -240,7 +240,8 @@ impl Scene {
                     _ => format!("; {count} pairs overlap"),
                 };
                 Some(format!(
-                    "{a} and {b} overlap by {depth:e} {} at the start{more}",
+                    "{a} and {b} overlap by {depth:.2e} {} at the start{more}; what may pass through each \
+                     other is a pair of [contact] with `meet = false`",
                     self.units.length
                 ))
             }
@@ -270,8 +271,12 @@ impl Scene {
             .bodies
             .iter()
             .flat_map(|body| std::iter::repeat_n(format!("`{}`", body.name), colliders(body)));
-        let walls = (1..=contact.walls.len()).map(|wall| format!("wall {wall}"));
-        let balls = (1..=contact.balls.len()).map(|ball| format!("ball {ball}"));
+        let called = |kind: &str, name: &Option<String>, number: usize| match name {
+            Some(name) => format!("`{name}`"),
+            None => format!("{kind} {}", number + 1),
+        };
+        let walls = contact.walls.iter().enumerate().map(|(k, w)| called("wall", &w.name, k));
+        let balls = contact.balls.iter().enumerate().map(|(k, b)| called("ball", &b.name, k));
         names.chain(walls).chain(balls).nth(number)
     }
 }

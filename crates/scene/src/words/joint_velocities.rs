@@ -28,10 +28,10 @@ const RANK: f64 = 1e-10;
 /// Gives bodies the velocities that their joints determine, where the text does not give them.
 pub(crate) fn complete(dimension: usize, bodies: &mut [DeclaredBody], joints: &[SceneJoint]) {
     carry_velocities(bodies, joints);
+    let (allowed, turning) = (VELOCITY * fastest(bodies, joints), fastest_turn(bodies));
     let torn = |joint: &SceneJoint| {
-        let allowed = VELOCITY
-            * joint.between.map(|end| fastest(bodies, end, joint.place)).iter().sum::<f64>();
-        forbidden_shift(bodies, joint).norm() > allowed || forbidden_turn(bodies, joint).is_some()
+        forbidden_shift(bodies, joint).norm() > allowed
+            || forbidden_turn(bodies, joint, turning).is_some()
     };
     if joints.iter().any(torn) {
         solve_all(dimension, bodies, joints);
@@ -123,12 +123,18 @@ fn velocity_at(bodies: &[DeclaredBody], end: Option<usize>, place: [f64; 3]) -> 
     Vector3::from(body.velocity) + spin(body).cross(&arm)
 }
 
-/// What rounding in that velocity scales with: that of the centre and that of the turn may cancel.
-pub(crate) fn fastest(bodies: &[DeclaredBody], end: Option<usize>, place: [f64; 3]) -> f64 {
-    let Some(index) = end else { return 0.0 };
-    let body = &bodies[index].body;
-    let arm = Vector3::from(place) - Vector3::from(body.position);
-    Vector3::from(body.velocity).norm() + spin(body).norm() * arm.norm()
+/// The largest of what adds up to velocities at joints: what rounding scales with in all of a mechanism, of
+/// which some part may stand still.
+pub(crate) fn fastest(bodies: &[DeclaredBody], joints: &[SceneJoint]) -> f64 {
+    let of_end = |(index, place): (usize, [f64; 3])| {
+        let body = &bodies[index].body;
+        let arm = Vector3::from(place) - Vector3::from(body.position);
+        Vector3::from(body.velocity).norm() + spin(body).norm() * arm.norm()
+    };
+    let ends = joints
+        .iter()
+        .flat_map(|joint| joint.between.into_iter().flatten().map(|body| (body, joint.place)));
+    ends.map(of_end).fold(0.0, f64::max)
 }
 
 /// Gives a velocity to bodies that have none, from joint to joint, the world's joints first.
@@ -174,10 +180,17 @@ fn forbidden_turning(bodies: &[DeclaredBody], joint: &SceneJoint) -> Vector3<f64
     }
 }
 
-/// The rate of a turn that the joint does not allow, where there is one.
-pub(crate) fn forbidden_turn(bodies: &[DeclaredBody], joint: &SceneJoint) -> Option<f64> {
-    let rate = |end: Option<usize>| end.map_or(0.0, |i| spin(&bodies[i].body).norm());
-    let [a, b] = joint.between.map(rate);
+/// The rate of a turn that the joint does not allow, where there is one among bodies that turn so fast at most.
+pub(crate) fn forbidden_turn(
+    bodies: &[DeclaredBody],
+    joint: &SceneJoint,
+    fastest: f64,
+) -> Option<f64> {
     let forbidden = forbidden_turning(bodies, joint).norm();
-    (forbidden > VELOCITY * a.max(b)).then_some(forbidden)
+    (forbidden > VELOCITY * fastest).then_some(forbidden)
+}
+
+/// The largest rate of a turn.
+pub(crate) fn fastest_turn(bodies: &[DeclaredBody]) -> f64 {
+    bodies.iter().map(|declared| spin(&declared.body).norm()).fold(0.0, f64::max)
 }

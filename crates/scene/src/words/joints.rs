@@ -87,7 +87,7 @@ mod compiled {
     use crate::text::fault::Fault;
     use crate::words::bodies::WORLD;
     use crate::words::joint_velocities::{
-        self, VELOCITY, fastest, forbidden_shift, forbidden_turn,
+        self, VELOCITY, fastest, fastest_turn, forbidden_shift, forbidden_turn,
     };
 
     const IN_SPACE: [(&str, JointKind); 4] = [
@@ -111,16 +111,15 @@ mod compiled {
             .map(|declared| joint(dimension, &by_name, declared))
             .collect::<Checked<Vec<_>>>()?;
         joint_velocities::complete(dimension, bodies, &joints);
+        let (speed, turning) = (fastest(bodies, &joints), fastest_turn(bodies));
         for (joint, declared) in joints.iter().zip(all) {
-            let speed = joint.between.map(|end| fastest(bodies, end, joint.place));
-            let speed = speed[0].max(speed[1]);
             let torn = forbidden_shift(bodies, joint);
             if torn.norm() > VELOCITY * speed {
                 let [first, second] = joint.between.map(|end| named(bodies, end));
                 let fault = Fault::JointTorn { first, second, apart: torn.norm() };
                 return Err(at(declared.at.span(), fault));
             }
-            if let Some(turn) = forbidden_turn(bodies, joint) {
+            if let Some(turn) = forbidden_turn(bodies, joint, turning) {
                 return Err(at(declared.between.span(), Fault::JointTurns { turn }));
             }
         }
