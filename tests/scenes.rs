@@ -167,3 +167,26 @@ fn the_bell_rings_in_closed_form() {
 fn the_warm_cap_evens_out_over_the_sphere() {
     insta::assert_snapshot!(run("warm-sphere").0);
 }
+
+#[test]
+fn a_ball_with_draw_comes_back_and_a_masse_shot_turns_aside() {
+    let (summary, _) = run("billiard-with-spin");
+    insta::assert_snapshot!(summary);
+}
+
+/// Their claims say how it ends; how they meet on the way has digits that another processor does not reproduce.
+#[test]
+fn dominoes_fall_discs_come_to_rest_in_bins_and_the_tippe_top_stands_on_its_head() {
+    for name in ["domino-row", "galton-board", "tippe-top"] {
+        let (summary, out) = run(name);
+        assert!(summary.matches("  holds  ").count() >= 4, "{summary}");
+        let picture = std::fs::read_to_string(out.join("picture.svg")).expect("a picture");
+        assert!(picture.contains("opacity=\"0.16\""), "what moves is drawn with its size");
+    }
+}
+
+#[test]
+fn the_plane_of_foucaults_pendulum_turns_by_a_right_angle() {
+    let (summary, _) = run("foucault-pendulum");
+    insta::assert_snapshot!(summary);
+}

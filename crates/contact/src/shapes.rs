@@ -14,8 +14,6 @@ pub(crate) mod outline;
 #[cfg(feature = "2d")]
 pub(crate) mod planar_shape;
 #[cfg(feature = "3d")]
-pub(crate) mod hull;
-#[cfg(feature = "3d")]
 pub(crate) mod polytope;
 #[cfg(feature = "3d")]
 pub(crate) mod solid;

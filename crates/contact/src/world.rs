@@ -195,6 +195,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         })
     }
 
+    /// The impulses of the rows of joints in the last step, in their order: N s of what asks for a speed, N m s
+    /// of what asks for a rate of turn. Over the step they are the forces that hold joints.
+    pub fn joint_impulses(&self) -> &[f64] {
+        &self.memory.joint_impulses
+    }
+
     /// The velocities between which the forces of the last step did their work: after its impacts, and at its
     /// end. The work of an impulse is what it does along the mean of the two.
     pub fn velocities(&self) -> [Vector<&[f64]>; 2] {

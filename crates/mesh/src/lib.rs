@@ -31,7 +31,7 @@
 //!
 //! Reading order: a simplex and its facets; the [`Mesh`]; who shares what (facets, edges,
 //! components, manifolds, orientation); measures and [`Moments`]; closed shapes ([`Polygon`],
-//! [`ClosedSurface`]) with the exact signs that they rest on; shapes of simplices ([`Quality`],
+//! [`ClosedSurface`]) with the exact signs that they rest on, and the [`convex_hull`] of points; shapes of simplices ([`Quality`],
 //! refinement; [`IntrinsicSurface`], known by edge lengths); curved elements ([`Quadratic`]);
 //! generators; and files: Gmsh's MSH, OBJ, and VTK.
 //!
@@ -56,6 +56,7 @@ mod crossing;
 mod polygon;
 mod overlap;
 mod enclosed;
+mod hull;
 mod quality;
 mod intrinsic;
 mod intrinsic_surface;
@@ -79,6 +80,7 @@ pub use generators::{
     curved_elliptic_membrane, curved_sphere, curved_torus, cylinder, disc, elliptic_membrane,
     extruded, icosphere, rectangle, segment, tapered_membrane, torus,
 };
+pub use hull::convex_hull;
 pub use intrinsic::IntrinsicTriangle;
 pub use intrinsic_surface::{IntrinsicSurface, Side};
 pub use measure::measure;

@@ -46,16 +46,17 @@
 //! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
 //! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
 //! | `[drag]` | `coefficient` | holds back every free particle and the centre of every body by the coefficient times its velocity; for methods of order up to 2 and those that choose their own steps |
+//! | `[frame]` | `angular_velocity` | of a frame that turns about the origin, in which particles are seen |
 //! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `damping`, `strain` | between particles and points of bodies; at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
-//! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle`; other methods of equal steps are followed by a projection |
+//! | `[[rods]]` | `between`, `strength` | as long as at the start; breaks beyond the strength, with `rattle` or beside bodies; other methods of equal steps are followed by a projection |
 //! | `[[chains]]` | `name`, `between`, `links`, `particle_mass` | particles called `name.1`, `name.2`, ..., joined by rods, on the line between two others |
 //! | `[[nets]]` | `name`, `rows`, `columns`, `spacing`, `origin`, `across`, `down`, `particle_mass`, `stiffness`, `strain`, `pinned` | its vertices are called `name.row.column`, from 0; pinned are corners such as `"top-left"` and sides such as `"top"` |
 //! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `sources`, `marks` | heat that flows through a shape, and nothing else |
-//! | `[[bodies]]` | `name`, `mass`, `box`, `ball`, `polygon` or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | sides of a box, the radius of a ball (in the plane a disc), the corners of a polygon in the plane, which is laid with its centre of mass at the position, or without one stays where it is drawn, or moments about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
-//! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper |
+//! | `[[bodies]]` | `name`, `mass`, a shape or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | the shape is a `box` by its sides, a `ball` (in the plane a disc), a `polygon`, a `capsule`, in space a `cylinder`, `cone`, `ellipsoid` or `hull`, or `parts` with masses of their own; polygons, hulls and parts are laid with their centre of mass at the position, or without one stay where they are drawn; moments are about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping`, `limits`, `friction` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper; these, and in space sliders, limits and dry friction |
 //! | `[[motors]]` | `between`, `torque` or `speed` | at a pin or a hinge: of the second against the first, a number or a strength in time |
 //! | `[[loads]]` | `on`, `force`, `torque`, `strength` | on a particle, a body, or a point of a body, in world axes |
 //! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs |
@@ -99,7 +100,8 @@
 //! Particles beside bodies are point masses that do not turn. Bodies whose `velocity` is missing move as
 //! their joints have them move. Joints are held by RATTLE, for which the integrator is `"stormer-verlet"` in
 //! the plane, and in space a method that turns bodies symplectically; with contact they are solved together
-//! with it, in steps of order 1 of `"stormer-verlet"` or `"variational-rotation"`.
+//! with it, in steps of order 1 of `"stormer-verlet"` or `"variational-rotation"`, as are limits and
+//! friction of joints and rods that break beside bodies.
 //!
 //! A file that says something else gets an answer like this one:
 //!
@@ -233,6 +235,8 @@ mod assemble {
     pub(crate) mod colliders;
     #[cfg(feature = "contact")]
     pub(crate) mod placing;
+    #[cfg(feature = "contact")]
+    pub(crate) mod joint_set;
 }
 
 mod run {
@@ -279,7 +283,9 @@ mod show {
     pub(crate) mod csv;
     pub(crate) mod field_tables;
     pub(crate) mod drawing;
+    pub(crate) mod body_surface;
     pub(crate) mod projection;
+    pub(crate) mod silhouette;
     pub(crate) mod sheet;
     pub(crate) mod walls;
     pub(crate) mod picture;
@@ -296,7 +302,7 @@ pub mod shipped;
 pub use assemble::error::AssemblyError;
 pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
-pub use model::body_shape::BodyShape;
+pub use model::body_shape::{BodyPart, BodyShape};
 pub use model::built::Built;
 pub use model::claim::{Claim, Event, Measured, Scale};
 pub use model::contact_side::ContactSide;
@@ -323,7 +329,7 @@ pub use run::samples::{BrokenRod, Impacts, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};
-pub use text::fault::Fault;
+pub use text::fault::{BodyFault, ClaimFault, DriveFault, Fault};
 pub use text::file_error::{SceneError, WriteError};
 pub use text::limits;
 pub use text::parameters::Parameters;

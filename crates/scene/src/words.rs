@@ -6,15 +6,20 @@ pub(crate) mod bodies;
 #[cfg(feature = "rigid")]
 pub(crate) mod body_methods;
 #[cfg(feature = "rigid")]
+pub(crate) mod body_parts;
+#[cfg(feature = "rigid")]
 pub(crate) mod body_shape;
 pub(crate) mod chains;
 pub(crate) mod claims;
 pub(crate) mod contact;
 pub(crate) mod draft;
 pub(crate) mod drag;
+pub(crate) mod frame;
 pub(crate) mod gravity;
 pub(crate) mod heat;
 pub(crate) mod integrator;
+#[cfg(feature = "rigid")]
+pub(crate) mod joint_velocities;
 pub(crate) mod joints;
 pub(crate) mod laid_shape;
 pub(crate) mod loads;
@@ -54,6 +59,7 @@ use crate::words::claims::ClaimDeclaration;
 use crate::words::contact::ContactDeclaration;
 use crate::words::draft::Draft;
 use crate::words::drag::DragDeclaration;
+use crate::words::frame::FrameDeclaration;
 use crate::words::gravity::{NewtonianGravityDeclaration, UniformGravityDeclaration};
 use crate::words::heat::HeatDeclaration;
 use crate::words::joints::JointDeclaration;
@@ -105,6 +111,8 @@ table! {
         newtonian_gravity: Option<NewtonianGravityDeclaration> = Kind::Table(&NewtonianGravityDeclaration::TABLE),
         /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
         drag: Option<DragDeclaration> = Kind::Table(&DragDeclaration::TABLE),
+        /// A frame that turns, in which everything is seen.
+        frame: Option<FrameDeclaration> = Kind::Table(&FrameDeclaration::TABLE),
         /// How things with a radius, or bodies, touch.
         contact: Option<ContactDeclaration> = Kind::Table(&ContactDeclaration::TABLE),
         /// Point masses, and points that stay.
@@ -205,5 +213,5 @@ impl Declaration {
 // Rods come right before what touches: then particles beside bodies become point masses.
 words! {
     bodies joints particles chains heat nets solids springs rods contact
-    uniform_gravity newtonian_gravity drag loads motors motions
+    uniform_gravity newtonian_gravity drag frame loads motors motions
 }

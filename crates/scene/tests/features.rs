@@ -71,6 +71,15 @@ fn cases() -> Vec<Case> {
     if rigid {
         let joint = "joints = [{ kind = \"pin\", between = [\"world\", \"a\"], at = [0, 0] }]\n";
         all.push(case("joints", "constraints", constraints, &format!("{body}{joint}")));
+        if constraints {
+            let bound = |word: &str| {
+                let said = format!("at = [0, 0], {word} }}]");
+                format!("{body}{}", joint.replace("at = [0, 0] }]", &said))
+            };
+            let limits = bound("limits = [-1, 1]");
+            all.push(case("limits", "contact", contact, &limits));
+            all.push(case("friction", "contact", contact, &bound("friction = 1")));
+        }
     }
     all
 }

@@ -21,11 +21,11 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Pose;
 use parry3d_f64::shape::{Cuboid, HalfSpace, SharedShape};
 use parry3d_f64::transformation::try_convex_hull;
+use stationary_mesh::convex_hull;
 
 use crate::ContactError;
 use crate::error::{check_finite, check_length};
 use crate::shapes::convert::{from_vector, vector};
-use crate::shapes::hull::hull;
 use crate::shapes::polytope::Polytope;
 use crate::shapes::solid::Solid;
 
@@ -130,7 +130,7 @@ impl Shape {
         if !spans_space(points) {
             return Err(ContactError::Flat { shape });
         }
-        let own = hull(points).and_then(|triangles| {
+        let own = convex_hull(points).and_then(|triangles| {
             // Corners alone.
             let mut used: Vec<usize> = triangles.iter().flatten().copied().collect();
             used.sort_unstable();

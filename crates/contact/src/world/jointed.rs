@@ -65,8 +65,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         from: &impl JointRows,
     ) -> Result<(), ContactError> {
-        let Memory { joints, linked, left, scales, .. } = &mut self.memory;
+        let Memory { joints, joint_impulses, linked, left, scales, .. } = &mut self.memory;
         joints.clear();
+        joint_impulses.clear();
         left.clear();
         from.velocity_rows(state.t, &state.q, h, joints)?;
         joints.check(self.mass.dim())?;
@@ -84,7 +85,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         finest: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { joints, v, before, bias, impulses, .. } = &mut self.memory;
+        let Memory { joints, joint_impulses, v, before, bias, impulses, .. } = &mut self.memory;
         let mut rows = joints.clone();
         let mut x = vec![0.0; rows.rows()];
         for &i in members {
@@ -106,10 +107,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
         report.residual = report.residual.max(done.residual);
         report.coulomb = report.coulomb.max(done.friction_residual);
         let (held, pushed) = x.split_at(joints.rows());
-        for (row, x) in held.iter().enumerate() {
-            let rate = joints.row(row).map(|(f, value)| value * (v.0[f] + before.0[f]));
-            report.joint_energy -= 0.5 * x * rate.sum::<f64>();
+        for (law, block) in joints.blocks() {
+            for row in block {
+                let rate = joints.row(row).map(|(f, value)| value * (v.0[f] + before.0[f]));
+                let taken = -0.5 * held[row] * rate.sum::<f64>();
+                report.joint_energy += taken;
+                if matches!(law, RowLaw::Bounded(_)) {
+                    report.joint_friction_energy += taken;
+                }
+            }
         }
+        joint_impulses.clear();
+        joint_impulses.extend(held);
         let mut pushed = pushed.iter();
         for &i in members {
             let directions = G::directions(&contacts[i].normal);

@@ -20,9 +20,10 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) v: Vector<Vec<f64>>,
     pub(super) increment: Vector<Vec<f64>>,
     pub(super) lift: Vector<Vec<f64>>,
-    /// Rows of joints over the step, the movable bodies that they name, and what is left of the gaps of
-    /// the contacts that are solved with them.
+    /// Rows of joints over the step and their impulses, the movable bodies that they name, and what is left
+    /// of the gaps of the contacts that are solved with them.
     pub(super) joints: VelocityRows,
+    pub(super) joint_impulses: Vec<f64>,
     pub(super) linked: Vec<[usize; 2]>,
     pub(super) left: VelocityRows,
     pub(super) dv: Covector<Vec<f64>>,
@@ -66,6 +67,7 @@ impl<G: Dimension> Memory<G> {
             increment: zeros(),
             lift: zeros(),
             joints: VelocityRows::default(),
+            joint_impulses: Vec::new(),
             linked: Vec::new(),
             left: VelocityRows::default(),
             dv: Covector(vec![0.0; n]),

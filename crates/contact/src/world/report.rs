@@ -49,6 +49,8 @@ pub struct WorldReport {
     /// The energy that joints took, J: of closed ones that ask for no speed, what their velocities were
     /// off.
     pub joint_energy: f64,
+    /// What of it dry friction of joints took, J.
+    pub joint_friction_energy: f64,
     /// How far joints are open after the step, and limits exceeded, m or rad; zero but for rounding where
     /// they could be closed.
     pub joint_violation: f64,

@@ -11,6 +11,7 @@
 //! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
 //! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
 
+mod frame;
 mod impulses;
 mod of_scene;
 mod rate;
@@ -19,6 +20,7 @@ use stationary_calculus::{Covector, Force, Sink, Vector};
 #[cfg(feature = "elasticity")]
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
+use crate::assemble::acting::frame::Frame;
 use crate::assemble::acting::rate::{Rate, rate_of};
 #[cfg(feature = "elasticity")]
 use crate::assemble::anchor::Anchor;
@@ -55,6 +57,8 @@ struct Act {
 enum What {
     /// The force over the velocity of every particle, and of the centre of every body.
     Drag(f64),
+    /// A frame that turns, in which particles are seen.
+    Frame(Frame),
     /// An acceleration of every freedom, which repeats.
     Weight(Vec<f64>),
     /// Forces on freedoms.
@@ -82,6 +86,10 @@ impl Acting {
         if let Some(drag) = scene.drag {
             let strength = Strength::constant(1.0);
             acts.push(Act { name: "drag".to_owned(), strength, what: What::Drag(drag) });
+        }
+        if let Some(turning) = scene.frame {
+            let (strength, what) = (Strength::constant(1.0), What::Frame(Frame(turning)));
+            acts.push(Act { name: "frame".to_owned(), strength, what });
         }
         if let (Some(strength), Some(g)) = (&scene.drives.gravity, scene.gravity.acceleration) {
             let (strength, what) = (strength.clone(), What::Weight(scene.repeated(g)));
@@ -159,6 +167,7 @@ impl Acting {
                     *p = after;
                 }
             }
+            What::Frame(frame) => p.chunks_exact_mut(*each).for_each(|p| frame.turn(h, p)),
             What::Damper(c, rate) => {
                 let entries = rate.entries(q, *each);
                 let [now, yields] = rate_of(&entries, p, inverse);
@@ -260,6 +269,15 @@ impl What {
     ) {
         match self {
             What::Drag(_) | What::Damper(..) => {}
+            // The part that does work; the other turns momenta.
+            What::Frame(frame) => {
+                for (first, x) in now.1.chunks_exact(each).enumerate() {
+                    let outward = frame.outward(x);
+                    for (freedom, a) in (each * first..).zip(outward.iter().take(each)) {
+                        tell(freedom, a / inverse[freedom]);
+                    }
+                }
+            }
             What::Weight(acceleration) => {
                 for (freedom, inverse) in inverse.iter().enumerate() {
                     let a = acceleration[freedom % each];
@@ -355,6 +373,14 @@ impl Force for Acting {
                 let now: f64 = entries.iter().map(|&(freedom, part)| part * v.0[freedom]).sum();
                 entries.iter().for_each(|&(freedom, part)| f.0[freedom] -= c * now * part);
                 continue;
+            }
+            if let What::Frame(frame) = act.what {
+                for (first, v) in v.0.chunks_exact(self.each).enumerate() {
+                    let aside = frame.aside(v);
+                    for (freedom, a) in (self.each * first..).zip(aside.iter().take(self.each)) {
+                        f.0[freedom] += a / self.inverse[freedom];
+                    }
+                }
             }
             let strength = act.strength.mean(t - half, t + half);
             act.what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {

@@ -167,7 +167,7 @@ fn joint_in_space(bodies: &[RigidBody], joint: &SceneJoint) -> Result<Joint<Pose
     Ok(Joint::new(Poses, bodies.len(), kind, ends)?)
 }
 
-fn ends_in_the_plane(bodies: &[RigidBody], joint: &SceneJoint) -> [PlanarEnd; 2] {
+pub(crate) fn ends_in_the_plane(bodies: &[RigidBody], joint: &SceneJoint) -> [PlanarEnd; 2] {
     let place = Vector3::from(joint.place).xy();
     joint.between.map(|end| match end {
         None => PlanarEnd::world(place),

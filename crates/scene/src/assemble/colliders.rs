@@ -3,19 +3,21 @@
 //! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
 //! pair, or pass through each other, as do two bodies that a joint joins.
 
+use std::ops::Range;
+
 use nalgebra::{Vector2, Vector3};
 use stationary_contact::{
     Collider, ColliderIn, ContactError, DetectorIn, Dimension, PlanarCollider, PlanarShape, Shape,
 };
-use stationary_rigid::{LieGroup, PlanarMotion, RigidMotion};
+use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation, RigidMotion, Rotation};
 
-use crate::model::body_shape::BodyShape;
+use crate::model::body_shape::{BodyPart, BodyShape};
 use crate::model::contact_side::ContactSide;
 use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
 
 /// How many shapes there are: those of bodies, then walls, then fixed balls, then pins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Colliders {
     all: usize,
     fixed: usize,
@@ -35,18 +37,25 @@ impl Colliders {
         self.all
     }
 
-    /// The collider of what takes part in contacts; a body that is only moments has none.
+    /// The colliders of what takes part in contacts: one for each part of a body, and none of a body that
+    /// is only moments.
     pub(crate) fn of_side<G: Dimension>(
         self,
         side: ContactSide,
         all: &[ColliderIn<G>],
-    ) -> Option<usize> {
+    ) -> Range<usize> {
         let fixed = all.len() - self.fixed;
+        let one = |place: usize| place..place + 1;
         match side {
-            ContactSide::Body(body) => all.iter().position(|other| other.body() == Some(body)),
-            ContactSide::Wall(wall) => Some(fixed + wall),
-            ContactSide::Ball(ball) => Some(fixed + self.walls + ball),
-            ContactSide::Pin(_) | ContactSide::Particle(_) => None,
+            ContactSide::Body(body) => {
+                // Those of a body stand together.
+                let own = |other: &ColliderIn<G>| other.body() == Some(body);
+                let first = all.iter().position(own).unwrap_or(all.len());
+                first..first + all[first..].iter().take_while(|other| own(other)).count()
+            }
+            ContactSide::Wall(wall) => one(fixed + wall),
+            ContactSide::Ball(ball) => one(fixed + self.walls + ball),
+            ContactSide::Pin(_) | ContactSide::Particle(_) => 0..0,
         }
     }
 
@@ -72,27 +81,29 @@ impl Scene {
     ) -> Result<DetectorIn<G>, ContactError> {
         let mut detector = DetectorIn::new(colliders.to_vec(), self.bodies.len())?;
         let all = Colliders::of(colliders, contact);
-        let of = |pair: [ContactSide; 2]| -> Option<[usize; 2]> {
-            let [a, b] = pair.map(|side| all.of_side(side, colliders));
-            Some([a?, b?])
+        let of = |pair: [ContactSide; 2]| {
+            let [first, second] = pair.map(|side| all.of_side(side, colliders));
+            first.flat_map(move |a| second.clone().map(move |b| [a, b]))
         };
         for joint in &self.joints {
             let [Some(a), Some(b)] = joint.between else { continue };
             let sides = [ContactSide::Body(a), ContactSide::Body(b)];
             let own = |pair: &ScenePair| pair.of == sides || pair.of == [sides[1], sides[0]];
-            if let Some(pair) = of(sides).filter(|_| !contact.pairs.iter().any(own)) {
-                detector = detector.without_pair(pair)?;
+            if !contact.pairs.iter().any(own) {
+                for two in of(sides) {
+                    detector = detector.without_pair(two)?;
+                }
             }
         }
         for pair in &contact.pairs {
-            let Some(two) = of(pair.of) else { continue };
-            detector =
-                match pair.meets {
+            for two in of(pair.of) {
+                detector = match pair.meets {
                     true => detector
                         .with_pair(two, pair.restitution, pair.friction)?
                         .with_rolling(two, pair.rolling, pair.torsion)?,
                     false => detector.without_pair(two)?,
                 };
+            }
         }
         Ok(detector)
     }
@@ -101,10 +112,9 @@ impl Scene {
 impl Scene {
     /// The shapes of bodies in space that touch, and of what is fixed.
     pub(crate) fn colliders(&self, contact: &SceneContact) -> Result<Vec<Collider>, ContactError> {
-        let of_body = |shape: &BodyShape| match shape {
-            BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side)).map(Some),
-            BodyShape::Ball(radius) => Shape::ball(*radius).map(Some),
-            BodyShape::Polygon(_) | BodyShape::Moments => Ok(None),
+        let place = |part: &BodyPart| RigidMotion {
+            translation: part.position.into(),
+            rotation: Rotation::exp(part.rotation.into()),
         };
         let at = |translation| RigidMotion { translation, ..RigidMotion::identity() };
         let mut fixed = Vec::new();
@@ -118,7 +128,7 @@ impl Scene {
         for pin in self.round_pins().map(|pin| &self.particles[pin]) {
             fixed.push((at(pin.position.into()), Shape::ball(pin.radius)?));
         }
-        self.all_alike(contact, of_body, fixed)
+        self.all_alike(contact, (in_space, place), fixed)
     }
 
     /// The shapes of bodies in the plane that touch, and of what is fixed.
@@ -126,14 +136,10 @@ impl Scene {
         &self,
         contact: &SceneContact,
     ) -> Result<Vec<PlanarCollider>, ContactError> {
-        let of_body = |shape: &BodyShape| match shape {
-            BodyShape::Box([a, b, _]) => PlanarShape::cuboid([0.5 * a, 0.5 * b]).map(Some),
-            BodyShape::Ball(radius) => PlanarShape::disc(*radius).map(Some),
-            BodyShape::Polygon(corners) => {
-                let corners: Vec<Vector2<f64>> = corners.iter().map(|&x| x.into()).collect();
-                PlanarShape::polygon(&corners).map(Some)
-            }
-            BodyShape::Moments => Ok(None),
+        let place = |part: &BodyPart| {
+            let [x, y, _] = part.position;
+            let rotation = PlanarRotation::exp(part.rotation[2]);
+            PlanarMotion { translation: Vector2::new(x, y), rotation }
         };
         let at = |translation| PlanarMotion { translation, ..PlanarMotion::identity() };
         let mut fixed = Vec::new();
@@ -148,18 +154,28 @@ impl Scene {
         for pin in self.round_pins().map(|pin| &self.particles[pin]) {
             fixed.push((at(Vector3::from(pin.position).xy()), PlanarShape::disc(pin.radius)?));
         }
-        self.all_alike(contact, of_body, fixed)
+        self.all_alike(contact, (in_the_plane, place), fixed)
     }
 
     fn all_alike<G: Dimension>(
         &self,
         contact: &SceneContact,
-        of_body: impl Fn(&BodyShape) -> Result<Option<G::Shape>, ContactError>,
+        (of_body, place): (
+            impl Fn(&BodyShape) -> Result<Option<G::Shape>, ContactError>,
+            impl Fn(&BodyPart) -> G::Motion,
+        ),
         fixed: Vec<(G::Motion, G::Shape)>,
     ) -> Result<Vec<ColliderIn<G>>, ContactError> {
         let mut colliders = Vec::new();
         for (index, body) in self.bodies.iter().enumerate() {
-            if let Some(shape) = of_body(&body.shape)? {
+            if let BodyShape::Parts(parts) = &body.shape {
+                for part in parts {
+                    let shape = of_body(&part.shape)?;
+                    let collider = shape.map(|shape| ColliderIn::on_body(index, shape));
+                    let place = place(part);
+                    colliders.extend(collider.map(|collider| ColliderIn { place, ..collider }));
+                }
+            } else if let Some(shape) = of_body(&body.shape)? {
                 colliders.push(ColliderIn::on_body(index, shape));
             }
         }
@@ -172,4 +188,37 @@ impl Scene {
         };
         Ok(colliders.into_iter().map(surface).collect())
     }
+}
+
+/// A shape of space; none of moments alone.
+fn in_space(shape: &BodyShape) -> Result<Option<Shape>, ContactError> {
+    let shape = match shape {
+        BodyShape::Box(sides) => Shape::cuboid(sides.map(|side| 0.5 * side)),
+        BodyShape::Ball(radius) => Shape::ball(*radius),
+        BodyShape::Capsule { length, radius } => Shape::capsule(0.5 * length, *radius),
+        BodyShape::Cylinder { length, radius } => Shape::cylinder(0.5 * length, *radius),
+        BodyShape::Cone { height, radius } => Shape::cone(*height, *radius),
+        BodyShape::Ellipsoid(half_axes) => Shape::ellipsoid(*half_axes),
+        BodyShape::Hull { corners, .. } => {
+            let corners: Vec<Vector3<f64>> = corners.iter().map(|&x| x.into()).collect();
+            Shape::convex(&corners)
+        }
+        BodyShape::Polygon(_) | BodyShape::Moments | BodyShape::Parts(_) => return Ok(None),
+    };
+    shape.map(Some)
+}
+
+/// A shape of the plane; none of moments alone.
+fn in_the_plane(shape: &BodyShape) -> Result<Option<PlanarShape>, ContactError> {
+    let shape = match shape {
+        BodyShape::Box([a, b, _]) => PlanarShape::cuboid([0.5 * a, 0.5 * b]),
+        BodyShape::Ball(radius) => PlanarShape::disc(*radius),
+        BodyShape::Capsule { length, radius } => PlanarShape::capsule(0.5 * length, *radius),
+        BodyShape::Polygon(corners) => {
+            let corners: Vec<Vector2<f64>> = corners.iter().map(|&x| x.into()).collect();
+            PlanarShape::polygon(&corners)
+        }
+        _ => return Ok(None),
+    };
+    shape.map(Some)
 }

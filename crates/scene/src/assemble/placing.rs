@@ -6,6 +6,8 @@
 //! One after the other, in the order of the file, so that a stack is placed from below. Of convex shapes the
 //! first move closes the gap but for rounding, and the next ones that.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 use stationary_contact::{ColliderIn, ContactError, DetectorIn, Dimension};
 
@@ -88,13 +90,13 @@ type Apart = (f64, Vector3<f64>, f64);
 
 fn apart<G: Dimension>(
     all: &[ColliderIn<G>],
-    pair: [Option<usize>; 2],
+    pair: [Range<usize>; 2],
     bodies: usize,
     q: &[f64],
     in_space: impl Fn(&G::Vector) -> Vector3<f64>,
 ) -> Result<Option<Apart>, ContactError> {
-    let [Some(first), Some(second)] = pair else { return Ok(None) };
-    let two = vec![all[first].clone(), all[second].clone()];
+    // What has nothing that touches is nowhere near.
+    let two: Vec<ColliderIn<G>> = pair.into_iter().flat_map(|own| all[own].to_vec()).collect();
     let radii = two.iter().filter_map(ColliderIn::body);
     let radii: Vec<usize> = radii.collect();
     let mut detector = DetectorIn::new(two, bodies)?;

@@ -149,7 +149,8 @@ fn keeps_energy(scene: &Scene) -> bool {
     let elastic =
         scene.contact().is_none_or(|contact| contact.stiffness.is_some() || contact.is_elastic());
     scene.heat().is_none()
-        && scene.drag().is_none()
+        && !scene.is_driven()
+        && !scene.has_bounds()
         && scene.drives().is_empty()
         && elastic
         && !breaks(scene)

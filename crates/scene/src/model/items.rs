@@ -85,6 +85,10 @@ pub struct SceneJoint {
     pub rest: f64,
     /// Of a damper that resists a turn, the torque over its rate.
     pub damping: f64,
+    /// The least and the largest turn, or shift of a slider, from the start.
+    pub limits: Option<[f64; 2]>,
+    /// The largest torque, of a slider the largest force, of dry friction.
+    pub friction: f64,
 }
 
 /// How the things of a scene touch.

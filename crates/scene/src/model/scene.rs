@@ -22,6 +22,7 @@ pub struct Scene {
     pub(crate) timing: Timing,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) frame: Option<[f64; 3]>,
     pub(crate) drives: Drives,
     pub(crate) contact: Option<SceneContact>,
     pub(crate) particles: Vec<Particle>,
@@ -93,6 +94,11 @@ impl Scene {
     /// The coefficient c of the drag `F = -c v` on every free particle, where it has one.
     pub fn drag(&self) -> Option<f64> {
         self.drag
+    }
+
+    /// The angular velocity of the frame in which it is seen, where that turns.
+    pub fn frame(&self) -> Option<[f64; 3]> {
+        self.frame
     }
 
     /// What is driven: loads, motors, pins that move, gravity and heat in time.
@@ -249,6 +255,18 @@ impl Scene {
     /// Whether bodies touch, so that impacts, friction and joints are solved together.
     pub(crate) fn touches_as_bodies(&self) -> bool {
         self.contact.is_some() && !self.bodies.is_empty()
+    }
+
+    /// Whether its joints have limits or friction, or rods beside bodies break.
+    pub(crate) fn has_bounds(&self) -> bool {
+        let bounded = |joint: &SceneJoint| joint.limits.is_some() || joint.friction > 0.0;
+        let breaks = self.rods.iter().any(|rod| rod.strength.is_finite());
+        self.joints.iter().any(bounded) || (breaks && !self.bodies.is_empty())
+    }
+
+    /// Whether bodies are stepped with inequalities: what touches, limits, dry friction, rods that break.
+    pub(crate) fn has_inequalities(&self) -> bool {
+        self.touches_as_bodies() || self.has_bounds()
     }
 
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.

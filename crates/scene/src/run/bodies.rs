@@ -56,7 +56,9 @@ impl Scene {
         let springs = self.links.len() as u64;
         let built = Built { bodies: self.bodies.len() as u64, springs, ..stepper.built() };
         let (acting, tensions) = (Acting::of(self), vec![0.0; self.rods.len()]);
-        let recorder = Box::new(BodyRecorder { scene: self, system, acting, tensions });
+        let (left, broken) = ((0..self.rods.len()).collect(), Vec::new());
+        let recorder =
+            Box::new(BodyRecorder { scene: self, system, acting, tensions, left, broken });
         let (state, clock) = (system.initial().clone(), Clock::OfTheSteps);
         Engine { scene: self, state, stepper, recorder, clock, built }
             .integrate(checkpoint, observer)
@@ -72,8 +74,8 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
     };
     let InSpace { system, joints, initial } = of;
     #[cfg(feature = "contact")]
-    if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_space(scene, contact, of);
+    if scene.has_inequalities() {
+        return crate::run::touching::in_space(scene, of);
     }
     #[cfg(feature = "constraints")]
     if scene.has_joints() {
@@ -95,8 +97,8 @@ fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
     };
     let InThePlane { system, joints, initial } = of;
     #[cfg(feature = "contact")]
-    if let Some(contact) = &scene.contact {
-        return crate::run::touching::in_the_plane(scene, contact, of);
+    if scene.has_inequalities() {
+        return crate::run::touching::in_the_plane(scene, of);
     }
     #[cfg(feature = "constraints")]
     if scene.has_joints() {
@@ -115,8 +117,11 @@ struct BodyRecorder<'a> {
     scene: &'a Scene,
     system: &'a dyn BodySystem,
     acting: Option<Acting>,
-    /// Of all rods; zero before the first step.
+    /// Of all rods; zero before the first step, and of those that broke.
     tensions: Vec<f64>,
+    /// The rods that are left, by their places in the scene, and those that broke.
+    left: Vec<usize>,
+    broken: Vec<BrokenRod>,
 }
 
 impl Recorder for BodyRecorder<'_> {
@@ -170,10 +175,25 @@ impl Recorder for BodyRecorder<'_> {
         samples.push(scene, time, &moment, scales);
     }
 
-    fn feel(&mut self, multipliers: &[f64], _: Option<BrokenRod>) {
+    fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
         // Equations of joints come first; the multiplier of a rod's is its tension.
         let rods = multipliers.get(self.scene.rows_of_joints()..).unwrap_or_default();
-        self.tensions.iter_mut().zip(rods).for_each(|(tension, force)| *tension = *force);
+        self.left.iter().zip(rods).for_each(|(&rod, force)| self.tensions[rod] = *force);
+        if let Some(broken) = broken {
+            let rod = self.left.remove(broken.rod);
+            self.tensions[rod] = 0.0;
+            self.broken.push(BrokenRod { rod, ..broken });
+        }
+    }
+
+    fn broken(&self) -> &[BrokenRod] {
+        &self.broken
+    }
+
+    fn restore(&mut self, broken: &[BrokenRod]) {
+        self.left.retain(|rod| broken.iter().all(|broken| broken.rod != *rod));
+        self.broken.clear();
+        self.broken.extend_from_slice(broken);
     }
 
     fn failed(&self, failed: Failed, state: &State<Vec<f64>>, run: Run) -> RunError {

@@ -38,6 +38,16 @@ pub struct BodyField {
     pub angular_velocity: [f64; 3],
 }
 
+impl BodyField {
+    /// What a pinned particle has beside bodies.
+    pub(crate) const AT_REST: BodyField = BodyField {
+        orientation: [1.0, 0.0, 0.0, 0.0],
+        angle: 0.0,
+        velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+    };
+}
+
 impl Scene {
     /// The stress of the elements of all solids, in their order.
     #[cfg(feature = "elasticity")]
@@ -172,7 +182,7 @@ impl Run {
 
 impl BodyField {
     /// The velocity of a point, in body axes.
-    fn velocity_of(&self, point: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn velocity_of(&self, point: [f64; 3]) -> [f64; 3] {
         let swept = turn(self.orientation, cross(self.angular_velocity, point));
         std::array::from_fn(|c| self.velocity[c] + swept[c])
     }

@@ -5,8 +5,9 @@ use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::Vertices;
+use crate::model::body_shape::BodyShape;
 use crate::model::drives::MotorDrive;
-use crate::model::items::{JointKind, SceneJoint};
+use crate::model::items::{JointKind, RigidBody, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::{COORDINATES, Scene};
 use crate::run::error::{RunError, StepFailure};
@@ -239,7 +240,8 @@ impl Scene {
                     _ => format!("; {count} pairs overlap"),
                 };
                 Some(format!(
-                    "{a} and {b} overlap by {depth:e} {} at the start{more}",
+                    "{a} and {b} overlap by {depth:.2e} {} at the start{more}; what may pass through each \
+                     other is a pair of [contact] with `meet = false`",
                     self.units.length
                 ))
             }
@@ -260,10 +262,21 @@ impl Scene {
     #[cfg(feature = "contact")]
     fn collider(&self, number: usize) -> Option<String> {
         let contact = self.contact.as_ref()?;
-        let touching = self.bodies.iter().filter(|body| body.shape != crate::BodyShape::Moments);
-        let names = touching.map(|body| format!("`{}`", body.name));
-        let walls = (1..=contact.walls.len()).map(|wall| format!("wall {wall}"));
-        let balls = (1..=contact.balls.len()).map(|ball| format!("ball {ball}"));
+        let colliders = |body: &RigidBody| match &body.shape {
+            BodyShape::Moments => 0,
+            BodyShape::Parts(parts) => parts.len(),
+            _ => 1,
+        };
+        let names = self
+            .bodies
+            .iter()
+            .flat_map(|body| std::iter::repeat_n(format!("`{}`", body.name), colliders(body)));
+        let called = |kind: &str, name: &Option<String>, number: usize| match name {
+            Some(name) => format!("`{name}`"),
+            None => format!("{kind} {}", number + 1),
+        };
+        let walls = contact.walls.iter().enumerate().map(|(k, w)| called("wall", &w.name, k));
+        let balls = contact.balls.iter().enumerate().map(|(k, b)| called("ball", &b.name, k));
         names.chain(walls).chain(balls).nth(number)
     }
 }

@@ -1,4 +1,4 @@
-//! Bodies that touch: the steps with impacts, friction and joints, under whatever acts on them.
+//! Bodies that touch, or whose joints have limits or friction: steps with inequalities, under whatever acts.
 //!
 //! ```text
 //! v~ = v + h M^-1 (F - dV)          F loads, motors with a torque, drag, dampers, gravity in time
@@ -9,8 +9,9 @@
 //! is left of the energy's budget is the defect of steps of order 1.
 
 use stationary_calculus::{Covector, Force, Potential, Vector};
-use stationary_constraints::Constraint;
-use stationary_contact::{ContactError, DetectorIn, Dimension, Kept, Touch, World};
+use stationary_contact::{
+    ColliderIn, ContactError, DetectorIn, Dimension, ImpactLaw, Touch, World,
+};
 use stationary_integrators::{Saved, State};
 use stationary_rigid::BodyMethod;
 
@@ -18,9 +19,9 @@ use crate::assemble::acting::{Acting, Impulses};
 use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
+use crate::assemble::joint_set::JointSet;
 use crate::model::built::Built;
 use crate::model::contact_side::ContactSide;
-use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
@@ -31,40 +32,57 @@ use crate::run::stepper::{Stepped, Stepper};
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
-pub(crate) fn in_space<'a>(scene: &Scene, contact: &SceneContact, of: &'a InSpace) -> Made<'a> {
-    let colliders = scene.colliders(contact)?;
-    let mut detector = scene.detector(&colliders, contact)?;
+pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+    let contact = scene.contact.as_ref();
+    let shapes = contact.map(|contact| scene.colliders(contact)).transpose()?;
+    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
     check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
     if scene.has_joints() {
         // A start that moves against its joints is refused as without contact.
         let method = BodyMethod::VariationalRotation;
         joints::in_space(method, &of.system, &of.joints, (&of.initial, None))?;
     }
-    let world = World::new(of.system.clone(), detector)?.with_law(contact.law);
-    Ok(Touching::over(scene, world, Colliders::of(&colliders, contact), &of.joints))
+    let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
+    Ok(Touching::over(scene, world, colliders, JointSet::in_space(scene, of)?))
 }
 
 /// Steps of bodies in the plane.
-pub(crate) fn in_the_plane<'a>(
-    scene: &Scene,
-    contact: &SceneContact,
-    of: &'a InThePlane,
-) -> Made<'a> {
-    let colliders = scene.planar_colliders(contact)?;
-    let mut detector = scene.detector(&colliders, contact)?;
+pub(crate) fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+    let contact = scene.contact.as_ref();
+    let shapes = contact.map(|contact| scene.planar_colliders(contact)).transpose()?;
+    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
     check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
     if scene.has_joints() {
         joints::in_the_plane(&of.system, &of.joints, (&of.initial, None))?;
     }
-    let world = World::new(of.system.clone(), detector)?.with_law(contact.law);
-    Ok(Touching::over(scene, world, Colliders::of(&colliders, contact), &of.joints))
+    let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
+    Ok(Touching::over(scene, world, colliders, JointSet::in_the_plane(scene, of)?))
 }
 
-/// What steps bodies that touch.
-struct Touching<G: Dimension, P, K> {
+/// What detects contacts; none without the word.
+fn detecting<G: Dimension>(
+    scene: &Scene,
+    shapes: Vec<ColliderIn<G>>,
+) -> Result<(DetectorIn<G>, Colliders), ContactError> {
+    match &scene.contact {
+        Some(contact) => Ok((scene.detector(&shapes, contact)?, Colliders::of(&shapes, contact))),
+        None => Ok((DetectorIn::new(Vec::new(), scene.bodies.len())?, Colliders::default())),
+    }
+}
+
+fn law(scene: &Scene) -> ImpactLaw {
+    scene.contact.as_ref().map_or(ImpactLaw::GeneralizedReflections, |contact| contact.law)
+}
+
+/// What steps bodies that touch, or that inequalities hold.
+struct Touching<G: Dimension, P> {
     world: World<G, P>,
-    joints: Kept<K>,
-    equations: usize,
+    joints: JointSet,
+    /// The forces of joints and the tensions of rods in the last step.
+    forces: Vec<f64>,
+    touches: bool,
+    rubs: bool,
+    holds: bool,
     colliders: Colliders,
     /// The pins that have a size, by their places in the scene.
     pins: Vec<usize>,
@@ -74,17 +92,20 @@ struct Touching<G: Dimension, P, K> {
     works: Vec<f64>,
 }
 
-impl<'a, G: Dimension, P: Potential + 'a, K: Constraint> Touching<G, P, &'a K> {
+impl<'a, G: Dimension, P: Potential + 'a> Touching<G, P> {
     fn over(
         scene: &Scene,
         world: World<G, P>,
         colliders: Colliders,
-        joints: &'a K,
+        joints: JointSet,
     ) -> Box<dyn Stepper + 'a> {
         Box::new(Touching {
             world,
-            joints: Kept(joints),
-            equations: joints.count(),
+            joints,
+            forces: Vec::new(),
+            touches: scene.touches_as_bodies(),
+            rubs: scene.joints.iter().any(|joint| joint.friction > 0.0),
+            holds: scene.has_joints(),
             colliders,
             pins: scene.round_pins().collect(),
             acting: Acting::of(scene),
@@ -138,12 +159,12 @@ impl Force for Over<'_> {
     }
 }
 
-impl<G: Dimension, P: Potential, K: Constraint> Stepper for Touching<G, P, K> {
+impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
     fn step(
         &mut self,
         state: &mut State<Vec<f64>>,
         h: f64,
-        _: f64,
+        to: f64,
     ) -> Result<Stepped, StepFailure> {
         self.given.clear();
         if let Some(acting) = &self.acting {
@@ -155,10 +176,26 @@ impl<G: Dimension, P: Potential, K: Constraint> Stepper for Touching<G, P, K> {
         self.works.clear();
         let [before, after] = self.world.velocities();
         self.works.extend(self.given.works(|freedom| 0.5 * (before.0[freedom] + after.0[freedom])));
-        self.works.extend([-met.friction_energy, -met.impact_energy, met.lifting_energy]);
-        self.works.extend((self.equations > 0).then_some(-met.joint_energy));
+        if self.touches {
+            self.works.extend([-met.friction_energy, -met.impact_energy]);
+        }
+        self.works.push(met.lifting_energy);
+        self.works.extend(self.rubs.then_some(-met.joint_friction_energy));
+        let of_joints = met.joint_friction_energy - met.joint_energy;
+        self.works.extend(self.holds.then_some(of_joints));
+        self.joints.forces(self.world.joint_impulses(), h, &mut self.forces);
+        let broken = self.joints.break_one(&self.forces, to);
         let unsettled = (!met.settled).then_some(met.residual.max(met.coulomb));
-        Ok(Stepped { unsettled, ..Stepped::met(met.impacts, state.t) })
+        Ok(Stepped { unsettled, broken, ..Stepped::met(met.impacts, state.t) })
+    }
+
+    /// A rod that broke does not mend.
+    fn takes_parts(&self) -> bool {
+        !self.joints.breaks()
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        &self.forces
     }
 
     fn works(&self) -> &[f64] {
@@ -170,6 +207,7 @@ impl<G: Dimension, P: Potential, K: Constraint> Stepper for Touching<G, P, K> {
     }
 
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+        self.joints.restore(&before.broken);
         Ok(self.world.load(&before.memory)?)
     }
 
@@ -179,7 +217,8 @@ impl<G: Dimension, P: Potential, K: Constraint> Stepper for Touching<G, P, K> {
     }
 
     fn built(&self) -> Built {
-        let (colliders, equations) = (self.colliders.count() as u64, self.equations as u64);
+        let colliders = self.colliders.count() as u64;
+        let equations = self.joints.equations() as u64;
         Built { colliders, equations, ..Built::default() }
     }
 }

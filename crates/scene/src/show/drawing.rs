@@ -4,11 +4,13 @@
 //! springs, edges of bodies     all the time
 //! rods                         until they break
 //! faces                        sides of boxes, whose corners are their first 2^D points, counted by bits;
+//!                              triangles of hulls;
 //!                              what a chain of points encloses that returns to where it was; cells of nets
 //! ```
 
 use nalgebra::Vector3;
 
+use crate::model::body_shape::BodyShape;
 use crate::model::items::RigidBody;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
@@ -64,11 +66,13 @@ impl Scene {
         }
         let mut first = self.rigid_bodies();
         let mut faces = Vec::new();
-        for (body, RigidBody { points, .. }) in self.bodies.iter().enumerate() {
+        for (body, RigidBody { points, shape, .. }) in self.bodies.iter().enumerate() {
             let mut add = |corners: [usize; 3]| {
                 faces.push(Face { corners: corners.map(|corner| first + corner), body });
             };
-            if is_box(points, self.dimension) {
+            if let BodyShape::Hull { triangles, .. } = shape {
+                triangles.iter().copied().for_each(&mut add);
+            } else if is_box(points, self.dimension) {
                 let sides = sides(self.dimension);
                 sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).for_each(&mut add);
             } else if let Some((start, end)) =
@@ -132,7 +136,7 @@ fn closed(points: &[[f64; 3]]) -> Option<(usize, usize)> {
 }
 
 /// Whether a polygon in space turns the same way at each corner.
-fn convex(corners: &[[f64; 3]]) -> bool {
+pub(crate) fn convex(corners: &[[f64; 3]]) -> bool {
     let n = corners.len();
     let at = |k: usize| Vector3::from(corners[k % n]);
     let turn = |k: usize| (at(k + 1) - at(k)).cross(&(at(k + 2) - at(k + 1)));
@@ -152,7 +156,7 @@ fn is_box(points: &[[f64; 3]], dimension: usize) -> bool {
 }
 
 /// Corners round each side of a box.
-fn sides(dimension: usize) -> Vec<[usize; 4]> {
+pub(crate) fn sides(dimension: usize) -> Vec<[usize; 4]> {
     if dimension == 2 {
         return vec![[0, 1, 3, 2]];
     }

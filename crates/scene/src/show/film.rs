@@ -47,14 +47,19 @@ impl<'a> Film<'a> {
     pub(crate) fn of(run: &'a Run) -> Self {
         let (samples, axes) = (thinned(run.times().len(), MOMENTS), Axes::of(run));
         let all = 0..run.scene.particles.len();
-        let at = |sample: usize, particle: usize| axes.of_particle(run, sample, particle);
+        let reaches = run.reaches();
+        let reaches = reaches.as_slice();
+        let at = |sample: usize, particle: usize| {
+            axes.about(axes.of_particle(run, sample, particle), reaches[particle])
+        };
         let moments = samples
             .iter()
             .flat_map(|&sample| all.clone().map(move |particle| at(sample, particle)));
         let moving = run.scene.moving(SPOTS);
         let paths = moving.iter().flat_map(|&p| (0..run.times().len()).map(move |i| at(i, p)));
         let walls = axes.of_walls(run);
-        let points = moments.chain(paths).chain(walls.iter().copied().flatten());
+        let fixed = walls.iter().copied().flatten().chain(axes.of_fixed_balls(run));
+        let points = moments.chain(paths).flatten().chain(fixed);
         let inner = WIDTH - 2.0 * GAP;
         let sheet = Extent::of(points)
             .map(|extent| Sheet::new(run, axes, extent, [GAP; 2], inner, FLATTEST..=TALLEST));
@@ -104,7 +109,9 @@ impl<'a> Film<'a> {
             frame.outline(&[(0.0, 0.0), (WIDTH, 0.0), (WIDTH, height), (0.0, height)]);
             canvas.stroke(Tone::Faint, 1.0, &frame);
             sheet.walls(canvas, &self.walls);
+            sheet.fixed_balls(canvas);
             sheet.faces(canvas, sample);
+            sheet.silhouettes(canvas, sample, Tone::Strong);
             sheet.paths(canvas, before..=sample, &moving, POINTS);
             sheet.lines(canvas, sample, Tone::Strong);
             sheet.spots(canvas, sample, &moving, 3.5);

@@ -84,10 +84,14 @@ impl<'a> Picture<'a> {
 
     /// Springs and rods at the start and at the end; a rod that broke is missing there.
     fn links(&self, canvas: &mut Canvas, sheet: &Sheet<'_>) {
+        let last = self.samples() - 1;
         sheet.walls(canvas, &self.walls);
+        sheet.fixed_balls(canvas);
         sheet.lines(canvas, 0, Tone::Faint);
-        sheet.faces(canvas, self.samples() - 1);
-        sheet.lines(canvas, self.samples() - 1, Tone::Strong);
+        sheet.silhouettes(canvas, 0, Tone::Faint);
+        sheet.faces(canvas, last);
+        sheet.silhouettes(canvas, last, Tone::Strong);
+        sheet.lines(canvas, last, Tone::Strong);
     }
 
     /// Followed particles that move, as many as have a path.
@@ -230,11 +234,16 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// All that is drawn: the start and the end of every particle, and the paths.
+/// All that is drawn: the start and the end of every particle with what it reaches, the paths, and balls
+/// that stay.
 fn everything(run: &Run, axes: Axes) -> impl Iterator<Item = [f64; 2]> {
     let (all, last) = (run.scene().particles().len(), run.times().len() - 1);
-    let at = move |sample: usize, particle: usize| axes.of_particle(run, sample, particle);
-    let ends = (0..all).flat_map(move |p| [at(0, p), at(last, p)]);
-    let paths = run.scene().followed().into_iter();
-    ends.chain(paths.flat_map(move |p| (0..=last).map(move |i| at(i, p))))
+    let reaches = run.reaches();
+    let paths = run.scene().followed().into_iter().map(|p| (p, reaches[p])).collect::<Vec<_>>();
+    let at = move |sample: usize, (particle, reach): (usize, f64)| {
+        axes.about(axes.of_particle(run, sample, particle), reach)
+    };
+    let ends = (0..all).zip(reaches).flat_map(move |p| [at(0, p), at(last, p)]);
+    let paths = paths.into_iter().flat_map(move |p| (0..=last).map(move |i| at(i, p)));
+    ends.chain(paths).flatten().chain(axes.of_fixed_balls(run))
 }

@@ -28,7 +28,8 @@ use stationary_chart::{escaped, variables};
 
 use crate::model::particle::Motion;
 use crate::run::samples::Run;
-use crate::show::drawing::thinned;
+use crate::show::body_surface::BodySurface;
+use crate::show::drawing::{Face, thinned};
 
 /// Particles, lines and faces of a scene that is played.
 const PARTICLES: usize = 30_000;
@@ -77,9 +78,11 @@ struct Data<'a> {
     /// Particles that have a radius, and it, in the scene's units.
     round: String,
     radii: String,
-    /// How each of them is turned at each sample, where they are bodies: an angle in the plane, a
-    /// quaternion in space, scalar first.
+    /// How each of them is turned at each sample, where they are bodies, and then each body with a
+    /// surface: an angle in the plane, a quaternion in space, scalar first.
     turns: String,
+    /// Bodies that are seen by a surface, whose points are counted after the particles.
+    surfaces: Vec<Surface>,
     pinned: Vec<usize>,
     /// Centres and radii of what nothing enters.
     balls: Vec<([f64; 3], f64)>,
@@ -102,6 +105,13 @@ struct Data<'a> {
     field: Option<Field>,
     chart_times: String,
     charts: Vec<Chart>,
+}
+
+/// Points of a body in its axes, and the particle at its centre.
+#[derive(Serialize)]
+struct Surface {
+    centre: usize,
+    points: String,
 }
 
 /// A number a particle and a sample.
@@ -177,13 +187,13 @@ fn numbers(run: &Run) -> usize {
     let scene = &run.scene;
     let each = scene.dimension + usize::from(scene.heat.is_some());
     let of_a_turn = if scene.dimension == 3 { 4 } else { 1 };
-    let turning = if scene.bodies.is_empty() { 0 } else { round(run).count() };
-    each * scene.particles.len() + of_a_turn * turning
+    each * scene.particles.len() + of_a_turn * turning(run).len()
 }
 
 fn too_large(run: &Run) -> bool {
     let scene = &run.scene;
-    let lines = scene.lines().count() + scene.rods.len();
+    let surfaces: usize = run.surfaces().flat_map(|(.., s)| s).map(|s| s.triangles.len()).sum();
+    let lines = scene.lines().count() + scene.rods.len() + surfaces;
     // Faces are searched for, which of too many particles takes long.
     scene.particles.len() > PARTICLES || lines + scene.surface().len() > PIECES
 }
@@ -200,12 +210,11 @@ fn note(run: &Run, shown: usize) -> String {
         true => format!(" The first {CHARTS} observables have charts."),
         false => String::new(),
     };
-    let turning = !run.scene.bodies.is_empty() && round(run).next().is_some();
-    let turns = match (turning, run.scene.dimension) {
-        (false, _) => "",
-        (true, 3) => ", and balls turn the shorter way",
+    let turns = match (turning(run).is_empty(), run.scene.dimension) {
+        (true, _) => "",
+        (false, 3) => ", and what is round turns the shorter way",
         // Whole turns count in the plane.
-        (true, _) => ", and balls turn evenly",
+        (false, _) => ", and what is round turns evenly",
     };
     format!("{samples} Between samples points move on straight lines{turns}.{charts}")
 }
@@ -221,6 +230,7 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
     });
     let chart_samples = thinned(run.times().len(), CHART_SAMPLES);
     let time = |&sample: &usize| run.times()[sample];
+    let drawn = Drawn::of(run);
     Data {
         dimension: scene.dimension,
         units: Units { length: &scene.units.length, time: &scene.units.time },
@@ -231,6 +241,7 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         round: indices(round(run)),
         radii: singles(round(run).map(|particle| scene.particles[particle].radius)),
         turns: turns(run, samples),
+        surfaces: drawn.surfaces,
         followed,
         // What is heated does not move.
         pinned: scene.pins().filter(|_| scene.heat.is_none()).collect(),
@@ -238,8 +249,8 @@ fn data<'a>(run: &'a Run, samples: &[usize]) -> Data<'a> {
         walls: run.walls(),
         springs: indices(scene.wires().flatten()),
         rods: indices(scene.rods.iter().flat_map(|rod| rod.ends)),
-        edges: indices(scene.edges.iter().copied().flatten()),
-        faces: indices(scene.surface().into_iter().flat_map(|face| {
+        edges: indices(scene.edges.iter().copied().chain(drawn.lines).flatten()),
+        faces: indices(scene.surface().into_iter().chain(drawn.faces).flat_map(|face| {
             let [a, b, c] = face.corners;
             [a, b, c, face.body]
         })),
@@ -265,20 +276,52 @@ fn round(run: &Run) -> impl Iterator<Item = usize> {
     all.filter(|(_, particle)| particle.radius > 0.0).map(|(index, _)| index)
 }
 
-/// How the round bodies are turned, sample after sample; nothing of particles, which do not turn.
-fn turns(run: &Run, samples: &[usize]) -> String {
+/// Surfaces of bodies, with the lines and faces between their points, which are counted on.
+#[derive(Default)]
+struct Drawn {
+    surfaces: Vec<Surface>,
+    lines: Vec<[usize; 2]>,
+    faces: Vec<Face>,
+}
+
+impl Drawn {
+    fn of(run: &Run) -> Self {
+        let (mut drawn, mut before) = (Drawn::default(), run.scene.particles.len());
+        for (body, centre, surfaces) in run.surfaces() {
+            let BodySurface { points, triangles, lines } = BodySurface::joined(surfaces);
+            drawn.lines.extend(lines.into_iter().map(|ends| ends.map(|end| before + end)));
+            drawn.faces.extend(
+                triangles
+                    .into_iter()
+                    .map(|corners| Face { corners: corners.map(|corner| before + corner), body }),
+            );
+            before += points.len();
+            let points = singles(points.into_iter().flatten());
+            drawn.surfaces.push(Surface { centre, points });
+        }
+        drawn
+    }
+}
+
+/// The bodies whose turns are drawn: round ones, then those with a surface; no particles, which do not turn.
+fn turning(run: &Run) -> Vec<usize> {
     let body = |particle: usize| match run.scene.particles[particle].motion {
         Motion::Carried { body, .. } => Some(body),
         _ => None,
     };
-    let round: Vec<usize> = round(run).filter_map(body).collect();
+    round(run).filter_map(body).chain(run.surfaces().map(|(body, ..)| body)).collect()
+}
+
+/// How they are turned, sample after sample.
+fn turns(run: &Run, samples: &[usize]) -> String {
+    let turning = turning(run);
     let of_sample = |&sample: &usize| {
         let bodies = run.bodies(sample);
         let turn = |&body: &usize| match run.scene.dimension {
             3 => bodies[body].orientation.to_vec(),
             _ => vec![bodies[body].angle],
         };
-        round.iter().flat_map(turn).collect::<Vec<f64>>()
+        turning.iter().flat_map(turn).collect::<Vec<f64>>()
     };
     singles(samples.iter().flat_map(of_sample))
 }

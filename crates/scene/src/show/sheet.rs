@@ -9,6 +9,7 @@ use stationary_chart::{Canvas, Path, Tone};
 
 use crate::run::samples::Run;
 use crate::show::projection::{Extent, Projection};
+use crate::show::silhouette::Outlines;
 
 /// Widths of springs and edges of bodies, of rods, and of paths.
 pub(crate) const THIN: f64 = 0.9;
@@ -46,6 +47,20 @@ impl Axes {
             Axes::Seen(projection) => {
                 run.walls().into_iter().map(|wall| wall.map(|x| projection.of(x))).collect()
             }
+        }
+    }
+
+    /// The corners of the paper that what reaches so far about a place needs.
+    pub(crate) fn about(&self, [x, y]: [f64; 2], reach: f64) -> [[f64; 2]; 2] {
+        let reach = if *self == Axes::Graph { 0.0 } else { reach };
+        [[x - reach, y - reach], [x + reach, y + reach]]
+    }
+
+    /// The corners of the paper that balls which stay need.
+    pub(crate) fn of_fixed_balls(&self, run: &Run) -> Vec<[f64; 2]> {
+        match self {
+            Axes::Graph => Vec::new(),
+            Axes::Seen(projection) => run.fixed_balls(projection).concat(),
         }
     }
 
@@ -116,6 +131,38 @@ impl<'a> Sheet<'a> {
             path.outline(&corners.map(|corner| self.on_paper(corner)));
             canvas.fill(Tone::Faint, WALL, &path);
         }
+    }
+
+    /// Balls that stay, which nothing enters either.
+    pub(crate) fn fixed_balls(&self, canvas: &mut Canvas) {
+        let Axes::Seen(projection) = self.axes else { return };
+        let outlines = self.run.fixed_balls(&projection);
+        if !outlines.is_empty() {
+            canvas.fill(Tone::Faint, WALL, &self.outlined(&outlines));
+        }
+    }
+
+    /// The outlines of balls, discs and solids; filled where they are seen through.
+    pub(crate) fn silhouettes(&self, canvas: &mut Canvas, sample: usize, tone: Tone) {
+        let Axes::Seen(projection) = self.axes else { return };
+        let outlines = self.run.silhouettes(sample, &projection);
+        if outlines.is_empty() || outlines.len() > LINES {
+            return;
+        }
+        let path = self.outlined(&outlines);
+        if tone == Tone::Strong {
+            canvas.fill(Tone::Hue(0), FACE, &path);
+        }
+        canvas.stroke(tone, THIN, &path);
+    }
+
+    fn outlined(&self, outlines: &Outlines) -> Path {
+        let mut path = Path::new();
+        for outline in outlines {
+            let corners: Vec<_> = outline.iter().map(|&corner| self.on_paper(corner)).collect();
+            path.outline(&corners);
+        }
+        path
     }
 
     /// Springs, edges of bodies, and the rods that are left.

@@ -95,13 +95,16 @@ fn budget(run: &Run) -> Option<Table> {
         table.push([name.into(), above_rounding(work, scale)]);
     }
     let rest = match scene.contact() {
-        Some(_) if scene.touches_as_bodies() => "defect of the steps, of order 1".to_owned(),
+        _ if scene.has_inequalities() => "defect of the steps, of order 1".to_owned(),
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),
     };
-    // Its digits depend on rounding where it is small.
-    let left =
-        if scale > 0.0 { format!("{:.0e} of the largest", left.abs() / scale) } else { "0".into() };
+    let left = match left.abs() / scale {
+        _ if scale == 0.0 => "0".to_owned(),
+        // Its digits are those of rounding.
+        part if part < ROUNDING => format!("<{ROUNDING:.0e} of the largest"),
+        part => format!("{part:.0e} of the largest"),
+    };
     table.push([rest.into(), left.into()]);
     table.push(["change of the energy".into(), above_rounding(change, scale)]);
     Some(table)

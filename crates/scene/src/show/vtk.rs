@@ -10,7 +10,8 @@
 //! elements. Points have a number `particle`, their place in the scene, and `pinned`; and what the
 //! scene has of `velocity`, `temperature`, `displacement`, `contact_impulse` since the sample before
 //! (that of a body at its centre), and of the body of each point `orientation` (a quaternion, scalar
-//! first) and `angular_velocity` in body axes. Numbers are text with every digit. Of more samples than
+//! first) and `angular_velocity` in body axes. Points of the surface of what is round come after the
+//! scene's, with the `particle` at their body's centre. Numbers are text with every digit. Of more samples than
 //! [`FILES`] so many are written, evenly chosen; an impulse is still that since the sample before.
 //! Format: VTK file formats, XML, unstructured grids, version 0.1.
 
@@ -23,8 +24,9 @@ use stationary_mesh::Simplex;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::simplices::{Middles, Simplices, with_middles};
-use crate::run::fields::StressField;
+use crate::run::fields::{BodyField, StressField};
 use crate::run::samples::Run;
+use crate::show::body_surface::BodySurface;
 use crate::show::csv::write_file;
 use crate::show::drawing::thinned;
 use crate::text::file_error::WriteError;
@@ -111,7 +113,7 @@ impl Cells {
     }
 
     /// All cells of a sample, the elements last.
-    fn of(run: &Run, sample: usize, elements: &Cells) -> Self {
+    fn of(run: &Run, sample: usize, surfaces: &Surfaces, elements: &Cells) -> Self {
         let (scene, mut cells) = (&run.scene, Cells::default());
         (0..scene.particles.len()).for_each(|particle| cells.add(POINT, 0, &[particle]));
         scene.links.iter().for_each(|link| cells.add(LINE, 1, &link.ends));
@@ -123,8 +125,33 @@ impl Cells {
             scene.cells()
         };
         faces.iter().for_each(|face| cells.add(TRIANGLE, 4, &face.corners));
+        let mut first = scene.particles.len();
+        for BodySurface { points, triangles, lines } in surfaces.0.iter().map(|(.., s)| s) {
+            let on = |corner: usize| first + corner;
+            lines.iter().for_each(|ends| cells.add(LINE, 3, &ends.map(on)));
+            triangles.iter().for_each(|corners| cells.add(TRIANGLE, 4, &corners.map(on)));
+            first += points.len();
+        }
         cells.append(elements);
         cells
+    }
+}
+
+/// The surfaces of bodies that none of their points show, each with its body and the particle at its centre:
+/// their points come after the scene's.
+struct Surfaces(Vec<(usize, usize, BodySurface)>);
+
+impl Surfaces {
+    fn of(run: &Run) -> Self {
+        let joined = |(body, centre, all)| (body, centre, BodySurface::joined(all));
+        Surfaces(run.surfaces().map(joined).collect())
+    }
+
+    /// The body, its centre and the place in its axes of each point.
+    fn points(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
+        self.0.iter().flat_map(|(body, centre, surface)| {
+            surface.points.iter().map(move |&point| (*body, *centre, point))
+        })
     }
 }
 
@@ -138,14 +165,14 @@ pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(&series).map_err(|source| WriteError { path: series.clone(), source })?;
     let samples = thinned(run.times().len(), FILES);
     let name = |sample: usize| format!("{sample:06}.vtu");
-    let elements = Cells::elements(&run.scene);
+    let (surfaces, elements) = (Surfaces::of(run), Cells::elements(&run.scene));
     let stress = match run.scene.solids.is_empty() {
         true => None,
         false => Some(run.stress_to(&series)?),
     };
     for &sample in &samples {
-        let cells = Cells::of(run, sample, &elements);
-        let write = |out: &mut _| grid(run, sample, &cells, stress.as_ref(), out);
+        let cells = Cells::of(run, sample, &surfaces, &elements);
+        let write = |out: &mut _| grid(run, sample, (&surfaces, &cells), stress.as_ref(), out);
         write_file(&series.join(name(sample)), write)?;
     }
     write_file(&folder.join("trajectory.pvd"), |out| {
@@ -166,18 +193,26 @@ pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {
 fn grid(
     run: &Run,
     sample: usize,
-    cells: &Cells,
+    (surfaces, cells): (&Surfaces, &Cells),
     stress: Option<&StressField>,
     out: &mut impl Write,
 ) -> io::Result<()> {
-    let count = run.scene.particles.len();
+    let particles = run.scene.particles.len();
+    let count = particles + surfaces.points().count();
     let pinned = run.scene.particles.iter().map(|p| u8::from(p.motion == Motion::Pinned));
+    let pinned = pinned.chain(surfaces.points().map(|_| 0));
+    let fields = run.bodies(sample);
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     let kind = "type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\"";
     writeln!(out, "<VTKFile {kind}>\n<UnstructuredGrid>")?;
     let size = cells.offsets.len();
     writeln!(out, "<Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{size}\">")?;
-    let places = (0..count).flat_map(|particle| run.position(sample, particle));
+    let places = (0..particles).flat_map(|particle| run.position(sample, particle));
+    let places = places.chain(
+        surfaces
+            .points()
+            .flat_map(|(body, centre, point)| run.placed(sample, centre, &fields[body], point)),
+    );
     writeln!(out, "<Points>")?;
     array(out, "Float64", "points", 3, places.map(|x| format!("{x:?}")))?;
     writeln!(out, "</Points>\n<Cells>")?;
@@ -185,9 +220,10 @@ fn grid(
     array(out, "Int64", "offsets", 1, cells.offsets.iter())?;
     array(out, "UInt8", "types", 1, cells.types.iter())?;
     writeln!(out, "</Cells>\n<PointData>")?;
-    array(out, "Int64", "particle", 1, 0..count)?;
+    let of = (0..particles).chain(surfaces.points().map(|(_, centre, _)| centre));
+    array(out, "Int64", "particle", 1, of)?;
     array(out, "UInt8", "pinned", 1, pinned)?;
-    point_fields(run, sample, out)?;
+    point_fields(run, sample, surfaces, out)?;
     writeln!(out, "</PointData>\n<CellData>")?;
     array(out, "UInt8", "kind", 1, cells.kinds.iter())?;
     if let Some(stress) = stress {
@@ -199,29 +235,37 @@ fn grid(
 }
 
 /// What the scene has of each point besides its place.
-fn point_fields(run: &Run, sample: usize, out: &mut impl Write) -> io::Result<()> {
+fn point_fields(
+    run: &Run,
+    sample: usize,
+    surfaces: &Surfaces,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let scene = &run.scene;
     if scene.heat.is_some() {
         let temperatures = run.temperatures(sample).iter().map(|&temperature| [temperature]);
         return numbers(out, "temperature", temperatures);
     }
-    numbers(out, "velocity", run.velocities(sample))?;
+    let bodies = run.bodies(sample);
+    let beside = surfaces.points().map(|(body, _, point)| bodies[body].velocity_of(point));
+    numbers(out, "velocity", run.velocities(sample).into_iter().chain(beside))?;
     if !scene.solids.is_empty() {
         numbers(out, "displacement", run.displacements(sample))?;
     }
-    let bodies = run.bodies(sample);
     if !bodies.is_empty() {
         let carried = || {
-            scene.particles.iter().filter_map(|particle| match particle.motion {
-                Motion::Carried { body, .. } => bodies.get(body),
-                _ => None,
-            })
+            let particles = scene.particles.iter().map(|particle| match particle.motion {
+                Motion::Carried { body, .. } => bodies[body],
+                _ => BodyField::AT_REST,
+            });
+            particles.chain(surfaces.points().map(|(body, ..)| bodies[body]))
         };
         numbers(out, "orientation", carried().map(|body| body.orientation))?;
         numbers(out, "angular_velocity", carried().map(|body| body.angular_velocity))?;
     }
     if scene.has_impulses() {
-        numbers(out, "contact_impulse", run.impulses_on(sample))?;
+        let none = surfaces.points().map(|_| [0.0; 3]);
+        numbers(out, "contact_impulse", run.impulses_on(sample).into_iter().chain(none))?;
     }
     Ok(())
 }

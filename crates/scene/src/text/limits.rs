@@ -7,6 +7,12 @@ pub const FILE_BYTES: u64 = 4 << 20;
 /// Particles, the vertices of nets included.
 pub const PARTICLES: u64 = 1_000_000;
 
+/// Points of a hull: each is looked at from every face.
+pub const HULL_POINTS: u64 = 500;
+
+/// Parts of a body.
+pub const PARTS: u64 = 500;
+
 /// Bytes of a mesh file.
 pub const MESH_BYTES: u64 = 64 << 20;
 

@@ -114,6 +114,8 @@ enum Own {
     Expression(String),
 }
 
+const NO_PARAMETER: &str = "a parameter is a number, or an expression such as \"= 2*L\"";
+
 /// The parameters of a file.
 fn own(root: &DeTable<'_>) -> Checked<BTreeMap<String, Own>> {
     let mut own = BTreeMap::new();
@@ -133,9 +135,15 @@ fn own(root: &DeTable<'_>) -> Checked<BTreeMap<String, Own>> {
             (None, DeValue::String(text)) if text.starts_with('=') => {
                 Own::Expression(text[1..].to_owned())
             }
-            _ => {
-                let words = "a parameter is a number, or an expression such as \"= 2*L\"";
-                return Err(at(value.span(), Fault::Expression(words.to_owned())));
+            (_, other) => {
+                let mut words = NO_PARAMETER.to_owned();
+                if matches!(other, DeValue::Array(_) | DeValue::Table(_)) {
+                    let name = shortened(name.get_ref());
+                    words += &format!(
+                        "; `{name}` stands below the header [parameters] and so belongs to it: move it above"
+                    );
+                }
+                return Err(at(value.span(), Fault::Expression(words)));
             }
         };
         own.insert(name.get_ref().as_ref().to_owned(), parsed);

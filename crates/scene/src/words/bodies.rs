@@ -6,6 +6,10 @@
 //! Body axes are principal axes. In the plane a body turns about the third axis: its rotation and
 //! angular velocity are numbers there. Angular velocities are in body axes. A body's centre and its
 //! points are particles of the scene that follow it: `name`, `name.0`, `name.1`, ...
+//!
+//! A hull and parts are written in any axes. What the text says of such a body (its rotation, angular
+//! velocity, points) is of those; what is kept is of the principal ones, which are the same where the
+//! inertia is diagonal in them.
 
 #[cfg(feature = "rigid")]
 use crate::words::body_shape::ShapeWords;
@@ -23,11 +27,64 @@ use crate::words::table::{Kind, table};
 use crate::words::word::{Feature, Of, RIGID, Word};
 
 table! {
-    /// A rigid body: a box, or one of given moments. Its points are called name.0, name.1 and so
-    /// on, after a box's corners.
+    /// A rigid body: of one shape, of several parts, or of given moments. Its points are called name.0,
+    /// name.1 and so on, after the corners of its shape.
     pub(crate) struct BodyDeclaration = "a body" {
         /// A name.
         name: Spanned<String> = Kind::Name,
+        /// Its mass; of a body of parts theirs together, and not said again.
+        mass: Option<Spanned<Number>> = Kind::Positive,
+        /// The sides of a solid box.
+        sides as "box": Option<Components> = Kind::Vector,
+        /// The radius of a solid ball; in the plane a disc.
+        ball: Option<Spanned<Number>> = Kind::Positive,
+        /// The corners of a plate in the plane.
+        polygon: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
+        /// A solid capsule along the third axis, in the plane a plate along the first.
+        capsule: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
+        /// A solid cylinder about the third axis, in space.
+        cylinder: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
+        /// A solid cone about the third axis, in space; its centre of mass is a quarter of the height above the base.
+        cone: Option<ConeDeclaration> = Kind::Table(&ConeDeclaration::TABLE),
+        /// The half axes of a solid ellipsoid, in space.
+        ellipsoid: Option<Components> = Kind::Vector,
+        /// Points in space of which the body is the solid convex hull.
+        hull: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
+        /// Shapes that are one body.
+        parts: Option<Spanned<Vec<PartDeclaration>>> = Kind::List(&Kind::Table(&PartDeclaration::TABLE)),
+        /// The principal moments of inertia; one in the plane.
+        moments: Option<Turn> = Kind::Turn,
+        /// Points that are followed and drawn, in body axes.
+        points: Option<Vec<Components>> = Kind::List(&Kind::Vector),
+        /// Where its centre of mass starts; a polygon, a hull and parts may go without, and stay where they are drawn.
+        position: Option<Components> = Kind::Vector,
+        /// How it is turned at the start: axis times angle; in the plane an angle.
+        rotation: Option<Turn> = Kind::Turn,
+        /// The velocity of its centre; where it is missing, what its joints determine, else
+        /// zero.
+        velocity: Option<Components> = Kind::Vector,
+        /// Its angular velocity, in space in body axes; where it is missing, zero, or what its joints determine.
+        angular_velocity: Option<Turn> = Kind::Turn,
+    }
+
+    /// A length along an axis and a radius about it.
+    pub(crate) struct LongDeclaration = "a table with `length` and `radius`" {
+        /// Of a cylinder from end to end, of a capsule that of its straight part.
+        length: Spanned<Number> = Kind::Positive,
+        /// How far it reaches from its axis.
+        radius: Spanned<Number> = Kind::Positive,
+    }
+
+    /// A cone.
+    pub(crate) struct ConeDeclaration = "a table with `height` and `radius`" {
+        /// From the base to the apex.
+        height: Spanned<Number> = Kind::Positive,
+        /// The radius of the base.
+        radius: Spanned<Number> = Kind::Positive,
+    }
+
+    /// A shape that is part of a body. Where parts overlap there is the mass of both.
+    pub(crate) struct PartDeclaration = "a part with its `mass` and a shape" {
         /// Its mass.
         mass: Spanned<Number> = Kind::Positive,
         /// The sides of a solid box.
@@ -36,19 +93,20 @@ table! {
         ball: Option<Spanned<Number>> = Kind::Positive,
         /// The corners of a plate in the plane.
         polygon: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
-        /// The principal moments of inertia; one in the plane.
-        moments: Option<Turn> = Kind::Turn,
-        /// Points that are followed and drawn, in body axes.
-        points: Option<Vec<Components>> = Kind::List(&Kind::Vector),
-        /// Where its centre starts.
-        position: Option<Components> = Kind::Vector,
-        /// How it is turned at the start: axis times angle; in the plane an angle.
+        /// A solid capsule along the third axis, in the plane a plate along the first.
+        capsule: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
+        /// A solid cylinder about the third axis, in space.
+        cylinder: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
+        /// A solid cone about the third axis, in space.
+        cone: Option<ConeDeclaration> = Kind::Table(&ConeDeclaration::TABLE),
+        /// The half axes of a solid ellipsoid, in space.
+        ellipsoid: Option<Components> = Kind::Vector,
+        /// Points in space of which it is the solid convex hull.
+        hull: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
+        /// Where its centre of mass is, as the body is drawn; a polygon and a hull may go without.
+        at: Option<Components> = Kind::Vector,
+        /// How it is turned there: axis times angle; in the plane an angle.
         rotation: Option<Turn> = Kind::Turn,
-        /// The velocity of its centre; where it is missing, what its joints determine, else
-        /// zero.
-        velocity: Option<Components> = Kind::Vector,
-        /// Its angular velocity, in space in body axes.
-        angular_velocity: Option<Turn> = Kind::Turn,
     }
 }
 
@@ -88,47 +146,46 @@ mod compiled {
     use super::*;
     use stationary_rigid::{Body, LieGroup, Rotation};
 
-    use crate::model::body_shape::BodyShape;
     use crate::model::items::RigidBody;
     use crate::model::particle::{Motion, Particle};
     use crate::text::diagnostic::{Checked, at};
-    use crate::text::fault::Fault;
+    use crate::text::fault::{BodyFault, Fault};
     use crate::text::turn::Turn;
     use crate::text::{check, limits};
-    use crate::words::body_shape;
     use crate::words::body_shape::Shaped;
     use crate::words::particle_table::ParticleTable;
+    use crate::words::{body_parts, body_shape};
 
     /// Which of a body's points are joined in the picture.
     type Edges = Vec<[usize; 2]>;
 
-    /// Adds bodies to the roster, centres first; and the edges between their points.
+    /// Adds bodies to the table, centres first; and the edges between their points.
     pub(crate) fn declare(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         dimension: usize,
         all: &[BodyDeclaration],
     ) -> Checked<(Vec<DeclaredBody>, Edges)> {
         let mut bodies = Vec::new();
         for declared in all {
             if dimension < 2 {
-                return Err(at(declared.name.span(), Fault::BodyDimension));
+                return Err(at(declared.name.span(), BodyFault::BodyDimension));
             }
             let body = body(dimension, declared)?;
             let name = body.body.name.clone();
             if name == WORLD {
-                return Err(at(declared.name.span(), Fault::WorldName));
+                return Err(at(declared.name.span(), BodyFault::WorldName));
             }
             let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
             let (position, radius) = (body.body.position, body.body.shape.radius());
             let particle = Particle { name: name.clone(), position, motion, radius };
-            if roster.add(particle, declared.place()).is_none() {
-                return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
+            if table.add(particle, declared.place()).is_none() {
+                return Err(at(declared.name.span(), BodyFault::DuplicateBody(name)));
             }
             bodies.push(body);
         }
         let mut edges = Vec::new();
         for (index, (declared, body)) in all.iter().zip(&bodies).enumerate() {
-            let first = roster.particles.len();
+            let first = table.particles.len();
             let count = (first + body.body.points.len()) as u64;
             if count > limits::PARTICLES {
                 let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
@@ -144,7 +201,7 @@ mod compiled {
                     return Err(at(declared.place(), fault));
                 }
                 // A name with a dot is given to points of bodies alone, and bodies differ.
-                roster.add(particle, declared.place());
+                table.add(particle, declared.place());
             }
             let joined = edges_of(&body.body, dimension);
             edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
@@ -175,25 +232,33 @@ mod compiled {
 
     fn body(dimension: usize, declared: &BodyDeclaration) -> Checked<DeclaredBody> {
         let name = check::name(&declared.name)?;
-        let mass = check::positive("the mass", &declared.mass)?;
-        let Shaped { shape, moments, centre, .. } = shaped(dimension, declared, mass)?;
+        let (mass, Shaped { shape, moments, centre, axes, .. }) = shaped(dimension, declared)?;
         let position = match (&declared.position, centre) {
             (Some(position), _) => check::vector("the position", dimension, position)?,
             (None, Some(centre)) => centre,
-            (None, None) => return Err(at(declared.name.span(), Fault::NoPosition(name))),
+            (None, None) => return Err(at(declared.name.span(), BodyFault::NoPosition(name))),
         };
         let turn = |what, given: &Option<Turn>| match given {
             Some(given) => given.components(what, dimension),
             None => Ok([0.0; 3]),
         };
-        let rotation = turn("the rotation", &declared.rotation)?;
-        let angular_velocity = turn("the angular velocity", &declared.angular_velocity)?;
+        let mut rotation = turn("the rotation", &declared.rotation)?;
+        let mut angular_velocity = turn("the angular velocity", &declared.angular_velocity)?;
         let velocity = match &declared.velocity {
             Some(velocity) => check::vector("the velocity", dimension, velocity)?,
             None => [0.0; 3],
         };
-        let points = points(dimension, &shape, declared)?;
+        let mut points = shape.corners(dimension);
+        for point in declared.points.iter().flatten() {
+            let point = check::vector("a point", dimension, point)?;
+            points.push(axes.rotate_back(&point.into()).into());
+        }
+        if axes != Rotation::identity() {
+            rotation = Rotation::exp(rotation.into()).compose(&axes).log().into();
+            angular_velocity = axes.rotate_back(&angular_velocity.into()).into();
+        }
         let has_velocity = declared.velocity.is_some();
+        let has_spin = declared.angular_velocity.is_some();
         let body = RigidBody {
             name,
             mass,
@@ -206,50 +271,52 @@ mod compiled {
             points,
             point_mass: false,
         };
-        Ok(DeclaredBody { body, has_velocity })
+        Ok(DeclaredBody { body, has_velocity, has_spin })
     }
 
-    /// The shape and the moments that a body can have.
-    fn shaped(dimension: usize, declared: &BodyDeclaration, mass: f64) -> Checked<Shaped> {
-        let shaped = body_shape::declare(
-            dimension,
-            mass,
-            &ShapeWords {
-                name: &declared.name,
-                sides: declared.sides.as_ref(),
-                ball: declared.ball.as_ref(),
-                polygon: declared.polygon.as_ref(),
-                moments: declared.moments.as_ref(),
-            },
-        )?;
+    /// The mass, the shape and the moments that a body can have.
+    fn shaped(dimension: usize, declared: &BodyDeclaration) -> Checked<(f64, Shaped)> {
+        let name = || declared.name.get_ref().clone();
+        let words = ShapeWords {
+            sides: declared.sides.as_ref(),
+            ball: declared.ball.as_ref(),
+            polygon: declared.polygon.as_ref(),
+            capsule: declared.capsule.as_ref(),
+            cylinder: declared.cylinder.as_ref(),
+            cone: declared.cone.as_ref(),
+            ellipsoid: declared.ellipsoid.as_ref(),
+            hull: declared.hull.as_ref(),
+            moments: declared.moments.as_ref(),
+        };
+        let (mass, shaped) = match (&declared.parts, &declared.mass) {
+            (Some(_), Some(mass)) => return Err(at(mass.span(), BodyFault::MassOfParts)),
+            (Some(_), None) if words.any() => {
+                return Err(at(declared.name.span(), BodyFault::BodyShape(name())));
+            }
+            (Some(parts), None) => body_parts::declare(dimension, parts)?,
+            (None, None) => return Err(at(declared.name.span(), Fault::NoMass(name()))),
+            (None, Some(mass)) => {
+                let mass = check::positive("the mass", mass)?;
+                let shaped = body_shape::declare(dimension, mass, words)?;
+                let none = || at(declared.name.span(), BodyFault::BodyShape(name()));
+                (mass, shaped.ok_or_else(none)?)
+            }
+        };
         if dimension == 2 {
             let value = shaped.moments[2];
             let fault = Fault::NotFinite { what: "the moment", value };
             let sound = value > 0.0 && value.is_finite();
             let moments = [0.0, 0.0, value];
             return if sound {
-                Ok(Shaped { moments, ..shaped })
+                Ok((mass, Shaped { moments, ..shaped }))
             } else {
                 Err(at(shaped.place, fault))
             };
         }
         match Body::new(mass, shaped.moments) {
-            Ok(_) => Ok(shaped),
-            Err(error) => Err(at(shaped.place, Fault::Body(error.to_string()))),
+            Ok(_) => Ok((mass, shaped)),
+            Err(error) => Err(at(shaped.place, BodyFault::Body(error.to_string()))),
         }
-    }
-
-    /// The corners of the shape, and then the points that are given.
-    fn points(
-        dimension: usize,
-        shape: &BodyShape,
-        declared: &BodyDeclaration,
-    ) -> Checked<Vec<[f64; 3]>> {
-        let mut points = shape.corners(dimension);
-        for point in declared.points.iter().flatten() {
-            points.push(check::vector("a point", dimension, point)?);
-        }
-        Ok(points)
     }
 
     /// The edges of the shape; other points are joined in their order.

@@ -4,22 +4,17 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
-use crate::model::observable::Observable;
+use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
 use crate::model::stepping::{Adaptive, Stepping};
-use crate::text::fault::Fault;
+use crate::text::fault::{BodyFault, Fault};
+use crate::words::word::CONTACT;
 
 impl Scene {
     /// An error where the scene's method cannot step its bodies.
     pub(crate) fn check_bodies(&self) -> Result<(), Fault> {
-        if self.rods.iter().any(|rod| rod.strength.is_finite()) {
-            return Err(Fault::BreakingBesideBodies);
-        }
-        let tension = |observable: &Observable| matches!(observable, Observable::Tension(_));
-        if self.contact.is_some() && self.observables.iter().any(tension) {
-            return Err(Fault::TensionInContact);
-        }
-        if self.contact.is_some() {
+        if self.has_inequalities() {
+            CONTACT.check("strength")?;
             return self.check_touching();
         }
         if self.moves_joints() {
@@ -80,17 +75,21 @@ impl Scene {
         }
     }
 
-    /// An error where the scene's bodies cannot touch.
+    /// An error where the scene's bodies cannot touch, or be held by limits, friction and what breaks.
     fn check_touching(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
-        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
-        let untouchable = self.bodies.iter().find(|body| body.shape == BodyShape::Moments);
+        let touches = self.touches_as_bodies();
+        let bounds = "limits and friction of joints, or rods that break beside bodies";
+        let what = if touches { "what touches" } else { bounds };
+        let refused = |instead| Err(Fault::MethodCannot { method, what, instead });
+        let only_moments = |body: &&RigidBody| touches && body.shape == BodyShape::Moments;
+        let untouchable = self.bodies.iter().find(only_moments);
         match (self.stepping, self.dimension, untouchable) {
-            (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
+            (_, _, Some(body)) => Err(Fault::Bodies(BodyFault::Untouchable(body.name.clone()))),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
             | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),
-            (_, 3, _) => refused("what touches", "name `variational-rotation`"),
-            _ => refused("what touches", "name `stormer-verlet`"),
+            (_, 3, _) => refused("name `variational-rotation`"),
+            _ => refused("name `stormer-verlet`"),
         }
     }
 }

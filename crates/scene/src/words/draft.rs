@@ -26,6 +26,7 @@ pub(crate) struct Draft<'a> {
     pub(crate) contact: Option<SceneContact>,
     pub(crate) gravity: Gravity,
     pub(crate) drag: Option<f64>,
+    pub(crate) frame: Option<[f64; 3]>,
     pub(crate) drives: Drives,
 }
 
@@ -35,6 +36,8 @@ pub(crate) struct DeclaredBody {
     pub(crate) body: RigidBody,
     /// Whether its velocity was given; if not, joints determine it.
     pub(crate) has_velocity: bool,
+    /// Whether its angular velocity was.
+    pub(crate) has_spin: bool,
 }
 
 impl<'a> Draft<'a> {
@@ -53,6 +56,7 @@ impl<'a> Draft<'a> {
             contact: None,
             gravity: Gravity { acceleration: None, constant: None },
             drag: None,
+            frame: None,
             drives: Drives::default(),
         }
     }

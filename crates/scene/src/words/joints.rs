@@ -4,10 +4,9 @@
 //! x_a(p) = x_b(p),    v_a + w_a x (p - x_a) = v_b + w_b x (p - x_b)       at the start
 //! ```
 //! A joint is given by its place `p`, and a hinge by its axis too, as the world sees them at the
-//! start: so it is closed there, whatever the bodies' poses. Bodies whose velocity is not given
-//! move with the first joint that leads to a body, or the world, whose velocity is known; two of
-//! that which disagree are an error. `x` centres, `v` velocities, `w` angular velocities in world
-//! axes.
+//! start: so it is closed there, whatever the bodies' poses. Velocities that are not given follow from
+//! joints (`joint_velocities.rs`); where they cannot it is an error. `x` centres, `v` velocities, `w` angular
+//! velocities in world axes.
 
 #[cfg(feature = "rigid")]
 use crate::words::draft::DeclaredBody;
@@ -19,7 +18,7 @@ use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Number};
 use crate::words::draft::Draft;
 use crate::words::table::{Kind, table};
-use crate::words::word::{CONSTRAINTS, Feature, Of, Word};
+use crate::words::word::{CONSTRAINTS, CONTACT, Feature, Of, Word};
 
 table! {
     /// A joint, given by its place at the start.
@@ -38,6 +37,11 @@ table! {
         rest: Option<Spanned<Number>> = Kind::Number,
         /// Of a damper at a pin or a hinge: torque over the rate of the turn.
         damping: Option<Spanned<Number>> = Kind::NotNegative,
+        /// The least and the largest turn of the second against the first from the start, at a pin or a hinge; of a
+        /// slider in space the least and the largest shift along its axis. What meets them stops.
+        limits: Option<Spanned<Vec<Spanned<Number>>>> = Kind::List(&Kind::Number),
+        /// The largest torque of dry friction at a pin or a hinge; of a slider in space the largest force.
+        friction: Option<Spanned<Number>> = Kind::NotNegative,
     }
 }
 
@@ -47,6 +51,14 @@ impl Word for Vec<JointDeclaration> {
 
     fn place(&self) -> Option<Range<usize>> {
         self.first().map(|first| first.kind.span())
+    }
+
+    fn inner(&self) -> Option<(&'static str, Feature, Range<usize>)> {
+        let limits = |joint: &JointDeclaration| Some(("limits", joint.limits.as_ref()?.span()));
+        let friction =
+            |joint: &JointDeclaration| Some(("friction", joint.friction.as_ref()?.span()));
+        let first = self.iter().find_map(|joint| limits(joint).or_else(|| friction(joint)));
+        first.map(|(word, place)| (word, CONTACT, place))
     }
 
     fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
@@ -65,16 +77,18 @@ pub(crate) use compiled::*;
 #[cfg(feature = "rigid")]
 mod compiled {
     use super::*;
-    use std::collections::{HashMap, VecDeque};
+    use std::collections::HashMap;
 
-    use nalgebra::Vector3;
     use toml::Spanned;
 
-    use crate::model::items::{JointKind, RigidBody, SceneJoint};
+    use crate::model::items::{JointKind, SceneJoint};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
-    use crate::text::fault::Fault;
+    use crate::text::fault::{BodyFault, DriveFault};
     use crate::words::bodies::WORLD;
+    use crate::words::joint_velocities::{
+        self, VELOCITY, fastest, fastest_turn, forbidden_shift, forbidden_turn,
+    };
 
     const IN_SPACE: [(&str, JointKind); 4] = [
         ("ball", JointKind::Ball),
@@ -96,21 +110,17 @@ mod compiled {
             .iter()
             .map(|declared| joint(dimension, &by_name, declared))
             .collect::<Checked<Vec<_>>>()?;
-        carry_velocities(bodies, &joints);
+        joint_velocities::complete(dimension, bodies, &joints);
+        let (speed, turning) = (fastest(bodies, &joints), fastest_turn(bodies));
         for (joint, declared) in joints.iter().zip(all) {
-            let [a, b] = joint.between.map(|end| velocity_at(bodies, end, joint.place));
-            let speed = a.norm().max(b.norm());
-            let mut torn = a - b;
-            if joint.kind == JointKind::Slider {
-                let along = Vector3::from(joint.axis);
-                torn -= along * torn.dot(&along);
-            }
+            let torn = forbidden_shift(bodies, joint);
             if torn.norm() > VELOCITY * speed {
-                let apart = torn.norm();
-                return Err(at(declared.at.span(), Fault::JointTorn { apart }));
+                let [first, second] = joint.between.map(|end| named(bodies, end));
+                let fault = BodyFault::JointTorn { first, second, apart: torn.norm() };
+                return Err(at(declared.at.span(), fault));
             }
-            if let Some(turn) = forbidden_turn(bodies, joint) {
-                return Err(at(declared.between.span(), Fault::JointTurns { turn }));
+            if let Some(turn) = forbidden_turn(bodies, joint, turning) {
+                return Err(at(declared.between.span(), BodyFault::JointTurns { turn }));
             }
         }
         Ok(joints)
@@ -121,8 +131,9 @@ mod compiled {
         bodies.iter().enumerate().map(|(k, d)| (d.body.name.as_str(), k)).collect()
     }
 
-    /// What ends may move against each other, relative to their speed: rounding of what a file says.
-    const VELOCITY: f64 = 1e-9;
+    fn named(bodies: &[DeclaredBody], end: Option<usize>) -> String {
+        end.map_or(WORLD, |body| bodies[body].body.name.as_str()).to_owned()
+    }
 
     fn joint(
         dimension: usize,
@@ -133,14 +144,14 @@ mod compiled {
         let kind = check::word("joint", declared.kind.get_ref(), declared.kind.span(), words)?;
         let names = declared.between.get_ref();
         let [first, second] = names.as_slice() else {
-            let fault = Fault::JointEnds(names.len());
+            let fault = BodyFault::JointEnds(names.len());
             return Err(at(declared.between.span(), fault));
         };
         let between = [find(bodies, first)?, find(bodies, second)?];
         if between[0] == between[1] {
             return Err(at(
                 declared.between.span(),
-                Fault::JoinedToItself(first.get_ref().clone()),
+                BodyFault::JoinedToItself(first.get_ref().clone()),
             ));
         }
         let place = check::vector("the place of the joint", dimension, &declared.at)?;
@@ -149,20 +160,20 @@ mod compiled {
                 check::direction("the axis", dimension, axis)?
             }
             (None, JointKind::Hinge | JointKind::Slider) => {
-                return Err(at(declared.kind.span(), Fault::HingeAxis));
+                return Err(at(declared.kind.span(), BodyFault::HingeAxis));
             }
-            (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
+            (Some(axis), _) => return Err(at(axis.span(), BodyFault::NoHinge)),
             (None, _) => [0.0, 0.0, 1.0],
         };
         let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
         let number = |what, given: &Option<Spanned<Number>>| match given {
-            Some(given) if !turns => Err(at(given.span(), Fault::SpringWithoutAxis)),
+            Some(given) if !turns => Err(at(given.span(), BodyFault::SpringWithoutAxis)),
             Some(given) => check::finite(what, given),
             None => Ok(0.0),
         };
         let rest = number("the rest", &declared.rest)?;
         if let Some(given) = declared.rest.as_ref().filter(|_| rest.abs() > std::f64::consts::PI) {
-            return Err(at(given.span(), Fault::BeyondHalfATurn(rest)));
+            return Err(at(given.span(), BodyFault::BeyondHalfATurn(rest)));
         }
         let positive = |what, given: &Option<Spanned<Number>>| match given {
             Some(declared) => {
@@ -174,9 +185,47 @@ mod compiled {
         let stiffness = positive("the stiffness", &declared.stiffness)?;
         let damping = positive("the damping", &declared.damping)?;
         if let (Some(given), true) = (&declared.rest, stiffness == 0.0) {
-            return Err(at(given.span(), Fault::RestWithoutSpring));
+            return Err(at(given.span(), BodyFault::RestWithoutSpring));
         }
-        Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping })
+        let (limits, friction) = bounds(dimension, kind, declared)?;
+        Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping, limits, friction })
+    }
+
+    /// Limits with the start between them, and the largest friction.
+    fn bounds(
+        dimension: usize,
+        kind: JointKind,
+        declared: &JointDeclaration,
+    ) -> Checked<(Option<[f64; 2]>, f64)> {
+        let (limits, friction) = (&declared.limits, &declared.friction);
+        let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
+        let shifts = kind == JointKind::Slider && dimension == 3;
+        let place = limits.as_ref().map(Spanned::span);
+        if let Some(place) = place.or(friction.as_ref().map(Spanned::span))
+            && !(turns || shifts)
+        {
+            return Err(at(place, BodyFault::BoundsWithoutCoordinate));
+        }
+        let friction = friction.as_ref().map(|given| check::not_negative("the friction", given));
+        let friction = friction.transpose()?.unwrap_or(0.0);
+        let Some(given) = limits else { return Ok((None, friction)) };
+        let [low, high] = given.get_ref().as_slice() else {
+            let fault = DriveFault::TwoValues { key: "`limits`", got: given.get_ref().len() };
+            return Err(at(given.span(), fault));
+        };
+        let mut limits = [0.0; 2];
+        for (limit, given) in limits.iter_mut().zip([low, high]) {
+            *limit = check::finite("the limit", given)?;
+            // In space a turn is known up to whole ones.
+            if dimension == 3 && turns && limit.abs() > std::f64::consts::PI {
+                return Err(at(given.span(), BodyFault::BeyondHalfATurn(*limit)));
+            }
+        }
+        let [low, high] = limits;
+        if low > 0.0 || high < 0.0 || low >= high {
+            return Err(at(given.span(), BodyFault::LimitsBesideTheStart { low, high }));
+        }
+        Ok((Some(limits), friction))
     }
 
     /// The body of this name, or the world.
@@ -196,56 +245,5 @@ mod compiled {
         let names = names.iter().map(|&(name, _)| name).chain([WORLD]);
         let fault = check::unknown("body", name.get_ref(), names, check::LISTED);
         Err(at(name.span(), fault))
-    }
-
-    fn spin(body: &RigidBody) -> Vector3<f64> {
-        body.turned().rotate(&body.angular_velocity.into())
-    }
-
-    fn velocity_at(bodies: &[DeclaredBody], end: Option<usize>, place: [f64; 3]) -> Vector3<f64> {
-        let Some(index) = end else { return Vector3::zeros() };
-        let body = &bodies[index].body;
-        let arm = Vector3::from(place) - Vector3::from(body.position);
-        Vector3::from(body.velocity) + spin(body).cross(&arm)
-    }
-
-    /// Gives a velocity to bodies that have none, from joint to joint, the world's joints first.
-    fn carry_velocities(bodies: &mut [DeclaredBody], joints: &[SceneJoint]) {
-        let mut touching: Vec<Vec<usize>> = vec![Vec::new(); bodies.len()];
-        for (index, joint) in joints.iter().enumerate() {
-            joint.between.into_iter().flatten().for_each(|body| touching[body].push(index));
-        }
-        let mut known: Vec<bool> = bodies.iter().map(|declared| declared.has_velocity).collect();
-        let fixed = joints.iter().enumerate().filter(|(_, joint)| joint.between.contains(&None));
-        let mut next: VecDeque<usize> = fixed.map(|(index, _)| index).collect();
-        next.extend(
-            (0..bodies.len()).filter(|&body| known[body]).flat_map(|b| touching[b].clone()),
-        );
-        while let Some(index) = next.pop_front() {
-            let [a, b] = joints[index].between;
-            for (from, to) in [(a, b), (b, a)] {
-                let Some(body) = to.filter(|&body| !known[body]) else { continue };
-                if from.is_none_or(|from| known[from]) {
-                    let place = joints[index].place;
-                    let gap = velocity_at(bodies, from, place) - velocity_at(bodies, to, place);
-                    bodies[body].body.velocity = gap.into();
-                    known[body] = true;
-                    next.extend(&touching[body]);
-                }
-            }
-        }
-    }
-
-    /// The rate of a turn that the joint does not allow, where there is one.
-    fn forbidden_turn(bodies: &[DeclaredBody], joint: &SceneJoint) -> Option<f64> {
-        let [a, b] =
-            joint.between.map(|end| end.map_or(Vector3::zeros(), |i| spin(&bodies[i].body)));
-        let (turn, axis) = (a - b, Vector3::from(joint.axis));
-        let forbidden = match joint.kind {
-            JointKind::Ball => 0.0,
-            JointKind::Hinge => (turn - axis * turn.dot(&axis)).norm(),
-            JointKind::Fixed | JointKind::Slider => turn.norm(),
-        };
-        (forbidden > VELOCITY * a.norm().max(b.norm())).then_some(forbidden)
     }
 }

@@ -43,7 +43,7 @@ impl Draft<'_> {
                 points: Vec::new(),
                 point_mass: true,
             };
-            self.bodies.push(DeclaredBody { body, has_velocity: true });
+            self.bodies.push(DeclaredBody { body, has_velocity: true, has_spin: true });
         }
     }
 }

@@ -78,6 +78,10 @@ impl<T> Presence for Vec<T> {
     const REQUIRED: bool = false;
 }
 
+impl Presence for crate::text::turn::Turn {
+    const REQUIRED: bool = true;
+}
+
 impl<T> Presence for toml::Spanned<T> {
     const REQUIRED: bool = true;
 }

@@ -26,7 +26,8 @@ pub(crate) fn refused(marked: &str, message: &str) {
 fn a_body_that_cannot_be_is_refused_where_it_says_so() {
     let body = |name: &str, rest: &str| format!("[[bodies]]\nname = {name}\nmass = 1\n{rest}");
     let lone = body("<<\"stone\">>", "position = [0, 0, 0]\n");
-    let message = "`stone` needs one of `box`, `ball`, `polygon` and its `moments` of inertia";
+    let message = "`stone` needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid`, \
+                   `hull`, `parts` and its `moments` of inertia";
     refused(&format!("{HEAD}{lone}"), message);
     refused(&format!("{HEAD}{lone}box = [1, 1, 1]\nmoments = [1, 1, 1]\n"), message);
     let thin = body("\"stone\"", "box = [1, <<0>>, 1]\nposition = [0, 0, 0]\n");
@@ -87,9 +88,12 @@ fn a_joint_that_cannot_be_is_refused_where_it_says_so() {
     refused(&format!("{two}{zero}"), "the axis is zero; a direction is not");
     let moving = format!("{two}velocity = [2, 0, 0]\n");
     let held = joint("\"ball\"", "[\"lid\", \"world\"]", "at = <<[0, 0, 0]>>");
-    let message = "the two sides of the joint move apart at 2 a unit of time";
+    let message = "`lid` and `world` move apart at 2 a unit of time where they are joined: velocities that are \
+                   given must fit there, and those that are not must follow from them";
     refused(&format!("{moving}{held}"), message);
-    let turning = format!("{two}angular_velocity = [0, 0, 2]\n");
+    let still = format!("{BOX}angular_velocity = [0, 0, 0]\n");
+    let lid = BOX.replace("crate", "lid");
+    let turning = format!("{HEAD}{still}{lid}angular_velocity = [0, 0, 2]\n");
     let fixed = joint("\"fixed\"", "<<[\"lid\", \"crate\"]>>", "at = [0, 0, 0]");
     let message =
         "the two sides turn against each other at 2 radians a unit of time, as the joint forbids";

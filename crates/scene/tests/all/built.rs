@@ -31,12 +31,16 @@ fn every_shipped_scene_builds_what_it_names_and_nothing_else() {
         names.iter().map(|name| format!("{name}: {}", built(&first_step(name)))).collect();
     insta::assert_snapshot!(lines.join("\n"), @r"
     ball-strikes-a-pendulum.toml: rigid bodies 2, constraints equations 5, contact colliders 2
+    billiard-with-spin.toml: rigid bodies 3, contact colliders 4
     block-on-incline.toml: rigid bodies 1, contact colliders 2
     box-stack.toml: rigid bodies 9, contact colliders 10
     breaking-bridge.toml: elasticity springs 1, constraints equations 18, calculus sparse solvers 1
     cantilever.toml: elasticity elements 320
     cloth-on-a-ball.toml: elasticity elements 2048, elasticity hinges 3008, contact gaps 1089
+    domino-row.toml: rigid bodies 9, contact colliders 10
+    foucault-pendulum.toml: constraints equations 1, calculus sparse solvers 1
     four-bar-pushes-a-crate.toml: rigid bodies 5, constraints equations 12, contact colliders 6
+    galton-board.toml: rigid bodies 11, constraints equations 15, contact colliders 41
     heavy-top.toml: rigid bodies 1, constraints equations 3, calculus sparse solvers 1
     masonry-arch.toml: rigid bodies 15, contact colliders 16
     newtons-cradle-on-rods.toml: rigid bodies 5, constraints equations 5, contact colliders 5
@@ -51,6 +55,7 @@ fn every_shipped_scene_builds_what_it_names_and_nothing_else() {
     sprung-door.toml: rigid bodies 1, constraints equations 5, contact colliders 2
     struck-bell.toml: elasticity elements 992, elasticity hinges 1472, modal modes 40, calculus sparse solvers 2
     thrown-racket.toml: rigid bodies 1
+    tippe-top.toml: rigid bodies 1, contact colliders 3
     tumbling-wrench.toml: rigid bodies 1
     warm-sphere.toml: laplacian simplices 5120, calculus sparse solvers 1
     wheel-over-a-bump.toml: elasticity springs 1, rigid bodies 4, constraints equations 8, contact colliders 6

@@ -142,7 +142,7 @@ fn what_joints_alone_cannot_say_is_refused() {
     );
     assert!(fault(&rods).to_string().contains("rods between bodies"), "{}", fault(&rods));
     let touching = loop_of_two.replace("integrator", "contact = {}\nintegrator");
-    assert!(matches!(fault(&touching), Fault::Untouchable(_) | Fault::MethodCannot { .. }));
+    assert!(matches!(fault(&touching), Fault::Bodies(_) | Fault::MethodCannot { .. }));
     let implicit =
         loop_of_two.replace("\"joint-coordinates\"", "\"radau-iia-5\"\ntolerance = 1e-3");
     assert!(matches!(fault(&implicit), Fault::MethodOfAnother(_)), "{}", fault(&implicit));

@@ -345,3 +345,68 @@ fn a_load_that_presses_on_contact_is_no_impact() {
     let x = slides.positions(100)[0];
     assert!((x - 0.5 * (1.0 + 0.01)).abs() < 1e-9, "{x}");
 }
+
+/// A slider-crank of which the crank's turn alone is given, by the angle from the dead centre: the rod's turn and
+/// the slider's velocity are those of the closed form.
+#[test]
+fn a_mechanism_takes_the_velocities_that_its_crank_determines() {
+    let (r, length, w) = (0.1_f64, 0.25_f64, 10.0);
+    for angle in [0.0_f64, 0.4, 1.5, 2.9] {
+        let (sin, cos) = angle.sin_cos();
+        let lean = (r / length * sin).asin();
+        let end = r * cos + length * lean.cos();
+        let text = format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.0001\nhorizon = 0.001\n\
+             bodies = [\n\
+             {{ name = \"crank\", mass = 0.2, box = [{r}, 0.01], position = [{}, {}], rotation = {angle}, \
+             angular_velocity = {w} }},\n\
+             {{ name = \"rod\", mass = 0.3, box = [{length}, 0.01], position = [{}, {}], rotation = {} }},\n\
+             {{ name = \"slider\", mass = 0.5, box = [0.06, 0.04], position = [{end}, 0] }}]\n\
+             joints = [\n\
+             {{ kind = \"pin\", between = [\"world\", \"crank\"], at = [0, 0] }},\n\
+             {{ kind = \"pin\", between = [\"crank\", \"rod\"], at = [{}, {}] }},\n\
+             {{ kind = \"pin\", between = [\"rod\", \"slider\"], at = [{end}, 0] }},\n\
+             {{ kind = \"slider\", between = [\"slider\", \"world\"], at = [{end}, 0], axis = [1, 0] }}]\n",
+            0.5 * r * cos,
+            0.5 * r * sin,
+            r * cos + 0.5 * length * lean.cos(),
+            0.5 * r * sin,
+            -lean,
+            r * cos,
+            r * sin,
+        );
+        let scene = Scene::parse("crank.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let turning = -w * r * cos / (length * lean.cos());
+        let speed = -w * r * sin + length * lean.sin() * turning;
+        let [rod, slider] = [1, 2].map(|body| &scene.bodies()[body]);
+        assert!((rod.angular_velocity[2] - turning).abs() < 1e-12, "{rod:?} {turning}");
+        assert!((slider.velocity[0] - speed).abs() < 1e-12, "{slider:?} {speed}");
+        assert!(slider.velocity[1].abs() < 1e-12 && slider.angular_velocity[2].abs() < 1e-12);
+        scene.run().unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// At a dead centre the rod's end stands still as the sum of two velocities that cancel but for rounding.
+#[test]
+fn a_slider_crank_may_start_at_its_dead_centre() {
+    for (r, length, w) in [(0.1, 0.25, 10.0), (0.3, 0.7, 7.0), (0.017, 0.11, 333.0)] {
+        let text = format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.0001\nhorizon = 0.001\n\
+             bodies = [\n\
+             {{ name = \"crank\", mass = 0.2, box = [{r}, 0.01], position = [{}, 0], angular_velocity = {w} }},\n\
+             {{ name = \"rod\", mass = 0.3, box = [{length}, 0.01], position = [{}, 0], angular_velocity = {} }},\n\
+             {{ name = \"slider\", mass = 0.5, box = [0.06, 0.04], position = [{end}, 0] }}]\n\
+             joints = [\n\
+             {{ kind = \"pin\", between = [\"world\", \"crank\"], at = [0, 0] }},\n\
+             {{ kind = \"pin\", between = [\"crank\", \"rod\"], at = [{r}, 0] }},\n\
+             {{ kind = \"pin\", between = [\"rod\", \"slider\"], at = [{end}, 0] }},\n\
+             {{ kind = \"slider\", between = [\"slider\", \"world\"], at = [{end}, 0], axis = [1, 0] }}]\n",
+            0.5 * r,
+            r + 0.5 * length,
+            -w * r / length,
+            end = r + length,
+        );
+        let scene = Scene::parse("dead.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        scene.run().unwrap_or_else(|error| panic!("{r} {length} {w}: {error}"));
+    }
+}

@@ -197,7 +197,7 @@ fn the_page_knows_how_every_ball_is_turned_at_every_sample() {
             turns[turns.len() - each..].iter().zip(&turns).map(|(x, from)| (x - from).abs());
         assert!(moved.fold(0.0, f64::max) > 0.5);
         let way = if dimension == 3 { "the shorter way" } else { "evenly" };
-        assert!(page.contains(&format!(", and balls turn {way}.")));
+        assert!(page.contains(&format!(", and what is round turns {way}.")));
     }
 }
 

@@ -7,7 +7,7 @@ use stationary_scene::{Scene, SceneError};
 use crate::schema::check_file;
 
 /// Words that put something into a scene, in the order of the page.
-const WORDS: [&str; 17] = [
+const WORDS: [&str; 21] = [
     "particles",
     "springs",
     "rods",
@@ -17,11 +17,15 @@ const WORDS: [&str; 17] = [
     "heat",
     "bodies",
     "joints",
+    "joint limits",
+    "joint friction",
     "motors",
+    "breaking rods",
     "contact",
     "uniform_gravity",
     "newtonian_gravity",
     "drag",
+    "frame",
     "loads",
     "motions",
     "modes",
@@ -59,13 +63,23 @@ impl Pair<'_> {
     }
 
     fn has_bodies(&self) -> bool {
-        self.says_one_of(&["bodies", "joints", "motors"])
+        self.says("bodies") || self.has_joints()
+    }
+
+    fn has_joints(&self) -> bool {
+        self.says_one_of(&["joints", "joint limits", "joint friction", "motors"])
+    }
+
+    fn has_rods(&self) -> bool {
+        self.says_one_of(&["rods", "breaking rods"])
     }
 
     /// What is written out beside the two words: what they are about.
     fn has_particles(&self) -> bool {
         let other = self.says_one_of(&["nets", "solids", "heat"]) || self.has_bodies();
-        let about = ["springs", "rods", "contact", "uniform_gravity", "drag", "loads", "modes"];
+        let about =
+            ["springs", "rods", "breaking rods", "contact", "uniform_gravity", "drag", "frame"];
+        let about = [&about[..], &["loads", "modes"]].concat();
         self.says_one_of(&["particles", "chains", "motions", "newtonian_gravity"])
             || (self.says_one_of(&about) && !other)
     }
@@ -109,8 +123,9 @@ impl Pair<'_> {
                 "springs = [{hung} {{ between = [\"{first}\", \"{second}\"], stiffness = 5 }}]"
             ));
         }
-        if self.says("rods") {
-            say(format!("rods = [{{ between = [\"{first}\", \"{second}\"] }}]"));
+        if self.has_rods() {
+            let strength = if self.says("breaking rods") { ", strength = 1e3" } else { "" };
+            say(format!("rods = [{{ between = [\"{first}\", \"{second}\"]{strength} }}]"));
         }
         if self.says("chains") {
             say("chains = [{ name = \"chain\", between = [\"hook\", \"q\"], links = 2, \
@@ -152,11 +167,13 @@ impl Pair<'_> {
                 at(3.0, 1.0)
             ));
         }
-        if self.says_one_of(&["joints", "motors"]) {
+        if self.has_joints() {
             let (kind, axis) =
                 if self.dimension == 3 { ("hinge", ", axis = [0, 0, 1]") } else { ("pin", "") };
+            let limits = if self.says("joint limits") { ", limits = [-1, 1]" } else { "" };
+            let friction = if self.says("joint friction") { ", friction = 0.1" } else { "" };
             say(format!(
-                "joints = [{{ kind = \"{kind}\", between = [\"world\", \"a\"], at = {}{axis} }}]",
+                "joints = [{{ kind = \"{kind}\", between = [\"world\", \"a\"], at = {}{axis}{limits}{friction} }}]",
                 at(3.2, 0.0)
             ));
         }
@@ -175,6 +192,10 @@ impl Pair<'_> {
         }
         if self.says("drag") {
             say("drag = { coefficient = 0.1 }".to_owned());
+        }
+        if self.says("frame") {
+            let turning = if self.dimension == 3 { "[0, 0, 0.1]" } else { "0.1" };
+            say(format!("frame = {{ angular_velocity = {turning} }}"));
         }
         if self.says("loads") {
             say(format!("loads = [{{ on = \"{first}\", force = {} }}]", at(1.0, 0.0)));

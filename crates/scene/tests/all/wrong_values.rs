@@ -8,7 +8,7 @@ use stationary_scene::{Scene, SceneError};
 use toml::Value;
 
 /// What no shipped scene says.
-const MORE: [&str; 4] = [
+const MORE: [&str; 5] = [
     r#"
         dimension = 2
         integrator = "dormand-prince-853"
@@ -17,6 +17,7 @@ const MORE: [&str; 4] = [
         horizon = 1
         units = { length = "cm", time = "ms", mass = "g" }
         drag = { coefficient = 0.1 }
+        frame = { angular_velocity = 0.1 }
         newtonian_gravity = { constant = 1 }
         observables = [{ distance = ["a", "b"] }, { velocity = "a" }, "linear-momentum"]
         particles = [
@@ -56,6 +57,23 @@ const MORE: [&str; 4] = [
             { name = "b", mass = 1, ball = 0.1, position = [1, 0], velocity = [0, 0], angular_velocity = 0 },
         ]
         joints = [{ kind = "pin", between = ["a", "b"], at = [0.5, 0] }]
+    "#,
+    r#"
+        dimension = 3
+        integrator = "variational-rotation"
+        step = 0.01
+        horizon = 0.1
+        bodies = [
+            { name = "a", mass = 1, capsule = { length = 1, radius = 0.1 }, position = [0, 0, 0] },
+            { name = "b", mass = 1, cylinder = { length = 1, radius = 0.1 }, position = [1, 0, 0] },
+            { name = "c", mass = 1, cone = { height = 1, radius = 0.1 }, position = [2, 0, 0] },
+            { name = "d", mass = 1, ellipsoid = [0.1, 0.2, 0.3], position = [3, 0, 0] },
+            { name = "e", mass = 1, hull = [[4, 0, 0], [5, 0, 0], [4, 1, 0], [4, 0, 1]] },
+            { name = "f", parts = [{ mass = 1, ball = 0.1, at = [6, 0, 0] },
+                                   { mass = 1, box = [1, 1, 1], at = [7, 0, 0], rotation = [0, 0, 1] }] },
+        ]
+        joints = [{ kind = "slider", between = ["a", "b"], at = [0.5, 0, 0], axis = [1, 0, 0],
+                    limits = [-0.1, 0.2], friction = 1 }]
     "#,
 ];
 

@@ -21,18 +21,33 @@ impl Scene {
         }
         let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
         let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
-        let own: &[&str] = match (self.touches_as_bodies(), self.drives.has_speeds()) {
-            (true, false) => &["friction", "impacts", "lifting out of overlap", "joints"],
-            (true, true) => {
-                &["friction", "impacts", "lifting out of overlap", "joints and motors with a speed"]
-            }
-            (false, true) => &["motors with a speed"],
-            (false, false) => &[],
-        };
-        // What touches has joints last of all.
-        let without = self.touches_as_bodies() && !self.has_joints();
-        let own = &own[..own.len() - usize::from(without)];
-        names.extend(own.iter().map(|&name| name.to_owned()));
+        names.extend(self.works_of_steps().iter().map(|&name| name.to_owned()));
+        names
+    }
+
+    /// The names of the works that steps report themselves.
+    fn works_of_steps(&self) -> Vec<&'static str> {
+        let speeds = self.drives.has_speeds();
+        if !self.has_inequalities() {
+            return if speeds { vec!["motors with a speed"] } else { Vec::new() };
+        }
+        let mut names = Vec::new();
+        if self.touches_as_bodies() {
+            names.extend(["friction", "impacts"]);
+        }
+        names.push("lifting out of overlap");
+        if self.joints.iter().any(|joint| joint.friction > 0.0) {
+            names.push("friction of joints");
+        }
+        let limits = self.joints.iter().any(|joint| joint.limits.is_some());
+        if self.has_joints() {
+            names.push(match (limits, speeds) {
+                (false, false) => "joints",
+                (true, false) => "joints and their limits",
+                (false, true) => "joints and motors with a speed",
+                (true, true) => "joints, their limits and motors with a speed",
+            });
+        }
         names
     }
 

@@ -1,6 +1,6 @@
 // The camera: a scene in space is seen from a point that goes round it, a plane from straight above.
 const camera = { yaw: 0, pitch: 0, zoom: 1, pan: [0, 0], target: [0, 0, 0], fit: 1, radius: 1 };
-const numbers = () => new Float64Array(motion.count);
+const numbers = () => new Float64Array(motion.total);
 // Where particles are on the canvas, how near to the eye, and how large, where they have a radius.
 const seen = { x: numbers(), y: numbers(), near: numbers(), size: numbers() };
 const spatial = motion.dimension === 3;
@@ -61,7 +61,8 @@ const reset = () => {
   const boxes = axes().map((axis) => extent(all.map((x) => dot(axis, x))));
   const middles = boxes.map(([low, high]) => 0.5 * (low + high));
   camera.target = [0, 1, 2].map((c) => axes().reduce((sum, axis, k) => sum + axis[c] * middles[k], 0));
-  const room = 2 * motion.radii.reduce((most, radius) => Math.max(most, radius), 0);
+  const reaches = surfaces.map(({ points }) => points.reduce((most, x) => Math.max(most, Math.abs(x)), 0));
+  const room = 2 * [...motion.radii, ...reaches].reduce((most, reach) => Math.max(most, reach), 0);
   const sizes = boxes.map(([low, high]) => high - low + room);
   const far = Math.max(...boxes.flat().map(Math.abs));
   // What stays where it is but for rounding is seen from as far as what stays.
@@ -83,8 +84,8 @@ const refit = () => {
 // Puts every particle on the canvas.
 const look = () => {
   const project = projector();
-  const { count, points } = motion;
-  for (let i = 0; i < count; i++)
+  const { total, points } = motion;
+  for (let i = 0; i < total; i++)
     [seen.x[i], seen.y[i], seen.near[i]] = project(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
   motion.round.forEach((particle, i) => {
     seen.size[particle] = Math.max(2, motion.radii[i] * magnified(seen.near[particle]));

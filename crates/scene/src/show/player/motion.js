@@ -6,9 +6,19 @@ const singles = (text) => new Float32Array(bytes(text));
 const doubles = (text) => new Float64Array(bytes(text));
 const indices = (text) => new Uint32Array(bytes(text));
 
+// Bodies that are seen by a surface: its points follow the body that turns about its centre.
+let counted = data.names.length;
+const surfaces = data.surfaces.map(({ centre, points }, i) => {
+  const own = { centre, first: counted, number: indices(data.round).length + i, points: singles(points) };
+  counted += own.points.length / 3;
+  return own;
+});
+
 const motion = {
   dimension: data.dimension,
   count: data.names.length,
+  // With the points of surfaces.
+  total: counted,
   times: doubles(data.times),
   positions: singles(data.positions),
   springs: indices(data.springs),
@@ -17,21 +27,22 @@ const motion = {
   faces: indices(data.faces),
   // Of each rod the time at which it breaks.
   lasts: new Float64Array(indices(data.rods).length / 2).fill(Infinity),
-  points: new Float64Array(3 * data.names.length),
+  points: new Float64Array(3 * counted),
   // A number a particle and a sample, and what it is now.
   field: data.field && singles(data.field.values),
-  values: new Float64Array(data.names.length),
-  // Particles that have a radius, and how those are turned that are bodies: quaternions, scalar first.
+  values: new Float64Array(counted),
+  // Particles that have a radius, and how those are turned that are bodies, and then those with a surface:
+  // quaternions, scalar first.
   round: indices(data.round),
   radii: singles(data.radii),
   turning: singles(data.turns),
-  turns: new Float64Array(4 * indices(data.round).length),
+  turns: new Float64Array(4 * (indices(data.round).length + surfaces.length)),
 };
 for (const [rod, time] of data.broken) motion.lasts[rod] = time;
 
 // Edges that are not sides of faces.
 const sides = new Set();
-const side = (a, b) => Math.min(a, b) * motion.count + Math.max(a, b);
+const side = (a, b) => Math.min(a, b) * motion.total + Math.max(a, b);
 for (let k = 0; data.wired && k < motion.faces.length; k += 4) {
   const [a, b, c] = motion.faces.subarray(k, k + 3);
   for (const [p, q] of [[a, b], [b, c], [c, a]]) sides.add(side(p, q));
@@ -57,10 +68,10 @@ const sampled = (sample, particle, axis) =>
     ? data.origin[axis] + motion.positions[(sample * motion.count + particle) * motion.dimension + axis]
     : 0;
 
-// Turns all round bodies as they are between two samples, the shorter way.
+// Turns round bodies and those with a surface as they are between two samples, the shorter way.
 const turnRound = (sample, next, part) => {
   const { turning, turns } = motion;
-  const count = turning.length && motion.round.length;
+  const count = turning.length && turns.length / 4;
   for (let i = 0; i < count; i++) {
     if (motion.dimension < 3) {
       const [from, to] = [turning[sample * count + i], turning[next * count + i]];
@@ -96,6 +107,11 @@ const place = (t) => {
   for (let i = 0; motion.field && i < count; i++)
     motion.values[i] = (1 - part) * motion.field[sample * count + i] + part * motion.field[next * count + i];
   turnRound(sample, next, part);
+  for (const { centre, first, number, points: own } of surfaces)
+    for (let k = 0; k < own.length; k += 3) {
+      const arm = turned(number, own.subarray(k, k + 3));
+      for (let c = 0; c < 3; c++) points[3 * first + k + c] = points[3 * centre + c] + arm[c];
+    }
 };
 
 // A number as a reader wants it.

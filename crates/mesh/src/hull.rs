@@ -16,9 +16,14 @@ type V = Vector3<f64>;
 /// A distance relative to the size below which a point is on a plane.
 const ON: f64 = 1e-13;
 
-/// Triangles of the hull of points, by their numbers; none where they are flat, or where rounding leaves
-/// no closed surface.
-pub(crate) fn hull(points: &[V]) -> Option<Vec<[usize; 3]>> {
+/// Triangles of the convex hull of points (m), by their numbers, counterclockwise from outside.
+///
+/// `None` where the points are flat or not finite, or where rounding leaves no closed surface. The work
+/// grows with the points times the triangles.
+pub fn convex_hull(points: &[V]) -> Option<Vec<[usize; 3]>> {
+    if points.iter().any(|p| !p.iter().all(|x| x.is_finite())) {
+        return None;
+    }
     let far = |off: &dyn Fn(&V) -> f64| {
         (0..points.len()).max_by(|&i, &j| off(&points[i]).total_cmp(&off(&points[j])))
     };
@@ -89,7 +94,7 @@ mod tests {
                     V::new(random.symmetric(), random.symmetric(), thin * random.symmetric()) * size
                 })
                 .collect();
-            let triangles = hull(&points).unwrap();
+            let triangles = convex_hull(&points).unwrap();
             let mut outermost = 0.0_f64;
             for [a, b, c] in triangles {
                 let n = (points[b] - points[a]).cross(&(points[c] - points[a])).normalize();
@@ -104,6 +109,9 @@ mod tests {
     fn points_in_a_plane_have_no_hull() {
         let points: Vec<V> =
             (0..9).map(|k| V::new(f64::from(k % 3), f64::from(k / 3), 0.0)).collect();
-        assert!(hull(&points).is_none() && hull(&points[..1]).is_none() && hull(&[]).is_none());
+        assert!(convex_hull(&points).is_none());
+        assert!(convex_hull(&points[..1]).is_none() && convex_hull(&[]).is_none());
+        let infinite = [V::zeros(), V::x(), V::y(), V::z() * f64::INFINITY];
+        assert!(convex_hull(&infinite).is_none());
     }
 }
