@@ -7,6 +7,8 @@ mod compounds;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod curved_seams;
 mod detection;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod event_driven;
 mod exact_friction;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod heavy_stacks;
