@@ -87,6 +87,8 @@ pub use impact::law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
 pub use impact::projection::{Projected, project, project_from, residual};
 pub use impact::rows::ContactRows;
 #[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::error_controlled::{ErrorControlled, ErrorControlledReport, STEPS};
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub use order::event::{Event, EventKind};
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use order::event_driven::{EVENTS, EventDriven, EventDrivenReport, SKIN};

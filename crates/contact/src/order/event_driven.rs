@@ -26,9 +26,9 @@ use stationary_integrators::{Saved, State, StepError};
 use crate::error::{check_finite, check_time};
 use crate::impact::rounds::ImpactRounds;
 use crate::order::event::{Event, EventKind};
-use crate::order::flight::{Flies, Flight, FlightOrder, chord};
+use crate::order::flight::{Flies, Flight, FlightOrder};
 use crate::order::free_time::FreeTimeSearch;
-use crate::order::pieces::{Motion, Pieces};
+use crate::order::pieces::{Motion, Pieces, between};
 use crate::{
     BodiesIn, ContactError, ContactRows, DetectorIn, ImpactLaw, InverseMass, World, gap_rows,
 };
@@ -156,21 +156,11 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     pub fn state_at(&mut self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
         let outside = StepError::Time(t);
         let (start, motion, end) = self.pieces.at(t).ok_or(outside)?;
-        let mut state = State::default();
-        match motion {
-            Motion::Flight => {
-                self.flight.fly::<G, P>(self.world.system(), start, t - start.t, &mut state)?;
-            }
-            Motion::Straight => {
-                state.clone_from(end);
-                let part = (t - start.t) / (end.t - start.t).max(f64::MIN_POSITIVE);
-                for body in 0..self.system().dim() / G::FREEDOMS {
-                    let pose = chord::<G>(&start.q, &end.q, body)?.at(part.min(1.0));
-                    state.q[G::STORED * body..][..G::STORED].copy_from_slice(&G::numbers(&pose));
-                }
-                state.t = t;
-            }
+        if motion != Motion::Flight {
+            return between::<G>([start, end], t, motion);
         }
+        let mut state = State::default();
+        self.flight.fly::<G, P>(self.world.system(), start, t - start.t, &mut state)?;
         Ok(state)
     }
 

@@ -2,6 +2,9 @@
 
 use stationary_integrators::State;
 
+use crate::ContactError;
+use crate::order::flight::{Flies, chord};
+
 /// How a piece moves from its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
@@ -9,6 +12,8 @@ pub(crate) enum Motion {
     Flight,
     /// Straight and turning evenly to the start of the next, with its momentum.
     Straight,
+    /// The same, with a momentum that changes evenly.
+    Even,
 }
 
 /// Consecutive pieces; their memory is kept from step to step.
@@ -50,4 +55,24 @@ impl Pieces {
         let end = starts.get(piece + 1).map_or(&self.end, |(start, _)| start);
         Some((start, *motion, end))
     }
+}
+
+/// The state at a time between two others, that moves straight and turns evenly.
+pub(crate) fn between<G: Flies>(
+    [start, end]: [&State<Vec<f64>>; 2],
+    t: f64,
+    motion: Motion,
+) -> Result<State<Vec<f64>>, ContactError> {
+    let part = ((t - start.t) / (end.t - start.t).max(f64::MIN_POSITIVE)).min(1.0);
+    let mut state = end.clone();
+    state.t = t;
+    for body in 0..end.p.0.len() / G::FREEDOMS {
+        let pose = chord::<G>(&start.q, &end.q, body)?.at(part);
+        state.q[G::STORED * body..][..G::STORED].copy_from_slice(&G::numbers(&pose));
+    }
+    if motion == Motion::Even {
+        let ends = start.p.0.iter().zip(&end.p.0);
+        state.p.0.iter_mut().zip(ends).for_each(|(p, (a, b))| *p = a + part * (b - a));
+    }
+    Ok(state)
 }
