@@ -8,7 +8,7 @@
 //!
 //! | in the step | off |
 //! | --- | --- |
-//! | slip starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
+//! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
 //! | all else | `|x1 - x2|` |
 //!
 //! `S` a step of the world, with its own solution of contact and friction; `x` points of bodies (m) and `x.`
@@ -110,14 +110,12 @@ struct Pushing<G: Dimension> {
 
 impl<G: Dimension> Pushing<G> {
     fn same(&self, other: &Self) -> bool {
-        let turned = || {
+        let straight = || {
             let length = |v: &G::Vector| G::dot(v, v).sqrt();
             let [a, b] = [&self.friction, &other.friction];
             G::dot(a, b) >= STRAIGHT * length(a) * length(b)
         };
-        self.colliders == other.colliders
-            && self.slides == other.slides
-            && (!self.slides || turned())
+        self.slides == other.slides && (!self.slides || straight())
     }
 }
 
@@ -166,10 +164,15 @@ impl<G: Dimension> Seen<G> {
         self.gap > least
     }
 
-    /// Whether the same surfaces push, and stick or slide the same way.
+    /// Whether the same surfaces push.
+    fn pushes_as(&self, other: &Self) -> bool {
+        let colliders = |pair: &Pushing<G>| pair.colliders;
+        self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders))
+    }
+
+    /// Whether these stick or slide the same way.
     fn rubs_as(&self, other: &Self) -> bool {
-        self.pairs.len() == other.pairs.len()
-            && self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
+        self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
     }
 }
 
@@ -179,7 +182,7 @@ enum Within {
     Smooth,
     /// Slip starts, ends or turns.
     SlipChanges,
-    /// A gap closes, or something hits.
+    /// A gap closes, something hits, or other surfaces push than before.
     Meets,
 }
 
@@ -357,8 +360,11 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             }
         }
         // The start belongs to the step as well: what just came to touch is no smooth motion.
-        let same = self.seen.iter().all(|seen| seen.rubs_as(&self.last));
-        if !same && tried.within == Within::Smooth {
+        if !self.seen.iter().all(|seen| seen.pushes_as(&self.last)) {
+            tried.within = Within::Meets;
+        } else if tried.within == Within::Smooth
+            && !self.seen.iter().all(|seen| seen.rubs_as(&self.last))
+        {
             tried.within = Within::SlipChanges;
         }
         self.difference.copy_from(self.halves.p.view());

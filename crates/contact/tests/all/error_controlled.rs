@@ -106,17 +106,13 @@ fn a_rocking_block_loses_the_energy_of_housner_at_each_impact() {
     // Angular momentum about the new corner: r = 1 - 3/2 sin^2 alpha of the speed is left.
     let kept = 1.0 - 1.5 * alpha.sin().powi(2);
     let tilt = 0.1;
-    for (accuracy, bound) in [(1e-3, 0.1), (1e-4, 0.03), (1e-5, 0.01)] {
+    for (accuracy, bound) in [(1e-3, 0.03), (1e-4, 0.03), (1e-5, 0.01)] {
         let (world, mut state) = rocking(tilt);
         let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
         // Heights of the centre of the successive swings over that of rest, from the largest tilt.
-        let mut total = [0; 3];
-        let (mut largest, mut peaks, mut side) = (tilt, Vec::new(), 1.0);
+            let (mut largest, mut peaks, mut side) = (tilt, Vec::new(), 1.0);
         for _ in 0..150 {
-            let done = chosen.advance(&mut state, 1e-2).unwrap();
-            total[0] += done.steps;
-            total[1] += done.rejected;
-            total[2] += done.extrapolated;
+            chosen.advance(&mut state, 1e-2).unwrap();
             let angle = state.q[2];
             if angle * side < 0.0 {
                 peaks.push(largest);
@@ -128,7 +124,6 @@ fn a_rocking_block_loses_the_energy_of_housner_at_each_impact() {
         let height = |angle: f64| radius * ((alpha - angle).cos() - alpha.cos());
         for pair in peaks.windows(2) {
             let ratio = (height(pair[1]) / height(pair[0])).sqrt();
-            println!("{accuracy} {ratio} {kept} {total:?}");
             assert!((ratio / kept - 1.0).abs() < 10.0*bound, "{accuracy}: {ratio} {kept} {peaks:?}");
         }
     }
