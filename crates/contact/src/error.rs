@@ -164,6 +164,31 @@ pub enum ContactError {
         /// When the step starts.
         time: f64,
     },
+    /// An accuracy to which steps are chosen.
+    #[error("the accuracy must be positive and finite (got {0} m)")]
+    Accuracy(f64),
+    /// A step that may not get any shorter is off by more than its share of the accuracy.
+    #[error(
+        "at {time} s a step of {step} s is off by {off} m, more than {share} m, and cannot be shorter"
+    )]
+    StepTooShort {
+        /// When the step starts.
+        time: f64,
+        /// Its length, s.
+        step: f64,
+        /// By how much it is off, m.
+        off: f64,
+        /// By how much it may be off, m.
+        share: f64,
+    },
+    /// More steps than the bound allows.
+    #[error("more than {bound} steps of chosen length, at {time} s")]
+    TooManySteps {
+        /// The bound.
+        bound: usize,
+        /// How far they led, s.
+        time: f64,
+    },
     /// A step of an integrator failed.
     #[error(transparent)]
     Step(#[from] StepError),

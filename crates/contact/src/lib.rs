@@ -62,6 +62,8 @@ mod when;
 mod solve;
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod world;
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod order;
 pub mod problems;
 
 pub use coupled::response::{FactorResponse, Response, SideBySide};
@@ -84,6 +86,14 @@ pub use impact::inverse_mass::InverseMass;
 pub use impact::law::{ImpactFacts, ImpactLaw, ImpactReport, PASSES};
 pub use impact::projection::{Projected, project, project_from, residual};
 pub use impact::rows::ContactRows;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::error_controlled::{ErrorControlled, ErrorControlledReport, STEPS};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::event::{Event, EventKind};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::event_driven::{EVENTS, EventDriven, EventDrivenReport, SKIN};
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::flight::{Flies, FlightOrder};
 #[cfg(feature = "3d")]
 pub use shapes::collider::Collider;
 #[cfg(feature = "2d")]

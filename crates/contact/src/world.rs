@@ -183,6 +183,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         &mut self.detector
     }
 
+    /// Both, to look at the contacts of bodies in flight.
+    pub(crate) fn system_and_detector(&mut self) -> (&BodiesIn<G, P>, &mut DetectorIn<G>) {
+        (&self.system, &mut self.detector)
+    }
+
     /// What touched in the last step that was taken, in the order of the identifiers.
     pub fn touches(&self) -> impl Iterator<Item = Touch<G>> {
         let Memory { impulses, hits, .. } = &self.memory;

@@ -91,6 +91,8 @@ studies! {
             penalty: [CONTACT_PENALTY],
             friction: [FRICTION_THRESHOLD],
             arch: [MASONRY_ARCH],
+            work_precision: [CONTACT_WORK_PRECISION],
+            friction_problems: [FRICTION_PROBLEMS],
         }
         elasticity {
             sheets: [CANTILEVER, MEMBRANE, LOCKING],

@@ -140,19 +140,21 @@ pub fn rigid_bodies_meet<G: Dimension>(
         return Err(ContactError::NoQuery { first, second });
     }
     close.check(LEAST_TOLERANCE * rounding(&bodies))?;
-    Ok(meet(&bodies, close, INTERVALS, &mut Default::default()))
+    Ok(meet(&bodies, close, INTERVALS, &mut Default::default(), |_| false))
 }
 
 fn rounding<G: Dimension>(bodies: &[Swept<G>; 2]) -> f64 {
     ROUNDINGS * bodies.iter().map(Swept::largest).fold(0.0, f64::max)
 }
 
-/// The first meeting of any two convex parts; a hit where the tolerance is below rounding.
+/// The first meeting of any two convex parts, but for those that are known to leave each other; a hit
+/// where the tolerance is below rounding.
 pub(crate) fn meet<G: Dimension>(
     bodies: &[Swept<G>; 2],
     close: Closeness,
     most: usize,
     parts: &mut [Vec<u32>; 2],
+    leaving: impl Fn(&[u32; 2]) -> bool,
 ) -> Option<RigidHitIn<G>> {
     let [a, b] = bodies;
     let room = close.thickness + close.tolerance;
@@ -160,8 +162,42 @@ pub(crate) fn meet<G: Dimension>(
     a.parts_near(b, room, of_a);
     b.parts_near(a, room, of_b);
     let pairs = of_a.iter().flat_map(|&i| of_b.iter().map(move |&j| [i, j]));
-    let hits = pairs.filter_map(|parts| advance(bodies, parts, close, most));
+    let coming = pairs.filter(|parts| !leaving(parts));
+    let hits = coming.filter_map(|parts| advance(bodies, parts, close, most));
     hits.min_by(|one, other| one.time.total_cmp(&other.time))
+}
+
+/// Whether two convex parts that are within `touch` of each other at the start leave: are farther apart than
+/// that at the end, or have kept half of their distance, and have no less on the way; also of what follows these paths up to a deviation that is
+/// zero at both ends, and at most `bend s (1 - s)` between.
+///
+/// ```text
+/// s(n, s) >= (1 - s) s(n, 0) + s (linear reach at 1) - (k1 + k2)/2 s^2 - bend s (1 - s)
+/// ```
+pub(crate) fn leaves<G: Dimension>(
+    bodies: &[Swept<G>; 2],
+    parts: [u32; 2],
+    touch: f64,
+    bend: f64,
+) -> bool {
+    let poses = [0, 1].map(|k| bodies[k].path.at(0.0));
+    let Some([x1, x2]) = closest(bodies, parts, &poses) else { return false };
+    let apart = x2 - x1;
+    let distance = G::dot(&apart, &apart).sqrt();
+    if !(distance > 0.0 && distance <= touch) {
+        return false;
+    }
+    let n = direction(bodies, &poses).unwrap_or(apart * distance.recip());
+    let far = bodies[0].farthest(parts[0], &poses[0], &n, 1.0);
+    let near = -bodies[1].farthest(parts[1], &poses[1], &(n * -1.0), 1.0);
+    let bend: f64 = bend + acceleration(bodies);
+    let after = near - far - rounding(bodies) - bend;
+    after > touch || after >= 0.5 * distance
+}
+
+/// Half of how fast two parts can bend towards each other.
+fn acceleration<G: Dimension>(bodies: &[Swept<G>; 2]) -> f64 {
+    bodies.iter().map(|body| 0.5 * body.path.acceleration(body.radius)).sum()
 }
 
 fn advance<G: Dimension>(
@@ -172,7 +208,7 @@ fn advance<G: Dimension>(
 ) -> Option<RigidHitIn<G>> {
     let Closeness { thickness, tolerance } = close;
     let rounding = rounding(bodies);
-    let bend: f64 = bodies.iter().map(|body| 0.5 * body.path.acceleration(body.radius)).sum();
+    let bend = acceleration(bodies);
     let nowhere = G::Vector::default();
     let (mut time, mut last) = (0.0_f64, 1.0_f64);
     for intervals in 0..most {

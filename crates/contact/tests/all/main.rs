@@ -7,6 +7,10 @@ mod compounds;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod curved_seams;
 mod detection;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod event_driven;
+#[cfg(all(feature = "2d", feature = "3d"))]
+mod error_controlled;
 mod exact_friction;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod heavy_stacks;

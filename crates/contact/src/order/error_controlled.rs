@@ -1,0 +1,437 @@
+//! Steps of a [`World`] whose length is chosen by their error.
+//!
+//! ```text
+//! s1 = S(h) s,   s2 = S(h/2) S(h/2) s,   accepted where off <= SHARE a
+//! s+ = s2 + (s2 - s1)        smooth: nothing hits, and the same surfaces stick and slide in all three
+//! s+ = s2                    elsewhere
+//! ```
+//!
+//! | in the step | off |
+//! | --- | --- |
+//! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
+//! | all else | `|x1 - x2|` |
+//!
+//! `S` a step of the world, with its own solution of contact and friction; `x` points of bodies (m) and `x.`
+//! their velocities (m/s), `a` the accuracy that is asked for (m), `h` the step (s), `T` for how long an error of
+//! velocity goes on (s, 1 unless said). Where slip ends both ways to step may agree on a velocity of zero and be
+//! wrong by what the step changes of it; where a gap closes a world's velocity closes it in the step and
+//! is stopped in the next, so that it says nothing yet. Steps of a world are of order 1, so that `off` is of order
+//! `h^2` and the extrapolated step is of order 2; across an event all three are of order `h`, and a step across it is as
+//! short as its share asks. A step that is off by more is tried again, shorter; state and time stay as they were.
+//! The next length comes from `off`.
+//!
+//! The accuracy bounds what single steps add, not what motion makes of it: where neighbouring motions part fast (a
+//! tumbling box, an edge on which a block may fall either way) the error at the end is that much larger.
+//! Source: Hairer, Norsett and Wanner 1993, II.4 (step doubling, extrapolated); Kurtz and Castro 2025 (step
+//! doubling with a convex contact solve).
+
+use stationary_calculus::{Covector, Metric, Potential, Vector};
+use stationary_integrators::{State, StepError};
+
+use crate::error::check_time;
+use crate::order::event::{Event, EventKind};
+use crate::order::flight::{Flies, chord};
+use crate::order::pieces::{Motion, Pieces, between};
+use crate::solve::body_state::speed;
+use crate::{ContactError, Dimension, World, WorldReport};
+
+/// The most steps in one call, rejected ones counted too.
+pub const STEPS: usize = 1_000_000;
+/// The part of the accuracy that a step may be off.
+const SHARE: f64 = 0.1;
+/// The first step, as a part of the time that is asked for.
+const FIRST: f64 = 1e-2;
+/// The shortest step, as a part of the time or of where it starts: rounding of both.
+const SHORTEST: f64 = 1e-14;
+/// By how much lengths change at most from a step to the next, and what is left below the length that
+/// would just do.
+const CHANGE: [f64; 2] = [0.1, 5.0];
+const SAFETY: f64 = 0.9;
+/// The part of Coulomb's bound from which friction slides.
+const SLIDES: f64 = 1.0 - 1e-6;
+/// The cosine of the angle by which friction turns at most in smooth sliding.
+const STRAIGHT: f64 = 0.9;
+/// For how long an error of velocity goes on, s, where nothing is said.
+const HORIZON: f64 = 1.0;
+/// Roundings of a coordinate below which a difference of two steps means nothing.
+const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+
+/// What a call took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorControlledReport {
+    /// Steps taken.
+    pub steps: usize,
+    /// Steps tried and not taken.
+    pub rejected: usize,
+    /// Steps that were extrapolated.
+    pub extrapolated: usize,
+    /// Steps of the world: three for each that is tried.
+    pub world_steps: usize,
+    /// Contacts relaxed and systems solved in them, and passes of the impact law.
+    pub solves: usize,
+    /// The shortest and the longest step that was taken, s.
+    pub shortest: f64,
+    /// See [`ErrorControlledReport::shortest`].
+    pub longest: f64,
+    /// By how much single steps were off, summed, m: before extrapolation.
+    pub off: f64,
+    /// Whether all steps that were taken met their contact conditions.
+    pub settled: bool,
+}
+
+/// A world, and the accuracy to which it steps.
+#[derive(Debug)]
+pub struct ErrorControlled<G: Flies, P> {
+    world: World<G, P>,
+    accuracy: f64,
+    horizon: f64,
+    /// The length that the last step suggests, s.
+    length: Option<f64>,
+    pieces: Pieces,
+    events: Vec<Event>,
+    /// What pushes in the last step that was taken.
+    last: Seen<G>,
+    seen: [Seen<G>; 3],
+    difference: Covector<Vec<f64>>,
+    rates: Vector<Vec<f64>>,
+    now: State<Vec<f64>>,
+    whole: State<Vec<f64>>,
+    halves: State<Vec<f64>>,
+}
+
+/// Two colliders that push each other, and how they rub.
+#[derive(Clone, Copy, Debug)]
+struct Pushing<G: Dimension> {
+    colliders: [u32; 2],
+    bodies: [Option<usize>; 2],
+    slides: bool,
+    friction: G::Vector,
+}
+
+impl<G: Dimension> Pushing<G> {
+    fn same(&self, other: &Self) -> bool {
+        let straight = || {
+            let length = |v: &G::Vector| G::dot(v, v).sqrt();
+            let [a, b] = [&self.friction, &other.friction];
+            G::dot(a, b) >= STRAIGHT * length(a) * length(b)
+        };
+        self.slides == other.slides && (!self.slides || straight())
+    }
+}
+
+/// What pushes in a step.
+#[derive(Clone, Debug)]
+struct Seen<G: Dimension> {
+    /// Sorted as contacts are.
+    pairs: Vec<Pushing<G>>,
+    /// The largest of their gaps where the step starts, m.
+    gap: f64,
+}
+
+impl<G: Dimension> Default for Seen<G> {
+    fn default() -> Self {
+        Seen { pairs: Vec::new(), gap: 0.0 }
+    }
+}
+
+impl<G: Dimension> Seen<G> {
+    /// Looks at the last step of a world.
+    fn look<P: Potential>(&mut self, world: &World<G, P>) {
+        let Seen { pairs, gap } = self;
+        pairs.clear();
+        *gap = 0.0;
+        for touch in world.touches().filter(|touch| touch.normal > 0.0) {
+            *gap = gap.max(touch.contact.gap);
+            let rubbed = G::dot(&touch.friction, &touch.friction).sqrt();
+            let bound = touch.contact.friction * touch.normal;
+            let slides = bound == 0.0 || rubbed >= SLIDES * bound;
+            let colliders = touch.contact.id.colliders;
+            match pairs.last_mut().filter(|last| last.colliders == colliders) {
+                Some(last) => {
+                    last.slides |= slides;
+                    last.friction = last.friction + touch.friction;
+                }
+                None => {
+                    let (bodies, friction) = (touch.contact.bodies, touch.friction);
+                    pairs.push(Pushing { colliders, bodies, slides, friction });
+                }
+            }
+        }
+    }
+
+    /// Whether what pushes closes a gap of more than `least` (m).
+    fn closes(&self, least: f64) -> bool {
+        self.gap > least
+    }
+
+    /// Whether the same surfaces push.
+    fn pushes_as(&self, other: &Self) -> bool {
+        let colliders = |pair: &Pushing<G>| pair.colliders;
+        self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders))
+    }
+
+    /// Whether these stick or slide the same way.
+    fn rubs_as(&self, other: &Self) -> bool {
+        self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
+    }
+}
+
+/// What happens within a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Within {
+    Smooth,
+    /// Slip starts, ends or turns.
+    SlipChanges,
+    /// A gap closes, something hits, or other surfaces push than before.
+    Meets,
+}
+
+/// A step that was tried.
+struct Tried {
+    off: f64,
+    within: Within,
+    settled: bool,
+    /// Whether anything hit, and the energy that it took, J.
+    impacts: bool,
+    impact_energy: f64,
+}
+
+impl<G: Flies, P: Potential> ErrorControlled<G, P> {
+    /// A world, and how far (m) a body may be off by what its steps add.
+    ///
+    /// # Errors
+    /// [`ContactError::Accuracy`] for one that is not positive and finite.
+    pub fn new(world: World<G, P>, accuracy: f64) -> Result<Self, ContactError> {
+        if !(accuracy > 0.0 && accuracy.is_finite()) {
+            return Err(ContactError::Accuracy(accuracy));
+        }
+        let n = world.system().dim();
+        Ok(ErrorControlled {
+            difference: Covector(vec![0.0; n]),
+            rates: Vector(vec![0.0; n]),
+            world,
+            accuracy,
+            horizon: HORIZON,
+            length: None,
+            pieces: Pieces::default(),
+            events: Vec::new(),
+            last: Seen::default(),
+            seen: Default::default(),
+            now: State::default(),
+            whole: State::default(),
+            halves: State::default(),
+        })
+    }
+
+    /// The same where an error of velocity goes on for so many seconds.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for a time that is negative or not finite.
+    pub fn with_horizon(self, horizon: f64) -> Result<Self, ContactError> {
+        match horizon >= 0.0 && horizon.is_finite() {
+            true => Ok(ErrorControlled { horizon, ..self }),
+            false => Err(StepError::Time(horizon).into()),
+        }
+    }
+
+    /// The world.
+    pub fn world(&mut self) -> &mut World<G, P> {
+        &mut self.world
+    }
+
+    /// What happened in the last call, in the order of time: an impact and a change of contact are
+    /// noted at the end of the step in which they were found.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The state at a time of the last call: straight between steps, which adds no more than
+    /// half of what these may be off.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for a time outside of it.
+    pub fn state_at(&self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
+        let (start, motion, end) = self.pieces.at(t).ok_or(StepError::Time(t))?;
+        between::<G>([start, end], t, motion)
+    }
+
+    /// Moves a state by `duration` seconds, in as many steps as the accuracy asks.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for a duration that is not positive and finite; [`ContactError::Tolerance`] for an
+    /// accuracy below the rounding of the coordinates;
+    /// [`ContactError::StepTooShort`] where no step is short enough; [`ContactError::TooManySteps`] beyond
+    /// [`STEPS`]; those of [`World::step`]. The state is then as it was.
+    pub fn advance(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        duration: f64,
+    ) -> Result<ErrorControlledReport, ContactError> {
+        if !(duration > 0.0 && duration.is_finite()) {
+            return Err(StepError::Step(duration).into());
+        }
+        check_time(state.t + duration)?;
+        let largest = state.q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+        if SHARE * self.accuracy < ROUNDINGS * largest {
+            return Err(ContactError::Tolerance(self.accuracy));
+        }
+        let (length, last) = (self.length, self.last.clone());
+        self.pieces.clear();
+        self.events.clear();
+        self.now.clone_from(state);
+        match self.go(state.t + duration, duration) {
+            Ok(report) => {
+                self.pieces.finish(&self.now);
+                state.clone_from(&self.now);
+                Ok(report)
+            }
+            Err(error) => {
+                self.pieces.clear();
+                self.events.clear();
+                (self.length, self.last) = (length, last);
+                Err(error)
+            }
+        }
+    }
+
+    fn go(&mut self, end: f64, duration: f64) -> Result<ErrorControlledReport, ContactError> {
+        let mut report = ErrorControlledReport {
+            shortest: f64::INFINITY,
+            settled: true,
+            ..ErrorControlledReport::default()
+        };
+        let share = SHARE * self.accuracy;
+        let mut length = self.length.unwrap_or(FIRST * duration);
+        while self.now.t < end {
+            if report.steps + report.rejected >= STEPS {
+                return Err(ContactError::TooManySteps { bound: STEPS, time: self.now.t });
+            }
+            let left = end - self.now.t;
+            // No step is much shorter than its neighbours only because the end is near.
+            let h = match left / length {
+                steps if steps <= 1.0 => left,
+                steps if steps < 2.0 => 0.5 * left,
+                _ => length,
+            };
+            let tried = self.attempt(h, &mut report)?;
+            let order = if tried.within == Within::Smooth { 2.0 } else { 1.0 };
+            let fitting = SAFETY * (share / tried.off).powf(1.0 / order);
+            length = h * fitting.clamp(CHANGE[0], CHANGE[1]);
+            if tried.off > share {
+                report.rejected += 1;
+                if h <= SHORTEST * duration.max(self.now.t.abs()) {
+                    let (time, off) = (self.now.t, tried.off);
+                    return Err(ContactError::StepTooShort { time, step: h, off, share });
+                }
+                continue;
+            }
+            self.accept(h, end, &tried, &mut report)?;
+        }
+        self.length = Some(length);
+        Ok(report)
+    }
+
+    /// One step of `h` and two of half of it, from where the state is.
+    fn attempt(
+        &mut self,
+        h: f64,
+        report: &mut ErrorControlledReport,
+    ) -> Result<Tried, ContactError> {
+        self.whole.clone_from(&self.now);
+        self.halves.clone_from(&self.now);
+        let within = Within::Smooth;
+        let mut tried =
+            Tried { off: 0.0, within, settled: true, impacts: false, impact_energy: 0.0 };
+        let slow = SHARE * self.accuracy / self.horizon;
+        for k in 0..3 {
+            let (of, length) =
+                if k == 0 { (&mut self.whole, h) } else { (&mut self.halves, 0.5 * h) };
+            let done = self.world.step(of, length)?;
+            report.world_steps += 1;
+            report.solves += work(&done);
+            if k > 0 {
+                tried.settled &= done.settled;
+                tried.impacts |= done.impacts > 0;
+                tried.impact_energy += done.impact_energy;
+            }
+            self.seen[k].look(&self.world);
+            if done.impacts > 0 || self.seen[k].closes(slow * length) {
+                tried.within = Within::Meets;
+            }
+        }
+        // The start belongs to the step as well: what just came to touch is no smooth motion.
+        if !self.seen.iter().all(|seen| seen.pushes_as(&self.last)) {
+            tried.within = Within::Meets;
+        } else if tried.within == Within::Smooth
+            && !self.seen.iter().all(|seen| seen.rubs_as(&self.last))
+        {
+            tried.within = Within::SlipChanges;
+        }
+        self.difference.copy_from(self.halves.p.view());
+        self.difference.add_scaled(-1.0, self.now.p.view());
+        self.world.system().metric().sharp(self.difference.view(), self.rates.view_mut());
+        let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
+        for body in 0..self.world.detector().bodies() {
+            let [whole, halves] = [&self.whole.q, &self.halves.q].map(|q| G::pose(q, body));
+            let [apart, angle] = G::apart(&whole, &halves);
+            let radius = self.world.detector().radius_of(body);
+            let rates = &self.rates.0[G::FREEDOMS * body..][..G::FREEDOMS];
+            let faster = horizon * speed::<G>(rates, radius);
+            tried.off = tried.off.max(apart + radius * angle).max(faster);
+        }
+        Ok(tried)
+    }
+
+    /// Takes the step that was tried.
+    fn accept(
+        &mut self,
+        h: f64,
+        end: f64,
+        tried: &Tried,
+        report: &mut ErrorControlledReport,
+    ) -> Result<(), ContactError> {
+        let smooth = tried.within == Within::Smooth;
+        let motion = if smooth { Motion::Even } else { Motion::Straight };
+        self.pieces.push(&self.now, motion);
+        let t = if h == end - self.now.t { end } else { self.now.t + h };
+        self.now.clone_from(&self.halves);
+        self.now.t = t;
+        if smooth {
+            report.extrapolated += 1;
+            for body in 0..self.world.detector().bodies() {
+                let beyond = chord::<G>(&self.whole.q, &self.halves.q, body)?.at(2.0);
+                let q = &mut self.now.q[G::STORED * body..][..G::STORED];
+                q.copy_from_slice(&G::numbers(&beyond));
+            }
+            self.now.p.add_scaled(1.0, self.halves.p.view());
+            self.now.p.add_scaled(-1.0, self.whole.p.view());
+        }
+        report.steps += 1;
+        report.shortest = report.shortest.min(h);
+        report.longest = report.longest.max(h);
+        report.off += tried.off;
+        report.settled &= tried.settled;
+        let mut note = |kind, bodies, energy| {
+            self.events.push(Event { time: t, kind, bodies, energy });
+        };
+        if tried.impacts {
+            note(EventKind::Impact, [None; 2], tried.impact_energy);
+        }
+        let [.., last] = &self.seen;
+        let (last, before) = (&last.pairs, &self.last.pairs);
+        let among =
+            |of: &[Pushing<G>], one: &Pushing<G>| of.iter().any(|x| x.colliders == one.colliders);
+        for one in last.iter().filter(|one| !among(before, one)) {
+            note(EventKind::ContactStarts, one.bodies, 0.0);
+        }
+        for one in before.iter().filter(|one| !among(last, one)) {
+            note(EventKind::ContactEnds, one.bodies, 0.0);
+        }
+        self.last.clone_from(&self.seen[2]);
+        Ok(())
+    }
+}
+
+fn work(done: &WorldReport) -> usize {
+    done.relaxed + done.solved + done.projected + done.impacts
+}

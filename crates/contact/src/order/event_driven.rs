@@ -1,0 +1,397 @@
+//! Few bodies: flight of order 2 or 4, impacts at their instant, lasting contact by the steps of a [`World`].
+//!
+//! ```text
+//! flight until something is within the skin      F2 or F4, proved free until then       (flight.rs, free_time.rs)
+//! dg v < -2 |dg k|  where it touches             impact, by the world's laws             v <- v+
+//! dg v >  2 |dg k|  wherever it touches          it leaves: flight again
+//! else                                           a step of the world, of r seconds or what is left
+//! ```
+//! `dg` differentials of gaps, `v` velocities, `k` the velocity increment by the forces in a contact step of `r` seconds.
+//! Approach of the order of that increment is rest, as in a world: so a series of bounces that grow shorter ends
+//! once they are shorter than about `4 r`, with an error of order `g r^2` in place. While anything rests or
+//! slides the whole world takes steps of `r`, of order 1; all other errors are those of flight.
+//!
+//! Things touch at gaps of up to a skin, [`SKIN`] of the largest coordinate or radius: an instant is early by no
+//! more than the skin over the speed of approach. What a flight's force does inside of it is bounded by its values
+//! at both ends (`flight.rs`).
+//!
+//! Each step may take [`EVENTS`] events; what has more of them, as many bodies that keep hitting each other, is
+//! for a world's own steps. There are no joints and no moving obstacles. Source: notes 11.4 (at the instant);
+//! Mirtich and Canny 1995 (flight between impacts found conservatively).
+
+use stationary_calculus::{Metric, Potential, SizeError, Vector};
+use stationary_constraints::VelocityRows;
+use stationary_integrators::{Saved, State, StepError};
+
+use crate::error::{check_finite, check_time};
+use crate::impact::rounds::ImpactRounds;
+use crate::order::event::{Event, EventKind};
+use crate::order::flight::{Flies, Flight, FlightOrder};
+use crate::order::free_time::FreeTimeSearch;
+use crate::order::pieces::{Motion, Pieces, between};
+use crate::{
+    BodiesIn, ContactError, ContactRows, DetectorIn, ImpactLaw, InverseMass, World, gap_rows,
+};
+
+/// Gaps up to this part of the largest coordinate or radius count as touching.
+pub const SKIN: f64 = 1e-11;
+/// The most events in a step.
+pub const EVENTS: usize = 10_000;
+/// The most contact steps in a step.
+const CONTACT_STEPS: f64 = 1e6;
+/// Velocities and increments below this part of the largest are rounding: what touches and is neither
+/// pressed together nor approaches may go on in flight.
+const STILL: f64 = 1e-9;
+/// The name under which it is saved.
+const NAME: &str = "event-driven";
+
+/// What a step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EventDrivenReport {
+    /// Instants at which something hit.
+    pub impacts: usize,
+    /// Pieces of flight.
+    pub flights: usize,
+    /// Steps of the world, while contact lasted.
+    pub contact_steps: usize,
+    /// Differentials of the potential.
+    pub evaluations: usize,
+    /// Detections of contact points, those of the world's steps counted once each.
+    pub detections: usize,
+    /// Pairs of colliders whose paths were looked at.
+    pub queries: usize,
+    /// Contacts relaxed and systems solved by the world's steps, and passes of the impact law.
+    pub solves: usize,
+    /// The kinetic energy that impacts took, J.
+    pub impact_energy: f64,
+    /// Whether all impacts and contact steps met their conditions.
+    pub settled: bool,
+}
+
+/// Bodies whose impacts happen at their instant.
+#[derive(Debug)]
+pub struct EventDriven<G: Flies, P> {
+    world: World<G, P>,
+    mass: InverseMass,
+    law: ImpactLaw,
+    contact_step: f64,
+    flight: Flight,
+    search: FreeTimeSearch,
+    pieces: Pieces,
+    events: Vec<Event>,
+    touches: bool,
+    now: State<Vec<f64>>,
+    next: State<Vec<f64>>,
+    v: Vector<Vec<f64>>,
+    increment: Vector<Vec<f64>>,
+}
+
+/// What to do next with what touches.
+enum Choice {
+    Fly,
+    Again,
+    Stay,
+}
+
+impl<G: Flies, P: Potential> EventDriven<G, P> {
+    /// A system of bodies with these colliders, flight of this order, and contact steps of so many seconds;
+    /// impacts by generalized reflections.
+    ///
+    /// # Errors
+    /// Those of [`World::new`]; [`ContactError::Step`] for a contact step that is not positive and finite.
+    pub fn new(
+        system: BodiesIn<G, P>,
+        detector: DetectorIn<G>,
+        order: FlightOrder,
+        contact_step: f64,
+    ) -> Result<Self, ContactError> {
+        if !(contact_step > 0.0 && contact_step.is_finite()) {
+            return Err(StepError::Step(contact_step).into());
+        }
+        let n = system.dim();
+        let mass = InverseMass::of(system.metric())?;
+        let flight = Flight::new(order, n, detector.bodies());
+        Ok(EventDriven {
+            world: World::new(system, detector)?,
+            mass,
+            law: ImpactLaw::GeneralizedReflections,
+            contact_step,
+            flight,
+            search: FreeTimeSearch::default(),
+            pieces: Pieces::default(),
+            events: Vec::new(),
+            touches: false,
+            now: State::default(),
+            next: State::default(),
+            v: Vector(vec![0.0; n]),
+            increment: Vector(vec![0.0; n]),
+        })
+    }
+
+    /// The same with another impact law.
+    pub fn with_law(self, law: ImpactLaw) -> Self {
+        EventDriven { world: self.world.with_law(law), law, ..self }
+    }
+
+    /// The system.
+    pub fn system(&self) -> &BodiesIn<G, P> {
+        self.world.system()
+    }
+
+    /// The world that steps while contact lasts.
+    pub fn world(&mut self) -> &mut World<G, P> {
+        &mut self.world
+    }
+
+    /// What happened in the last step that was taken, in the order of time.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The state at a time of the last step that was taken: of the order of its flights, and straight between
+    /// the ends of contact steps. At an instant of impact the state after it.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for a time outside of that step; those of flight.
+    pub fn state_at(&mut self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
+        let outside = StepError::Time(t);
+        let (start, motion, end) = self.pieces.at(t).ok_or(outside)?;
+        if motion != Motion::Flight {
+            return between::<G>([start, end], t, motion);
+        }
+        let mut state = State::default();
+        self.flight.fly::<G, P>(self.world.system(), start, t - start.t, &mut state)?;
+        Ok(state)
+    }
+
+    /// Everything on which the next steps depend beside the state.
+    pub fn save(&self) -> Saved {
+        let mut numbers = vec![f64::from(u8::from(self.touches))];
+        numbers.extend(self.world.save().numbers);
+        Saved { method: NAME.to_owned(), numbers }
+    }
+
+    /// Takes over what the same method had saved.
+    ///
+    /// # Errors
+    /// Those of [`World::load`].
+    pub fn load(&mut self, saved: &Saved) -> Result<(), StepError> {
+        if saved.method != NAME {
+            return Err(StepError::Saved("it is another method's"));
+        }
+        let short = || StepError::Saved("it has fewer numbers than it says");
+        let (&touches, numbers) = saved.numbers.split_first().ok_or_else(short)?;
+        let mut own = self.world.save();
+        own.numbers = numbers.to_vec();
+        self.world.load(&own)?;
+        self.touches = touches != 0.0;
+        Ok(())
+    }
+
+    /// Moves a state by `h` seconds.
+    ///
+    /// # Errors
+    /// [`ContactError::Step`] for `h`, also where it is more than a million contact steps;
+    /// [`ContactError::TooManyImpacts`] for more than [`EVENTS`] events; [`ContactError::Size`] and
+    /// [`ContactError::NonFinite`] for the state and for what comes out; those of [`World::step`] and of
+    /// [`DetectorIn::detect`]. The state is then as it was.
+    pub fn step(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+    ) -> Result<EventDrivenReport, ContactError> {
+        if !(h > 0.0 && h <= CONTACT_STEPS * self.contact_step) {
+            return Err(StepError::Step(h).into());
+        }
+        let (n, bodies) = (self.system().dim(), self.system().dim() / G::FREEDOMS);
+        SizeError::check("the momentum's components", n, state.p.0.len())?;
+        SizeError::check("the poses' numbers", G::STORED * bodies, state.q.len())?;
+        check_finite("the momentum", &state.p.0)?;
+        check_time(state.t + h)?;
+        let mut saved = None;
+        let touched = self.touches;
+        self.now.clone_from(state);
+        self.pieces.clear();
+        self.events.clear();
+        self.flight.evaluations = 0;
+        match self.go(state.t + h, &mut saved) {
+            Ok(report) => {
+                self.pieces.finish(&self.now);
+                state.clone_from(&self.now);
+                Ok(report)
+            }
+            Err(error) => {
+                self.pieces.clear();
+                self.events.clear();
+                self.touches = touched;
+                if let Some(saved) = saved {
+                    self.world.load(&saved)?;
+                }
+                Err(error)
+            }
+        }
+    }
+
+    /// Moves `now` to a time.
+    fn go(
+        &mut self,
+        end: f64,
+        saved: &mut Option<Saved>,
+    ) -> Result<EventDrivenReport, ContactError> {
+        let start = self.now.t;
+        let mut report = EventDrivenReport { settled: true, ..EventDrivenReport::default() };
+        while self.now.t < end {
+            if self.events.len() > EVENTS {
+                return Err(ContactError::TooManyImpacts { bound: EVENTS, time: start });
+            }
+            let choice = match self.touch(&mut report)? {
+                Choice::Fly => self.fly(end, &mut report)?,
+                choice => choice,
+            };
+            if let Choice::Stay = choice {
+                if saved.is_none() {
+                    *saved = Some(self.world.save());
+                }
+                self.contact_step(end, &mut report)?;
+            }
+        }
+        self.now.t = end;
+        report.evaluations = self.flight.evaluations;
+        Ok(report)
+    }
+
+    /// Flies until something touches, at most to a time; stays where it touches at once.
+    fn fly(&mut self, end: f64, report: &mut EventDrivenReport) -> Result<Choice, ContactError> {
+        let (skin, left) = (self.skin(), end - self.now.t);
+        let system = self.world.system();
+        self.flight.fly::<G, P>(system, &self.now, left, &mut self.next)?;
+        self.next.t = end;
+        let (system, detector) = self.world.system_and_detector();
+        let ends = [&self.now, &self.next];
+        let free = self.search.free_time::<G, P>(&mut self.flight, system, detector, ends, skin)?;
+        report.queries += free.queries;
+        if free.touches {
+            if free.time <= 0.0 || self.now.t + free.time <= self.now.t {
+                return Ok(Choice::Stay);
+            }
+            let system = self.world.system();
+            self.flight.fly::<G, P>(system, &self.now, free.time, &mut self.next)?;
+        }
+        if self.touches {
+            self.touches = false;
+            self.note(EventKind::ContactEnds, [None; 2], 0.0);
+        }
+        report.flights += 1;
+        self.pieces.push(&self.now, Motion::Flight);
+        std::mem::swap(&mut self.now, &mut self.next);
+        Ok(Choice::Again)
+    }
+
+    /// Gives what touches its impacts; says whether all that touches leaves.
+    fn touch(&mut self, report: &mut EventDrivenReport) -> Result<Choice, ContactError> {
+        let skin = self.skin();
+        let contacts = self.world.detector().detect(&self.now.q, 2.0 * skin)?.to_vec();
+        report.detections += 1;
+        if contacts.is_empty() {
+            return Ok(Choice::Fly);
+        }
+        let rows = gap_rows(&contacts, &self.now.q);
+        let system = self.world.system();
+        system.metric().sharp(self.now.p.view(), self.v.view_mut());
+        self.flight.find_increment::<G, P>(
+            system,
+            &self.now.q,
+            self.contact_step,
+            &mut self.increment,
+        );
+        let mut across = ContactRows::new();
+        if contacts.iter().any(|contact| contact.friction > 0.0) {
+            contacts.iter().for_each(|contact| contact.push_tangents(&self.now.q, &mut across));
+        }
+        let friction: Vec<f64> = contacts.iter().map(|contact| contact.friction).collect();
+        let restitution: Vec<f64> = contacts.iter().map(|contact| contact.restitution).collect();
+        let gap = vec![0.0; contacts.len()];
+        let rounds = ImpactRounds {
+            rows: &rows,
+            across: &across,
+            gap: &gap,
+            restitution: &restitution,
+            friction: &friction,
+            mass: &self.mass,
+            joints: &VelocityRows::default(),
+            law: self.law,
+            increment: &self.increment,
+            h: self.contact_step,
+        };
+        let given = rounds.apply(&mut self.v)?;
+        if given.passes > 0 {
+            report.impacts += 1;
+            report.solves += given.passes;
+            report.settled &= given.converged;
+            check_finite("the velocity after an impact", &self.v.0)?;
+            let before = system.metric().kinetic_energy(self.now.p.view());
+            system.metric().flat(self.v.view(), self.now.p.view_mut());
+            let energy = before - system.metric().kinetic_energy(self.now.p.view());
+            report.impact_energy += energy;
+            let pushed = |&(_, a): &(usize, f64), &(_, b): &(usize, f64)| a.total_cmp(&b);
+            let hardest = given.normal.iter().copied().enumerate().max_by(|a, b| pushed(a, b));
+            let bodies = hardest.map_or([None; 2], |(i, _)| contacts[i].bodies);
+            self.note(EventKind::Impact, bodies, energy);
+        }
+        let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let still = STILL * fastest(&self.v);
+        let pressed = STILL * fastest(&self.increment);
+        let leaves = |i: usize| {
+            let own = rows.along(i, self.v.view());
+            let by_force = rows.along(i, self.increment.view());
+            own > 2.0 * by_force.abs() || (own >= -still && by_force >= -pressed)
+        };
+        let all_leave = (0..contacts.len()).all(leaves);
+        Ok(if all_leave { Choice::Fly } else { Choice::Stay })
+    }
+
+    /// One step of the world.
+    fn contact_step(
+        &mut self,
+        end: f64,
+        report: &mut EventDrivenReport,
+    ) -> Result<(), ContactError> {
+        if !self.touches {
+            self.touches = true;
+            self.note(EventKind::ContactStarts, [None; 2], 0.0);
+        }
+        self.pieces.push(&self.now, Motion::Straight);
+        let left = end - self.now.t;
+        // The last two steps share what is left: none is much shorter than the others.
+        let h = match left / self.contact_step {
+            steps if steps <= 1.0 => left,
+            steps if steps < 2.0 => 0.5 * left,
+            _ => self.contact_step,
+        };
+        let done = self.world.step(&mut self.now, h)?;
+        if h == left {
+            self.now.t = end;
+        }
+        report.contact_steps += 1;
+        report.detections += 1;
+        report.impacts += usize::from(done.impacts > 0);
+        report.solves += done.relaxed + done.solved + done.projected + done.impacts;
+        report.settled &= done.settled;
+        Ok(())
+    }
+
+    fn note(&mut self, kind: EventKind, bodies: [Option<usize>; 2], energy: f64) {
+        self.events.push(Event { time: self.now.t, kind, bodies, energy });
+    }
+
+    /// The gap up to which things touch, m.
+    fn skin(&mut self) -> f64 {
+        let bodies = self.system().dim() / G::FREEDOMS;
+        let coordinates = (0..bodies).flat_map(|body| {
+            self.now.q[G::STORED * body..][..G::TRANSLATION].iter().map(|x| x.abs())
+        });
+        let far = coordinates.fold(0.0, f64::max);
+        let detector = self.world.detector();
+        (0..bodies).map(|body| detector.radius_of(body)).fold(far, f64::max) * SKIN
+    }
+}

@@ -1,0 +1,163 @@
+//! Steps chosen by error: what comes out is as good as was asked.
+
+use nalgebra::{Vector2, Vector3};
+use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_contact::{
+    Collider, ContactError, Detector, ErrorControlled, EventKind, PlanarCollider, PlanarDetector,
+    PlanarShape, PlanarWorld, Shape, SpatialWorld,
+};
+use stationary_integrators::State;
+use stationary_rigid::{
+    Body, BodyMetric, BodyMotion, LieGroup, PlanarMotion, PlanarWeight, PointMass, Poses,
+    RigidMotion, Rotation, Weight,
+};
+
+const G: f64 = 9.81;
+
+/// A cube of 1 kg and 1 m on an incline: gravity is tilted instead.
+fn on_incline(
+    angle: f64,
+    friction: f64,
+    speed: f64,
+) -> (SpatialWorld<Weight<Poses>>, State<Vec<f64>>) {
+    let body = Body::solid_box(1.0, [0.5; 3]).unwrap();
+    let cube = Shape::cuboid([0.5; 3]).unwrap();
+    let floor = Shape::half_space(Vector3::z()).unwrap();
+    let colliders = vec![
+        Collider::on_body(0, cube).with_friction(friction),
+        Collider::fixed(RigidMotion::identity(), floor).with_friction(friction),
+    ];
+    let metric = BodyMetric::<Poses>::new(vec![body]);
+    let motion = BodyMotion {
+        pose: RigidMotion { translation: Vector3::z() * 0.5, rotation: Rotation::identity() },
+        velocity: Vector3::x() * speed,
+        angular_velocity: Vector3::zeros(),
+    };
+    let state = metric.state(&[motion]).unwrap();
+    let masses = vec![PointMass { mass: 1.0, point: Vector3::zeros() }];
+    let gravity = Vector3::new(-G * angle.sin(), 0.0, -G * angle.cos());
+    let system = metric.under(Weight { gravity, masses, space: Poses }).unwrap();
+    (SpatialWorld::new(system, Detector::new(colliders, 1).unwrap()).unwrap(), state)
+}
+
+/// Where a block that starts up an incline is: it slows down, and stays or slides back.
+fn sliding(angle: f64, friction: f64, speed: f64, t: f64) -> f64 {
+    let (pull, rub) = (G * angle.sin(), friction * G * angle.cos());
+    let stop = speed / (pull + rub);
+    let up = |t: f64| speed * t - 0.5 * (pull + rub) * t * t;
+    if t <= stop {
+        return up(t);
+    }
+    let back = (pull - rub).max(0.0);
+    up(stop) - 0.5 * back * (t - stop).powi(2)
+}
+
+#[test]
+fn a_block_that_slides_sticks_and_slides_back_is_as_accurate_as_asked() {
+    for (angle, friction) in [(0.2_f64, 0.4), (0.5, 0.3), (0.0, 0.2)] {
+        let mut steps = Vec::new();
+        for accuracy in [1e-2, 1e-3, 1e-4, 1e-5] {
+            let (world, mut state) = on_incline(angle, friction, 3.0);
+            let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
+            let (mut worst, mut taken) = (0.0_f64, 0);
+            for _ in 0..20 {
+                let report = chosen.advance(&mut state, 0.1).unwrap();
+                assert!(report.settled);
+                taken += report.steps;
+                for part in [0.3, 0.6, 1.0] {
+                    let t = state.t - 0.1 * (1.0 - part);
+                    let seen = chosen.state_at(t).unwrap();
+                    worst = worst.max((seen.q[0] - sliding(angle, friction, 3.0, t)).abs());
+                }
+            }
+            assert!(worst < accuracy, "{angle} {friction} {accuracy}: {worst}");
+            steps.push(taken);
+        }
+        // Order 2 between events: a hundredth of the error for about ten times the steps, not a hundred.
+        assert!(steps[3] < 40 * steps[1], "{steps:?}");
+    }
+}
+
+/// A block of half sizes 0.1 m and 0.4 m that rocks on its corners; inelastic, rough.
+fn rocking(tilt: f64) -> (PlanarWorld<PlanarWeight>, State<Vec<f64>>) {
+    let (b, h, mass) = (0.1, 0.4, 1.0);
+    let inertia = mass * (b * b + h * h) / 3.0;
+    let metric = DiagonalMetric::new(vec![mass, mass, inertia]).unwrap();
+    let weight = PlanarWeight { gravity: -Vector2::y() * G, masses: vec![mass] };
+    let block = PlanarShape::cuboid([b, h]).unwrap();
+    let ground = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, block).with_friction(1.0),
+        PlanarCollider::fixed(PlanarMotion::identity(), ground).with_friction(1.0),
+    ];
+    let detector = PlanarDetector::new(colliders, 1).unwrap();
+    let world = PlanarWorld::new(System::new(metric, weight).unwrap(), detector).unwrap();
+    // It stands on its left corner, at the origin, tilted to the left.
+    let (sine, cosine) = tilt.sin_cos();
+    let q = vec![b * cosine - h * sine, b * sine + h * cosine, tilt];
+    (world, State::new(q, Covector(vec![0.0; 3])))
+}
+
+#[test]
+fn a_rocking_block_loses_the_energy_of_housner_at_each_impact() {
+    let (b, h) = (0.1_f64, 0.4_f64);
+    let radius = b.hypot(h);
+    let alpha = b.atan2(h);
+    // Angular momentum about the new corner: r = 1 - 3/2 sin^2 alpha of the speed is left.
+    let kept = 1.0 - 1.5 * alpha.sin().powi(2);
+    let tilt = 0.1;
+    for (accuracy, bound) in [(1e-3, 0.03), (1e-4, 0.03), (1e-5, 0.01)] {
+        let (world, mut state) = rocking(tilt);
+        let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
+        // Heights of the centre of the successive swings over that of rest, from the largest tilt.
+            let (mut largest, mut peaks, mut side) = (tilt, Vec::new(), 1.0);
+        for _ in 0..150 {
+            chosen.advance(&mut state, 1e-2).unwrap();
+            let angle = state.q[2];
+            if angle * side < 0.0 {
+                peaks.push(largest);
+                (largest, side) = (0.0, -side);
+            }
+            largest = angle.abs().max(largest);
+        }
+        assert!(peaks.len() >= 2, "{peaks:?}");
+        let height = |angle: f64| radius * ((alpha - angle).cos() - alpha.cos());
+        for pair in peaks.windows(2) {
+            let ratio = (height(pair[1]) / height(pair[0])).sqrt();
+            assert!((ratio / kept - 1.0).abs() < 10.0*bound, "{accuracy}: {ratio} {kept} {peaks:?}");
+        }
+    }
+}
+
+#[test]
+fn events_are_noted_and_what_cannot_be_met_is_an_error_that_leaves_the_state() {
+    let (world, mut state) = on_incline(0.0, 0.2, 3.0);
+    state.q[2] += 0.1;
+    let mut chosen = ErrorControlled::new(world, 1e-4).unwrap();
+    chosen.advance(&mut state, 0.5).unwrap();
+    let fall = (0.2 / G).sqrt();
+    let lands = chosen.events().iter().find(|event| event.kind == EventKind::ContactStarts);
+    assert!((lands.unwrap().time - fall).abs() < 1e-3, "{lands:?}");
+    let before = state.clone();
+    for accuracy in [0.0, -1.0, f64::NAN] {
+        let (world, _) = on_incline(0.0, 0.2, 3.0);
+        let refused = ErrorControlled::new(world, accuracy);
+        assert!(matches!(refused, Err(ContactError::Accuracy(_))));
+    }
+    for duration in [0.0, f64::NAN, -1.0] {
+        assert!(matches!(chosen.advance(&mut state, duration), Err(ContactError::Step(_))));
+        assert_eq!(state, before);
+    }
+    // The rounding of a place is no accuracy.
+    let (world, mut state) = on_incline(0.0, 0.2, 3.0);
+    state.q[0] = 1e6;
+    let refused = ErrorControlled::new(world, 1e-9).unwrap().advance(&mut state, 0.5);
+    assert!(matches!(refused, Err(ContactError::Tolerance(_))), "{refused:?}");
+    // An overlap is lifted by a part of it in every step, however short.
+    let (world, mut state) = on_incline(0.0, 0.2, 3.0);
+    state.q[2] -= 0.05;
+    let before = state.clone();
+    let refused = ErrorControlled::new(world, 1e-4).unwrap().advance(&mut state, 0.5);
+    assert!(matches!(refused, Err(ContactError::StepTooShort { .. })), "{refused:?}");
+    assert_eq!(state, before);
+}

@@ -1,0 +1,258 @@
+//! Impacts at their instant: orders, energy, the end of bounces, and where it stops.
+
+use nalgebra::{Vector2, Vector3};
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
+use stationary_contact::{
+    Collider, ContactError, Detector, EventDriven, EventKind, FlightOrder, Planar, PlanarCollider,
+    PlanarDetector, PlanarShape, Shape, Spatial, SpatialWorld,
+};
+use stationary_integrators::State;
+use stationary_measure::loglog_slope;
+use stationary_rigid::{
+    Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMotion, PlanarRotation, PlanarWeight,
+    PointMass, Poses, RigidMotion, Rotation, Weight,
+};
+
+const G: f64 = 9.81;
+const RADIUS: f64 = 0.5;
+
+/// Springs of 1 N/m that pull discs of 1 kg to the height zero.
+struct Trap {
+    discs: usize,
+}
+
+impl Potential for Trap {
+    fn dim(&self) -> usize {
+        3 * self.discs
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        q.chunks_exact(3).map(|q| 0.5 * q[1] * q[1]).sum()
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        q.chunks_exact(3).zip(dv.0.chunks_exact_mut(3)).for_each(|(q, dv)| dv[1] += q[1]);
+    }
+
+    fn add_hessian(&self, _: &[f64], _: &mut impl Sink) {}
+}
+
+fn discs<P: Potential>(
+    potential: P,
+    count: usize,
+    floor: f64,
+    restitution: f64,
+    order: FlightOrder,
+    contact_step: f64,
+) -> EventDriven<Planar, P> {
+    let metric = DiagonalMetric::new([1.0, 1.0, 0.125].repeat(count)).unwrap();
+    let disc = PlanarShape::disc(RADIUS).unwrap();
+    let on = |body| PlanarCollider::on_body(body, disc.clone()).with_restitution(restitution);
+    let mut colliders: Vec<_> = (0..count).map(on).collect();
+    let place = PlanarMotion {
+        translation: Vector2::new(0.0, floor),
+        rotation: PlanarRotation::identity(),
+    };
+    colliders.push(PlanarCollider::fixed(place, PlanarShape::half_plane(Vector2::y()).unwrap()));
+    let detector = PlanarDetector::new(colliders, count).unwrap();
+    let system = System::new(metric, potential).unwrap();
+    EventDriven::new(system, detector, order, contact_step).unwrap()
+}
+
+fn weight(count: usize) -> PlanarWeight {
+    PlanarWeight { gravity: -Vector2::y() * G, masses: vec![1.0; count] }
+}
+
+/// The largest error along the way of a disc that a spring pulls to a floor at its height of rest:
+/// y = |cos t|.
+fn error_in_the_trap(order: FlightOrder, h: f64) -> f64 {
+    let mut bodies = discs(Trap { discs: 1 }, 1, -RADIUS, 1.0, order, 1e-4);
+    let mut state = State::new(vec![0.0, 1.0, 0.0], Covector(vec![0.0; 3]));
+    let mut worst = 0.0_f64;
+    let mut impacts = 0;
+    for _ in 0..(6.0 / h).round() as usize {
+        let report = bodies.step(&mut state, h).unwrap();
+        impacts += report.impacts;
+        assert_eq!(report.contact_steps, 0);
+        for part in [0.25, 0.5, 0.75, 1.0] {
+            let t = state.t - (1.0 - part) * h;
+            let seen = bodies.state_at(t).unwrap();
+            worst = worst.max((seen.q[1] - t.cos().abs()).abs());
+        }
+    }
+    assert_eq!(impacts, 2);
+    worst
+}
+
+#[test]
+fn flights_between_impacts_are_of_order_two_and_four_all_along_the_way() {
+    for (order, steps) in [
+        (FlightOrder::Second, [0.2, 0.1, 0.05, 0.025]),
+        (FlightOrder::Fourth, [0.5, 0.3, 0.2, 0.1]),
+    ] {
+        let errors = steps.map(|h| (h, error_in_the_trap(order, h)));
+        let slope = loglog_slope(&errors).unwrap();
+        let claimed = f64::from(order.order());
+        assert!((slope - claimed).abs() < 0.3, "{order:?}: {slope} {errors:?}");
+    }
+}
+
+/// Where a ball dropped from height 1 onto the ground is at a time, with restitution c.
+fn bouncing(c: f64, t: f64) -> f64 {
+    let fall = (2.0 / G).sqrt();
+    if t <= fall {
+        return 1.0 - 0.5 * G * t * t;
+    }
+    let (mut start, mut speed) = (fall, c * G * fall);
+    for _ in 0..10_000 {
+        let flight = 2.0 * speed / G;
+        if t <= start + flight {
+            let s = t - start;
+            return speed * s - 0.5 * G * s * s;
+        }
+        start += flight;
+        speed *= c;
+    }
+    0.0
+}
+
+#[test]
+fn bounces_that_grow_shorter_follow_the_closed_form_and_end() {
+    for c in [0.3, 0.5, 0.8] {
+        for contact_step in [1e-2, 1e-3, 1e-4] {
+            let mut bodies = discs(weight(1), 1, 0.0, c, FlightOrder::Second, contact_step);
+            let mut state = State::new(vec![0.0, 1.0 + RADIUS, 0.0], Covector(vec![0.0; 3]));
+            let (mut worst, mut starts) = (0.0_f64, Vec::new());
+            for _ in 0..60 {
+                bodies.step(&mut state, 0.1).unwrap();
+                worst = worst.max((state.q[1] - RADIUS - bouncing(c, state.t)).abs());
+                let starting =
+                    bodies.events().iter().filter(|e| e.kind == EventKind::ContactStarts);
+                starts.extend(starting.map(|event| event.time));
+            }
+            let bound = 8.0 * G * contact_step * contact_step + 1e-9;
+            assert!(worst < bound, "{c} {contact_step}: {worst}");
+            // It comes to rest within a few contact steps of the end of the series, and stays.
+            let end = (2.0 / G).sqrt() * (1.0 + c) / (1.0 - c);
+            for start in &starts {
+                let off = (end - start).abs();
+                assert!(off < 8.0 * contact_step / (1.0 - c), "{c} {contact_step}: {starts:?}");
+            }
+            assert!((1..4).contains(&starts.len()), "{c} {contact_step}: {starts:?}");
+            assert!(state.p.0[1].abs() < 1e-12);
+        }
+    }
+}
+
+/// A box that tumbles, and the same under a world's steps.
+fn tumbling() -> (
+    impl Fn() -> Detector,
+    impl Fn() -> System<BodyMetric<Poses>, Weight<Poses>, Poses>,
+    State<Vec<f64>>,
+) {
+    let half = [0.3, 0.2, 0.1];
+    let body = Body::solid_box(1.0, half).unwrap();
+    let motion = BodyMotion {
+        pose: RigidMotion {
+            translation: Vector3::new(0.0, 0.0, 1.0),
+            rotation: Rotation::exp(Vector3::new(0.3, -0.2, 0.5)),
+        },
+        velocity: Vector3::new(0.3, 0.1, 0.0),
+        angular_velocity: Vector3::new(2.0, 5.0, -1.0),
+    };
+    let state = BodyMetric::<Poses>::new(vec![body]).state(&[motion]).unwrap();
+    let detector = move || {
+        let cuboid = Shape::cuboid(half).unwrap();
+        let floor = Shape::half_space(Vector3::z()).unwrap();
+        let colliders = vec![
+            Collider::on_body(0, cuboid).with_restitution(1.0),
+            Collider::fixed(RigidMotion::identity(), floor),
+        ];
+        Detector::new(colliders, 1).unwrap()
+    };
+    let system = move || {
+        let masses = vec![PointMass { mass: 1.0, point: Vector3::zeros() }];
+        let weight = Weight { gravity: -Vector3::z() * G, masses, space: Poses };
+        BodyMetric::new(vec![body]).under(weight).unwrap()
+    };
+    (detector, system, state)
+}
+
+#[test]
+fn an_elastic_tumbling_box_keeps_its_energy_which_a_fixed_step_does_not() {
+    let (detector, system, start) = tumbling();
+    let energy = |state: &State<Vec<f64>>| system().energy(&state.q, state.p.view());
+    let first = energy(&start);
+    let mut bodies =
+        EventDriven::<Spatial, _>::new(system(), detector(), FlightOrder::Second, 1e-4).unwrap();
+    let (mut state, mut worst, mut impacts) = (start.clone(), 0.0_f64, 0);
+    for _ in 0..500 {
+        let report = bodies.step(&mut state, 1e-2).unwrap();
+        impacts += report.impacts;
+        assert_eq!(report.contact_steps, 0, "{}", state.t);
+        worst = worst.max((energy(&state) / first - 1.0).abs());
+    }
+    assert!(impacts >= 5, "{impacts}");
+    assert!(worst < 1e-9, "{worst}");
+    let mut world = SpatialWorld::new(system(), detector()).unwrap();
+    let mut state = start.clone();
+    for _ in 0..500 {
+        world.step(&mut state, 1e-2).unwrap();
+    }
+    let lost = 1.0 - energy(&state) / first;
+    assert!(lost.abs() > 0.05, "{lost}");
+}
+
+#[test]
+fn an_elastic_box_that_tumbles_in_a_box_keeps_its_energy() {
+    let half = [0.3, 0.2, 0.1];
+    let body = Body::solid_box(1.0, half).unwrap();
+    let motion = BodyMotion {
+        pose: RigidMotion { translation: Vector3::zeros(), rotation: Rotation::identity() },
+        velocity: Vector3::new(1.0, 0.7, -0.4),
+        angular_velocity: Vector3::new(1.0, -3.0, 2.0),
+    };
+    let mut state = BodyMetric::<Poses>::new(vec![body]).state(&[motion]).unwrap();
+    let mut colliders =
+        vec![Collider::on_body(0, Shape::cuboid(half).unwrap()).with_restitution(1.0)];
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut inwards = Vector3::zeros();
+            inwards[axis] = -sign;
+            let place = RigidMotion { translation: inwards * -0.7, rotation: Rotation::identity() };
+            colliders.push(Collider::fixed(place, Shape::half_space(inwards).unwrap()));
+        }
+    }
+    let detector = Detector::new(colliders, 1).unwrap();
+    let system = BodyMetric::new(vec![body]).under(Free { freedoms: 6 }).unwrap();
+    let energy = |system: &System<_, Free, Poses>, state: &State<Vec<f64>>| {
+        system.energy(&state.q, state.p.view())
+    };
+    let first = energy(&system, &state);
+    let mut bodies =
+        EventDriven::<Spatial, _>::new(system, detector, FlightOrder::Fourth, 1e-4).unwrap();
+    let mut impacts = 0;
+    for _ in 0..50 {
+        impacts += bodies.step(&mut state, 0.1).unwrap().impacts;
+        let gained = energy(bodies.system(), &state) / first - 1.0;
+        assert!(gained.abs() < 1e-9, "{gained} at {}", state.t);
+    }
+    assert!(impacts >= 10, "{impacts}");
+}
+
+#[test]
+fn too_many_events_and_steps_that_are_none_are_errors_and_leave_the_state() {
+    // Bounces of 1e-5 s are no rest at a contact step of 2e-7 s: 15,000 of them.
+    let mut bodies = discs(weight(1), 1, 0.0, 1.0, FlightOrder::Second, 2e-7);
+    let mut state = State::new(vec![0.0, RADIUS + 1e-10, 0.0], Covector(vec![0.0, 5e-5, 0.0]));
+    let before = state.clone();
+    let refused = bodies.step(&mut state, 0.15);
+    assert!(matches!(refused, Err(ContactError::TooManyImpacts { .. })), "{refused:?}");
+    assert_eq!((&state, bodies.events().len()), (&before, 0));
+    assert!(bodies.state_at(0.0).is_err());
+    for h in [0.0, -1.0, f64::NAN, 1.0] {
+        let refused = bodies.step(&mut state, h);
+        assert!(matches!(refused, Err(ContactError::Step(_))), "{refused:?}");
+        assert_eq!(state, before);
+    }
+}
