@@ -186,20 +186,31 @@ pub(crate) fn facing(
                 // Along nearly parallel edges the place is rounding, across them it is not.
                 append(names, x2 - n * least, x2, n, least);
             }
+            // What lies along a face of the other may turn onto it within a step.
             let faces = [a.facing(&n, TIE * size), b.facing(&-n, TIE * size)];
-            let tilt = a.normals[faces[0]].dot(&n);
-            if tilt > ALONG && -b.normals[faces[1]].dot(&n) > ALONG {
-                bound([a, b], faces, &n, BORDER * size, polygon, cut);
+            let tilts = [a.normals[faces[0]].dot(&n), -b.normals[faces[1]].dot(&n)];
+            if tilts[0].max(tilts[1]) > ALONG {
+                let side = usize::from(tilts[1] > tilts[0]);
+                let (seen, to) = ([a, b], [n, -n][side]);
+                let bounding = [seen[side], seen[1 - side]];
+                let of_pair = [faces[side], faces[1 - side]];
+                bound(bounding, of_pair, &to, BORDER * size, polygon, cut);
+                let (normal, start) =
+                    (bounding[0].normals[of_pair[0]], bounding[0].solid.around(of_pair[0])[0]);
                 for corner in polygon.iter() {
-                    let above = corner.place - a.corners[first.around(faces[0])[0]];
-                    let gap = above.dot(&a.normals[faces[0]]) / tilt;
-                    append(corner.names, corner.place - n * gap, corner.place, n, gap);
+                    let above = corner.place - bounding[0].corners[start];
+                    let gap = above.dot(&normal) / tilts[side];
+                    let mut names = corner.names;
+                    let mut points = [corner.place - to * gap, corner.place];
+                    names.swap(0, side);
+                    points.swap(0, side);
+                    append(names, points[0], points[1], n, gap);
                 }
             }
         }
     }
     if axis.separation > WIDE * size && least > axis.separation + BORDER * size {
-        by_corners([a, b], &back, BORDER * size, [least, margin], start, found);
+        by_corners([a, b], &back, BORDER * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
         // Rounding left no polygon: the deepest corner stays.
         let deepest = |x: &&V, y: &&V| x.dot(&n).total_cmp(&y.dot(&n));
@@ -349,14 +360,13 @@ fn bound(
     }
 }
 
-/// Appends the closest of corners and edges, of solids that are apart, and forgets what has been
-/// found if that is not closer.
+/// Appends the closest of corners and edges, of solids that are apart, beside what has been found
+/// farther apart.
 fn by_corners(
     both: [Seen<'_>; 2],
     back: &Pose,
     slack: f64,
     [least, margin]: [f64; 2],
-    start: usize,
     found: &mut Found,
 ) {
     let mut closest = f64::INFINITY;
@@ -364,7 +374,6 @@ fn by_corners(
     if closest >= least {
         return;
     }
-    found.truncate(start);
     for_each_corner_and_edge(both, |[x1, x2], features| {
         let gap = (x2 - x1).norm();
         if gap <= (closest + slack).min(margin) {
