@@ -69,6 +69,8 @@ const TIE: f64 = 1e-13;
 const SUPPORT: f64 = 1e4;
 /// Points outside of a face by this part of the sizes are on its border.
 const BORDER: f64 = 1e-9;
+/// Points off an edge by less than this part of the sizes are on it.
+const ON_EDGE: f64 = 4e-12;
 /// Distances below this part of the sizes are rounding, and have no direction.
 const WIDE: f64 = 1e-7;
 /// Edges at a smaller sine to each other are parallel: faces have their axis.
@@ -174,17 +176,16 @@ pub(crate) fn facing(
         }
         Source::Edges(one, other) => {
             let [x1, x2] = between([a.corners, b.corners], [one, other]);
-            let inside = |x: &V, ends: [V; 2]| {
-                let along = ends[1] - ends[0];
-                let (t, slack) = ((x - ends[0]).dot(&along), BORDER * size * along.norm());
-                t >= -slack && t <= along.norm_squared() + slack
-            };
             let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
-            if inside(&x1, ends[0]) && inside(&x2, ends[1]) {
+            // Along nearly parallel edges the place is rounding, across them it is not.
+            let x1 =
+                if on_edge(&x2, ends[1], BORDER * size) { x2 - n * axis.separation } else { x1 };
+            let x2 = x1 + n * axis.separation;
+            let slack = ON_EDGE * (first.size + second.size);
+            if on_edge(&x1, ends[0], slack) && on_edge(&x2, ends[1], slack) {
                 least = axis.separation;
                 let names = [one, other].map(|edge| edge_name(edge.corners));
-                // Along nearly parallel edges the place is rounding, across them it is not.
-                append(names, x2 - n * least, x2, n, least);
+                append(names, x1, x2, n, least);
             }
             // What lies along a face of the other may turn onto it within a step.
             let faces = [a.facing(&n, TIE * size), b.facing(&-n, TIE * size)];
@@ -277,6 +278,13 @@ fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
         }
     }
     Some(best)
+}
+
+/// Whether a point is on an edge, or off it by no more than a distance.
+fn on_edge(x: &V, [from, to]: [V; 2], slack: f64) -> bool {
+    let (along, way) = (to - from, x - from);
+    let t = (way.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (way - along * t).norm() <= slack
 }
 
 /// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is

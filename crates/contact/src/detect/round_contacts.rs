@@ -14,7 +14,8 @@
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
-use crate::detect::separation::{Separation, separate, separate_point};
+use crate::detect::facing_points::facing_points;
+use crate::detect::separation::{Direction, Separation, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
@@ -147,22 +148,29 @@ pub(crate) fn facing(
     }
     let least = found[start..].iter().map(|facing| facing.gap).fold(f64::INFINITY, f64::min);
     if least > there.gap + LEAST * scale {
-        let Separation { gap, normal, mut points } = there;
+        let Direction { gap, normal } = there;
+        let separation = gap + radii[0] + radii[1];
         // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
         let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
         let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
+        let ends = [first.farthest(&n).1, -second.farthest(&-n).1];
+        let within = |at: &V, (centre, radius): (V, f64)| {
+            let way = at - centre;
+            (way - n * way.dot(&n)).norm() <= radius
+        };
         let shared = match (flat(one), flat(other)) {
-            (Some((centre, _)), _) => {
-                other.closest(&centre, &n).filter(|at| level(at, -second.farthest(&-n).1))
-            }
-            (None, Some((centre, _))) => {
-                one.closest(&centre, &n).filter(|at| level(at, first.farthest(&n).1))
-            }
+            (Some(disc), _) => other
+                .closest(&disc.0, &n)
+                .filter(|at| level(at, ends[1]) && within(at, disc))
+                .map(|at| [at - n * separation, at]),
+            (None, Some(disc)) => one
+                .closest(&disc.0, &n)
+                .filter(|at| level(at, ends[0]) && within(at, disc))
+                .map(|at| [at, at + n * separation]),
             (None, None) => None,
         };
-        if let Some(shared) = shared {
-            points = points.map(|point| shared + n * (point - shared).dot(&n));
-        }
+        let [x1, x2] = shared.unwrap_or_else(|| facing_points([first, second], &n, separation));
+        let points = [x1 + n * radii[0], x2 - n * radii[1]];
         let points = [points[0], from_vector(back * vector(&points[1]))];
         let features = [CLOSEST, CLOSEST];
         found.push(Facing { parts: [0, 0], features, points, normal, gap });

@@ -5,13 +5,15 @@
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
-//! depth+ <= depth- + sum R (h w)^2 + h s sum h w + h r             on the whole way of the step
+//! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
+//! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
 //! ```
 //! The energy has no term of the method: with contacts off by nothing,
 //! `E+ - E- = (impacts) - |v+ - v|_M^2/2 + lambda.u + beta.u_t` where `v` is the velocity after impacts
 //! and the last two oppose what moves. `r r_t` are the residuals that are reported, `R` the radii of
 //! the bodies, `w` their spins, `s` their speed against each other: a gap that is linear over a step errs
-//! by what turns, and by what slides along a face that turns.
+//! by what turns, and by what slides along a face that turns. The second of `turn` is an edge that rocks on a
+//! ball: at a height `c` below the centre about which it turns, it comes closer by `(R + c)(1 - cos(h w))`.
 
 use nalgebra::{Matrix2, Vector3};
 use stationary_contact::WorldReport;
@@ -409,7 +411,9 @@ impl<'a> Referee<'a> {
                 let thin = hulls[0].thin.min(hulls[1].thin);
                 let moved = [other, k].map(|k| step.after[k].p * (h / self.bodies[k].mass));
                 let slides = (moved[1] - moved[0]).norm();
-                let turn = turns(other) + turns(k);
+                let seen_turn = (spins[k] - spins[other]).norm_squared();
+                let curved = 0.5 * (hulls[0].radius + hulls[1].radius) * seen_turn;
+                let turn = (turns(other) + turns(k)).max(curved);
                 let turn = turn + slides * (spins[other].norm() + spins[k].norm());
                 if self.bodies[other].pushed && self.bodies[k].pushed || turn + common > thin {
                     continue;
