@@ -21,6 +21,8 @@ type V = Vector3<f64>;
 const LEVEL: f64 = 1e-9;
 /// Distances below this part of the sizes are zero.
 const ZERO: f64 = 1e-15;
+/// Points that are across a separation to this part of the sizes face each other.
+const MET: f64 = 1e-13;
 /// Circles at a larger sine to the direction have one farthest point, to rounding.
 const TILTED: f64 = 1e-2;
 /// Points that join at most.
@@ -36,22 +38,53 @@ struct Member {
     weight: f64,
 }
 
+/// Points of the hulls of two solids across the direction between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    /// The separation of the hulls along it, m.
+    pub(crate) separation: f64,
+    pub(crate) normal: V,
+    pub(crate) points: [V; 2],
+    /// How far the points are from being across the separation along the normal, m.
+    off: f64,
+}
+
 /// The closest points of two solids that are apart; none where they overlap.
 pub(crate) fn closest_points(solids: [&Placed; 2]) -> Option<[V; 2]> {
     let [a, b] = solids;
     let Direction { gap, normal } = separate(solids, f64::INFINITY)?;
-    let [x1, x2] = facing_points(solids, &normal, gap + a.rounding + b.rounding);
-    (gap > 0.0).then(|| [x1 + normal * a.rounding, x2 - normal * b.rounding])
+    let facing = facing_points(solids, normal, gap + a.rounding + b.rounding);
+    let Facing { points: [x1, x2], normal, separation, .. } = facing;
+    let apart = separation - a.rounding - b.rounding > 0.0;
+    apart.then(|| [x1 + normal * a.rounding, x2 - normal * b.rounding])
 }
 
-/// Points of the hulls of two solids that face each other along a direction across a separation.
-pub(crate) fn facing_points(solids: [&Placed; 2], n: &V, separation: f64) -> [V; 2] {
+/// Points of the hulls of two solids that face each other along a direction across a separation. Of hulls that
+/// are apart they are the closest, and say the direction where the search for it left more to find.
+pub(crate) fn facing_points(solids: [&Placed; 2], n: V, separation: f64) -> Facing {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let ends = [ends_of(a, n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
+    let ends = [ends_of(a, &n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
+    let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
+    let off = (points[1] - points[0] - n * separation).norm();
+    let found = Facing { separation, normal: n, points, off };
+    if off <= MET * scale || separation <= 0.0 {
+        return found;
+    }
+    let points = nearest([&a.parts, &b.parts], &n, &V::zeros(), scale);
+    let way = points[1] - points[0];
+    let Some(normal) = way.try_normalize(ZERO * scale) else { return found };
+    let separation = -b.farthest(&-normal).1 - a.farthest(&normal).1;
+    let off = (way - normal * separation).norm();
+    let better = separation >= found.separation - ZERO * scale && off < found.off;
+    if better { Facing { separation, normal, points, off } } else { found }
+}
+
+/// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
+fn nearest(parts: [&[Part]; 2], n: &V, shift: &V, scale: f64) -> [V; 2] {
     let farthest_against = |d: &V| {
-        let points = [farthest(&ends[0], d), farthest(&ends[1], &-d)];
-        Member { off: points[1] - points[0] - n * separation, points, weight: 0.0 }
+        let points = [farthest(parts[0], d), farthest(parts[1], &-d)];
+        Member { off: points[1] - points[0] - shift, points, weight: 0.0 }
     };
     let mut members = Vec::with_capacity(MOST + 1);
     members.push(Member { weight: 1.0, ..farthest_against(n) });
@@ -185,7 +218,8 @@ mod tests {
                 let middle = V::new(across, 0.0, 1.5);
                 let other = edge([middle - along, middle + along]);
                 let separation = -other.farthest(&-n).1 - disc.farthest(&n).1;
-                let [x1, x2] = facing_points([&disc, &other], &n, separation);
+                let Facing { points: [x1, x2], normal: n, separation, .. } =
+                    facing_points([&disc, &other], n, separation);
                 let on_disc = x1.xy().norm() <= 2.0 + 1e-12 && (x1.z - 1.0).abs() < 1e-12;
                 let on_edge = (x2.x - across).abs() < 1e-12 && x2.y.abs() <= 3.0;
                 let off = (x2 - x1 - n * separation).norm();

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
 use crate::detect::facing_points::facing_points;
-use crate::detect::separation::{Direction, Separation, separate, separate_point};
+use crate::detect::separation::{Separation, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
@@ -148,8 +148,7 @@ pub(crate) fn facing(
     }
     let least = found[start..].iter().map(|facing| facing.gap).fold(f64::INFINITY, f64::min);
     if least > there.gap + LEAST * scale {
-        let Direction { gap, normal } = there;
-        let separation = gap + radii[0] + radii[1];
+        let separation = there.gap + radii[0] + radii[1];
         // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
         let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
         let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
@@ -169,9 +168,17 @@ pub(crate) fn facing(
                 .map(|at| [at, at + n * separation]),
             (None, None) => None,
         };
-        let [x1, x2] = shared.unwrap_or_else(|| facing_points([first, second], &n, separation));
-        let points = [x1 + n * radii[0], x2 - n * radii[1]];
-        let points = [points[0], from_vector(back * vector(&points[1]))];
+        let closest = match shared {
+            Some(points) => (points, n, separation),
+            None => {
+                let facing = facing_points([first, second], n, separation);
+                (facing.points, facing.normal, facing.separation)
+            }
+        };
+        let ([x1, x2], normal, separation) = closest;
+        let gap = separation - radii[0] - radii[1];
+        let points =
+            [x1 + normal * radii[0], from_vector(back * vector(&(x2 - normal * radii[1])))];
         let features = [CLOSEST, CLOSEST];
         found.push(Facing { parts: [0, 0], features, points, normal, gap });
     }
