@@ -198,12 +198,15 @@ impl Pair<'_> {
             self.clip(axis.edge, facing, normal, margin, found);
         }
         let deepest = found[first..].iter().map(|f| f.gap).fold(f64::INFINITY, f64::min);
-        if deepest <= axis.separation + rounding {
+        if deepest <= axis.separation + rounding.max(BETTER * sizes[0].min(sizes[1])) {
             return;
         }
         let Corners { distance, numbers } = self.closest_corners();
         if axis.separation > 0.0 && distance > rounding {
-            self.append_corners(distance, numbers, margin, first, found);
+            // What was found is between points of both, and so no closer than they are.
+            if distance < deepest.min(margin) {
+                self.append_corners(distance, numbers, found);
+            }
         } else {
             // Corner meets corner, and the way from one to the other is rounding.
             self.append_corner(axis, normal, of_second, found);
@@ -243,30 +246,16 @@ impl Pair<'_> {
         closest
     }
 
-    /// Two corners are closest: appends them, and forgets what seemed closer.
-    fn append_corners(
-        &self,
-        gap: f64,
-        [i, j]: [usize; 2],
-        margin: f64,
-        first: usize,
-        found: &mut Found,
-    ) {
-        let mut place = 0;
-        found.retain(|facing| {
-            place += 1;
-            place <= first || facing.gap > gap
+    /// Two corners are closest: appends them.
+    fn append_corners(&self, gap: f64, [i, j]: [usize; 2], found: &mut Found) {
+        let (own, other) = (self.first.points()[i], self.second.points()[j]);
+        found.push(Facing {
+            parts: self.parts,
+            features: [corner(i), corner(j)],
+            points: [own, other].map(from_vector),
+            normal: from_vector((self.there * other - own) / gap),
+            gap,
         });
-        if gap <= margin {
-            let (own, other) = (self.first.points()[i], self.second.points()[j]);
-            found.push(Facing {
-                parts: self.parts,
-                features: [corner(i), corner(j)],
-                points: [own, other].map(from_vector),
-                normal: from_vector((self.there * other - own) / gap),
-                gap,
-            });
-        }
     }
 
     /// Appends the corner of one polygon that reaches farthest towards the edge of the other.
