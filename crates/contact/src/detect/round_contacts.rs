@@ -35,7 +35,7 @@ const LEAST: f64 = 1e-12;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-12;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
-const FLAT: f64 = 1e-7;
+const FLAT_SINE: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
 const CLOSEST: u32 = u32::MAX;
 
@@ -150,7 +150,7 @@ pub(crate) fn facing(
     if least > there.gap + LEAST * scale {
         let separation = there.gap + radii[0] + radii[1];
         // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
-        let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
+        let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT_SINE);
         let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
         let ends = [first.farthest(&n).1, -second.farthest(&-n).1];
         let within = |at: &V, (centre, radius): (V, f64)| {

@@ -118,7 +118,7 @@ const FINE_VISITS: usize = 100_000;
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
 /// only its impulses are good enough to be kept.
-const NEAR: f64 = 30.0;
+const NEARLY_SETTLED: f64 = 30.0;
 
 impl<G, V, const F: usize, const D: usize> SolvesIslands<G> for IslandSolver<V, F, D>
 where
@@ -151,7 +151,7 @@ where
         let island = Island { contacts: &self.contacts, bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
-        let near = left.iter().all(|left| *left <= NEAR * settled);
+        let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
         let fine = conditions.fine.filter(|_| near);
         let goal = fine.unwrap_or(settled);
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
