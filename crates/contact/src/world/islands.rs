@@ -114,6 +114,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
                             if stands { resting.before(body) } else { resting.after(body) };
                         v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
                     }
+                    // What stands without any force needs no impulse to stand.
+                    let forces = |body: &usize| &increment.0[f * body..][..f];
+                    if stands && bodies.iter().flat_map(forces).all(|&gain| gain == 0.0) {
+                        members.iter().for_each(|&i| impulses[i] = G::Vector::default());
+                    }
                     off
                 }
                 None => {
