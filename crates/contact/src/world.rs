@@ -17,7 +17,7 @@
 //!
 //! Which points are looked at is judged pair by pair, by how far both bodies move in the step; where
 //! an impulse makes a body much faster than that, the step is solved again with the points that it
-//! then reaches. Impulses start from those of the last step, and each island of bodies that hang
+//! then reaches. What turns far onto points that nobody looked at is named (see `turning.rs`). Impulses start from those of the last step, and each island of bodies that hang
 //! together is looked at on its own. Where those impulses still meet the conditions nothing is
 //! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
 //! move at all. Small islands without friction so far are projected exactly; else sweeps and sparse
@@ -38,6 +38,7 @@ mod tolerances;
 mod islands;
 mod accounts;
 pub(crate) mod lifting;
+mod turning;
 pub(crate) mod warm_start;
 pub(crate) mod clearance;
 pub(crate) mod contact_cache;
@@ -314,7 +315,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let closed;
         (report.lifting_energy, closed) = self.advance(state, h, joints)?;
         report.joint_violation = closed.open;
-        report.settled &= closed.done;
+        report.settled &= closed.done && !self.turns_into(h, &report)?;
         let contacts = self.kept.found().iter().map(|contact| contact.id);
         self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
         std::mem::swap(state, &mut self.memory.next);

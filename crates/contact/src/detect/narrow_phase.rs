@@ -6,15 +6,15 @@
 //! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
 //! faces of any number of corners, and both against the triangles of a surface; on a half-space every
 //! corner counts. Capsules, cylinders, cones and ellipsoids have a search of their own
-//! (`separation.rs`), and so have balls beside hulls. Balls beside other shapes and hulls of very many
-//! edges are asked of the geometry library: Gilbert-Johnson-Keerthi and expanding polytopes. Points that face each other along `n` across
+//! (`separation.rs`), and so have balls beside hulls and hulls of very many edges. Balls beside balls, boxes,
+//! half-spaces and meshes, and boxes on half-spaces, are asked of the geometry library, which has closed
+//! forms for them. Points that face each other along `n` across
 //! `s(n)` are the closest there are, by the inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
 //! difference of both.
 //!
-//! Matching faces of boxes and hulls keep their corners; those of hulls of so many edges that the
-//! library is asked may lose one for a step.
+//! Matching faces of boxes and hulls keep their corners.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::BoundingVolume;
@@ -50,8 +50,8 @@ const WIDE: f64 = 1e-7;
 /// Points this part of a box farther apart than they need be are the closest.
 const SHORT: f64 = 1e-9;
 
-/// Pairs of edges beyond which looking at each costs more than the library's iterations, whose
-/// faces keep four corners at most.
+/// Pairs of edges beyond which looking at each costs more than the search for the direction between round
+/// solids.
 const EDGE_PAIRS: usize = 1 << 16;
 
 /// Appends where two shapes face each other.
@@ -67,7 +67,13 @@ pub(crate) fn facing(
     let hull = |shape: &&Shape| shape.polytope().is_some() && shape.wide().is_none();
     let ball_and_hull =
         shapes.iter().any(hull) && both.iter().any(|shape| shape.as_ball().is_some());
-    if ball_and_hull || shapes.iter().any(|shape| shape.curved().is_some()) {
+    let edges = |shape: &Shape| match (shape.polytope(), shape.geometry().as_trimesh()) {
+        (Some(solid), _) => solid.edges.len(),
+        (None, Some(_)) => 3,
+        (None, None) => 0,
+    };
+    let many = edges(shapes[0]) * edges(shapes[1]) > EDGE_PAIRS;
+    if ball_and_hull || many || shapes.iter().any(|shape| shape.curved().is_some()) {
         return round_facing(shapes, relative, margin, round, triangle, found);
     }
     if let (Some(first), Some(second), Some(wide)) =
@@ -86,15 +92,12 @@ pub(crate) fn facing(
         }
         return Answer::Now;
     }
-    if let [Some(first), Some(second)] = shapes.map(Shape::polytope)
-        && first.edges.len() * second.edges.len() <= EDGE_PAIRS
-    {
+    if let [Some(first), Some(second)] = shapes.map(Shape::polytope) {
         polytopes::facing([first, second], relative, margin, space, found);
         return Answer::Now;
     }
     if let Some(side) = both.iter().position(|shape| shape.as_trimesh().is_some())
         && let (Some(mesh), Some(solid)) = (both[side].as_trimesh(), shapes[1 - side].polytope())
-        && 3 * solid.edges.len() <= EDGE_PAIRS
     {
         // The solid's box as the mesh sees it.
         let place = if side == 0 { *relative } else { relative.inverse() };

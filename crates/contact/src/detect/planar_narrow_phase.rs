@@ -172,8 +172,8 @@ struct Axis {
 /// The second polygon's axis is taken only where it is better by this part of its size, so that
 /// edges that match are not taken now from one side and now from the other.
 const BETTER: f64 = 1e-12;
-/// Corners this part of a polygon farther than they need be are in front of the edge.
-const SHORT: f64 = 1e-9;
+/// Lengths that are rounding, relative to the sizes of the polygons and the distance between them.
+const ROUNDING: f64 = 1e-13;
 
 impl Pair<'_> {
     fn append(&self, margin: f64, found: &mut Found) {
@@ -182,20 +182,34 @@ impl Pair<'_> {
         let size = |polygon: &Outline| {
             polygon.points().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt()
         };
-        let size = size(self.first).min(size(self.second));
-        let separation = own.separation.max(other.separation);
+        let sizes = [size(self.first), size(self.second)];
+        let rounding = ROUNDING * (sizes[0] + sizes[1] + self.there.translation.length());
         let first = found.len();
-        if other.separation > own.separation + BETTER * size {
-            let normal = self.there.rotation * -self.second.normals()[other.edge];
-            self.clip(edge_along(self.first, normal), other.edge, normal, margin, found);
+        let of_second = other.separation > own.separation + BETTER * sizes[0].min(sizes[1]);
+        let (axis, normal) = match of_second {
+            true => (other, self.there.rotation * -self.second.normals()[other.edge]),
+            false => (own, self.first.normals()[own.edge]),
+        };
+        if of_second {
+            let facing = edge_along(self.first, normal);
+            self.clip(facing, axis.edge, normal, margin, found);
         } else {
-            let normal = self.first.normals()[own.edge];
             let facing = edge_along(self.second, self.back.rotation * -normal);
-            self.clip(own.edge, facing, normal, margin, found);
+            self.clip(axis.edge, facing, normal, margin, found);
         }
         let deepest = found[first..].iter().map(|f| f.gap).fold(f64::INFINITY, f64::min);
-        if separation > SHORT * size && deepest > separation + SHORT * size {
-            self.append_corners(margin, first, found);
+        if deepest <= axis.separation + rounding.max(BETTER * sizes[0].min(sizes[1])) {
+            return;
+        }
+        let Corners { distance, numbers } = self.closest_corners();
+        if axis.separation > 0.0 && distance > rounding {
+            // What was found is between points of both, and so no closer than they are.
+            if distance < deepest.min(margin) {
+                self.append_corners(distance, numbers, found);
+            }
+        } else {
+            // Corner meets corner, and the way from one to the other is rounding.
+            self.append_corner(axis, normal, of_second, found);
         }
     }
 
@@ -217,35 +231,57 @@ impl Pair<'_> {
         }
     }
 
-    /// Two corners are closest: appends them, and forgets what seemed closer.
-    fn append_corners(&self, margin: f64, first: usize, found: &mut Found) {
-        let others: Vec<Vector> = self.second.points().iter().map(|p| self.there * *p).collect();
-        let mut closest = (f64::INFINITY, 0, 0);
-        for (i, p1) in self.first.points().iter().enumerate() {
-            for (j, p2) in others.iter().enumerate() {
-                let distance = (*p2 - *p1).length();
-                if distance < closest.0 {
-                    closest = (distance, i, j);
+    /// The corners of both that are closest.
+    fn closest_corners(&self) -> Corners {
+        let mut closest = Corners { distance: f64::INFINITY, numbers: [0, 0] };
+        for (j, p2) in self.second.points().iter().enumerate() {
+            let p2 = self.there * *p2;
+            for (i, p1) in self.first.points().iter().enumerate() {
+                let distance = (p2 - *p1).length();
+                if distance < closest.distance {
+                    closest = Corners { distance, numbers: [i, j] };
                 }
             }
         }
-        let (gap, i, j) = closest;
-        let mut place = 0;
-        found.retain(|facing| {
-            place += 1;
-            place <= first || facing.gap > gap
-        });
-        if gap <= margin {
-            let (p1, p2) = (self.first.points()[i], others[j]);
-            found.push(Facing {
-                parts: self.parts,
-                features: [corner(i), corner(j)],
-                points: [p1, self.second.points()[j]].map(from_vector),
-                normal: from_vector((p2 - p1) / gap),
-                gap,
-            });
-        }
+        closest
     }
+
+    /// Two corners are closest: appends them.
+    fn append_corners(&self, gap: f64, [i, j]: [usize; 2], found: &mut Found) {
+        let (own, other) = (self.first.points()[i], self.second.points()[j]);
+        found.push(Facing {
+            parts: self.parts,
+            features: [corner(i), corner(j)],
+            points: [own, other].map(from_vector),
+            normal: from_vector((self.there * other - own) / gap),
+            gap,
+        });
+    }
+
+    /// Appends the corner of one polygon that reaches farthest towards the edge of the other.
+    fn append_corner(&self, axis: Axis, normal: Vector, of_second: bool, found: &mut Found) {
+        let gap = axis.separation;
+        let (points, features) = match of_second {
+            true => {
+                let at = farthest(self.first, normal);
+                let own = self.first.points()[at];
+                ([own, self.back * (own + normal * gap)], [corner(at), face(axis.edge)])
+            }
+            false => {
+                let at = farthest(self.second, self.back.rotation * -normal);
+                let other = self.second.points()[at];
+                ([self.there * other - normal * gap, other], [face(axis.edge), corner(at)])
+            }
+        };
+        let (points, normal) = (points.map(from_vector), from_vector(normal));
+        found.push(Facing { parts: self.parts, features, points, normal, gap });
+    }
+}
+
+/// Two corners, one of each polygon.
+struct Corners {
+    distance: f64,
+    numbers: [usize; 2],
 }
 
 /// The normal of an edge of a polygon along which another is farthest from it; none where that is
@@ -279,6 +315,18 @@ fn edge_along(polygon: &Outline, direction: Vector) -> usize {
     best.1
 }
 
+/// The corner that reaches farthest along a direction.
+fn farthest(polygon: &Outline, direction: Vector) -> usize {
+    let mut best = (f64::NEG_INFINITY, 0);
+    for (corner, point) in polygon.points().iter().enumerate() {
+        let along = point.dot(direction);
+        if along > best.0 {
+            best = (along, corner);
+        }
+    }
+    best.1
+}
+
 fn ends(polygon: &Outline, edge: usize) -> [Vector; 2] {
     let points = polygon.points();
     [points[edge], points[(edge + 1) % points.len()]]
@@ -288,10 +336,14 @@ fn corner(corner: usize) -> u32 {
     PackedFeatureId::vertex(corner as u32).0
 }
 
+fn face(edge: usize) -> u32 {
+    PackedFeatureId::face(edge as u32).0
+}
+
 /// The name of an end of an edge (0 and 2), or of the edge itself (1).
 fn name(polygon: &Outline, edge: usize, end: usize) -> u32 {
     match end {
-        1 => PackedFeatureId::face(edge as u32).0,
+        1 => face(edge),
         end => corner((edge + end / 2) % polygon.points().len()),
     }
 }

@@ -69,6 +69,8 @@ const TIE: f64 = 1e-13;
 const SUPPORT: f64 = 1e4;
 /// Points outside of a face by this part of the sizes are on its border.
 const BORDER: f64 = 1e-9;
+/// Points off an edge by less than this part of the sizes are on it.
+const ON_EDGE: f64 = 4e-12;
 /// Distances below this part of the sizes are rounding, and have no direction.
 const WIDE: f64 = 1e-7;
 /// Edges at a smaller sine to each other are parallel: faces have their axis.
@@ -174,32 +176,42 @@ pub(crate) fn facing(
         }
         Source::Edges(one, other) => {
             let [x1, x2] = between([a.corners, b.corners], [one, other]);
-            let inside = |x: &V, ends: [V; 2]| {
-                let along = ends[1] - ends[0];
-                let (t, slack) = ((x - ends[0]).dot(&along), BORDER * size * along.norm());
-                t >= -slack && t <= along.norm_squared() + slack
-            };
             let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
-            if inside(&x1, ends[0]) && inside(&x2, ends[1]) {
+            // Along nearly parallel edges the place is rounding, across them it is not.
+            let x1 =
+                if on_edge(&x2, ends[1], BORDER * size) { x2 - n * axis.separation } else { x1 };
+            let x2 = x1 + n * axis.separation;
+            let slack = ON_EDGE * (first.size + second.size);
+            if on_edge(&x1, ends[0], slack) && on_edge(&x2, ends[1], slack) {
                 least = axis.separation;
                 let names = [one, other].map(|edge| edge_name(edge.corners));
-                // Along nearly parallel edges the place is rounding, across them it is not.
-                append(names, x2 - n * least, x2, n, least);
+                append(names, x1, x2, n, least);
             }
+            // What lies along a face of the other may turn onto it within a step.
             let faces = [a.facing(&n, TIE * size), b.facing(&-n, TIE * size)];
-            let tilt = a.normals[faces[0]].dot(&n);
-            if tilt > ALONG && -b.normals[faces[1]].dot(&n) > ALONG {
-                bound([a, b], faces, &n, BORDER * size, polygon, cut);
+            let tilts = [a.normals[faces[0]].dot(&n), -b.normals[faces[1]].dot(&n)];
+            if tilts[0].max(tilts[1]) > ALONG {
+                let side = usize::from(tilts[1] > tilts[0]);
+                let (seen, to) = ([a, b], [n, -n][side]);
+                let bounding = [seen[side], seen[1 - side]];
+                let of_pair = [faces[side], faces[1 - side]];
+                bound(bounding, of_pair, &to, BORDER * size, polygon, cut);
+                let (normal, start) =
+                    (bounding[0].normals[of_pair[0]], bounding[0].solid.around(of_pair[0])[0]);
                 for corner in polygon.iter() {
-                    let above = corner.place - a.corners[first.around(faces[0])[0]];
-                    let gap = above.dot(&a.normals[faces[0]]) / tilt;
-                    append(corner.names, corner.place - n * gap, corner.place, n, gap);
+                    let above = corner.place - bounding[0].corners[start];
+                    let gap = above.dot(&normal) / tilts[side];
+                    let mut names = corner.names;
+                    let mut points = [corner.place - to * gap, corner.place];
+                    names.swap(0, side);
+                    points.swap(0, side);
+                    append(names, points[0], points[1], n, gap);
                 }
             }
         }
     }
     if axis.separation > WIDE * size && least > axis.separation + BORDER * size {
-        by_corners([a, b], &back, BORDER * size, [least, margin], start, found);
+        by_corners([a, b], &back, BORDER * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
         // Rounding left no polygon: the deepest corner stays.
         let deepest = |x: &&V, y: &&V| x.dot(&n).total_cmp(&y.dot(&n));
@@ -266,6 +278,13 @@ fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
         }
     }
     Some(best)
+}
+
+/// Whether a point is on an edge, or off it by no more than a distance.
+fn on_edge(x: &V, [from, to]: [V; 2], slack: f64) -> bool {
+    let (along, way) = (to - from, x - from);
+    let t = (way.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (way - along * t).norm() <= slack
 }
 
 /// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is
@@ -349,14 +368,13 @@ fn bound(
     }
 }
 
-/// Appends the closest of corners and edges, of solids that are apart, and forgets what has been
-/// found if that is not closer.
+/// Appends the closest of corners and edges, of solids that are apart, beside what has been found
+/// farther apart.
 fn by_corners(
     both: [Seen<'_>; 2],
     back: &Pose,
     slack: f64,
     [least, margin]: [f64; 2],
-    start: usize,
     found: &mut Found,
 ) {
     let mut closest = f64::INFINITY;
@@ -364,7 +382,6 @@ fn by_corners(
     if closest >= least {
         return;
     }
-    found.truncate(start);
     for_each_corner_and_edge(both, |[x1, x2], features| {
         let gap = (x2 - x1).norm();
         if gap <= (closest + slack).min(margin) {

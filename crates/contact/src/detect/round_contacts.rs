@@ -14,6 +14,7 @@
 use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
+use crate::detect::facing_points::facing_points;
 use crate::detect::separation::{Separation, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
@@ -34,7 +35,7 @@ const LEAST: f64 = 1e-12;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-12;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
-const FLAT: f64 = 1e-7;
+const FLAT_SINE: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
 const CLOSEST: u32 = u32::MAX;
 
@@ -147,23 +148,37 @@ pub(crate) fn facing(
     }
     let least = found[start..].iter().map(|facing| facing.gap).fold(f64::INFINITY, f64::min);
     if least > there.gap + LEAST * scale {
-        let Separation { gap, normal, mut points } = there;
+        let separation = there.gap + radii[0] + radii[1];
         // Two discs, or a disc and a polygon, share the point of one that is closest to the centre.
-        let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT);
+        let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT_SINE);
         let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
+        let ends = [first.farthest(&n).1, -second.farthest(&-n).1];
+        let within = |at: &V, (centre, radius): (V, f64)| {
+            let way = at - centre;
+            (way - n * way.dot(&n)).norm() <= radius
+        };
         let shared = match (flat(one), flat(other)) {
-            (Some((centre, _)), _) => {
-                other.closest(&centre, &n).filter(|at| level(at, -second.farthest(&-n).1))
-            }
-            (None, Some((centre, _))) => {
-                one.closest(&centre, &n).filter(|at| level(at, first.farthest(&n).1))
-            }
+            (Some(disc), _) => other
+                .closest(&disc.0, &n)
+                .filter(|at| level(at, ends[1]) && within(at, disc))
+                .map(|at| [at - n * separation, at]),
+            (None, Some(disc)) => one
+                .closest(&disc.0, &n)
+                .filter(|at| level(at, ends[0]) && within(at, disc))
+                .map(|at| [at, at + n * separation]),
             (None, None) => None,
         };
-        if let Some(shared) = shared {
-            points = points.map(|point| shared + n * (point - shared).dot(&n));
-        }
-        let points = [points[0], from_vector(back * vector(&points[1]))];
+        let closest = match shared {
+            Some(points) => (points, n, separation),
+            None => {
+                let facing = facing_points([first, second], n, separation);
+                (facing.points, facing.normal, facing.separation)
+            }
+        };
+        let ([x1, x2], normal, separation) = closest;
+        let gap = separation - radii[0] - radii[1];
+        let points =
+            [x1 + normal * radii[0], from_vector(back * vector(&(x2 - normal * radii[1])))];
         let features = [CLOSEST, CLOSEST];
         found.push(Facing { parts: [0, 0], features, points, normal, gap });
     }

@@ -19,12 +19,19 @@ use crate::shapes::solid::{Part, Placed};
 
 type V = Vector3<f64>;
 
-/// Where two solids are closest, or least deep in each other.
+/// Along which direction two solids are closest, or least deep in each other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Separation {
+pub(crate) struct Direction {
     /// Less than zero where they overlap, m.
     pub(crate) gap: f64,
     /// From the first to the second, of length 1.
+    pub(crate) normal: V,
+}
+
+/// Where a point and a solid are closest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Separation {
+    pub(crate) gap: f64,
     pub(crate) normal: V,
     /// On their surfaces.
     pub(crate) points: [V; 2],
@@ -36,11 +43,6 @@ const ITERATIONS: usize = 100;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Closer to the axis of a circle, in radians, no point of it reaches farthest.
 const NO_AZIMUTH: f64 = 1e-6;
-/// Parts that reach as far as the farthest within these parts of the size share a contact; the first
-/// that will do.
-const LEVELS: [f64; 3] = [1e-13, 1e-11, 1e-9];
-/// Points this part of the size apart across the normal face each other.
-const MET: f64 = 1e-11;
 /// Parts that reach as far as the farthest within this part of the size may come to do so.
 const LEVEL: f64 = 1e-10;
 /// Turns below this, radians, are taken though rounding hides what they gain.
@@ -66,8 +68,6 @@ struct Cut {
 struct Top {
     value: f64,
     normal: V,
-    /// Of the hulls, where they face each other.
-    points: [V; 2],
     /// Whether no turn leads upwards by more than rounding.
     converged: bool,
 }
@@ -79,8 +79,8 @@ struct Search<'a> {
     scale: f64,
 }
 
-/// The separation of two solids; none where it exceeds `margin`.
-pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> {
+/// The direction along which two solids are farthest apart; none where they are by more than `margin`.
+pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
     let [a, b] = solids;
     let centres = b.centre - a.centre;
     let scale = a.size + b.size + centres.norm();
@@ -125,25 +125,16 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Separation> 
             break;
         }
     }
-    let Top { mut value, mut normal, mut points, .. } = best?;
+    let Top { mut value, mut normal, .. } = best?;
     // Faces are kinks that a search comes near to, and that say themselves where they are.
     for &(there, k) in &order {
         if k < kinks && there >= value - ROUNDING * scale && normal.dot(&starts[k]) > 0.9 {
             (value, normal) = (there, starts[k]);
-            // What lies on a face is the other solid's farthest point.
-            let (solid, back) = if k < a.faces.len() { (b, -normal) } else { (a, normal) };
-            points = [solid.parts[solid.farthest(&back).0].point(&back); 2];
             break;
         }
     }
     let gap = value - rounding;
-    if gap.is_nan() || gap > margin {
-        return None;
-    }
-    let middle = (points[0] + points[1]) * 0.5;
-    let on = |along: f64| middle + normal * (along - middle.dot(&normal));
-    let ends = [a.farthest(&normal).1 + a.rounding, -b.farthest(&-normal).1 - b.rounding];
-    Some(Separation { gap, normal, points: ends.map(on) })
+    (gap <= margin).then_some(Direction { gap, normal })
 }
 
 /// The separation near a direction of a point, and what is within its rounding, from a solid; of the
@@ -192,12 +183,7 @@ impl Search<'_> {
     fn climb(&self, start: V) -> Top {
         let top = match self.circle_along(&start) {
             None => self.climb_from(start + across(&start)[0] * LEAN),
-            Some(_) => Top {
-                value: self.value(&start),
-                normal: start,
-                points: self.points(&start),
-                converged: true,
-            },
+            Some(_) => Top { value: self.value(&start), normal: start, converged: true },
         };
         let Some(axis) = self.circle_along(&top.normal) else { return top };
         self.ways_down(&axis).iter().fold(top, |best, way| {
@@ -296,40 +282,7 @@ impl Search<'_> {
                 cuts.push(self.cut(&n, &basis, farthest, 0.0));
             }
         }
-        Top { value: self.value(&n), normal: n, points: self.points(&n), converged }
-    }
-
-    /// Points of the hulls that face each other along a direction at which no turn leads upwards: means
-    /// of what reaches farthest, as close to each other across the direction as they can be.
-    fn points(&self, n: &V) -> [V; 2] {
-        let [a, b] = self.solids;
-        let basis = across(n);
-        let near = |solid: &Placed, n: &V, level: f64| -> Vec<V> {
-            let reach = solid.farthest(n).1 - level * self.scale;
-            let parts = solid.parts.iter().filter(|part| part.reach(n) >= reach);
-            parts.map(|part| part.point(n)).take(4).collect()
-        };
-        let mut best = (f64::INFINITY, [V::zeros(); 2]);
-        for level in LEVELS {
-            let mut pairs = Vec::with_capacity(16);
-            for p in near(a, n, level) {
-                pairs.extend(near(b, &-n, level).into_iter().map(|q| [p, q]));
-            }
-            let apart: Vec<Vector2<f64>> =
-                pairs.iter().map(|[p, q]| Vector2::from(basis.map(|e| (q - p).dot(&e)))).collect();
-            for_each_mean(&apart, |used, weights, off| {
-                if off < best.0 {
-                    let mean = |side: usize| {
-                        used.iter().zip(weights).map(|(&k, w)| pairs[k][side] * *w).sum::<V>()
-                    };
-                    best = (off, [mean(0), mean(1)]);
-                }
-            });
-            if best.0 <= MET * self.scale {
-                break;
-            }
-        }
-        best.1
+        Top { value: self.value(&n), normal: n, converged }
     }
 
     /// The second derivative along turns of the cuts by their weights, negative definite.
@@ -425,31 +378,6 @@ fn maximize(
         }
     }
     best
-}
-
-/// Calls `visit` with the means of up to three vectors that may be closest to zero: which, their
-/// weights, and how close.
-fn for_each_mean(vectors: &[Vector2<f64>], mut visit: impl FnMut(&[usize], &[f64], f64)) {
-    for (i, v) in vectors.iter().enumerate() {
-        visit(&[i], &[1.0], v.norm());
-        for (j, w) in vectors.iter().enumerate().skip(i + 1) {
-            let along = w - v;
-            let square = along.norm_squared();
-            if square == 0.0 {
-                continue;
-            }
-            let t = (-v.dot(&along) / square).clamp(0.0, 1.0);
-            visit(&[i, j], &[1.0 - t, t], (v + along * t).norm());
-            for (k, u) in vectors.iter().enumerate().skip(j + 1) {
-                let inverse = Matrix2::from_columns(&[w - v, u - v]).try_inverse();
-                let Some(t) = inverse.map(|inverse| -(inverse * v)) else { continue };
-                if t.min() >= 0.0 && t.sum() <= 1.0 {
-                    let weights = [1.0 - t.sum(), t.x, t.y];
-                    visit(&[i, j, k], &weights, (v + (w - v) * t.x + (u - v) * t.y).norm());
-                }
-            }
-        }
-    }
 }
 
 /// The weights of the cuts that meet at a turn: their slopes and the bend cancel as far as they can.

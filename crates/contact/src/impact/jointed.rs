@@ -20,7 +20,7 @@ const SETTLED: f64 = 1e-9;
 /// How often the part of the restitution that gains nothing is looked for, how closely it is found, and energy
 /// that is rounding.
 const HALVINGS: usize = 40;
-const CLOSE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-6;
 const ENERGY_ROUNDING: f64 = 1e-11;
 
 /// A pass over some contacts: their cones behind the rows of joints.
@@ -75,7 +75,7 @@ impl JointedPass<'_> {
                 }
             }
             let gains = gained[0] > ENERGY_ROUNDING * gained[1];
-            if halving == HALVINGS || (!gains && (part == 1.0 || most - part <= CLOSE)) {
+            if halving == HALVINGS || (!gains && (part == 1.0 || most - part <= TOLERANCE)) {
                 settled &= kept.settled;
                 return Ok((impulses, settled));
             }

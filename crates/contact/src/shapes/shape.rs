@@ -147,7 +147,9 @@ impl Shape {
             let triangles: Vec<_> = triangles.iter().map(|t| t.map(|k| k as usize)).collect();
             Polytope::new(corners.into_iter().map(from_vector).collect(), &triangles)
         });
-        Ok(Self::flat(geometry, polytope, shape))
+        // Without faces of its own it would be asked of the library, whose contacts are other ones.
+        let polytope = polytope.ok_or(ContactError::Flat { shape })?;
+        Ok(Self::flat(geometry, Some(polytope), shape))
     }
 
     /// The half-space on the side of the origin away from this normal, whose length does not
@@ -184,7 +186,7 @@ impl Shape {
                 })?;
             }
             let [a, b, c] = places;
-            if (b - a).cross(&(c - a)).norm() <= FLAT * (b - a).norm() * (c - a).norm() {
+            if (b - a).cross(&(c - a)).norm() <= COPLANAR * (b - a).norm() * (c - a).norm() {
                 return Err(ContactError::Flat { shape });
             }
         }
@@ -238,35 +240,35 @@ impl Shape {
     }
 }
 
-/// A box made larger by a hair on all sides.
+/// A box made a little larger on all sides.
 ///
 /// Clipping one face against another of the same size, off by no more than rounding, may lose
-/// corners altogether, and a stack that loses a corner for a step jumps. A hair breaks the tie;
+/// corners altogether, and a stack that loses a corner for a step jumps. The larger box breaks the tie;
 /// what it takes from the gap is known exactly, and is given back.
 #[derive(Clone)]
 pub(crate) struct WideBox {
     pub(crate) cuboid: Cuboid,
-    hair: f64,
+    excess: f64,
 }
 
-/// The hair, relative to the smallest half size.
-const HAIR: f64 = 1e-9;
+/// By how much, relative to the smallest half size: far above rounding, far below what is seen.
+const WIDENING: f64 = 1e-9;
 
 impl WideBox {
     fn of(half: [f64; 3]) -> Self {
-        let hair = HAIR * half.into_iter().fold(f64::INFINITY, f64::min);
-        let [a, b, c] = half.map(|a| a + hair);
-        WideBox { cuboid: Cuboid::new(parry3d_f64::math::Vector::new(a, b, c)), hair }
+        let excess = WIDENING * half.into_iter().fold(f64::INFINITY, f64::min);
+        let [a, b, c] = half.map(|a| a + excess);
+        WideBox { cuboid: Cuboid::new(parry3d_f64::math::Vector::new(a, b, c)), excess }
     }
 
     /// How much farther the larger box reaches along a direction of its own axes.
     pub(crate) fn excess(&self, direction: parry3d_f64::math::Vector) -> f64 {
-        self.hair * direction.abs().element_sum()
+        self.excess * direction.abs().element_sum()
     }
 }
 
 /// A thickness relative to the size below which points lie in a plane: rounding.
-const FLAT: f64 = 1e-12;
+const COPLANAR: f64 = 1e-12;
 
 /// Whether points are not all in one plane.
 fn spans_space(points: &[Vector3<f64>]) -> bool {
@@ -278,8 +280,8 @@ fn spans_space(points: &[Vector3<f64>]) -> bool {
     let Some(b) = farthest(&|d| a.cross(d).norm()) else { return false };
     let normal = a.cross(&b);
     let Some(c) = farthest(&|d| normal.dot(d).abs()) else { return false };
-    let flat = normal.norm() <= FLAT * a.norm_squared();
-    !flat && normal.dot(&c).abs() > FLAT * normal.norm() * a.norm()
+    let flat = normal.norm() <= COPLANAR * a.norm_squared();
+    !flat && normal.dot(&c).abs() > COPLANAR * normal.norm() * a.norm()
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@ use stationary_rigid::{
     Rotation,
 };
 
+use crate::detect::facing_points::closest_points;
 use crate::detect::narrow_phase::{Manifolds, facing};
-use crate::detect::separation::separate;
 use crate::error::check_finite;
 use crate::shapes::convert;
 use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
@@ -348,8 +348,7 @@ fn closest_of_round(
         }
     }
     let [first, second] = &placed;
-    let there = separate([first, second], f64::INFINITY).filter(|there| there.gap > 0.0)?;
-    Some(there.points.map(|point| at(poses[0], point)))
+    Some(closest_points([first, second])?.map(|point| at(poses[0], point)))
 }
 
 /// The point of a solid that is closest to a point, which it is where the solid holds it.
@@ -358,10 +357,7 @@ fn nearest_on(solid: &Solid, point: &Vector3<f64>) -> Vector3<f64> {
     solid.place(&Pose::IDENTITY, &mut placed[0]);
     let there = Pose::from_translation(convert::vector(point));
     Solid::ball(0.0).place(&there, &mut placed[1]);
-    match separate([&placed[0], &placed[1]], f64::INFINITY) {
-        Some(there) if there.gap > 0.0 => there.points[0],
-        _ => *point,
-    }
+    closest_points([&placed[0], &placed[1]]).map_or(*point, |[nearest, _]| nearest)
 }
 
 /// A convex part of a shape, as the geometry library has it.

@@ -96,6 +96,8 @@ pub struct Conditions<'a, G: Dimension> {
     /// What may be left, m/s, and what may be left where that takes too much work.
     pub(crate) settled: f64,
     pub(crate) enough: f64,
+    /// The residual within which the island is settled, m/s.
+    pub(crate) reached: f64,
     /// What may be left of what nearly rests, m/s, if these bodies hardly move.
     pub(crate) fine: Option<f64>,
 }
@@ -116,7 +118,7 @@ const FINE_VISITS: usize = 100_000;
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
 /// only its impulses are good enough to be kept.
-const NEAR: f64 = 30.0;
+const NEARLY_SETTLED: f64 = 30.0;
 
 impl<G, V, const F: usize, const D: usize> SolvesIslands<G> for IslandSolver<V, F, D>
 where
@@ -134,7 +136,7 @@ where
         impulses: &mut [V],
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError> {
-        let Conditions { free, states, settled, enough, .. } = conditions;
+        let Conditions { free, states, settled, enough, reached, .. } = conditions;
         self.pack::<G>(members, free.points, free.bias, states)?;
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
@@ -149,7 +151,7 @@ where
         let island = Island { contacts: &self.contacts, bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
-        let near = left.iter().all(|left| *left <= NEAR * settled);
+        let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
         let fine = conditions.fine.filter(|_| near);
         let goal = fine.unwrap_or(settled);
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
@@ -174,17 +176,16 @@ where
                 None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
                 None => self.parts.settle(sweeps, island, x, settled, most),
             };
-            solved += self.polish.polish(sweeps, island, x, (SMALL, AMPLIFICATION * settled));
+            solved += self.polish.polish(sweeps, island, x, (SMALL, reached));
             left = sweeps.residuals(island, x);
             if small && !met(&left) {
                 let more = self.parts.settle(sweeps, island, x, settled, most);
                 (relaxed, solved) = (relaxed + more[0], solved + more[1]);
             }
             left = sweeps.residuals(island, x);
-            let off = left.iter().any(|left| *left > AMPLIFICATION * settled);
+            let off = left.iter().any(|left| *left > reached);
             if off || (small && !met(&left)) {
-                solved +=
-                    self.polish.polish(sweeps, island, x, (POLISHED, AMPLIFICATION * settled));
+                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached));
                 left = sweeps.residuals(island, x);
             }
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {

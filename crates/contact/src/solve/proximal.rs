@@ -29,11 +29,11 @@ const NEWTONS: usize = 8;
 /// Slopes along a step of Newton's method that are tried.
 const TRIES: usize = 12;
 /// The part of the slope at the start that may be left at the end.
-const FLAT: f64 = 0.05;
+const LINE_SEARCH_SLOPE: f64 = 0.05;
 /// A decrease, relative to the kinetic energy and to the energy of what is left, that ends Newton's
 /// method.
-const SMALL: f64 = 1e-28;
-const DONE: f64 = 0.03;
+const ENERGY_ROUNDING: f64 = 1e-28;
+const ENERGY_PART: f64 = 0.03;
 /// Friction this close to its reach slides.
 const SLIDES: f64 = 1.0 - 1e-9;
 
@@ -148,7 +148,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
                 (0..D).for_each(|k| rates[k] += part * turn[k]);
             }
             let kinetic: f64 = island.bodies.iter().map(|&body| dot(&w[body], &w[body])).sum();
-            if promised <= SMALL * kinetic + DONE * left {
+            if promised <= ENERGY_ROUNDING * kinetic + ENERGY_PART * left {
                 break;
             }
         }
@@ -312,7 +312,7 @@ fn flat(slope: impl Fn(f64) -> f64, promised: f64) -> f64 {
     let (mut low, mut at_low) = (0.0, -promised);
     let (mut high, mut at_high) = (1.0, slope(1.0));
     let mut part = 1.0;
-    if at_high <= FLAT * promised {
+    if at_high <= LINE_SEARCH_SLOPE * promised {
         return part;
     }
     for _ in 0..TRIES {
@@ -321,7 +321,7 @@ fn flat(slope: impl Fn(f64) -> f64, promised: f64) -> f64 {
         let tenth = 0.1 * (high - low);
         part = secant.max(low + tenth).min(high - tenth);
         let here = slope(part);
-        if here.abs() <= FLAT * promised {
+        if here.abs() <= LINE_SEARCH_SLOPE * promised {
             break;
         }
         match here < 0.0 {

@@ -16,7 +16,7 @@ use crate::{Closeness, ColliderIn, ContactIn, DetectorIn, Dimension, RigidPathIn
 const INTERVALS: usize = 100;
 /// Distances below this part of the smaller radius are none, and faces of one surface whose heights
 /// differ by less are level.
-const CLOSE: f64 = 1e-6;
+const TOUCHING_DISTANCE: f64 = 1e-6;
 
 /// How bodies move in a step, and what they face.
 pub(crate) struct StepMotion<'a, G: Dimension> {
@@ -72,7 +72,7 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
     fn may_meet(&self, pair: [usize; 2], parts: &mut [Vec<u32>; 2]) -> bool {
         let movers = pair.map(|collider| self.mover(collider));
         let radius = movers.iter().map(|mover| mover.radius).filter(|&radius| radius > 0.0);
-        let tolerance = CLOSE * radius.fold(f64::INFINITY, f64::min);
+        let tolerance = TOUCHING_DISTANCE * radius.fold(f64::INFINITY, f64::min);
         let bodies = [0, 1].map(|k| {
             let Mover { collider, path, .. } = &movers[k];
             Swept::new(&collider.shape, &collider.place, path)
@@ -97,7 +97,7 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
             let height = G::dot(&outwards, &(contact.points[side] - G::translation(&seen)));
             let radii =
                 contact.bodies.into_iter().flatten().map(|body| self.detector.radius_of(body));
-            (reach - height).abs() < CLOSE * radii.fold(f64::INFINITY, f64::min)
+            (reach - height).abs() < TOUCHING_DISTANCE * radii.fold(f64::INFINITY, f64::min)
         })
     }
 }

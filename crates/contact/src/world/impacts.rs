@@ -38,12 +38,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         report.impacts = given.passes;
         report.settled &= given.converged;
         report.impact_residual = given.left;
-        let mut across = given.friction.iter();
+        let mut friction = given.friction.iter();
         for ((contact, hit), normal) in contacts.iter().zip(hits).zip(given.normal) {
-            *hit = contact.normal * normal;
-            for (tangent, &impulse) in contact.tangents().zip(&mut across) {
-                *hit = *hit + tangent * impulse;
+            let mut across = G::Vector::default();
+            for (tangent, &impulse) in contact.tangents().zip(&mut friction) {
+                across = across + tangent * impulse;
             }
+            // What rounding leaves of friction without a normal impulse is none.
+            let (length, bound) = (G::dot(&across, &across).sqrt(), contact.friction * normal);
+            let part = if length > bound { bound / length } else { 1.0 };
+            *hit = contact.normal * normal + across * part;
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::solve::rolling::TURNS;
 use crate::solve::sweeps::AMPLIFICATION;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
-use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING};
+use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
@@ -67,7 +67,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError> {
-        let [finest, enough, still] = self.settled(contacts, h);
+        let limits = self.settled(contacts, h);
+        let Settled { finest, enough, still, .. } = limits;
         let f = G::FREEDOMS;
         let Memory {
             v, increment, states, bias, impulses, islands, resting, solver, linked, ..
@@ -103,7 +104,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
             let guessed = Guessed { points: contacts, impulses, bias };
             let settled = if members.len() > LARGE { enough } else { finest };
-            let mut reached = AMPLIFICATION * settled;
+            let mut reached = limits.reached(settled);
             let off = match resting.off(members, guessed, settled) {
                 Some(off) => {
                     let stands =
@@ -112,6 +113,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         let velocity =
                             if stands { resting.before(body) } else { resting.after(body) };
                         v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
+                    }
+                    // What stands without any force needs no impulse to stand.
+                    let forces = |body: &usize| &increment.0[f * body..][..f];
+                    if stands && bodies.iter().flat_map(forces).all(|&gain| gain == 0.0) {
+                        members.iter().for_each(|&i| impulses[i] = G::Vector::default());
                     }
                     off
                 }
@@ -127,11 +133,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     ));
                     let large = self.tolerance.is_none() && members.len() > LARGE;
                     let fine = fine.filter(|_| !large);
-                    let conditions = Conditions { free, states, settled, enough, fine };
+                    let conditions = Conditions { free, states, settled, enough, reached, fine };
                     let off = solver.solve([members, bodies], conditions, impulses, report)?;
                     if self.tolerance.is_none() {
                         // What impulses cancel in velocities leaves their rounding.
-                        reached = reached.max(solver.rounding().min(AMPLIFICATION * enough));
+                        reached = reached.max(solver.rounding().min(limits.reached(enough)));
                     }
                     for &body in bodies {
                         let (state, change) = (&states[body], solver.change(body));

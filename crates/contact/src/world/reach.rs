@@ -14,7 +14,7 @@ const SPECULATIVE_MARGIN: f64 = 1e-6;
 const MISSED: f64 = 1e-3;
 /// Pairs that move less than this part of the smaller radius against each other have gaps that are
 /// nearly linear over the step.
-const FAR: f64 = 0.1;
+const NONLINEAR_MOTION: f64 = 0.1;
 
 impl<G: Dimension, P: Potential> World<G, P> {
     /// How far each body moves in a step.
@@ -54,7 +54,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         for of_pair in contacts.chunk_by(ContactIn::same_pair) {
             let pair = of_pair[0].id.pair();
             let bodies = || of_pair[0].bodies.into_iter().flatten();
-            let far = bodies().map(|body| FAR * self.detector.radius_of(body));
+            let far = bodies().map(|body| NONLINEAR_MOTION * self.detector.radius_of(body));
             let far = far.fold(f64::INFINITY, f64::min);
             let clear = bodies().map(|body| reach[body]).sum::<f64>() > far
                 && motion.closing(pair) > far

@@ -25,11 +25,32 @@ const TOLERANCE: f64 = 1e-2;
 /// Islands of more contacts are large.
 pub(super) const LARGE: usize = 100;
 
+/// Rates off by so many times what rounding leaves of gaps and speeds are met.
+const ROUNDINGS: f64 = 9.0;
+
+/// What counts as settled in a step, m/s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settled {
+    /// The change of velocity in small islands and in large ones: such changes leave a residual within the
+    /// tolerance.
+    pub(super) finest: f64,
+    pub(super) enough: f64,
+    /// By how much what stands may be off from rest: a part of the velocity increment, however loose the
+    /// tolerance, or weight would be lost.
+    pub(super) still: f64,
+    /// What rounding leaves of gaps and speeds.
+    rounding: f64,
+}
+
+impl Settled {
+    /// The residual that a change leaves, within which an island is settled.
+    pub(super) fn reached(&self, change: f64) -> f64 {
+        if change > self.rounding { AMPLIFICATION * change } else { ROUNDINGS * self.rounding }
+    }
+}
+
 impl<G: Dimension, P: Potential> World<G, P> {
-    /// The change of velocity that counts as settled in small islands and in large ones, m/s: such
-    /// changes leave a residual within the tolerance. And that by which what stands may be off from
-    /// rest: a part of the velocity increment, however loose the tolerance, or weight would be lost.
-    pub(super) fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> [f64; 3] {
+    pub(super) fn settled(&self, contacts: &[ContactIn<G>], h: f64) -> Settled {
         let Memory { v, increment, .. } = &self.memory;
         let fastest = |v: &[f64]| {
             let bodies = v.chunks_exact(G::FREEDOMS).enumerate();
@@ -41,6 +62,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let gain = fastest(&increment.0);
         let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
         let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
-        [or_asked(FINE_TOLERANCE), or_asked(TOLERANCE), within(TOLERANCE * gain)]
+        Settled {
+            finest: or_asked(FINE_TOLERANCE),
+            enough: or_asked(TOLERANCE),
+            still: within(TOLERANCE * gain),
+            rounding,
+        }
     }
 }

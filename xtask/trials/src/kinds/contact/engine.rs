@@ -34,6 +34,8 @@ pub(super) struct Seen {
     pub(super) bodies: [Option<usize>; 2],
     pub(super) normal: Vector3<f64>,
     pub(super) points: [Vector3<f64>; 2],
+    /// The same from the centres of the bodies: far from the origin they know it better.
+    pub(super) arms: [Vector3<f64>; 2],
     pub(super) gap: f64,
     pub(super) friction: f64,
     /// On the second body, N s: along the normal of impacts and of rest, and across.

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::{
-    ContactError, PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld, World, WorldReport,
+    ContactError, Planar, PlanarCollider, PlanarContactPoint, PlanarDetector, PlanarShape,
+    PlanarWorld, Touch, World, WorldReport,
 };
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
@@ -15,6 +16,8 @@ use super::hull::Pose;
 pub(super) struct Scene {
     world: PlanarWorld<PlanarWeight>,
     state: State<Vec<f64>>,
+    /// How bodies were turned when the last step began.
+    frames: Vec<Matrix3<f64>>,
 }
 
 fn shape(thing: &Thing) -> Result<PlanarShape, ContactError> {
@@ -60,12 +63,13 @@ impl Scene {
         if let Some(tolerance) = case.tolerance {
             world = world.with_tolerance(tolerance)?;
         }
-        Ok(Scene { world, state: State::new(q, Covector(p)) })
+        Ok(Scene { world, state: State::new(q, Covector(p)), frames: Vec::new() })
     }
 }
 
 impl Engine for Scene {
     fn step(&mut self, h: f64) -> Result<WorldReport, ContactError> {
+        self.frames = self.motions().iter().map(|motion| motion.pose.r).collect();
         self.world.step(&mut self.state, h)
     }
 
@@ -85,10 +89,15 @@ impl Engine for Scene {
 
     fn touches(&self) -> Vec<Seen> {
         let space = |v: Vector2<f64>| Vector3::new(v.x, v.y, 0.0);
-        let seen = |touch: stationary_contact::Touch<stationary_contact::Planar>| Seen {
+        let arm = |contact: &PlanarContactPoint, side: usize| match contact.bodies[side] {
+            Some(body) => self.frames[body] * space(contact.arms[side]),
+            None => space(contact.arms[side]),
+        };
+        let seen = |touch: Touch<Planar>| Seen {
             bodies: touch.contact.bodies,
             normal: space(touch.contact.normal),
             points: touch.contact.points.map(space),
+            arms: [0, 1].map(|side| arm(&touch.contact, side)),
             gap: touch.contact.gap,
             friction: touch.contact.friction,
             impact: touch.impact,

@@ -1,8 +1,9 @@
 //! A scene of space.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use stationary_contact::{
-    Collider, ContactError, Detector, Shape, Spatial, SpatialWorld, Touch, World, WorldReport,
+    Collider, ContactError, ContactPoint, Detector, Shape, Spatial, SpatialWorld, Touch, World,
+    WorldReport,
 };
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -17,6 +18,8 @@ use super::hull::Pose;
 pub(super) struct Scene {
     world: SpatialWorld<Weight<Poses>>,
     state: State<Vec<f64>>,
+    /// How bodies were turned when the last step began.
+    frames: Vec<Matrix3<f64>>,
 }
 
 fn shape(thing: &Thing) -> Result<Shape, ContactError> {
@@ -64,12 +67,13 @@ impl Scene {
         if let Some(tolerance) = case.tolerance {
             world = world.with_tolerance(tolerance)?;
         }
-        Ok(Scene { world, state })
+        Ok(Scene { world, state, frames: Vec::new() })
     }
 }
 
 impl Engine for Scene {
     fn step(&mut self, h: f64) -> Result<WorldReport, ContactError> {
+        self.frames = self.motions().iter().map(|motion| motion.pose.r).collect();
         self.world.step(&mut self.state, h)
     }
 
@@ -88,10 +92,15 @@ impl Engine for Scene {
     }
 
     fn touches(&self) -> Vec<Seen> {
+        let arm = |contact: &ContactPoint, side: usize| match contact.bodies[side] {
+            Some(body) => self.frames[body] * contact.arms[side],
+            None => contact.arms[side],
+        };
         let seen = |touch: Touch<Spatial>| Seen {
             bodies: touch.contact.bodies,
             normal: touch.contact.normal,
             points: touch.contact.points,
+            arms: [0, 1].map(|side| arm(&touch.contact, side)),
             gap: touch.contact.gap,
             friction: touch.contact.friction,
             impact: touch.impact,

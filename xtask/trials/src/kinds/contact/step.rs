@@ -5,13 +5,15 @@
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
-//! depth+ <= depth- + sum R (h w)^2 + h s sum h w + h r             on the whole way of the step
+//! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
+//! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
 //! ```
 //! The energy has no term of the method: with contacts off by nothing,
 //! `E+ - E- = (impacts) - |v+ - v|_M^2/2 + lambda.u + beta.u_t` where `v` is the velocity after impacts
 //! and the last two oppose what moves. `r r_t` are the residuals that are reported, `R` the radii of
 //! the bodies, `w` their spins, `s` their speed against each other: a gap that is linear over a step errs
-//! by what turns, and by what slides along a face that turns.
+//! by what turns, and by what slides along a face that turns. The second of `turn` is an edge that rocks on a
+//! ball: at a height `c` below the centre about which it turns, it comes closer by `(R + c)(1 - cos(h w))`.
 
 use nalgebra::{Matrix2, Vector3};
 use stationary_contact::WorldReport;
@@ -66,9 +68,9 @@ impl Seen {
         self.normal * (self.impact + self.rest) + self.rubbed
     }
 
-    /// Each body with the sign of the impulse on it, and where.
+    /// Each body with the sign of the impulse on it, and where from its centre.
     fn sides(&self) -> impl Iterator<Item = (usize, f64, Vector3<f64>)> {
-        let side = move |(k, sign): (usize, f64)| Some((self.bodies[k]?, sign, self.points[k]));
+        let side = move |(k, sign): (usize, f64)| Some((self.bodies[k]?, sign, self.arms[k]));
         [(0, -1.0), (1, 1.0)].into_iter().filter_map(side).collect::<Vec<_>>().into_iter()
     }
 }
@@ -118,11 +120,13 @@ impl<'a> Referee<'a> {
         touches: &[Seen],
         report: &WorldReport,
     ) -> Vec<Vector3<f64>> {
-        let motions = if report.overlap > 0.0 { before } else { after };
+        // In the plane a turn leaves the momentum as it is.
+        let turns = report.overlap > 0.0 && !self.case.flat;
+        let motions = if turns { before } else { after };
         let mut turning: Vec<_> = motions.iter().map(|m| m.l).collect();
-        for touch in touches.iter().filter(|_| report.overlap > 0.0) {
-            for (k, sign, point) in touch.sides().filter(|side| !self.bodies[side.0].pushed) {
-                turning[k] += (point - before[k].pose.x).cross(&(touch.impulse() * sign));
+        for touch in touches.iter().filter(|_| turns) {
+            for (k, sign, arm) in touch.sides().filter(|side| !self.bodies[side.0].pushed) {
+                turning[k] += arm.cross(&(touch.impulse() * sign));
             }
         }
         turning
@@ -145,10 +149,10 @@ impl<'a> Referee<'a> {
             let mut l = from.l;
             let mut pushed = 0.0;
             for touch in step.touches.iter().filter(|_| !body.pushed) {
-                for (_, sign, point) in touch.sides().filter(|side| side.0 == k) {
+                for (_, sign, arm) in touch.sides().filter(|side| side.0 == k) {
                     let impulse = touch.impulse() * sign;
                     p += impulse;
-                    l += (point - from.pose.x).cross(&impulse);
+                    l += arm.cross(&impulse);
                     pushed += impulse.norm();
                 }
             }
@@ -158,8 +162,7 @@ impl<'a> Referee<'a> {
             let promised = ROUNDING * moves + body.mass * off;
             let momentum = Verdict::of((to.p - p).norm(), promised, "momentum of a body");
             let turns = from.l.norm() + to.l.norm() + pushed * radius;
-            let far = 1e-14 * from.pose.x.norm() * pushed;
-            let promised = ROUNDING * turns + far + body.mass * radius * off;
+            let promised = ROUNDING * turns + body.mass * radius * off;
             let lifted = step.report.overlap > 0.0;
             let error = if lifted { (to.l.norm() - l.norm()).abs() } else { (to.l - l).norm() };
             let spin = Verdict::of(error, promised, "angular momentum of a body");
@@ -239,18 +242,18 @@ impl<'a> Referee<'a> {
     fn work(&self, step: &Step) -> f64 {
         let mut work = 0.0;
         for touch in step.touches {
-            for (body, sign, point) in touch.sides().filter(|side| self.bodies[side.0].pushed) {
-                work -= sign * touch.impulse().dot(&self.velocity(step, body, &point));
+            for (body, sign, arm) in touch.sides().filter(|side| self.bodies[side.0].pushed) {
+                work -= sign * touch.impulse().dot(&self.velocity(step, body, &arm));
             }
         }
         work
     }
 
-    /// The velocity after the step of a point where it was before.
-    fn velocity(&self, step: &Step, k: usize, point: &Vector3<f64>) -> Vector3<f64> {
+    /// The velocity after the step of a point where it was before, from the body's centre.
+    fn velocity(&self, step: &Step, k: usize, arm: &Vector3<f64>) -> Vector3<f64> {
         let (body, from, to) = (&self.bodies[k], &step.before[k], &step.after[k]);
         let spin = body.spin(&from.pose.r, &step.turning[k]);
-        to.p / body.mass + spin.cross(&(point - from.pose.x))
+        to.p / body.mass + spin.cross(arm)
     }
 
     /// Impulses push, and rub within what they push.
@@ -301,15 +304,20 @@ impl<'a> Referee<'a> {
         for touch in step.touches {
             let unit = (touch.normal.norm() - 1.0).abs();
             verdict = verdict.and(Verdict::of(unit, 1e-12, "the length of a normal"));
+            for (side, body) in touch.bodies.into_iter().enumerate() {
+                let Some(body) = body else { continue };
+                let off = step.before[body].pose.x + touch.arms[side] - touch.points[side];
+                let rounding = 1e-14 * (step.farthest() + touch.arms[side].norm());
+                verdict = verdict.and(Verdict::of(off.norm(), rounding, "the place of a point"));
+            }
             let slop = slop + touch.sides().map(|(k, ..)| rounded[k]).sum::<f64>();
             let mut rate = Vector3::zeros();
-            for (body, sign, point) in touch.sides() {
-                rate += self.velocity(step, body, &point) * sign;
+            for (body, sign, arm) in touch.sides() {
+                rate += self.velocity(step, body, &arm) * sign;
             }
             let gives = |a: &Vector3<f64>, b: &Vector3<f64>| -> f64 {
-                let side = |(body, _, point): (usize, f64, Vector3<f64>)| {
-                    let pose = &step.before[body].pose;
-                    self.bodies[body].gives(&pose.r, &(point - pose.x), [a, b])
+                let side = |(body, _, arm): (usize, f64, Vector3<f64>)| {
+                    self.bodies[body].gives(&step.before[body].pose.r, &arm, [a, b])
                 };
                 touch.sides().map(side).sum()
             };
@@ -403,7 +411,9 @@ impl<'a> Referee<'a> {
                 let thin = hulls[0].thin.min(hulls[1].thin);
                 let moved = [other, k].map(|k| step.after[k].p * (h / self.bodies[k].mass));
                 let slides = (moved[1] - moved[0]).norm();
-                let turn = turns(other) + turns(k);
+                let seen_turn = (spins[k] - spins[other]).norm_squared();
+                let curved = 0.5 * (hulls[0].radius + hulls[1].radius) * seen_turn;
+                let turn = (turns(other) + turns(k)).max(curved);
                 let turn = turn + slides * (spins[other].norm() + spins[k].norm());
                 if self.bodies[other].pushed && self.bodies[k].pushed || turn + common > thin {
                     continue;

@@ -1,0 +1,232 @@
+//! Where two convex solids face each other, along the direction in which they are farthest apart.
+//!
+//! ```text
+//! min |x2 - x1 - s n|        x1 x2 of what reaches farthest along n of the first, against n of the second
+//! x = sum_k w_k y_k,   y_k = x2_k - x1_k - s n,   sum w_k = 1,  w_k >= 0            at most four y_k
+//! ```
+//! `s` the separation of the hulls along the unit normal `n`, m, so that the least is zero but for rounding.
+//! The point of a set that is nearest to zero is looked for among the differences: the one that lies
+//! farthest against `x` joins, then `x` goes to the nearest point of the plane of those that have joined,
+//! or as far as its weights stay positive. What comes out are means of points of the solids, and so
+//! belongs to them whatever rounding does. Source: Wolfe 1976 (the nearest point of a polytope).
+
+use nalgebra::Vector3;
+
+use crate::detect::separation::{Direction, separate};
+use crate::shapes::solid::{Part, Placed};
+
+type V = Vector3<f64>;
+
+/// What reaches as far as the farthest within this part of the sizes may take part.
+const LEVEL: f64 = 1e-9;
+/// Distances below this part of the sizes are zero.
+const ZERO: f64 = 1e-15;
+/// Points that are across a separation to this part of the sizes face each other.
+const MET: f64 = 1e-13;
+/// Circles at a larger sine to the direction have one farthest point, to rounding.
+const TILTED: f64 = 1e-2;
+/// Points that join at most.
+const ROUNDS: usize = 60;
+/// Points of a plane, in space.
+const MOST: usize = 4;
+
+/// A difference of two points, and its weight in their mean.
+#[derive(Clone, Copy)]
+struct Member {
+    off: V,
+    points: [V; 2],
+    weight: f64,
+}
+
+/// Points of the hulls of two solids across the direction between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    /// The separation of the hulls along it, m.
+    pub(crate) separation: f64,
+    pub(crate) normal: V,
+    pub(crate) points: [V; 2],
+    /// How far the points are from being across the separation along the normal, m.
+    off: f64,
+}
+
+/// The closest points of two solids that are apart; none where they overlap.
+pub(crate) fn closest_points(solids: [&Placed; 2]) -> Option<[V; 2]> {
+    let [a, b] = solids;
+    let Direction { gap, normal } = separate(solids, f64::INFINITY)?;
+    let facing = facing_points(solids, normal, gap + a.rounding + b.rounding);
+    let Facing { points: [x1, x2], normal, separation, .. } = facing;
+    let apart = separation - a.rounding - b.rounding > 0.0;
+    apart.then(|| [x1 + normal * a.rounding, x2 - normal * b.rounding])
+}
+
+/// Points of the hulls of two solids that face each other along a direction across a separation. Of hulls that
+/// are apart they are the closest, and say the direction where the search for it left more to find.
+pub(crate) fn facing_points(solids: [&Placed; 2], n: V, separation: f64) -> Facing {
+    let [a, b] = solids;
+    let scale = a.size + b.size + (b.centre - a.centre).norm();
+    let ends = [ends_of(a, &n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
+    let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
+    let off = (points[1] - points[0] - n * separation).norm();
+    let found = Facing { separation, normal: n, points, off };
+    if off <= MET * scale || separation <= 0.0 {
+        return found;
+    }
+    let points = nearest([&a.parts, &b.parts], &n, &V::zeros(), scale);
+    let way = points[1] - points[0];
+    let Some(normal) = way.try_normalize(ZERO * scale) else { return found };
+    let separation = -b.farthest(&-normal).1 - a.farthest(&normal).1;
+    let off = (way - normal * separation).norm();
+    let better = separation >= found.separation - ZERO * scale && off < found.off;
+    if better { Facing { separation, normal, points, off } } else { found }
+}
+
+/// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
+fn nearest(parts: [&[Part]; 2], n: &V, shift: &V, scale: f64) -> [V; 2] {
+    let farthest_against = |d: &V| {
+        let points = [farthest(parts[0], d), farthest(parts[1], &-d)];
+        Member { off: points[1] - points[0] - shift, points, weight: 0.0 }
+    };
+    let mut members = Vec::with_capacity(MOST + 1);
+    members.push(Member { weight: 1.0, ..farthest_against(n) });
+    let mut best = (f64::INFINITY, [V::zeros(); 2]);
+    for _ in 0..ROUNDS {
+        let mean = |part: &dyn Fn(&Member) -> V| -> V {
+            members.iter().map(|member| part(member) * member.weight).sum()
+        };
+        let off = mean(&|member| member.off);
+        let distance = off.norm();
+        if distance < best.0 {
+            best = (distance, [0, 1].map(|side| mean(&|member| member.points[side])));
+        }
+        if distance <= ZERO * scale {
+            break;
+        }
+        let next = farthest_against(&(off / distance));
+        if off.dot(&(off - next.off)) <= ZERO * scale * distance || members.len() > MOST {
+            break;
+        }
+        members.push(next);
+        approach(&mut members);
+    }
+    best.1
+}
+
+/// The parts of a solid that reach farthest along a direction.
+fn ends_of(solid: &Placed, n: &V, level: f64) -> Vec<Part> {
+    let reach = solid.farthest(n).1 - level;
+    let near = solid.parts.iter().filter(|part| part.reach(n) >= reach);
+    let end = |part: &Part| match part {
+        Part::Circle { axis, .. } if axis.cross(n).norm() < TILTED => *part,
+        _ => Part::Point(part.point(n)),
+    };
+    near.map(end).collect()
+}
+
+/// The point of some parts that lies farthest along a direction.
+fn farthest(parts: &[Part], d: &V) -> V {
+    let mut best = (f64::NEG_INFINITY, V::zeros());
+    for part in parts {
+        let reach = part.reach(d);
+        if reach > best.0 {
+            best = (reach, part.point(d));
+        }
+    }
+    best.1
+}
+
+/// Changes weights until their mean is the point of the hull of the members that is nearest to zero; who
+/// has none left leaves. The last one has just joined.
+fn approach(members: &mut Vec<Member>) {
+    while members.len() > 1 {
+        let wanted = nearest_of_plane(members);
+        let mut part = 1.0;
+        for (member, wanted) in members.iter().zip(&wanted) {
+            if *wanted <= 0.0 {
+                part = f64::min(part, member.weight / (member.weight - wanted));
+            }
+        }
+        for (member, wanted) in members.iter_mut().zip(&wanted) {
+            member.weight += part * (wanted - member.weight);
+        }
+        if part >= 1.0 {
+            break;
+        }
+        // Who reached zero first leaves, whatever rounding says.
+        let least = (0..members.len())
+            .filter(|&k| wanted[k] <= 0.0)
+            .min_by(|&i, &j| members[i].weight.total_cmp(&members[j].weight));
+        let Some(least) = least else { break };
+        members.remove(least);
+        members.iter_mut().for_each(|member| member.weight = member.weight.max(0.0));
+    }
+    let sum: f64 = members.iter().map(|member| member.weight).sum();
+    members.iter_mut().for_each(|member| member.weight /= sum);
+}
+
+/// The weights, of sum 1, of the point nearest to zero of the line, plane or space of some points.
+fn nearest_of_plane(members: &[Member]) -> Vec<f64> {
+    let (origin, rest) = (members[0].off, &members[1..]);
+    // Orthonormal directions of the plane, and the sides in their terms.
+    let mut directions: Vec<V> = Vec::with_capacity(3);
+    let mut weights = vec![0.0; members.len()];
+    let mut kept = Vec::with_capacity(3);
+    for (k, member) in rest.iter().enumerate() {
+        let side = member.off - origin;
+        let mut across = side;
+        for _ in 0..2 {
+            directions.iter().for_each(|d| across -= d * across.dot(d));
+        }
+        // What lies in the plane of those before it adds nothing.
+        if across.norm() > 1e-12 * side.norm() && directions.len() < 3 {
+            directions.push(across.normalize());
+            kept.push(k);
+        }
+    }
+    // From the last direction back: the sides are triangular in them.
+    let mut left = -origin;
+    for (i, &k) in kept.iter().enumerate().rev() {
+        let side = rest[k].off - origin;
+        let weight = left.dot(&directions[i]) / side.dot(&directions[i]);
+        weights[k + 1] = weight;
+        left -= side * weight;
+    }
+    weights[0] = 1.0 - weights[1..].iter().sum::<f64>();
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry3d_f64::math::Pose;
+
+    use crate::shapes::solid::Solid;
+
+    #[test]
+    fn the_points_of_a_disc_on_an_edge_are_on_both_and_face_each_other() {
+        let (cylinder, mut disc) = (Solid::cylinder(1.0, 2.0), Placed::default());
+        cylinder.place(&Pose::IDENTITY, &mut disc);
+        let edge = |ends: [V; 2]| Placed {
+            parts: ends.map(Part::Point).to_vec(),
+            size: 5.0,
+            ..Placed::default()
+        };
+        for tilt in [0.0, 1e-12, 1e-9, 1e-6] {
+            let n = V::new(tilt, 0.0, 1.0).normalize();
+            // Above the disc, or above its rim.
+            for across in [0.3, 1.9] {
+                let along = V::y() * 3.0;
+                let middle = V::new(across, 0.0, 1.5);
+                let other = edge([middle - along, middle + along]);
+                let separation = -other.farthest(&-n).1 - disc.farthest(&n).1;
+                let Facing { points: [x1, x2], normal: n, separation, .. } =
+                    facing_points([&disc, &other], n, separation);
+                let on_disc = x1.xy().norm() <= 2.0 + 1e-12 && (x1.z - 1.0).abs() < 1e-12;
+                let on_edge = (x2.x - across).abs() < 1e-12 && x2.y.abs() <= 3.0;
+                let off = (x2 - x1 - n * separation).norm();
+                // A tilted disc reaches farthest at its rim, and is not met there.
+                let tolerance = 1e-12 + 2.0 * tilt;
+                assert!(on_disc && on_edge && off < tolerance, "{tilt:e} {across} {off:e}");
+            }
+        }
+    }
+}
