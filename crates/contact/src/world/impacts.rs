@@ -45,7 +45,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 across = across + tangent * impulse;
             }
             // What rounding leaves of friction without a normal impulse is none.
-            let (length, bound) = (G::dot(&across, &across).sqrt(), contact.friction * normal);
+            let length = G::dot(&across, &across).sqrt();
+            let bound = contact.friction * normal.max(0.0);
             let part = if length > bound { bound / length } else { 1.0 };
             *hit = contact.normal * normal + across * part;
         }

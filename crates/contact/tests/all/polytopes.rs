@@ -245,3 +245,25 @@ fn sixty_drops_of_a_cube_given_as_a_hull_come_to_rest_and_gain_no_energy() {
         assert!((end - 5.0).abs() < 1e-2, "drop {k} ends with {end} J");
     }
 }
+
+#[test]
+fn hulls_of_very_many_edges_lie_on_each_other_by_many_corners() {
+    // Pairs of edges that are too many to be looked at one by one.
+    let solid = Shape::convex(&prism(100, 1.0, 0.5)).unwrap();
+    let gap = 1e-3;
+    let pose = |z: f64, turn: f64| RigidMotion {
+        translation: V::z() * z,
+        rotation: Rotation::exp(V::z() * turn),
+    };
+    let colliders = [0, 1].map(|body| Collider::on_body(body, solid.clone()));
+    let mut detector = Detector::new(colliders.into(), 2).unwrap();
+    for turn in [0.0, 0.01, 1.0] {
+        let q = configuration(&[pose(0.0, 0.0), pose(1.0 + gap, turn)]);
+        let contacts = detector.detect(&q, 0.1).unwrap();
+        assert!(contacts.len() >= 100, "{} contacts at {turn}", contacts.len());
+        for contact in contacts {
+            assert!((contact.gap - gap).abs() < 1e-13 && (contact.normal - V::z()).norm() < 1e-13);
+            assert!(contact.points.iter().all(|point| point.xy().norm() < 1.0 + 1e-12));
+        }
+    }
+}
