@@ -24,7 +24,7 @@
 //!
 //! Reading order: what a [`Description`] holds, `scene_of_urdf` and `scene_of_mjcf`, each behind the feature of its
 //! name. What only a scene lacks is left out and named, in the text as well, since a motion without it is
-//! another one: limits and friction of joints, actuators, shapes of other kinds. What cannot be told without it
+//! another one: limits that the start is beyond, armature, actuators, shapes of other kinds. What cannot be told without it
 //! is an [`ImportError`]: several joints of one body, joints that follow another, masses of surfaces.
 
 mod error;

@@ -11,7 +11,9 @@ use mjcf_rs::equality::Equality;
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
 
-use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name};
+use crate::robot::{
+    Bounds, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
+};
 use crate::text::scene;
 use crate::{Description, ImportError};
 
@@ -149,9 +151,10 @@ fn place(
             Ok(parent.to_owned())
         }
         [joint] => {
-            if let Some(kind) = kind(robot, joint, pose, &name)? {
+            if let Some((kind, bounds)) = kind(robot, joint, pose, &name)? {
                 let at = pose.apply(&Vector3::from(joint.pos));
-                robot.links.push(Link { kind, between: [parent.to_owned(), name.clone()], at });
+                let between = [parent.to_owned(), name.clone()];
+                robot.links.push(Link { kind, between, at, bounds });
             }
             robot.parts.push(part);
             Ok(name)
@@ -160,24 +163,31 @@ fn place(
     }
 }
 
-/// What a joint leaves free; nothing where all is.
+/// What a joint leaves free, and what bounds it; nothing where all is.
 fn kind(
     robot: &mut Robot,
     joint: &Joint,
     pose: &RigidMotion,
     body: &str,
-) -> Result<Option<Kind>, ImportError> {
+) -> Result<Option<(Kind, Bounds)>, ImportError> {
     let name = joint.name.clone().unwrap_or_else(|| format!("joint of {body}"));
     let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{name}`"));
-    let autolimits = true;
+    let (autolimits, hinge) = (true, joint.type_ == JointType::Hinge);
+    let mut bounds = Bounds::default();
+    let of_one = hinge || joint.type_ == JointType::Slide;
+    if of_one {
+        bounds.friction = joint.frictionloss;
+    }
+    let limited = joint.limited.resolve(autolimits, joint.range.is_some());
+    let range = joint.range.filter(|_| of_one).map(|range| range.map(|limit| limit - joint.ref_));
+    let beyond = limited && !range.is_some_and(|range| bounds.take(range, hinge));
     let checks = [
-        (joint.limited.resolve(autolimits, joint.range.is_some()), "limits"),
-        (joint.frictionloss != 0.0, "friction"),
+        (beyond, "limits"),
+        (!of_one && joint.frictionloss != 0.0, "friction"),
         (joint.armature != 0.0, "armature"),
         (joint.springdamper.is_some(), "springdamper"),
     ];
     checks.iter().filter(|(has, _)| *has).for_each(|(_, what)| leave(what));
-    let hinge = joint.type_ == JointType::Hinge;
     if !hinge && joint.stiffness != 0.0 {
         leave("stiffness");
     }
@@ -185,7 +195,7 @@ fn kind(
         leave("damping");
     }
     let axis = || axis_in_world(&name, pose, joint.axis);
-    Ok(match joint.type_ {
+    let kind = match joint.type_ {
         JointType::Free => None,
         JointType::Ball => Some(Kind::Ball),
         JointType::Slide => Some(Kind::Slider { axis: axis()? }),
@@ -194,7 +204,8 @@ fn kind(
             let rest = joint.springref - joint.ref_;
             Some(Kind::Hinge { axis: axis()?, stiffness, rest, damping })
         }
-    })
+    };
+    Ok(kind.map(|kind| (kind, bounds)))
 }
 
 /// Loops that are closed beside the tree.
@@ -247,7 +258,8 @@ fn equalities(
             None => WORLD.to_owned(),
         };
         let at = first.0.apply(&Vector3::from(anchor));
-        robot.links.push(Link { kind, between: [first.1.clone(), second], at });
+        let between = [first.1.clone(), second];
+        robot.links.push(Link { kind, between, at, bounds: Bounds::default() });
     }
     Ok(())
 }

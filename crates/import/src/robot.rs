@@ -1,6 +1,7 @@
 //! What both formats say, at the start: parts in the world, and what joins them.
 
 use std::collections::HashSet;
+use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body, PrincipalFrame, RigidError, RigidMotion, SpatialMass};
@@ -113,12 +114,33 @@ pub(crate) enum Kind {
     Fixed,
 }
 
+/// What bounds the turn of a hinge (rad, N m) or the shift of a slider (m, N).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Bounds {
+    pub(crate) limits: Option<[f64; 2]>,
+    /// The largest torque or force of dry friction.
+    pub(crate) friction: f64,
+}
+
+impl Bounds {
+    /// Takes limits that a scene can have: the start lies between them, and a turn is known up to whole ones.
+    pub(crate) fn take(&mut self, [low, high]: [f64; 2], turns: bool) -> bool {
+        let known = !turns || (low >= -PI && high <= PI);
+        let fits = low <= 0.0 && high >= 0.0 && low < high && known;
+        if fits {
+            self.limits = Some([low, high]);
+        }
+        fits
+    }
+}
+
 /// A joint at a place of the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     pub(crate) kind: Kind,
     pub(crate) between: [String; 2],
     pub(crate) at: Vector3<f64>,
+    pub(crate) bounds: Bounds,
 }
 
 /// All of it.

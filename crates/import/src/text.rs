@@ -78,6 +78,12 @@ fn joint(link: &Link) -> String {
             let _ = writeln!(out, "damping = {damping:?}");
         }
     }
+    if let Some(limits) = link.bounds.limits {
+        let _ = writeln!(out, "limits = {}", numbers(limits));
+    }
+    if link.bounds.friction != 0.0 {
+        let _ = writeln!(out, "friction = {:?}", link.bounds.friction);
+    }
     out
 }
 

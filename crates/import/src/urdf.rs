@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{LieGroup, RigidMotion, Rotation, SpatialMass};
 use urdf_rs::{Geometry, JointType, Pose};
 
-use crate::robot::{Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
+use crate::robot::{Bounds, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
 use crate::text::scene;
 use crate::{Description, ImportError};
 
@@ -152,19 +152,27 @@ fn place(
     let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{}`", joint.name));
     let dynamics = joint.dynamics.as_ref();
     let [damping, friction] = dynamics.map_or([0.0; 2], |d| [d.damping, d.friction]);
-    if friction != 0.0 {
+    let mut bounds = Bounds::default();
+    let of_one = matches!(
+        joint.joint_type,
+        JointType::Revolute | JointType::Continuous | JointType::Prismatic
+    );
+    if of_one {
+        bounds.friction = friction;
+    } else if friction != 0.0 {
         leave("friction");
+    }
+    let limits = [joint.limit.lower, joint.limit.upper];
+    let turns = joint.joint_type == JointType::Revolute;
+    if (turns || joint.joint_type == JointType::Prismatic) && !bounds.take(limits, turns) {
+        leave("limits");
     }
     let axis = || axis_in_world(&joint.name, pose, joint.axis.xyz.0);
     let kind = match joint.joint_type {
         JointType::Revolute | JointType::Continuous => {
-            if joint.joint_type == JointType::Revolute {
-                leave("limits");
-            }
             Some(Kind::Hinge { axis: axis()?, stiffness: 0.0, rest: 0.0, damping })
         }
         JointType::Prismatic => {
-            leave("limits");
             if damping != 0.0 {
                 leave("damping");
             }
@@ -182,7 +190,7 @@ fn place(
     };
     if let Some(kind) = kind {
         let between = [parent, name.clone()];
-        robot.links.push(Link { kind, between, at: pose.translation });
+        robot.links.push(Link { kind, between, at: pose.translation, bounds });
     }
     robot.parts.push(Part { name: name.clone(), pieces, outlines });
     Ok(name)

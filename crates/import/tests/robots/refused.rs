@@ -134,23 +134,18 @@ fn files_of_another_kind_are_refused_and_none_panics() {
 
 #[test]
 fn what_is_left_out_is_named_in_the_list_and_in_the_text() {
-    let limit =
-        r#"<limit lower="-1" upper="1" effort="10" velocity="1"/><dynamics friction="0.2"/>"#;
+    let limit = r#"<limit lower="1" upper="2" effort="10" velocity="1"/>"#;
     let robot = r#"<link name="a"/><link name="b">MASS</link>"#.to_owned()
         + &joint("elbow", "revolute", "a", "b", limit);
     let left = urdf(&robot).unwrap();
-    assert_eq!(
-        left.left_out,
-        ["friction of joint `elbow`", "limits of joint `elbow`"].map(str::to_owned)
-    );
+    assert_eq!(left.left_out, ["limits of joint `elbow`"].map(str::to_owned));
     let model = r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/>
-      <body name="leg"><joint name="hip" frictionloss="1" armature="0.1" range="-10 10"/>
+      <body name="leg"><joint name="hip" frictionloss="1" armature="0.1" range="10 20"/>
         <geom type="capsule" size="0.1 0.2"/></body></worldbody>
       <actuator><motor name="drive" joint="hip"/></actuator></mujoco>"#;
     let left = scene_of_mjcf(model, ".").unwrap();
     for what in [
         "limits of joint `hip`",
-        "friction of joint `hip`",
         "armature of joint `hip`",
         "actuator `drive`",
         "what `leg` touches",

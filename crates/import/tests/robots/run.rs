@@ -151,3 +151,46 @@ fn a_loop_that_a_model_closes_is_a_joint() {
     assert!((first[0] - last[0]).abs() < 1e-6 * first[0].abs(), "{first:?} {last:?}");
     assert_eq!(described.text.matches("kind = \"ball\"").count(), 1);
 }
+
+/// A hinge falls onto its stop and stays there; one whose friction is large enough does not fall.
+#[test]
+fn limits_and_friction_of_joints_hold_as_the_descriptions_say() {
+    let robot = |bounds: &str| {
+        format!(
+            r#"<robot name="gate"><link name="post"/>
+              <link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+                <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
+              <joint name="stop" type="revolute"><parent link="post"/><child link="arm"/>
+                <axis xyz="0 1 0"/>{bounds}</joint></robot>"#
+        )
+    };
+    let model = |bounds: &str| {
+        format!(
+            r#"<mujoco><worldbody><body name="arm"><joint name="stop" axis="0 1 0" {bounds}/>
+              <inertial pos="0.5 0 0" mass="2" diaginertia="0.01 0.02 0.02"/></body>
+              </worldbody></mujoco>"#
+        )
+    };
+    let stop = r#"<limit lower="-1" upper="0.5" effort="0" velocity="0"/>"#;
+    let rubs =
+        r#"<limit lower="-1" upper="0.5" effort="0" velocity="0"/><dynamics friction="10"/>"#;
+    // m g l = 9.81 N m; 0.5 rad are 28.64788975654116 degrees.
+    let (range, rubbed) =
+        (r#"range="-57 28.64788975654116""#, r#"range="-57 30" frictionloss="10""#);
+    let cases = [
+        (scene_of_urdf(&robot(stop)), 0.5),
+        (scene_of_urdf(&robot(rubs)), 0.0),
+        (scene_of_mjcf(&model(range), "."), 0.5),
+        (scene_of_mjcf(&model(rubbed), "."), 0.0),
+    ];
+    for (described, angle) in cases {
+        let described = described.unwrap();
+        assert!(described.left_out.is_empty(), "{:?}", described.left_out);
+        let run = run(&described, "observables = [{ position = \"arm\" }]", "2");
+        let at = run.positions(run.times().len() - 1);
+        let expected = [0.5 * f64::cos(angle), 0.0, -0.5 * f64::sin(angle)];
+        for (x, expected) in at.iter().zip(expected) {
+            assert!((x - expected).abs() < 1e-6, "{at:?} {expected}\n{}", described.text);
+        }
+    }
+}
