@@ -11,7 +11,6 @@
 use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use stationary_rigid::LieGroup;
 
 use crate::model::items::{JointKind, RigidBody, SceneJoint};
 use crate::words::draft::DeclaredBody;
