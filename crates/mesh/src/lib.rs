@@ -75,12 +75,12 @@ pub use edges::{Adjacency, Edges};
 pub use enclosed::ClosedSurface;
 pub use error::{MeshError, Places};
 pub use facets::FacetUse;
-pub use hull::convex_hull;
 pub use generators::{
     Diagonals, ball, bar, circle, cuboid, curved_ball, curved_cylinder, curved_disc,
     curved_elliptic_membrane, curved_sphere, curved_torus, cylinder, disc, elliptic_membrane,
     extruded, icosphere, rectangle, segment, tapered_membrane, torus,
 };
+pub use hull::convex_hull;
 pub use intrinsic::IntrinsicTriangle;
 pub use intrinsic_surface::{IntrinsicSurface, Side};
 pub use measure::measure;

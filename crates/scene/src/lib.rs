@@ -325,7 +325,7 @@ pub use run::samples::{BrokenRod, Impacts, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};
-pub use text::fault::Fault;
+pub use text::fault::{BodyFault, ClaimFault, DriveFault, Fault};
 pub use text::file_error::{SceneError, WriteError};
 pub use text::limits;
 pub use text::parameters::Parameters;

@@ -1,4 +1,4 @@
-//! From declarations to a scene: every value checked, every name resolved, nothing left to doubt.
+//! From declarations to a scene: every value checked, every name resolved.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 use crate::model::timing::Timing;
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::{BodyFault, Fault};
 use crate::text::file_error::SceneError;
 use crate::text::number::Count;
 use crate::text::parameters::Parameters;
@@ -184,7 +184,7 @@ fn check_what_is_there(declared: &Declaration) -> Checked<()> {
     }
     let elastic = declared.first(Of::Elastic);
     match (bodies, joints, elastic, attraction) {
-        (None, Some(joint), ..) => Err(at(joint, Fault::NoBodies)),
+        (None, Some(joint), ..) => Err(at(joint, BodyFault::NoBodies)),
         (Some(_), _, Some(elastic), _) => Err(at(elastic, Fault::ElasticBesideRigid)),
         (Some(_), _, _, Some(attraction)) => Err(at(attraction, Fault::BodyAttraction)),
         _ => Ok(()),
@@ -205,12 +205,12 @@ fn timing(declared: &Declaration) -> Checked<Timing> {
     Timing::new(step, horizon, sample_every).map_err(|fault| at(declared.horizon.span(), fault))
 }
 
-fn check_that_something_moves(declared: &Declaration, roster: &ParticleTable) -> Checked<()> {
+fn check_that_something_moves(declared: &Declaration, table: &ParticleTable) -> Checked<()> {
     let free = |motion: &Motion| *motion != Motion::Pinned;
-    if declared.heat.is_some() || roster.particles.iter().any(|particle| free(&particle.motion)) {
+    if declared.heat.is_some() || table.particles.iter().any(|particle| free(&particle.motion)) {
         return Ok(());
     }
-    match &roster.first_pin {
+    match &table.first_pin {
         Some((_, place)) => Err(at(place.clone(), Fault::AllPinned)),
         None => Err(at(declared.dimension.span(), Fault::Empty)),
     }

@@ -39,14 +39,14 @@ pub(crate) fn shared(scene: &Scene) -> Option<Shared> {
 /// The same steps with kicks of what acts on the scene, where anything does.
 pub(crate) fn kicked<'s>(scene: &Scene, inner: Box<dyn Stepper + 's>) -> Box<dyn Stepper + 's> {
     match shared(scene) {
-        Some(acting) => Driven::new(inner, acting, Way::Kicks),
+        Some(acting) => Driven::new(inner, acting, Application::Kicks),
         None => inner,
     }
 }
 
 /// How the forces come into the steps of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum Application {
     /// By kicks before and after each step.
     Kicks,
     /// Within the step, which tells their works.
@@ -59,7 +59,7 @@ pub(crate) enum Way {
 pub(crate) struct Driven<'s> {
     inner: Box<dyn Stepper + 's>,
     acting: Shared,
-    way: Way,
+    application: Application,
     before: State<Vec<f64>>,
     moved: Vec<f64>,
     works: Vec<f64>,
@@ -70,12 +70,12 @@ impl<'s> Driven<'s> {
     pub(crate) fn new(
         inner: Box<dyn Stepper + 's>,
         acting: impl Into<Shared>,
-        way: Way,
+        application: Application,
     ) -> Box<Self> {
         let acting = acting.into();
         let works = acting.0.borrow().works().to_vec();
         let before = State::new(Vec::new(), Covector(Vec::new()));
-        Box::new(Driven { inner, acting, way, before, moved: Vec::new(), works })
+        Box::new(Driven { inner, acting, application, before, moved: Vec::new(), works })
     }
 }
 
@@ -92,7 +92,7 @@ impl Stepper for Driven<'_> {
     ) -> Result<Stepped, StepFailure> {
         let t = to - h;
         self.before.clone_from(state);
-        if self.way == Way::Kicks {
+        if self.application == Application::Kicks {
             let mut acting = self.acting.0.borrow_mut();
             acting.kick(End::Start, (t, h), &state.q, state.p.components_mut());
         }
@@ -104,10 +104,12 @@ impl Stepper for Driven<'_> {
             }
         };
         let mut acting = self.acting.0.borrow_mut();
-        match self.way {
-            Way::Kicks => acting.kick(End::Finish, (t, h), &state.q, state.p.components_mut()),
-            Way::Within => {}
-            Way::Taken => {
+        match self.application {
+            Application::Kicks => {
+                acting.kick(End::Finish, (t, h), &state.q, state.p.components_mut())
+            }
+            Application::Within => {}
+            Application::Taken => {
                 let Driven { before, moved, .. } = self;
                 moved.clear();
                 moved.extend(state.q.iter().zip(&before.q).map(|(after, before)| after - before));

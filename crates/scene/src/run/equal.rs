@@ -14,7 +14,7 @@ use crate::assemble::vertices::few;
 use crate::model::built::Built;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
-use crate::run::driven::{Driven, Way};
+use crate::run::driven::{Application, Driven};
 use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 
@@ -50,12 +50,12 @@ impl<'s> Equal<'s> {
         };
         let Some(weights) = method.newmark_weights() else {
             let steps = Box::new(Equal::new(problem, method)?);
-            return Ok(Driven::new(steps, acting, Way::Kicks));
+            return Ok(Driven::new(steps, acting, Application::Kicks));
         };
         // Newmark remembers accelerations, so that it takes the forces itself.
         let acting = acting.with_width(scene.timing.stepping().step());
         let steps = Box::new(Equal::forced(problem, weights, acting.clone())?);
-        Ok(Driven::new(steps, acting, Way::Taken))
+        Ok(Driven::new(steps, acting, Application::Taken))
     }
 
     /// The integrator of a method.

@@ -153,16 +153,21 @@ impl Scene {
                 let sources: Vec<Inflow> =
                     sources.collect::<Result<_, LaplacianError>>().map_err(AssemblyError::from)?;
                 let given = vec![0.0; sources.len()];
-                let flow = Flow { way: Way::Steps(Box::new(heat), step), prepared, sources, given };
+                let flow = Flow {
+                    stepper: HeatStepper::Steps(Box::new(heat), step),
+                    prepared,
+                    sources,
+                    given,
+                };
                 let built = Built { sparse_solvers: implicit.into(), ..built };
                 (flow, built)
             }
             Stepping::LinearModes { count } => {
                 known = Spectrum::of(domain, mass, count).map_err(AssemblyError::from)?;
                 let exact = known.flow(mass, alpha, &state.q).map_err(AssemblyError::from)?;
-                let way = Way::Modes(exact, &known.steady);
+                let stepper = HeatStepper::Modes(exact, &known.steady);
                 let (prepared, sources, given) = (known.prepared(), Vec::new(), Vec::new());
-                let flow = Flow { way, prepared, sources, given };
+                let flow = Flow { stepper, prepared, sources, given };
                 (flow, built + known.built)
             }
             _ => return Err(AssemblyError::Heat.into()),
@@ -185,7 +190,7 @@ impl HeatedBody {
 
 /// What moves heat: temperatures for a configuration, and no momenta.
 struct Flow<'a> {
-    way: Way<'a>,
+    stepper: HeatStepper<'a>,
     prepared: StepReport,
     sources: Vec<Inflow>,
     /// The heat that each source gave in the last step.
@@ -203,7 +208,7 @@ struct Inflow {
 }
 
 /// How heat is moved.
-enum Way<'a> {
+enum HeatStepper<'a> {
     /// In steps, each of which counts this.
     Steps(Box<Heat<'a, DiagonalMetric<Vec<f64>>>>, StepReport),
     /// In closed form, about what it comes to in the end.
@@ -258,8 +263,8 @@ impl Stepper for Flow<'_> {
         h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
-        let report = match &mut self.way {
-            Way::Steps(heat, report) => {
+        let report = match &mut self.stepper {
+            HeatStepper::Steps(heat, report) => {
                 let warm = |f: &mut [f64], part: usize| {
                     for source in &self.sources {
                         let scale = source.parts[part] * source.strength.integral(to - h, to);
@@ -280,7 +285,7 @@ impl Stepper for Flow<'_> {
                 }
                 *report
             }
-            Way::Modes(exact, steady) => {
+            HeatStepper::Modes(exact, steady) => {
                 state.q = exact.at(to)?;
                 state.q.iter_mut().zip(*steady).for_each(|(f, end)| *f += end);
                 StepReport::default()
@@ -303,7 +308,7 @@ impl Stepper for Flow<'_> {
     }
 
     fn reads_off(&self) -> bool {
-        matches!(self.way, Way::Modes(..))
+        matches!(self.stepper, HeatStepper::Modes(..))
     }
 }
 

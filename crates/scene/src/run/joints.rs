@@ -10,7 +10,7 @@ use stationary_rigid::{AxisRotations, BodyMethod, ConstantVelocity, ExactRotatio
 use crate::assemble::body_system::{PlanarJoints, PlanarSystem, SpatialJoints, SpatialSystem};
 use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
-use crate::run::driven::{Driven, Kicked, Shared, Way};
+use crate::run::driven::{Application, Driven, Kicked, Shared};
 use crate::run::lasting::Lasting;
 use crate::run::stepper::Stepper;
 
@@ -53,7 +53,7 @@ fn held<'a, M: Metric, P: Potential, S: Space, K: ConstraintOn<S>>(
     let integrator = Box::new(Rattle::along(motion, system, joints, initial, shared)?);
     let lasting = Box::new(Lasting::new(integrator, built));
     Ok(match acting {
-        Some(acting) => Driven::new(lasting, acting, Way::Within),
+        Some(acting) => Driven::new(lasting, acting, Application::Within),
         None => lasting,
     })
 }

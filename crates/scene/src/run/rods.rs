@@ -13,7 +13,7 @@ use crate::model::built::Built;
 use crate::model::scene::Scene;
 use crate::model::stepping::Constrained;
 use crate::run::checkpoint::{Before, CheckpointError};
-use crate::run::driven::{Driven, Kicked, Way, shared};
+use crate::run::driven::{Application, Driven, Kicked, shared};
 use crate::run::equal::Equal;
 use crate::run::error::StepFailure;
 use crate::run::lasting::{Lasting, counted};
@@ -36,7 +36,7 @@ pub(crate) fn held<'s, const D: usize>(
             let rattle = Rattle::along(motion, system, rods, initial, equations)?;
             let breaking = Box::new(Breaking { scene, rattle, built });
             match acting {
-                Some(acting) => Driven::new(breaking, acting, Way::Within),
+                Some(acting) => Driven::new(breaking, acting, Application::Within),
                 None => breaking,
             }
         }

@@ -52,8 +52,8 @@ pub(crate) struct Located {
 pub(crate) type Checked<T> = Result<T, Box<Located>>;
 
 /// The fault at a place.
-pub(crate) fn at(span: Range<usize>, fault: Fault) -> Box<Located> {
-    Box::new(Located { span: Some(span), fault })
+pub(crate) fn at(span: Range<usize>, fault: impl Into<Fault>) -> Box<Located> {
+    Box::new(Located { span: Some(span), fault: fault.into() })
 }
 
 /// Characters of a line that are shown before the caret, and in all.

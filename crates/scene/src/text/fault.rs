@@ -1,6 +1,14 @@
 //! What a scene's text may say that cannot be, without the place where it says so.
 
+mod bodies;
+mod claims;
+mod drives;
+
 use stationary_integrators::HorizonError;
+
+pub use bodies::BodyFault;
+pub use claims::ClaimFault;
+pub use drives::DriveFault;
 
 use crate::text::limits;
 
@@ -387,66 +395,6 @@ pub enum Fault {
         /// A distance between samples that is large enough.
         enough: u64,
     },
-    /// A body turns, which takes two dimensions.
-    #[error("a body needs a scene of dimension 2 or 3")]
-    BodyDimension,
-    /// The name of the frame in which nothing moves.
-    #[error("`world` is what joints call the frame that does not move; no body has this name")]
-    WorldName,
-    /// Two bodies of one name.
-    #[error("there is already a body called `{0}`")]
-    DuplicateBody(String),
-    /// A body has one shape, or moments of its own.
-    #[error(
-        "`{0}` needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid`, `hull`, \
-         `parts` and its `moments` of inertia"
-    )]
-    BodyShape(String),
-    /// Two masses of one body.
-    #[error("the mass of a body of `parts` is theirs together; leave this one out")]
-    MassOfParts,
-    /// A body of no parts.
-    #[error("a body of `parts` needs one at least")]
-    NoParts,
-    /// A part has one shape.
-    #[error(
-        "a part needs one of `box`, `ball`, `polygon`, `capsule`, `cylinder`, `cone`, `ellipsoid` and `hull`"
-    )]
-    PartShape,
-    /// A shape of space.
-    #[error("`{0}` needs a scene of dimension 3")]
-    SolidInThePlane(&'static str),
-    /// Points without a volume.
-    #[error("these points enclose no volume: a hull needs four that are not in one plane")]
-    FlatHull,
-    /// A body is somewhere.
-    #[error(
-        "`{0}` needs a `position`; only a polygon, a hull and parts may go without, and stay where they \
-         are drawn"
-    )]
-    NoPosition(String),
-    /// A polygon is flat.
-    #[error("a polygon needs a scene of dimension 2")]
-    PolygonDimension,
-    /// Corners that bound no area, or edges that cross.
-    #[error(
-        "not a simple polygon: it needs three corners that bound an area, and edges that do not cross"
-    )]
-    NoPolygon,
-    /// A body that cannot touch.
-    #[error("`{0}` has no shape that could touch: give it one instead of its `moments`")]
-    Untouchable(String),
-    /// Mass and moments that no body has.
-    #[error("{0}")]
-    Body(String),
-    /// A number where a vector belongs, or a vector where a number does.
-    #[error("{what} is {} in a scene of dimension {dimension}", turn(*dimension))]
-    Turn {
-        /// What belongs to turning.
-        what: &'static str,
-        /// The scene's dimension.
-        dimension: usize,
-    },
     /// Elastic bodies are not coupled to rigid ones.
     #[error(
         "elastic and rigid bodies are not coupled yet, and there are rigid bodies already; leave one of \
@@ -470,179 +418,6 @@ pub enum Fault {
     /// A turning frame acts on what turns too.
     #[error("a `frame` that turns is for particles alone; in it bodies are not available")]
     FrameOfBodies,
-    /// Joints without bodies.
-    #[error("joints need [[bodies]] to join")]
-    NoBodies,
-    /// A joint has two sides.
-    #[error("a joint is between two bodies, or a body and `world`, not {0}")]
-    JointEnds(usize),
-    /// Both sides of a joint are one body.
-    #[error("both sides of the joint are `{0}`")]
-    JoinedToItself(String),
-    /// A hinge turns about something, a slider shifts along something.
-    #[error("a hinge or a slider needs an `axis`")]
-    HingeAxis,
-    /// Only a hinge and a slider have an axis.
-    #[error("only a hinge or a slider has an axis")]
-    NoHinge,
-    /// Two bodies that move apart where they are joined.
-    #[error(
-        "`{first}` and `{second}` move apart at {apart} a unit of time where they are joined: velocities that are \
-         given must fit there, and those that are not must follow from them"
-    )]
-    JointTorn {
-        /// One side.
-        first: String,
-        /// The other.
-        second: String,
-        /// The size of the difference of their velocities there.
-        apart: f64,
-    },
-    /// Two bodies that turn against each other as their joint forbids.
-    #[error(
-        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids"
-    )]
-    JointTurns {
-        /// The size of what is forbidden of the difference of their angular velocities.
-        turn: f64,
-    },
-    /// A load that acts on nothing that moves.
-    #[error("`{0}` is pinned, so that a load on it does nothing; [[motions]] move a pin")]
-    LoadOnPin(String),
-    /// A load that is none.
-    #[error("a load needs a `force` or a `torque`")]
-    NoLoad,
-    /// What does not turn has no torque.
-    #[error("`{0}` is a particle, which does not turn; only a body takes a `torque`")]
-    TorqueOnParticle(String),
-    /// A motor gives one of the two.
-    #[error("a motor needs a `torque` or a `speed`, and not both")]
-    TorqueOrSpeed,
-    /// A motor without a joint.
-    #[error("no joint is between these two; a motor needs a pin or a hinge there")]
-    NoJoint,
-    /// A joint that does not turn about one axis.
-    #[error("a motor turns a `pin` or a `hinge`; this joint has no one axis to turn about")]
-    MotorWithoutAxis,
-    /// A spring or a damper at a joint that does not turn about one axis.
-    #[error(
-        "`stiffness`, `rest` and `damping` are of a `pin` or a `hinge`; this joint has no one axis to turn about"
-    )]
-    SpringWithoutAxis,
-    /// Limits or friction of a joint without one turn or shift that is measured.
-    #[error(
-        "`limits` and `friction` are of a `pin` or a `hinge`, or in space of a `slider`; in the plane a slider \
-         stops at a wall or a ball of [contact]"
-    )]
-    BoundsWithoutCoordinate,
-    /// Limits that do not hold the start between them.
-    #[error(
-        "the limits are {low} and {high}; the least comes first, and the start, which is at 0, is between them"
-    )]
-    LimitsBesideTheStart {
-        /// The first.
-        low: f64,
-        /// The second.
-        high: f64,
-    },
-    /// A turn is known up to whole ones.
-    #[error("the turn is {0} radians; it must be within half a turn, from -pi to pi")]
-    BeyondHalfATurn(f64),
-    /// The rest of no spring.
-    #[error("`rest` is of a spring: this joint has no `stiffness`")]
-    RestWithoutSpring,
-    /// Two speeds of one joint.
-    #[error("this joint already has a motor with a speed")]
-    TwoSpeeds,
-    /// Only what is pinned is moved.
-    #[error("`{0}` is not pinned; only a pinned particle moves as it is told")]
-    MotionOfFree(String),
-    /// A pin that holds more than springs.
-    #[error(
-        "`{0}` holds a rod or a solid, or has a radius; only a pinned particle that springs alone join \
-         moves as it is told"
-    )]
-    MotionOfHeld(String),
-    /// A pin that moves and pulls at a damper.
-    #[error(
-        "`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves"
-    )]
-    MotionOfDamped(String),
-    /// Two motions of one pin.
-    #[error("`{0}` already has a motion")]
-    TwoMotions(String),
-    /// A motion begins where the particle is.
-    #[error("the strength of a motion is {0} at the start; it must be 0, where the particle is")]
-    MotionFromElsewhere(f64),
-    /// A strength in time is told in one way.
-    #[error("a strength in time needs one of `step`, `ramp`, `sine` and `table`")]
-    NotOneStrength,
-    /// A strength in time that lacks a key.
-    #[error("a `{0}` needs `{1}`")]
-    StrengthKey(&'static str, &'static str),
-    /// A key that belongs to another kind of strength.
-    #[error("`{key}` is of a `{of}`, not of a `{kind}`")]
-    KeyOfAnother {
-        /// The key.
-        key: &'static str,
-        /// Where it belongs.
-        of: &'static str,
-        /// Where it stands.
-        kind: &'static str,
-    },
-    /// Two values, of a strength before and after, of limits the least and the largest.
-    #[error("{key} has {got} values; it needs two")]
-    TwoValues {
-        /// The key.
-        key: &'static str,
-        /// How many there are.
-        got: usize,
-    },
-    /// A ramp that ends before it begins.
-    #[error("the ramp ends at {to}, not after its start at {from}")]
-    Backwards {
-        /// When it begins.
-        from: f64,
-        /// When it ends.
-        to: f64,
-    },
-    /// A claim of what is not written down.
-    #[error("a claim is about one of the scene's `observables`; add this one to them")]
-    ClaimOfUnobserved,
-    /// A claim is about one thing.
-    #[error("a claim is `of` an observable, or of the time of an `event`; give one of them")]
-    OfOrEvent,
-    /// A claim without a number.
-    #[error("this claim needs a number: what it `is`")]
-    NothingClaimed,
-    /// A key of a claim that would not be looked at.
-    #[error("`{0}` has no meaning in this claim")]
-    UnusedInClaim(&'static str),
-    /// A number is claimed of one component.
-    #[error("this observable has {0} components; a claim of a number needs the `component` of one")]
-    NoComponent(usize),
-    /// A band that holds nothing.
-    #[error("the band is {0}; it must be 0 or above")]
-    NegativeBand(f64),
-    /// A time to which the scene does not run.
-    #[error("the claim is of time {time}; the scene runs from 0 to {horizon}")]
-    ClaimBeyond {
-        /// The time.
-        time: f64,
-        /// The horizon.
-        horizon: f64,
-    },
-    /// A time at which nothing is written down.
-    #[error("there is no sample at time {time}; the nearest is at {nearest}")]
-    ClaimBetweenSamples {
-        /// The time.
-        time: f64,
-        /// That of the nearest sample.
-        nearest: f64,
-    },
-    /// An event that cannot happen.
-    #[error("nothing in this scene leads to a `{0}`")]
-    NoSuchEvent(String),
     /// A method that does not hold joints.
     #[error("{0} does not hold joints")]
     MethodOfJoints(String),
@@ -660,11 +435,15 @@ pub enum Fault {
     /// Nothing that can move.
     #[error("every particle is pinned, so that nothing can move")]
     AllPinned,
-}
-
-/// What turning is told by.
-fn turn(dimension: usize) -> &'static str {
-    if dimension == 2 { "a number" } else { "a vector" }
+    /// A body or a joint that cannot be.
+    #[error(transparent)]
+    Bodies(#[from] BodyFault),
+    /// A load, a motor, a motion or a strength in time that cannot be.
+    #[error(transparent)]
+    Drives(#[from] DriveFault),
+    /// A claim that cannot be checked.
+    #[error(transparent)]
+    Claims(#[from] ClaimFault),
 }
 
 impl Fault {

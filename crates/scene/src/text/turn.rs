@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::text::check;
 use crate::text::diagnostic::{Checked, Located, at};
-use crate::text::fault::Fault;
+use crate::text::fault::BodyFault;
 use crate::text::number::{Components, Number};
 
 /// What belongs to turning: a number in the plane, a vector in space.
@@ -23,7 +23,7 @@ pub(crate) enum Turn {
 impl Turn {
     /// The fault of a number where a vector belongs, or the other way round.
     pub(crate) fn wrong_kind(&self, what: &'static str, dimension: usize) -> Box<Located> {
-        at(self.span(), Fault::Turn { what, dimension })
+        at(self.span(), BodyFault::Turn { what, dimension })
     }
 
     /// Where the text says it.

@@ -149,7 +149,7 @@ mod compiled {
     use crate::model::items::RigidBody;
     use crate::model::particle::{Motion, Particle};
     use crate::text::diagnostic::{Checked, at};
-    use crate::text::fault::Fault;
+    use crate::text::fault::{BodyFault, Fault};
     use crate::text::turn::Turn;
     use crate::text::{check, limits};
     use crate::words::body_shape::Shaped;
@@ -159,33 +159,33 @@ mod compiled {
     /// Which of a body's points are joined in the picture.
     type Edges = Vec<[usize; 2]>;
 
-    /// Adds bodies to the roster, centres first; and the edges between their points.
+    /// Adds bodies to the table, centres first; and the edges between their points.
     pub(crate) fn declare(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         dimension: usize,
         all: &[BodyDeclaration],
     ) -> Checked<(Vec<DeclaredBody>, Edges)> {
         let mut bodies = Vec::new();
         for declared in all {
             if dimension < 2 {
-                return Err(at(declared.name.span(), Fault::BodyDimension));
+                return Err(at(declared.name.span(), BodyFault::BodyDimension));
             }
             let body = body(dimension, declared)?;
             let name = body.body.name.clone();
             if name == WORLD {
-                return Err(at(declared.name.span(), Fault::WorldName));
+                return Err(at(declared.name.span(), BodyFault::WorldName));
             }
             let motion = Motion::Carried { body: bodies.len(), point: [0.0; 3] };
             let (position, radius) = (body.body.position, body.body.shape.radius());
             let particle = Particle { name: name.clone(), position, motion, radius };
-            if roster.add(particle, declared.place()).is_none() {
-                return Err(at(declared.name.span(), Fault::DuplicateBody(name)));
+            if table.add(particle, declared.place()).is_none() {
+                return Err(at(declared.name.span(), BodyFault::DuplicateBody(name)));
             }
             bodies.push(body);
         }
         let mut edges = Vec::new();
         for (index, (declared, body)) in all.iter().zip(&bodies).enumerate() {
-            let first = roster.particles.len();
+            let first = table.particles.len();
             let count = (first + body.body.points.len()) as u64;
             if count > limits::PARTICLES {
                 let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
@@ -201,7 +201,7 @@ mod compiled {
                     return Err(at(declared.place(), fault));
                 }
                 // A name with a dot is given to points of bodies alone, and bodies differ.
-                roster.add(particle, declared.place());
+                table.add(particle, declared.place());
             }
             let joined = edges_of(&body.body, dimension);
             edges.extend(joined.into_iter().map(|ends| ends.map(|end| first + end)));
@@ -236,7 +236,7 @@ mod compiled {
         let position = match (&declared.position, centre) {
             (Some(position), _) => check::vector("the position", dimension, position)?,
             (None, Some(centre)) => centre,
-            (None, None) => return Err(at(declared.name.span(), Fault::NoPosition(name))),
+            (None, None) => return Err(at(declared.name.span(), BodyFault::NoPosition(name))),
         };
         let turn = |what, given: &Option<Turn>| match given {
             Some(given) => given.components(what, dimension),
@@ -289,16 +289,16 @@ mod compiled {
             moments: declared.moments.as_ref(),
         };
         let (mass, shaped) = match (&declared.parts, &declared.mass) {
-            (Some(_), Some(mass)) => return Err(at(mass.span(), Fault::MassOfParts)),
+            (Some(_), Some(mass)) => return Err(at(mass.span(), BodyFault::MassOfParts)),
             (Some(_), None) if words.any() => {
-                return Err(at(declared.name.span(), Fault::BodyShape(name())));
+                return Err(at(declared.name.span(), BodyFault::BodyShape(name())));
             }
             (Some(parts), None) => body_parts::declare(dimension, parts)?,
             (None, None) => return Err(at(declared.name.span(), Fault::NoMass(name()))),
             (None, Some(mass)) => {
                 let mass = check::positive("the mass", mass)?;
                 let shaped = body_shape::declare(dimension, mass, words)?;
-                let none = || at(declared.name.span(), Fault::BodyShape(name()));
+                let none = || at(declared.name.span(), BodyFault::BodyShape(name()));
                 (mass, shaped.ok_or_else(none)?)
             }
         };
@@ -315,7 +315,7 @@ mod compiled {
         }
         match Body::new(mass, shaped.moments) {
             Ok(_) => Ok((mass, shaped)),
-            Err(error) => Err(at(shaped.place, Fault::Body(error.to_string()))),
+            Err(error) => Err(at(shaped.place, BodyFault::Body(error.to_string()))),
         }
     }
 

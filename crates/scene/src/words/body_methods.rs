@@ -7,7 +7,7 @@ use crate::model::body_shape::BodyShape;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
-use crate::text::fault::Fault;
+use crate::text::fault::{BodyFault, Fault};
 use crate::words::word::CONTACT;
 
 impl Scene {
@@ -51,7 +51,7 @@ impl Scene {
         let only_moments = |body: &&RigidBody| touches && body.shape == BodyShape::Moments;
         let untouchable = self.bodies.iter().find(only_moments);
         match (self.stepping, self.dimension, untouchable) {
-            (_, _, Some(body)) => Err(Fault::Untouchable(body.name.clone())),
+            (_, _, Some(body)) => Err(Fault::Bodies(BodyFault::Untouchable(body.name.clone()))),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
             | (Stepping::Equal(Method::StormerVerlet), 2, _) => Ok(()),
             (_, 3, _) => refused("name `variational-rotation`"),

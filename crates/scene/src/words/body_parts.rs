@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use crate::model::body_shape::{BodyPart, BodyShape};
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::{BodyFault, Fault};
 use crate::text::{check, limits};
 use crate::words::bodies::PartDeclaration;
 use crate::words::body_shape::{self, ShapeWords, Shaped, principal};
@@ -24,7 +24,7 @@ pub(crate) fn declare(
 ) -> Checked<(f64, Shaped)> {
     let (place, count) = (declared.span(), declared.get_ref().len() as u64);
     if count == 0 {
-        return Err(at(place, Fault::NoParts));
+        return Err(at(place, BodyFault::NoParts));
     }
     if count > limits::PARTS {
         let fault = Fault::TooMany { what: "parts of a body", count, limit: limits::PARTS };
@@ -35,7 +35,7 @@ pub(crate) fn declare(
     let mass = parts.iter().map(|part| part.mass).sum();
     let whole = if dimension == 2 { in_the_plane(&parts) } else { in_space(&parts) };
     let (moments, frame) =
-        whole.map_err(|error| at(place.clone(), Fault::Body(error.to_string())))?;
+        whole.map_err(|error| at(place.clone(), BodyFault::Body(error.to_string())))?;
     let to_axes = frame.inverse();
     let kept = parts.into_iter().map(|part| {
         let RigidMotion { translation, rotation } = to_axes.compose(&part.pose);
@@ -74,7 +74,7 @@ impl Part {
         };
         let shaped = body_shape::declare(dimension, mass, words)?;
         let Some(Shaped { shape, moments, centre, axes, .. }) = shaped else {
-            return Err(at(declared.mass.span(), Fault::PartShape));
+            return Err(at(declared.mass.span(), BodyFault::PartShape));
         };
         let position = match &declared.at {
             Some(place) => check::vector("the place of a part", dimension, place)?,

@@ -22,7 +22,7 @@ use toml::Spanned;
 
 use crate::model::body_shape::BodyShape;
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::{BodyFault, Fault};
 use crate::text::number::{Components, Number};
 use crate::text::turn::Turn;
 use crate::text::{check, limits};
@@ -130,7 +130,7 @@ fn moments(dimension: usize, declared: &Turn) -> Checked<Shaped> {
 /// A polygon about its centre of mass.
 fn polygon(dimension: usize, declared: &Spanned<Vec<Components>>, mass: f64) -> Checked<Shaped> {
     if dimension != 2 {
-        return Err(at(declared.span(), Fault::PolygonDimension));
+        return Err(at(declared.span(), BodyFault::PolygonDimension));
     }
     let corners = declared.get_ref().iter().map(|corner| {
         let [x, y, _] = check::vector("a corner", 2, corner)?;
@@ -151,7 +151,7 @@ fn polygon(dimension: usize, declared: &Spanned<Vec<Components>>, mass: f64) -> 
         Some((shape, moments, centre)) => {
             Ok(Shaped { centre: Some(centre), ..centred(shape, moments, place) })
         }
-        None => Err(at(place, Fault::NoPolygon)),
+        None => Err(at(place, BodyFault::NoPolygon)),
     }
 }
 
@@ -211,7 +211,7 @@ fn hull(dimension: usize, declared: &Spanned<Vec<Components>>, mass: f64) -> Che
     let points = declared.get_ref().iter();
     let points = points.map(|point| Ok(check::vector("a point", 3, point)?.into()));
     let points = points.collect::<Checked<Vec<Vector3<f64>>>>()?;
-    let Some(triangles) = convex_hull(&points) else { return Err(at(place, Fault::FlatHull)) };
+    let Some(triangles) = convex_hull(&points) else { return Err(at(place, BodyFault::FlatHull)) };
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     // Seen from the middle all its tetrahedra add up.
     let tetrahedra = triangles
@@ -220,7 +220,7 @@ fn hull(dimension: usize, declared: &Spanned<Vec<Components>>, mass: f64) -> Che
     let moments = tetrahedra.fold(Moments::zero(middle), |sum, part| sum.with(&part));
     let solid = SpatialMass::of(mass / moments.measure, &moments);
     let solid = solid.and_then(|solid| Ok((solid, principal(&solid)?)));
-    let (solid, (moments, axes)) = solid.map_err(|_| at(place.clone(), Fault::FlatHull))?;
+    let (solid, (moments, axes)) = solid.map_err(|_| at(place.clone(), BodyFault::FlatHull))?;
     let corner = |point: &Vector3<f64>| axes.rotate_back(&(point - solid.centre)).into();
     let shape = BodyShape::Hull { corners: points.iter().map(corner).collect(), triangles };
     Ok(Shaped { shape, moments, centre: Some(solid.centre.into()), axes, place })
@@ -244,13 +244,13 @@ pub(crate) fn principal(solid: &SpatialMass) -> Result<([f64; 3], Rotation), Rig
 fn in_space(word: &'static str, dimension: usize, place: &Range<usize>) -> Checked<()> {
     match dimension {
         3 => Ok(()),
-        _ => Err(at(place.clone(), Fault::SolidInThePlane(word))),
+        _ => Err(at(place.clone(), BodyFault::SolidInThePlane(word))),
     }
 }
 
 fn solid(shape: BodyShape, body: Result<Body, RigidError>, place: Range<usize>) -> Checked<Shaped> {
     match body {
         Ok(body) => Ok(centred(shape, body.moments().into(), place)),
-        Err(error) => Err(at(place, Fault::Body(error.to_string()))),
+        Err(error) => Err(at(place, BodyFault::Body(error.to_string()))),
     }
 }

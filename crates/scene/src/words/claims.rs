@@ -10,7 +10,7 @@ use crate::model::scene::COORDINATES;
 use crate::model::timing::Timing;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, Located, at};
-use crate::text::fault::Fault;
+use crate::text::fault::ClaimFault;
 use crate::text::number::Number;
 use crate::words::draft::Draft;
 use crate::words::observables::{self, ObservableDeclaration};
@@ -82,7 +82,7 @@ fn declare(
 ) -> Checked<Claim> {
     let within = check::finite("the band", &declared.within)?;
     if within < 0.0 {
-        return Err(at(declared.within.span(), Fault::NegativeBand(within)));
+        return Err(at(declared.within.span(), ClaimFault::NegativeBand(within)));
     }
     let source = check::title("a source", Some(&declared.source), "")?;
     let is = declared.is.as_ref().map(|is| check::finite("what is claimed", is)).transpose()?;
@@ -90,12 +90,12 @@ fn declare(
     let (of, needs_number) = match (&declared.of, &declared.event) {
         (Some(of), None) => of_observable(declared, of, draft, observed, timing)?,
         (None, Some(event)) => (Measured::Time(of_event(declared, event, draft)?), true),
-        _ => return Err(at(place, Fault::OfOrEvent)),
+        _ => return Err(at(place, ClaimFault::OfOrEvent)),
     };
     let is = match (is, needs_number) {
         (Some(is), true) => is,
         (None, false) => 0.0,
-        (None, true) => return Err(at(place, Fault::NothingClaimed)),
+        (None, true) => return Err(at(place, ClaimFault::NothingClaimed)),
         (Some(_), false) => return Err(unasked("is", declared.is.as_ref().map(Spanned::span))),
     };
     Ok(Claim { of, is, within, source, until: timing.horizon() })
@@ -103,7 +103,7 @@ fn declare(
 
 /// A key that the claim has no use for.
 fn unasked(key: &'static str, place: Option<Range<usize>>) -> Box<Located> {
-    at(place.unwrap_or_default(), Fault::UnusedInClaim(key))
+    at(place.unwrap_or_default(), ClaimFault::UnusedInClaim(key))
 }
 
 /// What is measured of an observable, and whether a number is claimed of it.
@@ -120,7 +120,7 @@ fn of_observable(
         None => What::Value,
     };
     let place = observed.iter().position(|&other| other == observable);
-    let place = place.ok_or_else(|| at(of.span(), Fault::ClaimOfUnobserved))?;
+    let place = place.ok_or_else(|| at(of.span(), ClaimFault::ClaimOfUnobserved))?;
     let before: usize = observed[..place].iter().map(|o| o.columns(draft.dimension)).sum();
     let columns = before..before + observable.columns(draft.dimension);
     if let (Some(time), false) = (&declared.at, what == What::Value) {
@@ -166,8 +166,8 @@ fn component(
             check::word("component", word.get_ref(), word.span(), &axes)
         }
         (Some(word), false) => Err(unasked("component", Some(word.span()))),
-        (None, true) => Err(at(of.span(), Fault::NoComponent(columns.len()))),
-        (None, false) if columns.is_empty() => Err(at(of.span(), Fault::NoComponent(0))),
+        (None, true) => Err(at(of.span(), ClaimFault::NoComponent(columns.len()))),
+        (None, false) if columns.is_empty() => Err(at(of.span(), ClaimFault::NoComponent(0))),
         (None, false) => Ok(columns.start),
     }
 }
@@ -178,11 +178,11 @@ fn sampled(time: &Spanned<Number>, timing: Timing) -> Checked<f64> {
     let (horizon, every) = (timing.horizon(), timing.step() * timing.sample_every() as f64);
     let same = SAME_TIME * horizon;
     if !(-same..=horizon + same).contains(&t) {
-        return Err(at(time.span(), Fault::ClaimBeyond { time: t, horizon }));
+        return Err(at(time.span(), ClaimFault::ClaimBeyond { time: t, horizon }));
     }
     let nearest = (t / every).round() * every;
     if (t - nearest).abs() > same && (t - horizon).abs() > same {
-        return Err(at(time.span(), Fault::ClaimBetweenSamples { time: t, nearest }));
+        return Err(at(time.span(), ClaimFault::ClaimBetweenSamples { time: t, nearest }));
     }
     Ok(t)
 }
@@ -207,7 +207,7 @@ fn of_event(
         Event::FirstBreak => draft.rods.iter().any(|rod| rod.strength.is_finite()),
     };
     if !possible {
-        return Err(at(event.span(), Fault::NoSuchEvent(event.get_ref().clone())));
+        return Err(at(event.span(), ClaimFault::NoSuchEvent(event.get_ref().clone())));
     }
     Ok(found)
 }

@@ -69,15 +69,15 @@ impl Word for Option<NewtonianGravityDeclaration> {
     }
 }
 
-fn check_that_no_two_meet(roster: &ParticleTable) -> Checked<()> {
+fn check_that_no_two_meet(table: &ParticleTable) -> Checked<()> {
     let mut by_position = HashMap::new();
-    for (index, particle) in roster.particles.iter().enumerate() {
+    for (index, particle) in table.particles.iter().enumerate() {
         // Adding zero turns the negative zero into the positive one.
         let bits = particle.position.map(|x| (x + 0.0).to_bits());
         if let Some(first) = by_position.insert(bits, index) {
-            let first = roster.particles[first].name.clone();
+            let first = table.particles[first].name.clone();
             let fault = Fault::SamePlace { first, second: particle.name.clone() };
-            return Err(at(roster.places[index].clone(), fault));
+            return Err(at(table.places[index].clone(), fault));
         }
     }
     Ok(())

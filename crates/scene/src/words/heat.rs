@@ -113,9 +113,9 @@ mod compiled {
     use crate::words::shape;
     use crate::words::strength;
 
-    /// The body that is declared, its vertices added to the roster.
+    /// The body that is declared, its vertices added to the table.
     pub(crate) fn declare(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         dimension: usize,
         folder: Option<&Path>,
         declared: &HeatDeclaration,
@@ -131,9 +131,9 @@ mod compiled {
                 radius: 0.0,
             };
             // There is nothing else in the scene that could have this name.
-            roster.add(particle, declared.shape.span());
+            table.add(particle, declared.shape.span());
         }
-        mark(roster, dimension, 0, &name, &shape, declared.marks.as_ref())?;
+        mark(table, dimension, 0, &name, &shape, declared.marks.as_ref())?;
         let sources = sources(dimension, folder, &shape, declared)?;
         let (start, held) = temperatures(dimension, &shape, declared)?;
         if held.iter().all(|&held| held) {

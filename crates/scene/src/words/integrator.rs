@@ -126,7 +126,7 @@ impl Scene {
     /// # Errors
     /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
     /// does not; [`Fault::Tolerance`] and [`Fault::NumberOfModes`] where its number is out of range;
-    /// [`Fault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
+    /// [`BodyFault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
     pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
         let scene = Scene { stepping: method.into(), ..self };
         scene.check_stepping()?;

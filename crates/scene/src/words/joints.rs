@@ -84,7 +84,7 @@ mod compiled {
     use crate::model::items::{JointKind, SceneJoint};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
-    use crate::text::fault::Fault;
+    use crate::text::fault::{BodyFault, DriveFault};
     use crate::words::bodies::WORLD;
     use crate::words::joint_velocities::{
         self, VELOCITY, fastest, fastest_turn, forbidden_shift, forbidden_turn,
@@ -116,11 +116,11 @@ mod compiled {
             let torn = forbidden_shift(bodies, joint);
             if torn.norm() > VELOCITY * speed {
                 let [first, second] = joint.between.map(|end| named(bodies, end));
-                let fault = Fault::JointTorn { first, second, apart: torn.norm() };
+                let fault = BodyFault::JointTorn { first, second, apart: torn.norm() };
                 return Err(at(declared.at.span(), fault));
             }
             if let Some(turn) = forbidden_turn(bodies, joint, turning) {
-                return Err(at(declared.between.span(), Fault::JointTurns { turn }));
+                return Err(at(declared.between.span(), BodyFault::JointTurns { turn }));
             }
         }
         Ok(joints)
@@ -144,14 +144,14 @@ mod compiled {
         let kind = check::word("joint", declared.kind.get_ref(), declared.kind.span(), words)?;
         let names = declared.between.get_ref();
         let [first, second] = names.as_slice() else {
-            let fault = Fault::JointEnds(names.len());
+            let fault = BodyFault::JointEnds(names.len());
             return Err(at(declared.between.span(), fault));
         };
         let between = [find(bodies, first)?, find(bodies, second)?];
         if between[0] == between[1] {
             return Err(at(
                 declared.between.span(),
-                Fault::JoinedToItself(first.get_ref().clone()),
+                BodyFault::JoinedToItself(first.get_ref().clone()),
             ));
         }
         let place = check::vector("the place of the joint", dimension, &declared.at)?;
@@ -160,20 +160,20 @@ mod compiled {
                 check::direction("the axis", dimension, axis)?
             }
             (None, JointKind::Hinge | JointKind::Slider) => {
-                return Err(at(declared.kind.span(), Fault::HingeAxis));
+                return Err(at(declared.kind.span(), BodyFault::HingeAxis));
             }
-            (Some(axis), _) => return Err(at(axis.span(), Fault::NoHinge)),
+            (Some(axis), _) => return Err(at(axis.span(), BodyFault::NoHinge)),
             (None, _) => [0.0, 0.0, 1.0],
         };
         let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
         let number = |what, given: &Option<Spanned<Number>>| match given {
-            Some(given) if !turns => Err(at(given.span(), Fault::SpringWithoutAxis)),
+            Some(given) if !turns => Err(at(given.span(), BodyFault::SpringWithoutAxis)),
             Some(given) => check::finite(what, given),
             None => Ok(0.0),
         };
         let rest = number("the rest", &declared.rest)?;
         if let Some(given) = declared.rest.as_ref().filter(|_| rest.abs() > std::f64::consts::PI) {
-            return Err(at(given.span(), Fault::BeyondHalfATurn(rest)));
+            return Err(at(given.span(), BodyFault::BeyondHalfATurn(rest)));
         }
         let positive = |what, given: &Option<Spanned<Number>>| match given {
             Some(declared) => {
@@ -185,7 +185,7 @@ mod compiled {
         let stiffness = positive("the stiffness", &declared.stiffness)?;
         let damping = positive("the damping", &declared.damping)?;
         if let (Some(given), true) = (&declared.rest, stiffness == 0.0) {
-            return Err(at(given.span(), Fault::RestWithoutSpring));
+            return Err(at(given.span(), BodyFault::RestWithoutSpring));
         }
         let (limits, friction) = bounds(dimension, kind, declared)?;
         Ok(SceneJoint { kind, between, place, axis, stiffness, rest, damping, limits, friction })
@@ -204,13 +204,13 @@ mod compiled {
         if let Some(place) = place.or(friction.as_ref().map(Spanned::span))
             && !(turns || shifts)
         {
-            return Err(at(place, Fault::BoundsWithoutCoordinate));
+            return Err(at(place, BodyFault::BoundsWithoutCoordinate));
         }
         let friction = friction.as_ref().map(|given| check::not_negative("the friction", given));
         let friction = friction.transpose()?.unwrap_or(0.0);
         let Some(given) = limits else { return Ok((None, friction)) };
         let [low, high] = given.get_ref().as_slice() else {
-            let fault = Fault::TwoValues { key: "`limits`", got: given.get_ref().len() };
+            let fault = DriveFault::TwoValues { key: "`limits`", got: given.get_ref().len() };
             return Err(at(given.span(), fault));
         };
         let mut limits = [0.0; 2];
@@ -218,12 +218,12 @@ mod compiled {
             *limit = check::finite("the limit", given)?;
             // In space a turn is known up to whole ones.
             if dimension == 3 && turns && limit.abs() > std::f64::consts::PI {
-                return Err(at(given.span(), Fault::BeyondHalfATurn(*limit)));
+                return Err(at(given.span(), BodyFault::BeyondHalfATurn(*limit)));
             }
         }
         let [low, high] = limits;
         if low > 0.0 || high < 0.0 || low >= high {
-            return Err(at(given.span(), Fault::LimitsBesideTheStart { low, high }));
+            return Err(at(given.span(), BodyFault::LimitsBesideTheStart { low, high }));
         }
         Ok((Some(limits), friction))
     }

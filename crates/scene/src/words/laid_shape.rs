@@ -201,7 +201,7 @@ pub(crate) fn within(shape: &Shape, words: &[Spanned<String>]) -> Checked<Vec<bo
 
 /// Gives the vertices nearest to the marks the names of these.
 pub(crate) fn mark(
-    roster: &mut ParticleTable,
+    table: &mut ParticleTable,
     dimension: usize,
     first: usize,
     solid: &str,
@@ -212,7 +212,7 @@ pub(crate) fn mark(
         let name = check::name(mark)?;
         let vertex = first + shape.nearest(check::vector("the mark", dimension, place)?);
         let name = format!("{solid}.{name}");
-        if roster.rename(vertex, name.clone()).is_none() {
+        if table.rename(vertex, name.clone()).is_none() {
             return Err(at(mark.span(), Fault::DuplicateName(name)));
         }
     }

@@ -12,7 +12,7 @@ use crate::model::drives::SceneLoad;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::DriveFault;
 use crate::text::number::Components;
 use crate::text::turn::Turn;
 use crate::words::draft::Draft;
@@ -54,10 +54,10 @@ fn declare(draft: &Draft<'_>, declared: &LoadDeclaration) -> Checked<SceneLoad> 
     let on = draft.particles.find(&declared.on)?;
     let motion = draft.particles.particles[on].motion;
     if motion == Motion::Pinned {
-        return Err(at(declared.on.span(), Fault::LoadOnPin(declared.on.get_ref().clone())));
+        return Err(at(declared.on.span(), DriveFault::LoadOnPin(declared.on.get_ref().clone())));
     }
     if declared.force.is_none() && declared.torque.is_none() {
-        return Err(at(declared.on.span(), Fault::NoLoad));
+        return Err(at(declared.on.span(), DriveFault::NoLoad));
     }
     let force = match &declared.force {
         Some(force) => check::vector("the force", draft.dimension, force)?,
@@ -68,7 +68,10 @@ fn declare(draft: &Draft<'_>, declared: &LoadDeclaration) -> Checked<SceneLoad> 
             torque.components("the torque", draft.dimension)?
         }
         (Some(torque), _) => {
-            return Err(at(torque.span(), Fault::TorqueOnParticle(declared.on.get_ref().clone())));
+            return Err(at(
+                torque.span(),
+                DriveFault::TorqueOnParticle(declared.on.get_ref().clone()),
+            ));
         }
         (None, _) => [0.0; 3],
     };

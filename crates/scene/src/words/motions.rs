@@ -13,7 +13,7 @@ use crate::model::items::Link;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::DriveFault;
 use crate::text::number::Components;
 use crate::words::draft::Draft;
 use crate::words::strength::{self, StrengthDeclaration};
@@ -55,7 +55,7 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
     let name = || declared.of.get_ref().clone();
     let pin = &draft.particles.particles[particle];
     if pin.motion != Motion::Pinned {
-        return Err(at(place, Fault::MotionOfFree(name())));
+        return Err(at(place, DriveFault::MotionOfFree(name())));
     }
     let held = draft.rods.iter().any(|rod| rod.ends.contains(&particle));
     let of_solid = draft
@@ -65,18 +65,21 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
         .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
     let damped = |link: &Link| link.damping > 0.0 && link.ends.contains(&particle);
     if draft.links.iter().any(damped) {
-        return Err(at(place, Fault::MotionOfDamped(name())));
+        return Err(at(place, DriveFault::MotionOfDamped(name())));
     }
     if held || of_solid || pin.radius > 0.0 {
-        return Err(at(place, Fault::MotionOfHeld(name())));
+        return Err(at(place, DriveFault::MotionOfHeld(name())));
     }
     if draft.drives.moves(particle) {
-        return Err(at(place, Fault::TwoMotions(name())));
+        return Err(at(place, DriveFault::TwoMotions(name())));
     }
     let shift = check::vector("the shift", draft.dimension, &declared.shift)?;
     let strength = strength::declare(draft.folder, Some(&declared.strength))?;
     if strength.at(0.0) != 0.0 {
-        return Err(at(declared.strength.span(), Fault::MotionFromElsewhere(strength.at(0.0))));
+        return Err(at(
+            declared.strength.span(),
+            DriveFault::MotionFromElsewhere(strength.at(0.0)),
+        ));
     }
     Ok(PinMotion { particle, shift, strength })
 }

@@ -54,7 +54,7 @@ mod compiled {
     use crate::model::drives::{Motor, MotorDrive};
     use crate::model::items::JointKind;
     use crate::text::diagnostic::at;
-    use crate::text::fault::Fault;
+    use crate::text::fault::{BodyFault, DriveFault};
     use crate::words::{joints, strength};
 
     /// The motor that is declared.
@@ -63,11 +63,11 @@ mod compiled {
         let (drive, given) = match (&declared.torque, &declared.speed) {
             (Some(torque), None) => (MotorDrive::Torque, torque),
             (None, Some(speed)) => (MotorDrive::Speed, speed),
-            _ => return Err(at(place, Fault::TorqueOrSpeed)),
+            _ => return Err(at(place, DriveFault::TorqueOrSpeed)),
         };
         let names = declared.between.get_ref();
         let [a, b] = names.as_slice() else {
-            return Err(at(place, Fault::JointEnds(names.len())));
+            return Err(at(place, BodyFault::JointEnds(names.len())));
         };
         let bodies = joints::by_name(&draft.bodies);
         let ends = [joints::find(&bodies, a)?, joints::find(&bodies, b)?];
@@ -76,7 +76,7 @@ mod compiled {
             between == ends || between == [ends[1], ends[0]]
         };
         let Some(joint) = (0..draft.joints.len()).find(|&joint| turned(joint)) else {
-            return Err(at(place, Fault::NoJoint));
+            return Err(at(place, DriveFault::NoJoint));
         };
         let turns = match draft.joints[joint].kind {
             JointKind::Hinge => true,
@@ -84,11 +84,11 @@ mod compiled {
             JointKind::Fixed | JointKind::Slider => false,
         };
         if !turns {
-            return Err(at(place, Fault::MotorWithoutAxis));
+            return Err(at(place, DriveFault::MotorWithoutAxis));
         }
         let driven = |motor: &Motor| motor.joint == joint && motor.drive == MotorDrive::Speed;
         if drive == MotorDrive::Speed && draft.drives.motors.iter().any(driven) {
-            return Err(at(place, Fault::TwoSpeeds));
+            return Err(at(place, DriveFault::TwoSpeeds));
         }
         let mut strength = strength::declare(draft.folder, Some(given))?;
         if draft.joints[joint].between != ends {

@@ -131,9 +131,9 @@ mod compiled {
         }
     }
 
-    /// Adds the net's particles to the roster and its springs to the links.
+    /// Adds the net's particles to the table and its springs to the links.
     pub(crate) fn declare(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         links: &mut Vec<Link>,
         dimension: usize,
         declared: &NetDeclaration,
@@ -142,7 +142,7 @@ mod compiled {
         if dimension < 2 {
             return Err(at(declared.name.span(), Fault::NetDimension));
         }
-        let [rows, columns] = size(roster, declared)?;
+        let [rows, columns] = size(table, declared)?;
         let spacing = check::positive("the spacing", &declared.spacing)?;
         let mass = check::positive("the mass", &declared.particle_mass)?;
         let stiffness = check::positive("the stiffness", &declared.stiffness)?;
@@ -151,7 +151,7 @@ mod compiled {
         let [across, down] = directions(dimension, declared)?;
         let pins = pins(declared)?;
 
-        let first = roster.particles.len();
+        let first = table.particles.len();
         for row in 0..rows {
             for column in 0..columns {
                 let position: [f64; 3] = std::array::from_fn(|c| {
@@ -172,11 +172,11 @@ mod compiled {
                     motion,
                     radius: 0.0,
                 };
-                let Some(index) = roster.add(vertex, declared.origin.span()) else {
+                let Some(index) = table.add(vertex, declared.origin.span()) else {
                     return Err(at(declared.name.span(), Fault::DuplicateNet(name)));
                 };
-                if let (Some((_, place)), None) = (pin, &roster.first_pin) {
-                    roster.first_pin = Some((index, place.clone()));
+                if let (Some((_, place)), None) = (pin, &table.first_pin) {
+                    table.first_pin = Some((index, place.clone()));
                 }
             }
         }
@@ -195,7 +195,7 @@ mod compiled {
     }
 
     /// The net's rows and columns, bounded so that their particles may be made.
-    fn size(roster: &ParticleTable, declared: &NetDeclaration) -> Checked<[usize; 2]> {
+    fn size(table: &ParticleTable, declared: &NetDeclaration) -> Checked<[usize; 2]> {
         let [rows, columns] =
             [("`rows`", &declared.rows), ("`columns`", &declared.columns)].map(|(what, count)| {
                 match *count.get_ref() {
@@ -204,7 +204,7 @@ mod compiled {
                 }
             });
         let (rows, columns) = (rows?, columns?);
-        let count = rows.saturating_mul(columns).saturating_add(roster.particles.len() as u64);
+        let count = rows.saturating_mul(columns).saturating_add(table.particles.len() as u64);
         if count > limits::PARTICLES {
             let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
             return Err(at(declared.rows.span(), fault));

@@ -126,7 +126,7 @@ pub(crate) fn declare_one(
 
 /// The observable that is declared.
 fn declare(
-    roster: &ParticleTable,
+    particles: &ParticleTable,
     (rods, bodies): (&[Rod], &[DeclaredBody]),
     declared: &Spanned<ObservableDeclaration>,
 ) -> Checked<Observable> {
@@ -143,21 +143,21 @@ fn declare(
         return Err(at(declared.span(), Fault::NotOneObservable(words)));
     }
     if let Some(names) = &table.distance {
-        return Ok(Observable::Distance(roster.pair("a distance", names)?));
+        return Ok(Observable::Distance(particles.pair("a distance", names)?));
     }
     if let Some(names) = &table.tension {
-        let [a, b] = roster.pair("a tension", names)?;
+        let [a, b] = particles.pair("a tension", names)?;
         let rod = rods.iter().position(|rod| rod.ends == [a, b] || rod.ends == [b, a]);
         return rod.map(Observable::Tension).ok_or_else(|| at(names.span(), Fault::NoRod));
     }
     let find =
-        |name: &Option<Spanned<String>>| name.as_ref().map(|name| roster.find(name)).transpose();
-    let particles = [find(&table.position)?, find(&table.velocity)?, find(&table.temperature)?];
-    match (particles, &table.angular_velocity) {
+        |name: &Option<Spanned<String>>| name.as_ref().map(|name| particles.find(name)).transpose();
+    let found = [find(&table.position)?, find(&table.velocity)?, find(&table.temperature)?];
+    match (found, &table.angular_velocity) {
         ([Some(particle), ..], _) => Ok(Observable::Position(particle)),
         ([_, Some(particle), _], _) => Ok(Observable::Velocity(particle)),
         ([.., Some(particle)], _) => Ok(Observable::Temperature(particle)),
-        (_, Some(name)) => match roster.particles[roster.find(name)?].motion {
+        (_, Some(name)) => match particles.particles[particles.find(name)?].motion {
             Motion::Carried { body, .. } if !bodies[body].body.point_mass => {
                 Ok(Observable::AngularVelocity(body))
             }

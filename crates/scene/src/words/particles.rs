@@ -55,7 +55,7 @@ impl Word for Vec<ParticleDeclaration> {
 
 /// Adds a particle that is written out.
 pub(crate) fn declare(
-    roster: &mut ParticleTable,
+    table: &mut ParticleTable,
     dimension: usize,
     declared: &ParticleDeclaration,
 ) -> Checked<()> {
@@ -67,11 +67,11 @@ pub(crate) fn declare(
     let radius = radius.map(|radius| check::positive("the radius", radius)).transpose()?;
     let radius = radius.unwrap_or_default();
     let particle = Particle { name: name.clone(), position, motion, radius };
-    let Some(index) = roster.add(particle, place) else {
+    let Some(index) = table.add(particle, place) else {
         return Err(at(declared.name.span(), Fault::DuplicateName(name)));
     };
-    if let (Motion::Pinned, None, Some(pinned)) = (motion, &roster.first_pin, &declared.pinned) {
-        roster.first_pin = Some((index, pinned.span()));
+    if let (Motion::Pinned, None, Some(pinned)) = (motion, &table.first_pin, &declared.pinned) {
+        table.first_pin = Some((index, pinned.span()));
     }
     Ok(())
 }

@@ -44,26 +44,26 @@ impl Word for Vec<RodDeclaration> {
 
 /// The rod that is declared.
 pub(crate) fn declare(
-    roster: &ParticleTable,
+    table: &ParticleTable,
     earlier: &[Rod],
     declared: &RodDeclaration,
 ) -> Checked<Rod> {
     let between = &declared.between;
-    let ends = roster.pair("a rod", between)?;
+    let ends = table.pair("a rod", between)?;
     let fault = |fault| Err(at(between.span(), fault));
-    let name = |end: usize| roster.particles[end].name.clone();
-    roster.check_apart(ends, between)?;
+    let name = |end: usize| table.particles[end].name.clone();
+    table.check_apart(ends, between)?;
     if ends[0] == ends[1] {
         return fault(Fault::RodLoop(name(ends[0])));
     }
-    if ends.iter().all(|&end| roster.particles[end].motion == Motion::Pinned) {
+    if ends.iter().all(|&end| table.particles[end].motion == Motion::Pinned) {
         return fault(Fault::RodBetweenPins);
     }
     let same = |rod: &&Rod| rod.ends == ends || rod.ends == [ends[1], ends[0]];
     if earlier.iter().any(|rod| same(&rod)) {
         return fault(Fault::RepeatedRod { first: name(ends[0]), second: name(ends[1]) });
     }
-    let [x, y] = ends.map(|end| roster.particles[end].position);
+    let [x, y] = ends.map(|end| table.particles[end].position);
     let length = (0..3).map(|c| (y[c] - x[c]) * (y[c] - x[c])).sum::<f64>().sqrt();
     if !(length > 0.0 && length.is_finite()) {
         return fault(Fault::RodLength(length));

@@ -129,9 +129,9 @@ mod compiled {
     const ELEMENTS: [(&str, Element); 2] =
         [("linear", Element::Linear), ("quadratic", Element::Quadratic)];
 
-    /// Adds the particles of a solid to the roster, and the solid to the others.
+    /// Adds the particles of a solid to the table, and the solid to the others.
     pub(crate) fn declare(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         solids: &mut Solids,
         dimension: usize,
         folder: Option<&Path>,
@@ -146,16 +146,16 @@ mod compiled {
         let (material, lame) = material(dimension, &shape.simplices, declared)?;
         let section = section(&shape.simplices, declared)?;
         let bending = bending(dimension, element, &shape.simplices, declared)?;
-        let first = roster.particles.len();
+        let first = table.particles.len();
         let count = (first + shape.places.len()) as u64;
         if count > limits::PARTICLES {
             let fault = Fault::TooMany { what: "particles", count, limit: limits::PARTICLES };
             return Err(at(declared.shape.span(), fault));
         }
-        add_vertices(roster, dimension, &name, &shape, section, declared)?;
+        add_vertices(table, dimension, &name, &shape, section, declared)?;
         let hung = within(&shape, declared.hung.as_deref().unwrap_or_default())?;
         solids.hung.extend((0..hung.len()).filter(|&v| hung[v]).map(|v| first + v));
-        mark(roster, dimension, first, &name, &shape, declared.marks.as_ref())?;
+        mark(table, dimension, first, &name, &shape, declared.marks.as_ref())?;
         solids.edges.extend(shape.edges.iter().map(|ends| ends.map(|end| first + end)));
         solids.faces.extend(shape.faces.iter().map(|corners| corners.map(|corner| first + corner)));
         let simplices = shape.simplices.shifted(first);
@@ -249,7 +249,7 @@ mod compiled {
     }
 
     fn add_vertices(
-        roster: &mut ParticleTable,
+        table: &mut ParticleTable,
         dimension: usize,
         name: &str,
         shape: &Shape,
@@ -276,14 +276,14 @@ mod compiled {
                 if pinned[vertex] { Motion::Pinned } else { Motion::Free { mass, momentum } };
             let particle =
                 Particle { name: format!("{name}.{vertex}"), position, motion, radius: 0.0 };
-            let Some(index) = roster.add(particle, place.clone()) else {
+            let Some(index) = table.add(particle, place.clone()) else {
                 return Err(at(declared.name.span(), Fault::DuplicateSolid(name.to_owned())));
             };
             if let (Motion::Pinned, None, Some(words)) =
-                (motion, &roster.first_pin, &declared.pinned)
+                (motion, &table.first_pin, &declared.pinned)
             {
                 let place = words.first().map_or(place.clone(), |word| word.span());
-                roster.first_pin = Some((index, place));
+                table.first_pin = Some((index, place));
             }
         }
         Ok(())

@@ -73,21 +73,21 @@ mod compiled {
     }
 
     /// The spring that is declared; its rest length is that at the start unless it is given.
-    pub(crate) fn declare(roster: &ParticleTable, declared: &SpringDeclaration) -> Checked<Link> {
-        let ends = roster.pair("a spring", &declared.between)?;
+    pub(crate) fn declare(table: &ParticleTable, declared: &SpringDeclaration) -> Checked<Link> {
+        let ends = table.pair("a spring", &declared.between)?;
         let stiffness = check::positive("the stiffness", &declared.stiffness)?;
         let damping = declared.damping.as_ref();
         let damping = damping.map(|given| check::not_negative("the damping", given)).transpose()?;
         let damping = damping.unwrap_or(0.0);
         let strain = strain(declared.strain.as_ref())?;
-        let [x, y] = ends.map(|end| roster.particles[end].position);
+        let [x, y] = ends.map(|end| table.particles[end].position);
         let start = (0..3).map(|c| (y[c] - x[c]) * (y[c] - x[c])).sum::<f64>().sqrt();
         let (rest_length, place) = match &declared.rest_length {
             Some(length) => (check::finite("the rest length", length)?, length.span()),
             None => (start, declared.between.span()),
         };
-        let same = |end: usize| roster.particles[end].name.clone();
-        roster.check_apart(ends, &declared.between)?;
+        let same = |end: usize| table.particles[end].name.clone();
+        table.check_apart(ends, &declared.between)?;
         Spring::new(ends, rest_length, stiffness, strain).map_err(|error| match error {
             SpringError::Loop(end) => at(declared.between.span(), Fault::Loop(same(end))),
             _ if declared.rest_length.is_none() => at(place.clone(), Fault::NoRestLength),

@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use crate::model::strength::{Pieces, Strength};
 use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::fault::DriveFault;
 use crate::text::number::Number;
 use crate::text::{check, csv_table};
 use crate::words::table::{Kind, table};
@@ -105,15 +105,17 @@ pub(crate) fn declare(
     if let Some(values) = &table.ramp {
         let [before, after] = two("`ramp`", values)?;
         let from = finite("the start of the ramp", &table.from)?;
-        let Some(end) = &table.to else { return Err(at(place, Fault::StrengthKey("ramp", "to"))) };
+        let Some(end) = &table.to else {
+            return Err(at(place, DriveFault::StrengthKey("ramp", "to")));
+        };
         let to = check::finite("the end of the ramp", end)?;
         if to <= from {
-            return Err(at(end.span(), Fault::Backwards { from, to }));
+            return Err(at(end.span(), DriveFault::Backwards { from, to }));
         }
         return Ok(Strength::Pieces(Pieces::new(vec![[from, before], [to, after]])));
     }
     let Some(frequency) = &table.frequency else {
-        return Err(at(place, Fault::StrengthKey("sine", "frequency")));
+        return Err(at(place, DriveFault::StrengthKey("sine", "frequency")));
     };
     Ok(Strength::Sine {
         amplitude: finite("the amplitude", &table.sine)?,
@@ -127,7 +129,7 @@ pub(crate) fn declare(
 fn two(key: &'static str, values: &Spanned<Vec<Spanned<Number>>>) -> Checked<[f64; 2]> {
     match values.get_ref().as_slice() {
         [a, b] => Ok([check::finite("the strength", a)?, check::finite("the strength", b)?]),
-        others => Err(at(values.span(), Fault::TwoValues { key, got: others.len() })),
+        others => Err(at(values.span(), DriveFault::TwoValues { key, got: others.len() })),
     }
 }
 
@@ -143,7 +145,7 @@ impl StrengthTable {
         ];
         let mut said = kinds.into_iter().filter(|(_, said)| *said).map(|(kind, _)| kind);
         let (Some(kind), None) = (said.next(), said.next()) else {
-            return Err(at(declared.span(), Fault::NotOneStrength));
+            return Err(at(declared.span(), DriveFault::NotOneStrength));
         };
         let keys = [
             ("step", "at", place(&self.at)),
@@ -155,7 +157,7 @@ impl StrengthTable {
         ];
         for (of, key, place) in keys {
             if let (true, Some(place)) = (of != kind, place) {
-                return Err(at(place, Fault::KeyOfAnother { key, of, kind }));
+                return Err(at(place, DriveFault::KeyOfAnother { key, of, kind }));
             }
         }
         Ok(())

@@ -329,3 +329,21 @@ fn a_machine_that_computes_other_bits_is_found_out() {
         "{error}"
     );
 }
+
+#[test]
+fn a_rod_beside_bodies_that_breaks_resumes_before_at_and_after_that_step() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.001\nhorizon = 0.5\n\
+                uniform_gravity = { acceleration = [0, -9.81] }\n\
+                observables = [{ tension = [\"hook\", \"weight\"] }]\n\
+                particles = [{ name = \"hook\", position = [0, 0], pinned = true }]\n\
+                bodies = [{ name = \"weight\", mass = 2, ball = 0.1, position = [0.8, -0.6] },\n\
+                { name = \"other\", mass = 1, ball = 0.1, position = [0.8, -1.2] }]\n\
+                rods = [{ between = [\"hook\", \"weight\"], strength = 40 },\n\
+                { between = [\"weight\", \"other\"] }]\n\
+                [contact]\nwalls = [{ normal = [0, 1], at = [0, -2] }]\n";
+    let scene = Scene::parse("break", text).unwrap();
+    let whole = scene.run().unwrap();
+    let [broken] = whole.broken() else { panic!("{:?}", whole.broken()) };
+    let step = (broken.time / 0.001).round() as u64;
+    assert_resumes(&scene, &[step - 1, step, step + 1, step + 20], "rod");
+}

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use stationary_scene::{Fault, Run, Scene, SceneError};
+use stationary_scene::{DriveFault, Fault, Run, Scene, SceneError};
 
 fn scene(text: &str) -> Scene {
     Scene::parse("driven.toml", text).unwrap_or_else(|error| panic!("{error}"))
@@ -360,29 +360,44 @@ fn what_cannot_be_driven_is_refused_with_the_reason() {
     let base = "dimension = 2\nstep = 0.01\nhorizon = 1\nintegrator = \"stormer-verlet\"\n\
         particles = [{ name = \"a\", position = [0, 0], pinned = true }, { name = \"b\", position = [1, 0], mass = 1 }]\n";
     let load = |load: &str| fault(&format!("{base}loads = [{{ {load} }}]\n"));
-    assert_eq!(load("on = \"a\", force = [1, 0]"), Fault::LoadOnPin("a".to_owned()));
-    assert_eq!(load("on = \"b\""), Fault::NoLoad);
-    assert_eq!(load("on = \"b\", torque = 1"), Fault::TorqueOnParticle("b".to_owned()));
+    assert_eq!(
+        load("on = \"a\", force = [1, 0]"),
+        Fault::Drives(DriveFault::LoadOnPin("a".to_owned()))
+    );
+    assert_eq!(load("on = \"b\""), Fault::Drives(DriveFault::NoLoad));
+    assert_eq!(
+        load("on = \"b\", torque = 1"),
+        Fault::Drives(DriveFault::TorqueOnParticle("b".to_owned()))
+    );
     let strength =
         |strength: &str| load(&format!("on = \"b\", force = [1, 0], strength = {strength}"));
-    assert_eq!(strength("{}"), Fault::NotOneStrength);
-    assert_eq!(strength("{ step = [0, 1], sine = 1 }"), Fault::NotOneStrength);
-    assert_eq!(strength("{ step = [0, 1, 2] }"), Fault::TwoValues { key: "`step`", got: 3 });
-    assert_eq!(strength("{ ramp = [0, 1] }"), Fault::StrengthKey("ramp", "to"));
+    assert_eq!(strength("{}"), Fault::Drives(DriveFault::NotOneStrength));
+    assert_eq!(strength("{ step = [0, 1], sine = 1 }"), Fault::Drives(DriveFault::NotOneStrength));
+    assert_eq!(
+        strength("{ step = [0, 1, 2] }"),
+        Fault::Drives(DriveFault::TwoValues { key: "`step`", got: 3 })
+    );
+    assert_eq!(strength("{ ramp = [0, 1] }"), Fault::Drives(DriveFault::StrengthKey("ramp", "to")));
     assert_eq!(
         strength("{ ramp = [0, 1], from = 2, to = 1 }"),
-        Fault::Backwards { from: 2.0, to: 1.0 }
+        Fault::Drives(DriveFault::Backwards { from: 2.0, to: 1.0 })
     );
-    assert_eq!(strength("{ sine = 1 }"), Fault::StrengthKey("sine", "frequency"));
-    let of = Fault::KeyOfAnother { key: "at", of: "step", kind: "sine" };
+    assert_eq!(
+        strength("{ sine = 1 }"),
+        Fault::Drives(DriveFault::StrengthKey("sine", "frequency"))
+    );
+    let of = Fault::Drives(DriveFault::KeyOfAnother { key: "at", of: "step", kind: "sine" });
     assert_eq!(strength("{ sine = 1, frequency = 1, at = 2 }"), of);
     assert!(matches!(strength("{ table = \"../load.csv\" }"), Fault::OutsideFolder(_)));
     let motion = |motion: &str| fault(&format!("{base}motions = [{{ {motion} }}]\n"));
     assert_eq!(
         motion("of = \"b\", shift = [1, 0], strength = 0"),
-        Fault::MotionOfFree("b".to_owned())
+        Fault::Drives(DriveFault::MotionOfFree("b".to_owned()))
     );
-    assert_eq!(motion("of = \"a\", shift = [1, 0], strength = 1"), Fault::MotionFromElsewhere(1.0));
+    assert_eq!(
+        motion("of = \"a\", shift = [1, 0], strength = 1"),
+        Fault::Drives(DriveFault::MotionFromElsewhere(1.0))
+    );
     let high =
         base.replace("stormer-verlet", "yoshida-6") + "loads = [{ on = \"b\", force = [1, 0] }]\n";
     assert!(matches!(fault(&high), Fault::MethodCannot { .. }));

@@ -6,7 +6,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use stationary_measure::loglog_slope;
-use stationary_scene::{Fault, Run, Scene, SceneError};
+use stationary_scene::{BodyFault, Fault, Run, Scene, SceneError};
 
 const TURNING: [f64; 3] = [0.2, -0.5, 0.9];
 const PLACE: [f64; 3] = [0.7, 0.1, -0.4];
@@ -81,7 +81,7 @@ fn frames_that_cannot_be_are_refused() {
     let bodies = "bodies = [{ name = \"a\", mass = 1, ball = 1, position = [0, 0] }]\n";
     assert_eq!(fault(2, "stormer-verlet", &format!("{frame}{bodies}")), Fault::FrameOfBodies);
     let vector = format!("frame = {{ angular_velocity = [0, 0, 1] }}\n{particle}");
-    assert!(matches!(fault(2, "stormer-verlet", &vector), Fault::Turn { .. }));
+    assert!(matches!(fault(2, "stormer-verlet", &vector), Fault::Bodies(BodyFault::Turn { .. })));
     let order = fault(2, "runge-kutta-4", &format!("{frame}{particle}"));
     assert!(matches!(order, Fault::MethodCannot { .. }), "{order}");
     let modes = format!("modes = 1\n{frame}{particle}");

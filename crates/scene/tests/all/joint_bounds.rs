@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use stationary_scene::{Fault, Run, Scene, SceneError};
+use stationary_scene::{BodyFault, DriveFault, Fault, Run, Scene, SceneError};
 
 fn run(text: &str) -> Run {
     let scene = Scene::parse("bounds.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -184,19 +184,22 @@ fn limits_and_friction_that_cannot_be_are_refused() {
     let of = |dimension, words: &str| fault(&wheel(dimension, words));
     for (low, high) in [(1.0, -1.0), (0.5, 1.0), (-1.0, -0.5), (0.0, 0.0)] {
         let found = of(2, &format!("limits = [{low}, {high}]"));
-        assert_eq!(found, Fault::LimitsBesideTheStart { low, high });
+        assert_eq!(found, Fault::Bodies(BodyFault::LimitsBesideTheStart { low, high }));
     }
-    assert_eq!(of(2, "limits = [1]"), Fault::TwoValues { key: "`limits`", got: 1 });
+    assert_eq!(
+        of(2, "limits = [1]"),
+        Fault::Drives(DriveFault::TwoValues { key: "`limits`", got: 1 })
+    );
     assert!(matches!(of(2, "limits = [-inf, 1]"), Fault::NotFinite { what: "the limit", .. }));
-    assert_eq!(of(3, "limits = [-1, 4]"), Fault::BeyondHalfATurn(4.0));
+    assert_eq!(of(3, "limits = [-1, 4]"), Fault::Bodies(BodyFault::BeyondHalfATurn(4.0)));
     assert!(4.0 > PI);
     assert!(matches!(of(2, "friction = -1"), Fault::Negative { what: "the friction", .. }));
     assert!(matches!(of(2, "friction = nan"), Fault::NotFinite { what: "the friction", .. }));
     let weld = |word: &str| {
         wheel(2, word).replace("\"pin\"", "\"weld\"").replace("velocity = 3", "velocity = 0")
     };
-    assert_eq!(fault(&weld("friction = 1")), Fault::BoundsWithoutCoordinate);
-    assert_eq!(fault(&weld("limits = [-1, 1]")), Fault::BoundsWithoutCoordinate);
+    assert_eq!(fault(&weld("friction = 1")), Fault::Bodies(BodyFault::BoundsWithoutCoordinate));
+    assert_eq!(fault(&weld("limits = [-1, 1]")), Fault::Bodies(BodyFault::BoundsWithoutCoordinate));
     let other = wheel(3, "friction = 1").replace("variational-rotation", "axis-rotations");
     let Fault::MethodCannot { what, .. } = fault(&other) else { panic!("a method") };
     assert!(what.starts_with("limits and friction"), "{what}");

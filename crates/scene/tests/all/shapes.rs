@@ -7,7 +7,7 @@
 
 use std::fs;
 
-use stationary_scene::{Fault, Run, Scene, SceneError};
+use stationary_scene::{BodyFault, Fault, Run, Scene, SceneError};
 
 const G: f64 = 9.81;
 
@@ -196,9 +196,12 @@ fn what_is_no_shape_is_refused_where_it_stands() {
         assert!(matches!(fault, Fault::NotPositive { what: of, .. } if of == what), "{fault}");
     }
     let flat = "[[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]";
-    assert_eq!(fault(3, &format!("mass = 1, hull = {flat}")), Fault::FlatHull);
-    assert_eq!(fault(3, "mass = 1, hull = []"), Fault::FlatHull);
-    assert_eq!(fault(3, "mass = 1, hull = [[0, 0, 0], [1, 0, 0]]"), Fault::FlatHull);
+    assert_eq!(fault(3, &format!("mass = 1, hull = {flat}")), Fault::Bodies(BodyFault::FlatHull));
+    assert_eq!(fault(3, "mass = 1, hull = []"), Fault::Bodies(BodyFault::FlatHull));
+    assert_eq!(
+        fault(3, "mass = 1, hull = [[0, 0, 0], [1, 0, 0]]"),
+        Fault::Bodies(BodyFault::FlatHull)
+    );
     let many = format!("mass = 1, hull = {:?}", vec![[0.5_f64; 3]; 501]);
     assert!(matches!(fault(3, &many), Fault::TooMany { count: 501, .. }));
     for word in ["cylinder", "cone", "ellipsoid", "hull"] {
@@ -208,16 +211,22 @@ fn what_is_no_shape_is_refused_where_it_stands() {
             _ => "[]",
         };
         let fault = fault(2, &format!("mass = 1, {word} = {shape}"));
-        assert_eq!(fault, Fault::SolidInThePlane(word));
+        assert_eq!(fault, Fault::Bodies(BodyFault::SolidInThePlane(word)));
     }
-    assert_eq!(fault(3, "mass = 1"), Fault::BodyShape("it".to_owned()));
-    assert_eq!(fault(3, "mass = 1, ball = 1, box = [1, 1, 1]"), Fault::BodyShape("it".to_owned()));
+    assert_eq!(fault(3, "mass = 1"), Fault::Bodies(BodyFault::BodyShape("it".to_owned())));
+    assert_eq!(
+        fault(3, "mass = 1, ball = 1, box = [1, 1, 1]"),
+        Fault::Bodies(BodyFault::BodyShape("it".to_owned()))
+    );
     assert_eq!(fault(3, "ball = 1"), Fault::NoMass("it".to_owned()));
-    assert_eq!(fault(3, "parts = []"), Fault::NoParts);
-    assert_eq!(fault(3, "parts = [{ mass = 1 }]"), Fault::PartShape);
-    assert_eq!(fault(3, "mass = 1, parts = [{ mass = 1, ball = 1 }]"), Fault::MassOfParts);
+    assert_eq!(fault(3, "parts = []"), Fault::Bodies(BodyFault::NoParts));
+    assert_eq!(fault(3, "parts = [{ mass = 1 }]"), Fault::Bodies(BodyFault::PartShape));
+    assert_eq!(
+        fault(3, "mass = 1, parts = [{ mass = 1, ball = 1 }]"),
+        Fault::Bodies(BodyFault::MassOfParts)
+    );
     let both = fault(3, "ball = 1, parts = [{ mass = 1, ball = 1 }]");
-    assert_eq!(both, Fault::BodyShape("it".to_owned()));
+    assert_eq!(both, Fault::Bodies(BodyFault::BodyShape("it".to_owned())));
     let missing = fault(3, "mass = 1, cylinder = { length = 1 }").to_string();
     assert!(missing.contains("radius"), "{missing}");
 }

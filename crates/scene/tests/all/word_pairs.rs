@@ -77,7 +77,8 @@ impl Pair<'_> {
     /// What is written out beside the two words: what they are about.
     fn has_particles(&self) -> bool {
         let other = self.says_one_of(&["nets", "solids", "heat"]) || self.has_bodies();
-        let about = ["springs", "rods", "breaking rods", "contact", "uniform_gravity", "drag", "frame"];
+        let about =
+            ["springs", "rods", "breaking rods", "contact", "uniform_gravity", "drag", "frame"];
         let about = [&about[..], &["loads", "modes"]].concat();
         self.says_one_of(&["particles", "chains", "motions", "newtonian_gravity"])
             || (self.says_one_of(&about) && !other)
