@@ -6,8 +6,6 @@
 //! T = m (g + v^2/l)               a rod on which a weight swings
 //! ```
 
-use std::f64::consts::PI;
-
 use stationary_scene::{BodyFault, DriveFault, Fault, Run, Scene, SceneError};
 
 fn run(text: &str) -> Run {
@@ -192,7 +190,6 @@ fn limits_and_friction_that_cannot_be_are_refused() {
     );
     assert!(matches!(of(2, "limits = [-inf, 1]"), Fault::NotFinite { what: "the limit", .. }));
     assert_eq!(of(3, "limits = [-1, 4]"), Fault::Bodies(BodyFault::BeyondHalfATurn(4.0)));
-    assert!(4.0 > PI);
     assert!(matches!(of(2, "friction = -1"), Fault::Negative { what: "the friction", .. }));
     assert!(matches!(of(2, "friction = nan"), Fault::NotFinite { what: "the friction", .. }));
     let weld = |word: &str| {
