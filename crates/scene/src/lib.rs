@@ -233,8 +233,6 @@ mod assemble {
     pub(crate) mod colliders;
     #[cfg(feature = "contact")]
     pub(crate) mod placing;
-    #[cfg(feature = "contact")]
-    pub(crate) mod joint_set;
 }
 
 mod run {
@@ -263,6 +261,8 @@ mod run {
     pub(crate) mod particles;
     #[cfg(all(feature = "rigid", feature = "constraints"))]
     pub(crate) mod joints;
+    #[cfg(feature = "contact")]
+    pub(crate) mod joint_set;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
     #[cfg(feature = "rigid")]

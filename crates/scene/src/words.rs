@@ -9,6 +9,7 @@ pub(crate) mod body_methods;
 pub(crate) mod body_parts;
 #[cfg(feature = "rigid")]
 pub(crate) mod body_shape;
+pub(crate) mod body_tables;
 pub(crate) mod chains;
 pub(crate) mod claims;
 pub(crate) mod contact;

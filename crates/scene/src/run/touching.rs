@@ -19,13 +19,13 @@ use crate::assemble::acting::{Acting, Impulses};
 use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
-use crate::assemble::joint_set::JointSet;
 use crate::model::built::Built;
 use crate::model::contact_side::ContactSide;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
+use crate::run::joint_set::JointSet;
 use crate::run::joints;
 use crate::run::stepper::{Stepped, Stepper};
 

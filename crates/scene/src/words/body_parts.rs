@@ -14,8 +14,8 @@ use crate::model::body_shape::{BodyPart, BodyShape};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::{BodyFault, Fault};
 use crate::text::{check, limits};
-use crate::words::bodies::PartDeclaration;
 use crate::words::body_shape::{self, ShapeWords, Shaped, principal};
+use crate::words::body_tables::PartDeclaration;
 
 /// The mass of all parts, and the shape that they make.
 pub(crate) fn declare(

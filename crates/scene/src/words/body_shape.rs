@@ -26,7 +26,7 @@ use crate::text::fault::{BodyFault, Fault};
 use crate::text::number::{Components, Number};
 use crate::text::turn::Turn;
 use crate::text::{check, limits};
-use crate::words::bodies::{ConeDeclaration, LongDeclaration};
+use crate::words::body_tables::{ConeDeclaration, LongDeclaration};
 
 /// A shape and what follows from it.
 #[derive(Debug)]
