@@ -5,9 +5,8 @@ use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::Vertices;
-use crate::model::body_shape::BodyShape;
 use crate::model::drives::MotorDrive;
-use crate::model::items::{JointKind, RigidBody, SceneJoint};
+use crate::model::items::{JointKind, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::{COORDINATES, Scene};
 use crate::run::error::{RunError, StepFailure};
@@ -262,9 +261,9 @@ impl Scene {
     #[cfg(feature = "contact")]
     fn collider(&self, number: usize) -> Option<String> {
         let contact = self.contact.as_ref()?;
-        let colliders = |body: &RigidBody| match &body.shape {
-            BodyShape::Moments => 0,
-            BodyShape::Parts(parts) => parts.len(),
+        let colliders = |body: &crate::RigidBody| match &body.shape {
+            crate::BodyShape::Moments => 0,
+            crate::BodyShape::Parts(parts) => parts.len(),
             _ => 1,
         };
         let names = self
