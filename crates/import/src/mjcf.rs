@@ -135,7 +135,7 @@ fn place(
     let pieces = pieces(model, body, &name)?.iter().map(|piece| piece.moved(pose)).collect();
     let mut outlines = Some(Vec::new());
     for geom in body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0) {
-        let at = pose.compose(&motion(named(geom), &geom.pose)?);
+        let at = pose.compose(&frame(geom, named(geom))?);
         outlines = outlines.zip(outline(geom)).map(|(mut all, one)| {
             all.push((one, at));
             all
@@ -269,6 +269,9 @@ fn outline(geom: &Geom) -> Option<Outline> {
     match (geom.type_, geom.fromto) {
         (GeomType::Sphere, _) => Some(Outline::Ball(geom.size[0])),
         (GeomType::Box, None) => Some(Outline::Box(geom.size.map(|half| 2.0 * half))),
+        (GeomType::Cylinder, _) => Some(Outline::Cylinder(long(geom))),
+        (GeomType::Capsule, _) => Some(Outline::Capsule(long(geom))),
+        (GeomType::Ellipsoid, None) => Some(Outline::Ellipsoid(geom.size)),
         _ => None,
     }
 }
@@ -303,13 +306,17 @@ fn pieces(model: &Model, body: &Body, name: &str) -> Result<Vec<SpatialMass>, Im
                 name: name(),
             })?
             .map_err(|source| ImportError::Body { name: name(), source: Box::new(source) })?;
-        let at = match geom.fromto {
-            Some(ends) => between(&ends),
-            None => motion(named(geom), &geom.pose)?,
-        };
-        all.push(piece(&solid).moved(&at));
+        all.push(piece(&solid).moved(&frame(geom, named(geom))?));
     }
     Ok(all)
+}
+
+/// The frame of a shape in that of its body.
+fn frame(geom: &Geom, name: &str) -> Result<RigidMotion, ImportError> {
+    match geom.fromto {
+        Some(ends) => Ok(between(&ends)),
+        None => motion(name, &geom.pose),
+    }
 }
 
 /// The frame whose z leads from one end to the other, at their middle.
@@ -324,11 +331,20 @@ fn between(&[a, b, c, d, e, f]: &[f64; 6]) -> RigidMotion {
     RigidMotion { translation: (from + to) * 0.5, rotation }
 }
 
+/// The length and the radius of a cylinder or a capsule.
+fn long(geom: &Geom) -> [f64; 2] {
+    let length = match geom.fromto {
+        Some([a, b, c, d, e, f]) => Vector3::new(d - a, e - b, f - c).norm(),
+        None => 2.0 * geom.size[1],
+    };
+    [length, geom.size[0]]
+}
+
 /// A solid shape in its own frame; none of a surface.
 fn solid(geom: &Geom, density: f64) -> Option<Result<Solid, RigidError>> {
     let [r, mut half, c] = geom.size;
-    if let Some([a, b, c, d, e, f]) = geom.fromto {
-        half = 0.5 * Vector3::new(d - a, e - b, f - c).norm();
+    if geom.fromto.is_some() {
+        half = 0.5 * long(geom)[0];
     }
     let mass = |volume: f64| geom.mass.unwrap_or(density * volume);
     let (tube, ball) = (2.0 * PI * r * r * half, 4.0 / 3.0 * PI * r.powi(3));

@@ -20,6 +20,12 @@ pub(crate) enum Outline {
     Box([f64; 3]),
     /// Of this radius.
     Ball(f64),
+    /// Of this length and radius, about the third axis.
+    Cylinder([f64; 2]),
+    /// The same, the length that of the straight part.
+    Capsule([f64; 2]),
+    /// Of these half axes.
+    Ellipsoid([f64; 3]),
 }
 
 /// A body: all that is fixed to one another.
@@ -82,6 +88,13 @@ impl Part {
         let solid = match outline {
             Outline::Box(sides) => Body::solid_box(own.mass, sides.map(|side| 0.5 * side)),
             Outline::Ball(radius) => Body::solid_ball(own.mass, radius),
+            Outline::Cylinder([length, radius]) => {
+                Body::solid_cylinder(own.mass, 0.5 * length, radius)
+            }
+            Outline::Capsule([length, radius]) => {
+                Body::solid_capsule(own.mass, 0.5 * length, radius)
+            }
+            Outline::Ellipsoid(half) => Body::solid_ellipsoid(own.mass, half),
         };
         let solid = piece(&solid.ok()?).moved(&pose);
         let largest = own.inertia.amax();

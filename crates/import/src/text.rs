@@ -35,11 +35,22 @@ fn quoted(text: &str) -> String {
     out
 }
 
+fn shape(outline: &Outline) -> String {
+    let long =
+        |[length, radius]: &[f64; 2]| format!("{{ length = {length:?}, radius = {radius:?} }}");
+    match outline {
+        Outline::Box(sides) => format!("box = {}", numbers(*sides)),
+        Outline::Ball(radius) => format!("ball = {radius:?}"),
+        Outline::Cylinder(size) => format!("cylinder = {}", long(size)),
+        Outline::Capsule(size) => format!("capsule = {}", long(size)),
+        Outline::Ellipsoid(half) => format!("ellipsoid = {}", numbers(*half)),
+    }
+}
+
 fn body(name: &String, solid: &Solid, links: &[Link]) -> String {
     let Solid { body, pose: axes, outline } = solid;
     let (shape, pose) = match outline {
-        Some((Outline::Box(sides), pose)) => (format!("box = {}", numbers(*sides)), pose),
-        Some((Outline::Ball(radius), pose)) => (format!("ball = {radius:?}"), pose),
+        Some((outline, pose)) => (shape(outline), pose),
         None => {
             let ends = links.iter().filter(|link| link.between.contains(name));
             let points = ends.map(|link| vector(&axes.inverse().apply(&link.at)));

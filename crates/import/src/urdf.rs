@@ -117,6 +117,8 @@ fn place(
         let outline = match &collision.geometry {
             Geometry::Box { size } => Some(Outline::Box(size.0)),
             Geometry::Sphere { radius } => Some(Outline::Ball(*radius)),
+            Geometry::Cylinder { radius, length } => Some(Outline::Cylinder([*length, *radius])),
+            Geometry::Capsule { radius, length } => Some(Outline::Capsule([*length, *radius])),
             _ => None,
         };
         let at = pose.compose(&motion(&collision.origin));

@@ -194,3 +194,34 @@ fn limits_and_friction_of_joints_hold_as_the_descriptions_say() {
         }
     }
 }
+
+/// A capsule rolls down a plane as a solid does: a = g sin(alpha)/(1 + I/(m r^2)).
+#[test]
+fn a_round_shape_rolls_on_a_plane_as_its_inertia_says() {
+    let (g, sine) = (9.81, 0.1_f64.sin());
+    let urdf = r#"<robot name="roller"><link name="roller">
+        <inertial><mass value="2"/><inertia ixx="0.0266666666667" iyy="0.0266666666667" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+        <collision><geometry><cylinder radius="0.1" length="0.36055512754639896"/></geometry></collision></link></robot>"#;
+    let described = scene_of_urdf(urdf).unwrap();
+    assert!(described.text.contains("cylinder = {"), "{}", described.text);
+    let model = format!(
+        r#"<mujoco><option gravity="{} 0 {}" timestep="0.001"/><worldbody>
+          <geom type="plane" size="5 5 1" friction="0.8"/>
+          <body name="roller" pos="0 0 0.1"><freejoint/>
+            <geom type="capsule" fromto="0 -0.2 0 0 0.2 0" size="0.1" mass="2" friction="0.8"/></body>
+          </worldbody></mujoco>"#,
+        g * sine,
+        -g * 0.1_f64.cos()
+    );
+    let described = scene_of_mjcf(&model, ".").unwrap();
+    assert!(described.left_out.is_empty(), "{:?}", described.left_out);
+    assert!(described.text.contains("capsule = {"), "{}", described.text);
+    let run = run(&described, "observables = [{ position = \"roller\" }]", "0.5");
+    // A cylinder of mass 3 h/(3 h + 4 r) of it, and a ball: I = (mc/2 + 2/5 mb) r^2 about the axis.
+    let (h, r) = (0.4, 0.1);
+    let cylinder = 3.0 * h / (3.0 * h + 4.0 * r);
+    let inertia = 0.5 * cylinder + 0.4 * (1.0 - cylinder);
+    let expected = 0.5 * g * sine / (1.0 + inertia) * 0.25;
+    let at = run.positions(run.times().len() - 1);
+    assert!((at[0] - expected).abs() < 5e-3 * expected, "{} {expected}", at[0]);
+}
