@@ -9,13 +9,15 @@
 //! | in the step | off |
 //! | --- | --- |
 //! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
+//! | a gap `g` hits | `max(|x1 - x2|, (1 + c) g)` |
 //! | all else | `|x1 - x2|` |
 //!
 //! `S` a step of the world, with its own solution of contact and friction; `x` points of bodies (m) and `x.`
 //! their velocities (m/s), `a` the accuracy that is asked for (m), `h` the step (s), `T` for how long an error of
 //! velocity goes on (s, 1 unless said). Where slip ends both ways to step may agree on a velocity of zero and be
 //! wrong by what the step changes of it; where a gap closes a world's velocity closes it in the step and
-//! is stopped in the next, so that it says nothing yet. Steps of a world are of order 1, so that `off` is of order
+//! is stopped in the next, so that it says nothing yet. A world turns back what hits where the step starts, before
+//! its gap is closed, however the step is divided after that. Steps of a world are of order 1, so that `off` is of order
 //! `h^2` and the extrapolated step is of order 2; across an event all three are of order `h`, and a step across it is as
 //! short as its share asks. A step that is off by more is tried again, shorter; state and time stay as they were.
 //! The next length comes from `off`.
@@ -126,20 +128,25 @@ struct Seen<G: Dimension> {
     pairs: Vec<Pushing<G>>,
     /// The largest of their gaps where the step starts, m.
     gap: f64,
+    /// By how much what hits is early at most, m: it turns back before its gap is closed.
+    early: f64,
 }
 
 impl<G: Dimension> Default for Seen<G> {
     fn default() -> Self {
-        Seen { pairs: Vec::new(), gap: 0.0 }
+        Seen { pairs: Vec::new(), gap: 0.0, early: 0.0 }
     }
 }
 
 impl<G: Dimension> Seen<G> {
     /// Looks at the last step of a world.
     fn look<P: Potential>(&mut self, world: &World<G, P>) {
-        let Seen { pairs, gap } = self;
+        let Seen { pairs, gap, early } = self;
         pairs.clear();
-        *gap = 0.0;
+        (*gap, *early) = (0.0, 0.0);
+        for touch in world.touches().filter(|touch| touch.impact > 0.0) {
+            *early = early.max((1.0 + touch.contact.restitution) * touch.contact.gap);
+        }
         for touch in world.touches().filter(|touch| touch.normal > 0.0) {
             *gap = gap.max(touch.contact.gap);
             let rubbed = G::dot(&touch.friction, &touch.friction).sqrt();
@@ -370,6 +377,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         self.difference.copy_from(self.halves.p.view());
         self.difference.add_scaled(-1.0, self.now.p.view());
         self.world.system().metric().sharp(self.difference.view(), self.rates.view_mut());
+        tried.off = self.seen.iter().map(|seen| seen.early).fold(0.0, f64::max);
         let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
         for body in 0..self.world.detector().bodies() {
             let [whole, halves] = [&self.whole.q, &self.halves.q].map(|q| G::pose(q, body));

@@ -8,7 +8,7 @@ use stationary_contact::{
 };
 use stationary_integrators::State;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, LieGroup, PlanarMotion, PlanarWeight, PointMass, Poses,
+    Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMotion, PlanarWeight, PointMass, Poses,
     RigidMotion, Rotation, Weight,
 };
 
@@ -110,7 +110,7 @@ fn a_rocking_block_loses_the_energy_of_housner_at_each_impact() {
         let (world, mut state) = rocking(tilt);
         let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
         // Heights of the centre of the successive swings over that of rest, from the largest tilt.
-            let (mut largest, mut peaks, mut side) = (tilt, Vec::new(), 1.0);
+        let (mut largest, mut peaks, mut side) = (tilt, Vec::new(), 1.0);
         for _ in 0..150 {
             chosen.advance(&mut state, 1e-2).unwrap();
             let angle = state.q[2];
@@ -124,7 +124,39 @@ fn a_rocking_block_loses_the_energy_of_housner_at_each_impact() {
         let height = |angle: f64| radius * ((alpha - angle).cos() - alpha.cos());
         for pair in peaks.windows(2) {
             let ratio = (height(pair[1]) / height(pair[0])).sqrt();
-            assert!((ratio / kept - 1.0).abs() < 10.0*bound, "{accuracy}: {ratio} {kept} {peaks:?}");
+            assert!(
+                (ratio / kept - 1.0).abs() < 10.0 * bound,
+                "{accuracy}: {ratio} {kept} {peaks:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_ball_that_bounces_without_gravity_is_as_accurate_as_asked() {
+    for accuracy in [1e-2, 1e-4, 1e-6] {
+        let ball = Collider::on_body(0, Shape::ball(0.1).unwrap()).with_restitution(1.0);
+        let mut colliders = vec![ball];
+        for normal in [Vector3::x(), -Vector3::x()] {
+            let place = RigidMotion { translation: normal * -0.6, ..RigidMotion::identity() };
+            colliders.push(Collider::fixed(place, Shape::half_space(normal).unwrap()));
+        }
+        let metric = BodyMetric::<Poses>::new(vec![Body::new(1.0, [0.004; 3]).unwrap()]);
+        let motion = BodyMotion {
+            pose: RigidMotion::identity(),
+            velocity: Vector3::x(),
+            angular_velocity: Vector3::zeros(),
+        };
+        let mut state = metric.state(&[motion]).unwrap();
+        let system = metric.under(Free { freedoms: 6 }).unwrap();
+        let world = SpatialWorld::new(system, Detector::new(colliders, 1).unwrap()).unwrap();
+        let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
+        for _ in 0..40 {
+            chosen.advance(&mut state, 0.1).unwrap();
+            // Between the planes a triangle wave; each of four impacts may be off by a tenth.
+            let phase = (state.t + 0.5).rem_euclid(2.0);
+            let off = (state.q[0] - (phase.min(2.0 - phase) - 0.5)).abs();
+            assert!(off < accuracy, "{accuracy}: {off} at {}", state.t);
         }
     }
 }

@@ -9,6 +9,7 @@ use stationary_chart::{Axis, Lines, Series};
 use stationary_contact::{ContactError, ErrorControlled};
 use stationary_integrators::State;
 use stationary_measure::{Cell, Column, Table, loglog_slope};
+use stationary_rigid::{BodySpace, Poses};
 
 use self::scenes::{Scene, scenes};
 use crate::studies::cheapest::cost_at;
@@ -21,7 +22,7 @@ pub const CONTACT_WORK_PRECISION: Entry<'static> = Entry {
     chapter: "11.4",
     kind: Kind::WorkPrecision,
     title: "Bodies in contact: error against work of fixed steps, chosen steps, and impacts at the instant",
-    tested: Tested::Table,
+    tested: Tested::ByReport,
     run: &study,
 };
 
@@ -59,7 +60,7 @@ impl Way {
     }
 }
 
-/// Where centres were at the moments, and what that took.
+/// Where points of bodies were at the moments, and what that took.
 struct Run {
     places: Vec<Vec<Vector3<f64>>>,
     /// Detections and solves.
@@ -83,7 +84,7 @@ fn run(scene: &Scene, way: Way) -> Result<Run, ContactError> {
                     run.work += 1 + done.relaxed + done.solved + done.projected + done.impacts;
                     run.settled &= done.settled;
                 }
-                run.places.push(places(&state));
+                run.places.push(places(scene, &state));
             }
         }
         Way::Chosen(accuracy) => {
@@ -92,7 +93,7 @@ fn run(scene: &Scene, way: Way) -> Result<Run, ContactError> {
                 let done = chosen.advance(&mut state, part)?;
                 run.work += done.world_steps + done.solves;
                 run.settled &= done.settled;
-                run.places.push(places(&state));
+                run.places.push(places(scene, &state));
             }
         }
         Way::AtTheInstant(contact_step) => {
@@ -101,7 +102,7 @@ fn run(scene: &Scene, way: Way) -> Result<Run, ContactError> {
                 let done = bodies.step(&mut state, part)?;
                 run.work += done.detections + done.queries + done.solves;
                 run.settled &= done.settled;
-                run.places.push(places(&state));
+                run.places.push(places(scene, &state));
             }
         }
     }
@@ -109,17 +110,22 @@ fn run(scene: &Scene, way: Way) -> Result<Run, ContactError> {
     Ok(run)
 }
 
-fn places(state: &State<Vec<f64>>) -> Vec<Vector3<f64>> {
-    state.q.chunks_exact(7).map(|q| Vector3::new(q[0], q[1], q[2])).collect()
+/// The centre of each body, and the point that was a size from it along x.
+fn places(scene: &Scene, state: &State<Vec<f64>>) -> Vec<Vector3<f64>> {
+    let points = |body: usize| {
+        let pose = Poses::pose_at(&state.q, body);
+        [pose.translation, pose.apply(&(Vector3::x() * scene.size))]
+    };
+    (0..state.q.len() / 7).flat_map(points).collect()
 }
 
-/// The largest distance of centres, over all moments, m.
+/// The largest distance of points, over all moments, m.
 fn apart(a: &[Vec<Vector3<f64>>], b: &[Vec<Vector3<f64>>]) -> f64 {
     let both = a.iter().flatten().zip(b.iter().flatten());
     both.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// Where centres should be, and how well that is known, m.
+/// Where they should be, and how well that is known, m.
 struct Truth {
     places: Vec<Vec<Vector3<f64>>>,
     bar: f64,
@@ -130,7 +136,8 @@ fn truth(scene: &Scene) -> Result<Truth, ContactError> {
         let bodies = scene.start()?.q.len() / 7;
         let moment = |k: usize| {
             let t = scene.duration * k as f64 / MOMENTS as f64;
-            (0..bodies).map(|body| known(body, t)).collect()
+            let points = |body| [known(body, t), known(body, t) + Vector3::x() * scene.size];
+            (0..bodies).flat_map(points).collect()
         };
         return Ok(Truth { places: (1..=MOMENTS).map(moment).collect(), bar: 1e-15 });
     }
@@ -146,9 +153,10 @@ const SHORT: (Way, Way) = (Way::Fixed(2e-5), Way::Fixed(5e-5));
 
 fn limit(scene: &Scene) -> (Way, Way) {
     match scene.name {
-        "pile" => (Way::Fixed(2e-4), Way::Fixed(4e-4)),
-        "box" => (Way::AtTheInstant(2e-5), Way::AtTheInstant(4e-5)),
-        "Euler's disc" | "rattleback" => (Way::Chosen(3e-6), Way::Fixed(2e-5)),
+        "pile" => (Way::Fixed(5e-4), Way::Fixed(1e-3)),
+        "box" => (Way::AtTheInstant(2e-5), Way::Fixed(1e-5)),
+        "Euler's disc" => SHORT,
+        "rattleback" => (Way::Chosen(3e-6), Way::Fixed(2e-5)),
         _ => (Way::Chosen(1e-6), Way::Chosen(3e-6)),
     }
 }
@@ -156,18 +164,20 @@ fn limit(scene: &Scene) -> (Way, Way) {
 fn ways(scene: &Scene, size: Size) -> Vec<Way> {
     let full = size == Size::Full;
     let steps: &[f64] = match (scene.name, full) {
-        ("pile", false) => &[1e-2, 3e-3, 1e-3],
+        ("pile", false) => &[1e-2, 3e-3],
         (_, false) => &[3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4],
         (_, true) => &[3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5],
     };
     let accuracies: &[f64] = match (scene.name, full) {
-        ("pile", false) => &[1e-1, 1e-2],
+        // What slips a little in every other step takes steps without number.
+        ("pile" | "Euler's disc", false) => &[1e-1],
         ("pile", true) => &[1e-1, 3e-2, 1e-2, 3e-3],
         _ => &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5],
     };
     let contact_steps: &[f64] = match (scene.name, full) {
         ("pile", false) => &[3e-3],
         ("pile", true) => &[1e-2, 3e-3, 1e-3],
+        ("rocking block", false) => &[1e-2, 1e-3],
         _ => &[1e-2, 1e-3, 1e-4],
     };
     let fixed = steps.iter().map(|&h| Way::Fixed(h));
@@ -283,10 +293,14 @@ fn claims(measured: &[Measured]) -> Vec<Claim> {
             (0.7, 1.6),
         ),
         Claim::number(
-            "block: order of chosen steps, by work; about 2 between events",
-            "above that of fixed steps: at least 1.5",
-            slope(of("block", 1)),
-            (1.5, 6.0),
+            "corner: the largest error of chosen steps over the accuracy asked for",
+            "below 1",
+            of("corner", 1)
+                .iter()
+                .zip(ASKED)
+                .map(|(point, asked)| point.1 / asked)
+                .fold(0.0, f64::max),
+            (0.0, 1.0),
         ),
     ]
 }
@@ -321,7 +335,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
     }
     Ok(Study {
         conclusion: format!(
-            "Eight scenes, the largest error of centres at ten moments, against closed forms or the limit \
+            "Eight scenes, the largest error of centres, and of points a size away from them, at ten moments, against closed forms or the limit \
              of small steps, whose own error bar is in the table; below it nothing is claimed. Least work \
              by the error that is allowed. {}. Where a way fails its reason stands on the chart.",
             cheapest.join(". ")

@@ -149,9 +149,7 @@ fn eulers_disc() -> Result<Scene, ContactError> {
     let height = radius * lean.sin() + half * lean.cos();
     let pose = at(Vector3::z() * height, Vector3::x() * lean);
     let motion = moving(pose, Vector3::zeros(), spin(lean));
-    // The library's cylinder stands along y.
-    let place = at(Vector3::zeros(), Vector3::x() * std::f64::consts::FRAC_PI_2);
-    let shape = Collider { place, ..Collider::on_body(0, Shape::cylinder(half, radius)?) };
+    let shape = Collider::on_body(0, Shape::cylinder(half, radius)?);
     one("Euler's disc", 0.3, 0.1, body, motion, shape.with_friction(0.5))
 }
 
@@ -248,7 +246,7 @@ fn pile() -> Result<Scene, ContactError> {
     colliders.push(floor(Vector3::z(), still)?.with_friction(0.5));
     Ok(Scene {
         name: "pile",
-        duration: 0.5,
+        duration: 0.3,
         size: 1.0,
         known: None,
         bodies: vec![Body::solid_box(1.0, [0.5; 3])?; 20],
