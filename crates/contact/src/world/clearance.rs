@@ -77,7 +77,8 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
             let Mover { collider, path, .. } = &movers[k];
             Swept::new(&collider.shape, &collider.place, path)
         });
-        meet(&bodies, Closeness { thickness: 0.0, tolerance }, INTERVALS, parts, |_| false).is_some()
+        meet(&bodies, Closeness { thickness: 0.0, tolerance }, INTERVALS, parts, |_| false)
+            .is_some()
     }
 
     /// Whether the collider by which another pair differs from that of some contacts reaches to the

@@ -232,9 +232,11 @@ fn joints_are_the_coordinates_where_that_is_cheaper() {
         assert!(whole.min().is_none_or(|work| work > 5 * row.work), "{answer}");
     }
     // Beside what touches and in loops bodies keep their own.
-    let touching = format!("contact = {{}}\n{}", text.replace("moments = [0.1, 0.1, 0.01]", "ball = 0.1"));
+    let touching =
+        format!("contact = {{}}\n{}", text.replace("moments = [0.1, 0.1, 0.01]", "ball = 0.1"));
     let runs = bounded_runs(&touching, "position=lower");
-    let names: Vec<&str> = runs.ladder().families.iter().map(|family| family.name.as_str()).collect();
+    let names: Vec<&str> =
+        runs.ladder().families.iter().map(|family| family.name.as_str()).collect();
     assert!(!names.contains(&"joint-coordinates"), "{names:?}");
 }
 
