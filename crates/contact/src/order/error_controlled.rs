@@ -258,8 +258,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
     /// # Errors
     /// [`ContactError::Step`] for a time outside of it.
     pub fn state_at(&self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
-        let (start, motion, end) = self.pieces.at(t).ok_or(StepError::Time(t))?;
-        between::<G>([start, end], t, motion)
+        between::<G>(self.pieces.at(t).ok_or(StepError::Time(t))?, t)
     }
 
     /// Moves a state by `duration` seconds, in as many steps as the accuracy asks.

@@ -155,10 +155,11 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     /// [`ContactError::Step`] for a time outside of that step; those of flight.
     pub fn state_at(&mut self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
         let outside = StepError::Time(t);
-        let (start, motion, end) = self.pieces.at(t).ok_or(outside)?;
-        if motion != Motion::Flight {
-            return between::<G>([start, end], t, motion);
+        let piece = self.pieces.at(t).ok_or(outside)?;
+        if piece.motion != Motion::Flight {
+            return between::<G>(piece, t);
         }
+        let start = piece.start;
         let mut state = State::default();
         self.flight.fly::<G, P>(self.world.system(), start, t - start.t, &mut state)?;
         Ok(state)

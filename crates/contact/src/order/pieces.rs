@@ -16,6 +16,14 @@ pub(crate) enum Motion {
     Even,
 }
 
+/// A piece, from one state to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece<'a> {
+    pub(crate) start: &'a State<Vec<f64>>,
+    pub(crate) motion: Motion,
+    pub(crate) end: &'a State<Vec<f64>>,
+}
+
 /// Consecutive pieces; their memory is kept from step to step.
 #[derive(Debug, Default)]
 pub(crate) struct Pieces {
@@ -44,8 +52,8 @@ impl Pieces {
         self.end.clone_from(end);
     }
 
-    /// The piece in which a time lies: its start, how it moves, and where it ends.
-    pub(crate) fn at(&self, t: f64) -> Option<(&State<Vec<f64>>, Motion, &State<Vec<f64>>)> {
+    /// The piece in which a time lies.
+    pub(crate) fn at(&self, t: f64) -> Option<Piece<'_>> {
         let starts = &self.starts[..self.used];
         if !(starts.first()?.0.t <= t && t <= self.end.t) {
             return None;
@@ -53,15 +61,14 @@ impl Pieces {
         let piece = starts.partition_point(|(start, _)| start.t <= t) - 1;
         let (start, motion) = &starts[piece];
         let end = starts.get(piece + 1).map_or(&self.end, |(start, _)| start);
-        Some((start, *motion, end))
+        Some(Piece { start, motion: *motion, end })
     }
 }
 
-/// The state at a time between two others, that moves straight and turns evenly.
+/// The state at a time of a piece that moves straight and turns evenly.
 pub(crate) fn between<G: Flies>(
-    [start, end]: [&State<Vec<f64>>; 2],
+    Piece { start, motion, end }: Piece<'_>,
     t: f64,
-    motion: Motion,
 ) -> Result<State<Vec<f64>>, ContactError> {
     let part = ((t - start.t) / (end.t - start.t).max(f64::MIN_POSITIVE)).min(1.0);
     let mut state = end.clone();

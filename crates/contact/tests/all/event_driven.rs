@@ -144,12 +144,10 @@ fn bounces_that_grow_shorter_follow_the_closed_form_and_end() {
     }
 }
 
-/// A box that tumbles, and the same under a world's steps.
-fn tumbling() -> (
-    impl Fn() -> Detector,
-    impl Fn() -> System<BodyMetric<Poses>, Weight<Poses>, Poses>,
-    State<Vec<f64>>,
-) {
+type Falling = System<BodyMetric<Poses>, Weight<Poses>, Poses>;
+
+/// A box that tumbles: its colliders, its system, and where it starts.
+fn tumbling() -> (impl Fn() -> Detector, impl Fn() -> Falling, State<Vec<f64>>) {
     let half = [0.3, 0.2, 0.1];
     let body = Body::solid_box(1.0, half).unwrap();
     let motion = BodyMotion {

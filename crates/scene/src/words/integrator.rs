@@ -53,23 +53,23 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
         let steps = HeatMethod::ALL.map(|method| (method.name(), Word::Heat(method)));
         return steps.into_iter().chain([(LINEAR_MODES, Word::LinearModes)]).collect();
     }
-    let mut words = Vec::new();
+    let adaptive = ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method)));
     #[cfg(feature = "rigid")]
-    if declared.is_of_bodies(dimension) {
-        words.push((JOINT_COORDINATES, Word::JointCoordinates));
-    }
-    words.extend(ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method))));
+    let of_joints = [(JOINT_COORDINATES, Word::JointCoordinates)];
     #[cfg(feature = "rigid")]
     if declared.is_of_bodies(dimension) && dimension == 3 {
-        words.extend(
-            BodyMethod::ALL.iter().map(|&method| (method.facts().name, Word::Bodies(method))),
-        );
-        return words;
+        let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
+        return BodyMethod::ALL.iter().map(word).chain(of_joints).chain(adaptive).collect();
     }
     let _ = (declared, dimension);
-    words.extend(Method::ALL.iter().map(|&method| (method.facts().name, Word::Equal(method))));
+    let word = |&method: &Method| (method.facts().name, Word::Equal(method));
+    let mut words: Vec<_> = Method::ALL.iter().map(word).chain(adaptive).collect();
     words.extend(CONSTRAINED.map(|(name, method)| (name, Word::Constrained(method))));
     words.push((LINEAR_MODES, Word::LinearModes));
+    #[cfg(feature = "rigid")]
+    if declared.is_of_bodies(dimension) {
+        words.extend(of_joints);
+    }
     words
 }
 
