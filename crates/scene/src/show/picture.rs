@@ -5,7 +5,7 @@
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
 //! springs, faint where it starts and strong where it ends.
 
-use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone};
+use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone, significant};
 
 use crate::model::particle::Motion;
 use crate::model::scene::COORDINATES;
@@ -145,13 +145,13 @@ impl<'a> Picture<'a> {
     fn header(&self, canvas: &mut Canvas) {
         let scene = self.run.scene();
         let unit = &scene.units().time;
-        let end = self.run.times().last().copied().unwrap_or_default();
+        let end = significant(self.run.times().last().copied().unwrap_or_default(), 6);
         canvas.text(Lettering::Heading, (MARGIN, 36.0), Anchor::Start, scene.title());
         let line = format!(
             "{}, {} steps of {} {unit}, to t = {end} {unit}",
             scene.stepping(),
             self.run.cost().steps,
-            scene.timing().step(),
+            significant(scene.timing().step(), 6),
         );
         canvas.text(Lettering::Remark, (MARGIN, 56.0), Anchor::Start, &line);
     }

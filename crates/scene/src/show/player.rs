@@ -24,7 +24,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use charts::{Chart, charts};
 use serde::Serialize;
-use stationary_chart::{escaped, variables};
+use stationary_chart::{escaped, significant, variables};
 
 use crate::model::particle::Motion;
 use crate::run::samples::Run;
@@ -145,8 +145,8 @@ pub(crate) fn write(run: &Run, out: &mut impl Write) -> io::Result<()> {
         "{}, {} steps of {} {unit}, to t = {} {unit}",
         scene.stepping,
         run.cost.steps,
-        scene.timing.step(),
-        run.times().last().copied().unwrap_or_default(),
+        significant(scene.timing.step(), 6),
+        significant(run.times().last().copied().unwrap_or_default(), 6),
         unit = scene.units.time,
     );
     let label = format!("The motion of: {}", scene.title);
