@@ -138,7 +138,8 @@ impl Scene {
     /// # Errors
     /// [`Fault::MethodOfAnother`], [`Fault::MethodOfJoints`] and [`Fault::MethodCannot`] where it
     /// does not; [`Fault::Tolerance`] and [`Fault::NumberOfModes`] where its number is out of range;
-    /// [`BodyFault::Untouchable`]; [`Fault::TooMany`] numbers of modes; [`Fault::NotCompiled`].
+    /// [`BodyFault::Untouchable`](crate::BodyFault::Untouchable); [`Fault::TooMany`] numbers of modes;
+    /// [`Fault::NotCompiled`].
     pub fn with_method(self, method: impl Into<Stepping>) -> Result<Scene, Fault> {
         let scene = Scene { stepping: method.into(), ..self };
         scene.check_stepping()?;
