@@ -141,7 +141,7 @@ fn what_is_left_out_is_named_in_the_list_and_in_the_text() {
     assert_eq!(left.left_out, ["limits of joint `elbow`"].map(str::to_owned));
     let model = r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/>
       <body name="leg"><joint name="hip" frictionloss="1" armature="0.1" range="10 20"/>
-        <geom type="capsule" size="0.1 0.2"/></body></worldbody>
+        <geom type="capsule" size="0.1 0.2"/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody>
       <actuator><motor name="drive" joint="hip"/></actuator></mujoco>"#;
     let left = scene_of_mjcf(model, ".").unwrap();
     for what in [
