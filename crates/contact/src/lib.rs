@@ -11,6 +11,7 @@
 //! F(t, u, v) = 0,   0 <= t <= 1                         times of impact                   (11.1)
 //! V = k/2 min(g, 0)^2,   h sqrt(k d) < 2                the penalty                       (11.3)
 //! after overlap, at the instant, before                 when an impulse is given          (11.4)
+//! distance of chords > e + s/4;   off = |S(h) - S(h/2)^2|  flights, steps chosen by error   (11.4)
 //! |beta| <= mu lambda, against sliding                  Coulomb's friction
 //! ```
 //! `q` a configuration, `v` a velocity, `M` the metric, `g` gaps in metres with sparse
@@ -45,7 +46,9 @@
 //! forces beside those of the potential ([`World::step_under`]). Its one solver: a contact packed for many
 //! visits, friction at one of them, islands, the exact projection of small ones, sweeps over the others with
 //! sparse systems between them, their parts each on its own, impulses and contact points kept from step to
-//! step, what rests on them, what overlaps lifted.
+//! step, what rests on them, what overlaps lifted. Two more ways in time use its laws: impacts at their instant
+//! between flights of order 2 or 4, for few bodies ([`EventDriven`]), and steps chosen by their error
+//! ([`ErrorControlled`]).
 //!
 //! The crate knows nothing of elasticity, of scenes or of files, and which geometry library it asks
 //! is known to one border file a dimension and the detection behind it.

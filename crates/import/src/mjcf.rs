@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
 
 use crate::robot::{
-    Bounds, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
+    Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
 };
 use crate::text::scene;
 use crate::{Description, ImportError};
@@ -180,7 +180,8 @@ fn kind(
     }
     let limited = joint.limited.resolve(autolimits, joint.range.is_some());
     let range = joint.range.filter(|_| of_one).map(|range| range.map(|limit| limit - joint.ref_));
-    let beyond = limited && !range.is_some_and(|range| bounds.take(range, hinge));
+    let most = if hinge { HALF_A_TURN } else { f64::INFINITY };
+    let beyond = limited && !range.is_some_and(|range| bounds.take(range, most));
     let checks = [
         (beyond, "limits"),
         (!of_one && joint.frictionloss != 0.0, "friction"),

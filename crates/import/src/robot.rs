@@ -1,7 +1,6 @@
 //! What both formats say, at the start: parts in the world, and what joins them.
 
 use std::collections::HashSet;
-use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body, PrincipalFrame, RigidError, RigidMotion, SpatialMass};
@@ -10,6 +9,8 @@ use crate::ImportError;
 
 /// The name of what does not move.
 pub(crate) const WORLD: &str = "world";
+/// The largest limit of a turn: in space turns are known up to whole ones.
+pub(crate) const HALF_A_TURN: f64 = std::f64::consts::PI;
 /// Parts by which moments may differ from those of a shape or of a plate: digits of a file.
 const DIGITS: f64 = 1e-6;
 
@@ -136,10 +137,9 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Takes limits that a scene can have: the start lies between them, and a turn is known up to whole ones.
-    pub(crate) fn take(&mut self, [low, high]: [f64; 2], turns: bool) -> bool {
-        let known = !turns || (low >= -PI && high <= PI);
-        let fits = low <= 0.0 && high >= 0.0 && low < high && known;
+    /// Takes limits that a scene can have: the start lies between them, and none is beyond `most`; says whether.
+    pub(crate) fn take(&mut self, [low, high]: [f64; 2], most: f64) -> bool {
+        let fits = low <= 0.0 && high >= 0.0 && low < high && low >= -most && high <= most;
         if fits {
             self.limits = Some([low, high]);
         }

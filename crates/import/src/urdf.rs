@@ -6,7 +6,9 @@ use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{LieGroup, RigidMotion, Rotation, SpatialMass};
 use urdf_rs::{Geometry, JointType, Pose};
 
-use crate::robot::{Bounds, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name};
+use crate::robot::{
+    Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name,
+};
 use crate::text::scene;
 use crate::{Description, ImportError};
 
@@ -166,7 +168,8 @@ fn place(
     }
     let limits = [joint.limit.lower, joint.limit.upper];
     let turns = joint.joint_type == JointType::Revolute;
-    if (turns || joint.joint_type == JointType::Prismatic) && !bounds.take(limits, turns) {
+    let most = if turns { HALF_A_TURN } else { f64::INFINITY };
+    if (turns || joint.joint_type == JointType::Prismatic) && !bounds.take(limits, most) {
         leave("limits");
     }
     let axis = || axis_in_world(&joint.name, pose, joint.axis.xyz.0);

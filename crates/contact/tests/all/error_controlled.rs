@@ -1,7 +1,7 @@
 //! Steps chosen by error: what comes out is as good as was asked.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, System};
 use stationary_contact::{
     Collider, ContactError, Detector, ErrorControlled, EventKind, PlanarCollider, PlanarDetector,
     PlanarShape, PlanarWorld, Shape, SpatialWorld,
@@ -11,6 +11,8 @@ use stationary_rigid::{
     Body, BodyMetric, BodyMotion, Free, LieGroup, PlanarMotion, PlanarWeight, PointMass, Poses,
     RigidMotion, Rotation, Weight,
 };
+
+use crate::event_driven::{momenta, two_boxes};
 
 const G: f64 = 9.81;
 
@@ -192,4 +194,23 @@ fn events_are_noted_and_what_cannot_be_met_is_an_error_that_leaves_the_state() {
     let refused = ErrorControlled::new(world, 1e-4).unwrap().advance(&mut state, 0.5);
     assert!(matches!(refused, Err(ContactError::StepTooShort { .. })), "{refused:?}");
     assert_eq!(state, before);
+}
+
+#[test]
+fn steps_chosen_by_error_keep_both_momenta_and_gain_no_energy() {
+    for accuracy in [1e-2, 1e-4] {
+        let (detector, metric, mut state) = two_boxes();
+        let system = metric.under(Free { freedoms: 12 }).unwrap();
+        let kinetic = |state: &State<Vec<f64>>| system.metric().kinetic_energy(state.p.view());
+        let (first, before) = (momenta(&state), kinetic(&state));
+        let world = SpatialWorld::new(system.clone(), detector).unwrap();
+        let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
+        chosen.advance(&mut state, 1.5).unwrap();
+        assert!(chosen.events().iter().any(|event| event.kind == EventKind::Impact));
+        let [linear, angular] = momenta(&state);
+        assert!((linear - first[0]).norm() < 1e-11, "{linear}");
+        // Extrapolated poses and momenta do not belong to each other to rounding: to the accuracy.
+        assert!((angular - first[1]).norm() < accuracy * first[0].norm(), "{angular} {}", first[1]);
+        assert!(kinetic(&state) < before * (1.0 - 1e-3), "{} {before}", kinetic(&state));
+    }
 }

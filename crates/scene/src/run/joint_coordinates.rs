@@ -21,7 +21,6 @@ use crate::assemble::acting::Acting;
 use crate::assemble::body_system::BodySystem;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::joint_tree::JointTree;
-use crate::model::built::Built;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::run::adaptive::read_off;
@@ -77,7 +76,16 @@ pub(crate) fn stepper<'a>(
             let motion = TreeMotion::new(joints.tree.clone());
             let u = vec![0.0; system.initial().p.components().len()];
             let before = system.initial().clone();
-            Ok(Box::new(Equal { integrator, state, joints, motion, speeds: v, acting, before, u }))
+            Ok(Box::new(EqualSteps {
+                integrator,
+                state,
+                joints,
+                motion,
+                speeds: v,
+                acting,
+                before,
+                u,
+            }))
         }
     }
 }
@@ -128,8 +136,8 @@ impl<'a> Forces<'a> {
     }
 }
 
-/// Equal steps.
-struct Equal<'a> {
+/// Equal steps of the variational method.
+struct EqualSteps<'a> {
     integrator: Box<dyn Integrator<Vec<f64>> + 'a>,
     /// Of the joints.
     state: State<Vec<f64>>,
@@ -142,10 +150,10 @@ struct Equal<'a> {
     u: Vec<f64>,
 }
 
-impl Equal<'_> {
+impl EqualSteps<'_> {
     /// Writes what the joints' state means to the bodies.
     fn read(&mut self, state: &mut State<Vec<f64>>) -> Result<(), TreeError> {
-        let Equal { state: of_joints, joints, motion, speeds, .. } = self;
+        let EqualSteps { state: of_joints, joints, motion, speeds, .. } = self;
         speeds.fill(0.0);
         motion.place(&of_joints.q, speeds)?;
         motion.speeds_of(of_joints.p.components(), speeds)?;
@@ -154,7 +162,7 @@ impl Equal<'_> {
     }
 
     fn count_works(&mut self, h: f64, state: &State<Vec<f64>>) {
-        let Equal { acting: Some(acting), before, u, .. } = self else { return };
+        let EqualSteps { acting: Some(acting), before, u, .. } = self else { return };
         acting.begin();
         for state in [&*before, state] {
             let (q, p) = (&state.q, state.p.components());
@@ -164,7 +172,7 @@ impl Equal<'_> {
     }
 }
 
-impl Stepper for Equal<'_> {
+impl Stepper for EqualSteps<'_> {
     fn step(
         &mut self,
         state: &mut State<Vec<f64>>,
@@ -206,9 +214,5 @@ impl Stepper for Equal<'_> {
         self.state.p.components_mut().copy_from_slice(&numbers[q..q + p]);
         self.state.t = numbers[q + p];
         Ok(())
-    }
-
-    fn built(&self) -> Built {
-        Built::default()
     }
 }

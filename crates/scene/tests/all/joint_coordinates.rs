@@ -150,3 +150,43 @@ fn what_joints_alone_cannot_say_is_refused() {
          particles = [{ name = \"a\", position = [0], mass = 1 }]\n";
     assert!(matches!(fault(particles), Fault::UnknownWord { .. }), "{}", fault(particles));
 }
+
+/// Three bodies on a ball and a hinge that nothing else holds.
+fn free_chain(method: &str, step: f64, spin: f64) -> Scene {
+    scene(&format!(
+        "dimension = 3\nintegrator = {method}\nstep = {step}\nhorizon = 2\n\
+         observables = [\"linear-momentum\", \"angular-momentum\"]\n\
+         bodies = [{{ name = \"a\", mass = 1, moments = [0.1, 0.2, 0.15], position = [0, 0, 0],\n\
+         velocity = [0.3, -0.1, 0.2], angular_velocity = [0, 0, {spin}] }},\n\
+         {{ name = \"b\", mass = 2, moments = [0.2, 0.1, 0.2], position = [1, 0, 0] }},\n\
+         {{ name = \"c\", mass = 0.5, moments = [0.05, 0.04, 0.03], position = [2, 0.5, 0] }}]\n\
+         joints = [{{ kind = \"ball\", between = [\"a\", \"b\"], at = [0.5, 0, 0] }},\n\
+         {{ kind = \"hinge\", between = [\"c\", \"b\"], at = [1.5, 0, 0], axis = [0, 1, 1] }}]\n"
+    ))
+}
+
+#[test]
+fn a_chain_that_nothing_holds_keeps_both_momenta() {
+    let adaptive = "\"dormand-prince-853\"\ntolerance = 1e-11";
+    for (method, least) in [("\"joint-coordinates\"", 1e-11), (adaptive, 1e-8)] {
+        let run = free_chain(method, 0.01, 2.0).run().unwrap();
+        let first = run.observed(0).to_vec();
+        assert!(first.iter().any(|x| x.abs() > 0.1), "{first:?}");
+        for sample in 0..run.times().len() {
+            let now = run.observed(sample).iter().zip(&first);
+            let off = now.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < least, "{method}: {off} at {sample}");
+        }
+    }
+}
+
+/// Past the edge: a body that turns by more than half a turn in an equal step is an error with what was run
+/// so far; steps that the method chooses go on.
+#[test]
+fn too_long_a_step_in_the_coordinates_of_joints_is_an_error_and_chosen_ones_are_not() {
+    let fast = |method: &str| free_chain(method, 0.1, 60.0).run();
+    let error = fast("\"joint-coordinates\"").unwrap_err();
+    assert!(error.partial().is_some_and(|run| run.times().len() < 21), "{error}");
+    let run = fast("\"dormand-prince-853\"\ntolerance = 1e-9").unwrap();
+    assert_eq!(run.times().len(), 21);
+}
