@@ -39,6 +39,9 @@ pub struct Record {
     pub each: usize,
     /// The ends of the steps that an adaptive method accepted.
     pub accepted: Vec<f64>,
+    /// What it showed at the parts and ends of these steps ([`own_parts`](crate::own_parts)), the start first,
+    /// where that was kept: to look there again costs nothing.
+    pub own: Option<Samples>,
     /// What happened once and for all, such as rods that broke, in the order of time. Other ones are
     /// another motion.
     pub outcomes: Vec<usize>,

@@ -10,8 +10,8 @@ use std::fmt;
 use std::time::Instant;
 
 use stationary_integrators::{
-    BackwardDifferences, DormandPrince853, FirstOrderFacts, Moment, RadauIia5, StepControl,
-    Tolerance, VectorField,
+    BackwardDifferences, DormandPrince54, DormandPrince853, FirstOrderFacts, Moment, RadauIia5,
+    StepControl, Tolerance, VectorField,
 };
 
 use crate::dense_output::{self, NoStart, Own};
@@ -41,12 +41,17 @@ pub struct Flow<F, O> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Adaptive {
     DormandPrince853,
+    DormandPrince54,
     RadauIia5,
     BackwardDifferences,
 }
 
-const ALL: [Adaptive; 3] =
-    [Adaptive::DormandPrince853, Adaptive::RadauIia5, Adaptive::BackwardDifferences];
+const ALL: [Adaptive; 4] = [
+    Adaptive::DormandPrince853,
+    Adaptive::DormandPrince54,
+    Adaptive::RadauIia5,
+    Adaptive::BackwardDifferences,
+];
 
 impl<F, O> fmt::Debug for Flow<F, O> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -74,7 +79,7 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
         check("the state", &start.y, n)?;
         check_observed(&observe(&start))?;
         let methods = ALL.into_iter().filter(|method| match method {
-            Adaptive::DormandPrince853 => field.mass().is_none(),
+            Adaptive::DormandPrince853 | Adaptive::DormandPrince54 => field.mass().is_none(),
             _ => n <= FEW,
         });
         let methods: Vec<Adaptive> = methods.collect();
@@ -126,6 +131,7 @@ impl<F: VectorField, O: Fn(&Moment<Vec<f64>>) -> Vec<f64>> Flow<F, O> {
         let (field, start) = (&self.field, self.start.clone());
         Ok(match self.methods[at.family] {
             Adaptive::DormandPrince853 => Box::new(DormandPrince853::new(field, control, start)?),
+            Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field, control, start)?),
             Adaptive::RadauIia5 => Box::new(RadauIia5::new(field, control, start)?),
             Adaptive::BackwardDifferences => {
                 Box::new(BackwardDifferences::new(field, control, start)?)
@@ -143,6 +149,7 @@ impl Adaptive {
     fn family(self, n: usize) -> Family {
         let name = match self {
             Adaptive::DormandPrince853 => "dormand-prince-853",
+            Adaptive::DormandPrince54 => "dormand-prince-54",
             Adaptive::RadauIia5 => "radau-iia-5",
             Adaptive::BackwardDifferences => "bdf-5",
         };

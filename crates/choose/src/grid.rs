@@ -152,6 +152,11 @@ impl Moments {
     }
 }
 
+/// The parts at which an accepted step is looked into.
+pub fn own_parts() -> [f64; 9] {
+    golden::<OF_ACCEPTED>()
+}
+
 /// So many parts of a step: of all irrational numbers this one's multiples lie the most evenly.
 fn golden<const N: usize>() -> [f64; N] {
     let golden = 0.5 * (f64::sqrt(5.0) - 1.0);

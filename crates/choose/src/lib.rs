@@ -77,7 +77,7 @@ pub use error::QuestionError;
 pub use exhaustive::{Found, exhaustive};
 pub use experiment::{Experiment, Record};
 pub use flow::Flow;
-pub use grid::{Moments, inside, is_at, until};
+pub use grid::{Moments, inside, is_at, own_parts, until};
 pub use ladder::{
     At, Family, Finer, Kind, Ladder, MOMENTS, SAMPLES, Scale, Setting, adaptive_steps, equal_steps,
     numbers_of_steps, powers, samples, work_of_step,

@@ -15,6 +15,7 @@ use stationary_integrators::Cost;
 
 use crate::experiment::Record;
 use crate::ladder::{Ladder, MOMENTS, Scale};
+use crate::look::Look;
 use crate::reference::{OFF, Reference};
 use crate::track::Track;
 use crate::watch::Watch;
@@ -96,6 +97,8 @@ pub struct Measured {
     pub track: Option<Arc<Track>>,
     /// The ends of the steps that an adaptive method accepted.
     pub accepted: Arc<[f64]>,
+    /// What it showed within these and at their ends, where that was kept.
+    pub own: Option<Arc<Look>>,
 }
 
 /// What a run is stopped by as soon as it shows at a moment.
@@ -182,7 +185,7 @@ impl Measured {
         part.course.energies.truncate(last + 1);
         part.work = self.works[last];
         part.end = End::Stopped;
-        part.track = None;
+        (part.track, part.own) = (None, None);
         part
     }
 }
@@ -196,7 +199,7 @@ impl Measured {
         let Watch { mut works, end, .. } = watch;
         let course = Course::of(&record, works.len(), ladder.scale);
         works.truncate(course.values.len());
-        let Record { samples, accepted, told, work, is_smooth, failure, .. } = record;
+        let Record { samples, accepted, own, told, work, is_smooth, failure, .. } = record;
         let end = match failure {
             Some(failure) => End::Failed(failure),
             None if !course.is_finite() => End::Failed(course.not_finite()),
@@ -206,10 +209,15 @@ impl Measured {
             }
             None => end,
         };
+        let own = own.filter(|_| end == End::Whole).map(|own| {
+            let look = Look::of(&own, 0);
+            let kinetic = look.kinetic.max(samples.kinetic(samples.len()));
+            Arc::new(Look { kinetic, told, ..look })
+        });
         let whole = Some(samples).filter(|_| end == End::Whole && is_smooth);
         let track =
             whole.and_then(|samples| Track::of(samples, told, ladder.horizon)).map(Arc::new);
-        Measured { work, works, wall, course, end, track, accepted: accepted.into() }
+        Measured { work, works, wall, course, end, track, accepted: accepted.into(), own }
     }
 }
 

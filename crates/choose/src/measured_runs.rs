@@ -110,6 +110,9 @@ impl<'e> MeasuredRuns<'e> {
     /// The rung at the moments of a grid; nothing where it fails there or the budget is over.
     pub fn look(&mut self, at: At, grid: &Grid, within: Within) -> Option<Arc<Look>> {
         let moments = self.moments(grid, within)?;
+        if let Some(own) = self.own(at, (grid, within), moments.times.len()) {
+            return Some(own);
+        }
         let key = (at, grid.clone(), within);
         if !self.looks.contains_key(&key) {
             let seen = self.experiment.look(at, &moments, self.deadline);
@@ -120,9 +123,16 @@ impl<'e> MeasuredRuns<'e> {
         let seen = self.looks[&key].clone();
         if self.looked.insert(key) {
             let known = self.used.get(&at).map_or(0, |run| run.work);
-            self.spend(seen.as_ref().map_or(known, |look| look.work.max(known)));
+            self.spend(seen.as_ref().map_or(known, |look| look.work));
         }
         seen.filter(|_| self.spent() <= self.most_work)
+    }
+
+    /// What a run kept of all its own steps, which are so many moments.
+    fn own(&self, at: At, (grid, within): (&Grid, Within), moments: usize) -> Option<Arc<Look>> {
+        let run = self.used.get(&at).filter(|_| *grid == Grid::Accepted(at))?;
+        let own = run.own.clone().filter(|_| within == Within::Parts)?;
+        own.is_whole(moments).then_some(own)
     }
 
     /// The same, read off where the run's samples tell it to within so much of the observable, which

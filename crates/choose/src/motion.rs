@@ -13,9 +13,9 @@ use std::time::Instant;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{
-    BackwardDifferences, Cost, DormandPrince853, Evaluation, Horizon, Integrator, MechanicalField,
-    Method, Moment, NystromMethod8, NystromMethod12, RadauIia5, SimulationError, State,
-    StepControl, StepError, Tolerance, simulate,
+    BackwardDifferences, Cost, DormandPrince54, DormandPrince853, Evaluation, Horizon, Integrator,
+    MechanicalField, Method, Moment, NystromMethod8, NystromMethod12, RadauIia5, SimulationError,
+    State, StepControl, StepError, Tolerance, simulate,
 };
 
 use crate::dense_output::{self, NoStart, Own, See};
@@ -58,14 +58,16 @@ enum Way {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Adaptive {
     DormandPrince853,
+    DormandPrince54,
     Nystrom8,
     Nystrom12,
     RadauIia5,
     BackwardDifferences,
 }
 
-const ADAPTIVE: [Adaptive; 5] = [
+const ADAPTIVE: [Adaptive; 6] = [
     Adaptive::DormandPrince853,
+    Adaptive::DormandPrince54,
     Adaptive::Nystrom8,
     Adaptive::Nystrom12,
     Adaptive::RadauIia5,
@@ -195,6 +197,7 @@ where
         let (system, field) = (self.system, MechanicalField::new(self.system));
         Ok(match method {
             Adaptive::DormandPrince853 => Box::new(DormandPrince853::new(field, control, start)?),
+            Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field, control, start)?),
             Adaptive::Nystrom8 => Box::new(NystromMethod8::new(system, control, start)?),
             Adaptive::Nystrom12 => Box::new(NystromMethod12::new(system, control, start)?),
             Adaptive::RadauIia5 => Box::new(RadauIia5::new(field, control, start)?),

@@ -74,6 +74,9 @@ const SCALES: f64 = 2.0;
 /// What all modes together are uncertain by.
 const OF_MODES: f64 = 1e-9;
 
+/// The order from which on steps of their own choice are cheap for many digits.
+const MANY_DIGITS: u32 = 8;
+
 /// The ladder's families in the order in which references within so much are made by them: first
 /// those without equations whose order fits, of which the one of the most stages errs the least.
 pub fn preferred(runs: &MeasuredRuns<'_>, enough: f64) -> Vec<usize> {
@@ -89,9 +92,11 @@ pub fn preferred(runs: &MeasuredRuns<'_>, enough: f64) -> Vec<usize> {
     families.sort_by_key(|&place| {
         let family = runs.family(place);
         let solves = family.evaluation == Evaluation::Implicit;
+        // What chooses its steps is asked for more digits than a choice.
+        let low = family.kind == Kind::Adaptive && !solves && family.order < MANY_DIGITS;
         let own = family.kind == Kind::Adaptive && wanted < 8;
         let work = Reverse((family.rungs[0].least_work, place));
-        (solves, family.order.abs_diff(wanted), own, Reverse(family.order), work)
+        (solves, low, family.order.abs_diff(wanted), own, Reverse(family.order), work)
     });
     families
 }

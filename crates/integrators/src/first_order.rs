@@ -11,6 +11,7 @@
 //! | method | for | mass matrix |
 //! | --- | --- | --- |
 //! | [`DormandPrince853`] | smooth motion, many digits | none |
+//! | [`DormandPrince54`] | smooth motion, a few digits | none |
 //! | [`RadauIia5`] | stiff systems, index-1 constraints | any |
 //! | [`BackwardDifferences`] | stiff systems, costly factorizations | any |
 //!
@@ -18,6 +19,7 @@
 
 mod backward_differences;
 mod dormand_prince;
+mod dormand_prince_54;
 mod error;
 mod error_scale;
 mod event;
@@ -33,10 +35,12 @@ mod output;
 mod radau;
 mod saved;
 mod step_control;
+mod step_trend;
 mod vector_field;
 
 pub use backward_differences::BackwardDifferences;
 pub use dormand_prince::DormandPrince853;
+pub use dormand_prince_54::DormandPrince54;
 pub use error::{AdaptiveError, ControlError};
 pub(crate) use error_scale::ErrorScale;
 pub use event::{Direction, Event};
@@ -50,4 +54,5 @@ pub use output::OutputTimes;
 pub use radau::RadauIia5;
 pub use saved::Saved;
 pub use step_control::{StepControl, Tolerance};
+pub(crate) use step_trend::StepTrend;
 pub use vector_field::{FunctionField, Jacobian, VectorField};

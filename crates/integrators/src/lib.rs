@@ -36,7 +36,7 @@
 //! [`GaussLegendre`]), those for stiff systems ([`Newmark`], [`Imex`], [`Gautschi`]), and steps that
 //! vary reversibly ([`ReversibleSteps`]); [`Method`], which names those that a system alone makes; then
 //! [`simulate`], and [`simulate_with_error`], which tells how far the motion is from the true one;
-//! systems of first order ([`VectorField`], [`DormandPrince853`], [`RadauIia5`],
+//! systems of first order ([`VectorField`], [`DormandPrince853`], [`DormandPrince54`], [`RadauIia5`],
 //! [`BackwardDifferences`], [`integrate`]); orbits to many digits ([`Nystrom12`]); the potentials of
 //! chapter 0, momenta with the symmetries that keep them ([`Symmetry`]), and [`problems`] with known
 //! answers. Last, Hamilton's principle:
@@ -113,9 +113,9 @@ pub use facts::{
 pub use facts_table::{facts_table, first_order_facts_table};
 pub use first_order::{
     AcceptedStep, AdaptiveError, AdaptiveMethod, BackwardDifferences, ControlError, Direction,
-    DormandPrince853, EstimatedMoment, Event, FirstOrderFacts, FunctionField, Jacobian,
-    MechanicalField, Moment, Outcome, OutputTimes, RadauIia5, Saved, StepControl, Tolerance,
-    VectorField, Work, integrate, integrate_to_event, integrate_with_error,
+    DormandPrince54, DormandPrince853, EstimatedMoment, Event, FirstOrderFacts, FunctionField,
+    Jacobian, MechanicalField, Moment, Outcome, OutputTimes, RadauIia5, Saved, StepControl,
+    Tolerance, VectorField, Work, integrate, integrate_to_event, integrate_with_error,
 };
 pub use gauss_legendre::GaussLegendre;
 pub use gautschi::{Filter, Gautschi, StiffnessError};

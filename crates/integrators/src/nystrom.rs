@@ -35,7 +35,6 @@ mod pair_12_10;
 mod solver;
 mod stages;
 mod step;
-mod step_trend;
 
 pub use method::{NystromMethod, NystromMethod8, NystromMethod12};
 pub use pair::NystromPair;

@@ -33,7 +33,7 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or `"dormand-prince-853"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
 //! | `tolerance` | below 1 | for the three that choose their own steps, and only for them |
 //! | `modes` | a number | how many of them `"linear-modes"` adds up |
 //! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
@@ -249,6 +249,8 @@ mod run {
     pub(crate) mod stepper;
     pub(crate) mod recorder;
     pub(crate) mod engine;
+    pub(crate) mod own_samples;
+    pub(crate) mod revisit;
     pub(crate) mod equal;
     pub(crate) mod driven;
     pub(crate) mod adaptive;

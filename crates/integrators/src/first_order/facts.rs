@@ -1,6 +1,6 @@
 //! What is known of a method for first-order systems before it runs.
 
-use super::{backward_differences, dormand_prince, radau};
+use super::{backward_differences, dormand_prince, dormand_prince_54, radau};
 use crate::{Damping, Evaluation};
 
 /// The facts of a method; tests assert each of them.
@@ -31,8 +31,8 @@ pub struct FirstOrderFacts {
 impl FirstOrderFacts {
     /// The facts of every method for first-order systems, of the formulas of variable order at
     /// their highest and at order 2.
-    pub fn all() -> [FirstOrderFacts; 4] {
+    pub fn all() -> [FirstOrderFacts; 5] {
         let formulas = backward_differences::facts;
-        [dormand_prince::FACTS, radau::FACTS, formulas(5), formulas(2)]
+        [dormand_prince::FACTS, dormand_prince_54::FACTS, radau::FACTS, formulas(5), formulas(2)]
     }
 }

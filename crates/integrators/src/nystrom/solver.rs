@@ -14,9 +14,8 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, Syste
 
 use super::stages::Tolerated;
 use super::step::check_state;
-use super::step_trend::StepTrend;
 use super::{NystromPair, NystromStages, NystromStep};
-use crate::first_order::{ErrorScale, check_finite};
+use crate::first_order::{ErrorScale, StepTrend, check_finite};
 use crate::integrator::zeros;
 use crate::{AdaptiveError, Moment, State, StepControl, Tolerance, Work};
 

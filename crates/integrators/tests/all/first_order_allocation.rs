@@ -6,9 +6,9 @@ use allocation_counter::measure;
 use stationary_calculus::Storage;
 use stationary_integrators::problems::{constrained_robertson, spring_pendulum, van_der_pol};
 use stationary_integrators::{
-    AdaptiveMethod, BackwardDifferences, Direction, DormandPrince853, Event, FunctionField,
-    MechanicalField, Moment, OutputTimes, RadauIia5, StepControl, Tolerance, VectorField,
-    integrate,
+    AdaptiveMethod, BackwardDifferences, Direction, DormandPrince54, DormandPrince853, Event,
+    FunctionField, MechanicalField, Moment, OutputTimes, RadauIia5, StepControl, Tolerance,
+    VectorField, integrate,
 };
 
 #[test]
@@ -46,6 +46,8 @@ fn checked<F: VectorField, C: Storage>(field: &F, start: &Moment<C>, end: f64) {
     if field.mass().is_none() {
         let dop = DormandPrince853::new(field, control(), start.clone()).unwrap();
         assert_eq!(allocations(dop, end), 0);
+        let low = DormandPrince54::new(field, control(), start.clone()).unwrap();
+        assert_eq!(allocations(low, end), 0);
     }
     assert_eq!(allocations(RadauIia5::new(field, control(), start.clone()).unwrap(), end), 0);
     let bdf = BackwardDifferences::new(field, control(), start.clone()).unwrap();

@@ -56,6 +56,7 @@ pub fn candidates(scene: &Scene) -> Vec<Candidate> {
     });
     let own = [
         (Adaptive::DormandPrince853, 8, 15, Evaluation::Explicit),
+        (Adaptive::DormandPrince54, 5, 6, Evaluation::Explicit),
         (Adaptive::RadauIia5, 5, 3, Evaluation::Implicit),
         (Adaptive::BackwardDifferences, 5, 3, Evaluation::Implicit),
     ];

@@ -3,6 +3,8 @@
 //! A setting is what to say otherwise in the text of a [`Model`]. Whether a model allows a kind is asked of
 //! the scene itself, by parsing. Modes of heat are all of them where these are few.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use stationary_choose::{
@@ -37,6 +39,8 @@ pub struct SceneLadder {
     /// What each rung of each family says.
     settings: Vec<Vec<Variation>>,
     ladder: Ladder,
+    /// Runs of equal steps that can be looked at again.
+    kept: RefCell<BTreeMap<At, run::Kept>>,
 }
 
 /// The way to hold rods that keeps its order.
@@ -98,7 +102,8 @@ impl SceneLadder {
                 })
                 .collect(),
         };
-        Ok(SceneLadder { name: name.to_owned(), models, finer, settings, ladder })
+        let kept = RefCell::default();
+        Ok(SceneLadder { name: name.to_owned(), models, finer, settings, ladder, kept })
     }
 
     /// What can be made of the scene, itself first.
@@ -135,12 +140,17 @@ impl Experiment for SceneLadder {
     fn run(&self, at: At, finer: Option<usize>, watch: &mut Watch<'_>) -> Record {
         let model = finer.and_then(|finer| self.finer.get(finer)).unwrap_or_else(|| self.model(at));
         let kind = self.ladder.families[at.family].kind;
-        run::run(&self.name, model, (kind, self.setting(at)), watch)
+        let (record, kept) = run::run(&self.name, model, (kind, self.setting(at)), watch);
+        if let Some(kept) = kept.filter(|_| finer.is_none()) {
+            self.kept.borrow_mut().insert(at, kept);
+        }
+        record
     }
 
     fn look(&self, at: At, moments: &Moments, deadline: Instant) -> Option<Look> {
         let (kind, setting) = (self.ladder.families[at.family].kind, self.setting(at));
-        look::look(&self.name, self.model(at), (kind, setting), moments, deadline)
+        let kept = self.kept.borrow().get(&at).cloned();
+        look::look(&self.name, self.model(at), (kind, setting), kept, moments, deadline)
     }
 }
 

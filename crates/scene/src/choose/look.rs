@@ -1,5 +1,6 @@
 //! What a run does at the moments of a grid: the observable, its energies, and places of its things.
 
+use std::rc::Rc;
 use std::time::Instant;
 
 use stationary_choose::{Energies, Kind, Look, Moments, Samples, counted, inside, is_at, until};
@@ -9,20 +10,23 @@ use toml::{Table, Value};
 use super::candidate::Variation;
 use super::declaration::changed;
 use super::model::{Model, moved};
-use super::run::{own, told};
+use super::run::{Kept, own, told};
 use crate::model::scene::Scene;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::observer::{Control, Observer, Progress};
+use crate::run::revisit::Start;
 
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;
 
 /// Runs a setting of a model and looks at it at the moments of a grid; nothing where it fails, or the
-/// time is over. The work is that of the run; parts of steps of equal size are counted as steps.
+/// time is over. The work is that of the run, or nothing where its steps were kept; parts of steps of equal
+/// size are counted as steps.
 pub(super) fn look(
     name: &str,
     model: &Model,
     (kind, setting): (Kind, &Variation),
+    kept: Option<Kept>,
     moments: &Moments,
     deadline: Instant,
 ) -> Option<Look> {
@@ -58,6 +62,7 @@ pub(super) fn look(
         found: Vec::with_capacity(times.len()),
         ends: Vec::new(),
         deadline,
+        kept: kept.as_ref().map(|kept| kept.starts.clone()),
     };
     let run = scene.run_from(None, &mut looking).ok()?;
     let start = run.observed(0).to_vec();
@@ -68,7 +73,11 @@ pub(super) fn look(
     if looking.found.len() < times.len() {
         return None;
     }
-    let work = model.pieces * taken(run.cost(), setting, (kind, looking.taken, steps));
+    let parts = looking.taken;
+    let work = match &kept {
+        Some(kept) => kept.work * parts / steps,
+        None => model.pieces * taken(run.cost(), setting, (kind, parts, steps)),
+    };
     let mut samples = Samples::default();
     for row in [start].iter().chain(&looking.found) {
         let (observed, rest) = row.split_at_checked(columns)?;
@@ -84,7 +93,11 @@ pub(super) fn look(
     let look = Look::of(&samples, work);
     let kinetic = if heat { 0.0 } else { look.kinetic };
     let kinetic = run.kinetic_energies().iter().copied().fold(kinetic, f64::max);
-    Some(Look { kinetic, is_own, told: told(&run), ..look })
+    let (most, told) = match kept {
+        Some(kept) => (kept.kinetic, kept.told),
+        None => (0.0, told(&run)),
+    };
+    Some(Look { kinetic: kinetic.max(most), is_own, told, ..look })
 }
 
 /// Counted work with that of parts of steps: what is read off from modes is a reading, from the steps that a
@@ -163,6 +176,7 @@ struct Looking<'t> {
     /// The ends of steps, where these are joined by lines.
     ends: Vec<(f64, Vec<f64>)>,
     deadline: Instant,
+    kept: Option<Rc<[Start]>>,
 }
 
 impl Observer for Looking<'_> {
@@ -192,6 +206,10 @@ impl Observer for Looking<'_> {
             Reads::Parts => self.parts.extend(until(ahead, from, self.h)),
         }
         &self.parts
+    }
+
+    fn kept(&self) -> Option<Rc<[Start]>> {
+        self.kept.clone()
     }
 
     fn inside(&mut self, _: f64, observed: &[f64]) {

@@ -1,8 +1,11 @@
 //! A setting of a model, run: what the search is left of it.
 
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
-use stationary_choose::{Energies, Failure, Kind, MOMENTS, Record, Samples, Watch, counted};
+use stationary_choose::{
+    Energies, Failure, Kind, MOMENTS, Record, Samples, Watch, counted, own_parts,
+};
 use stationary_integrators::{Cost, StepError};
 
 use super::candidate::Variation;
@@ -13,45 +16,73 @@ use crate::model::scene::Scene;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::error::{RunError, StepFailure};
 use crate::run::observer::{Control, Observer, Progress};
+use crate::run::revisit::Start;
 use crate::run::samples::Run;
 
-/// Runs a model as a setting says, until the watch breaks off.
+/// Where the steps of a run start, so that it can be looked at again, and what is known of it.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    pub(super) starts: Rc<[Start]>,
+    /// Counted work of all its steps.
+    pub(super) work: u64,
+    pub(super) kinetic: f64,
+    pub(super) told: f64,
+}
+
+/// Numbers of a run that are kept at most, a megabyte of them: a search keeps some hundreds of runs.
+const MOST: usize = 1 << 17;
+
+/// Runs a model as a setting says, until the watch breaks off; and where its equal steps start, if it came to
+/// its end and these are few.
 pub(super) fn run(
     name: &str,
     model: &Model,
     (kind, setting): (Kind, &Variation),
     watch: &mut Watch<'_>,
-) -> Record {
+) -> (Record, Option<Kept>) {
     let scene = match Scene::parse_at(name, &changed(&model.text, &setting.changes)) {
         Ok(scene) => scene,
         Err(error) => {
             let failure = Some(Failure::NotConverged(first_line(&error.to_string())));
-            return Record { failure, ..Record::default() };
+            return (Record { failure, ..Record::default() }, None);
         }
     };
     let (every, hessian) = (scene.timing().steps() / MOMENTS, setting.hessian_work);
     let pieces = model.pieces;
     let work = |cost: Cost| pieces * counted(own(cost, kind), hessian);
-    let mut judging = Judging { every, work: &work, watch, accepted: Vec::new() };
+    let parts = if kind == Kind::Adaptive { own_parts().to_vec() } else { Vec::new() };
+    let starts = (kind == Kind::EqualSteps).then(Vec::new);
+    let accepted = Vec::new();
+    let mut judging =
+        Judging { every, work: &work, watch, accepted, parts, own: None, starts, numbers: 0 };
     let run = scene.run_from(None, &mut judging);
-    let accepted = judging.accepted;
+    let Judging { accepted, own, starts, .. } = judging;
     let (partial, failure) = match &run {
         Ok(run) => (Some(run), None),
         Err(error) => (error.partial(), Some(failure(error))),
     };
     let each = (every / scene.timing().sample_every()) as usize;
-    let Some(run) = partial else { return Record { failure, ..Record::default() } };
-    Record {
+    let Some(run) = partial else { return (Record { failure, ..Record::default() }, None) };
+    let whole = |starts: &Vec<Start>| starts.len() as u64 == scene.timing().steps() + 1;
+    let kept = starts.filter(whole).map(|starts| Kept {
+        starts: starts.into(),
+        work: pieces * counted(run.cost(), hessian),
+        kinetic: run.kinetic_energies().iter().copied().fold(0.0, f64::max),
+        told: told(run),
+    });
+    let record = Record {
         samples: samples(run, model),
         each,
         accepted,
+        own: own.map(|own| samples(&own, model)),
         outcomes: run.broken().iter().map(|broken| broken.rod).collect(),
         told: told(run),
         size: size(run),
         work: work(run.cost()),
         is_smooth: is_smooth(run),
         failure,
-    }
+    };
+    (record, kept)
 }
 
 /// What a run took itself: where a method chooses its own steps, those of the scene are read off, which takes
@@ -98,6 +129,12 @@ struct Judging<'t, 'w> {
     work: &'t dyn Fn(Cost) -> u64,
     watch: &'t mut Watch<'w>,
     accepted: Vec<f64>,
+    /// The parts at which the method's own steps are sampled, and what that gave.
+    parts: Vec<f64>,
+    own: Option<Run>,
+    /// Where steps start, as long as these are few, and how many numbers that are.
+    starts: Option<Vec<Start>>,
+    numbers: usize,
 }
 
 impl Observer for Judging<'_, '_> {
@@ -118,6 +155,26 @@ impl Observer for Judging<'_, '_> {
 
     fn own_ends(&mut self, ends: &[f64]) {
         self.accepted.extend_from_slice(ends);
+    }
+
+    fn own_parts(&self) -> &[f64] {
+        &self.parts
+    }
+
+    fn own(&mut self, sampled: Run) {
+        self.own = Some(sampled);
+    }
+
+    fn keeps_starts(&self) -> bool {
+        self.starts.is_some()
+    }
+
+    fn start(&mut self, start: Start) {
+        self.numbers += start.numbers();
+        match &mut self.starts {
+            Some(starts) if self.numbers <= MOST => starts.push(start),
+            _ => self.starts = None,
+        }
     }
 }
 

@@ -48,10 +48,19 @@ pub enum Stepping {
 pub enum Adaptive {
     /// [`DormandPrince853`](stationary_integrators::DormandPrince853).
     DormandPrince853,
+    /// [`DormandPrince54`](stationary_integrators::DormandPrince54).
+    DormandPrince54,
     /// [`RadauIia5`](stationary_integrators::RadauIia5).
     RadauIia5,
     /// [`BackwardDifferences`](stationary_integrators::BackwardDifferences) up to order 5.
     BackwardDifferences,
+}
+
+impl Adaptive {
+    /// Whether its steps solve no equations.
+    pub(crate) fn is_explicit(self) -> bool {
+        matches!(self, Adaptive::DormandPrince853 | Adaptive::DormandPrince54)
+    }
 }
 
 /// A method that holds rods by their forces.
@@ -70,8 +79,9 @@ pub(crate) const JOINT_COORDINATES: &str = "joint-coordinates";
 /// The word for motion in closed form.
 pub(crate) const LINEAR_MODES: &str = "linear-modes";
 
-pub(crate) const ADAPTIVE: [(&str, Adaptive); 3] = [
+pub(crate) const ADAPTIVE: [(&str, Adaptive); 4] = [
     ("dormand-prince-853", Adaptive::DormandPrince853),
+    ("dormand-prince-54", Adaptive::DormandPrince54),
     ("radau-iia-5", Adaptive::RadauIia5),
     ("bdf-5", Adaptive::BackwardDifferences),
 ];

@@ -5,8 +5,8 @@
 
 use stationary_calculus::{Covector, Metric, Vector};
 use stationary_integrators::{
-    AdaptiveMethod, BackwardDifferences, DormandPrince853, MechanicalField, Moment, RadauIia5,
-    Saved, State, StepControl, StepReport, Tolerance, Work,
+    AdaptiveMethod, BackwardDifferences, DormandPrince54, DormandPrince853, MechanicalField,
+    Moment, RadauIia5, Saved, State, StepControl, StepReport, Tolerance, Work,
 };
 
 use crate::assemble::acting::Acting;
@@ -52,7 +52,8 @@ pub(crate) fn read_off<'s>(
         let v = vec![0.0; initial.p.components().len()];
         Worked { acting, to: 0.0, at: initial.clone(), v }
     });
-    Box::new(Reading { method, read, end, y, before: Vec::new(), ends: Vec::new(), driven })
+    let own = Own { parts: Vec::new(), states: Vec::new(), like: initial.clone() };
+    Box::new(Reading { method, read, end, y, before: Vec::new(), ends: Vec::new(), own, driven })
 }
 
 /// A method that chooses its own steps, read off.
@@ -65,7 +66,15 @@ struct Reading<'s> {
     before: Vec<f64>,
     /// The ends of its steps since it was asked last.
     ends: Vec<f64>,
+    own: Own,
     driven: Option<Worked>,
+}
+
+/// States within the method's own steps since it was asked last.
+struct Own {
+    parts: Vec<f64>,
+    states: Vec<State<Vec<f64>>>,
+    like: State<Vec<f64>>,
 }
 
 /// What acts, the time up to which its works are counted, and room for a state and its velocity.
@@ -84,6 +93,22 @@ const PLACES: [(f64, f64); 3] = [
 ];
 
 impl Reading<'_> {
+    /// Keeps the states within the method's last step, and at its end.
+    fn keep_last(&mut self) -> Result<(), StepFailure> {
+        let (to, Some(from)) = (self.method.moment().t, self.method.last_begin()) else {
+            return Ok(());
+        };
+        for &part in self.own.parts.iter().chain(&[1.0]) {
+            let t = if part < 1.0 { from + part * (to - from) } else { to };
+            self.method.interpolate(t, &mut self.y)?;
+            let mut state = self.own.like.clone();
+            (self.read)(&self.y, &mut state);
+            state.t = t;
+            self.own.states.push(state);
+        }
+        Ok(())
+    }
+
     /// Counts the works up to a time within the method's last step.
     fn count_works(&mut self, to: f64) -> Result<(), StepFailure> {
         let Some(Worked { acting, to: from, at, v }) = &mut self.driven else { return Ok(()) };
@@ -114,6 +139,7 @@ impl Stepper for Reading<'_> {
     ) -> Result<Stepped, StepFailure> {
         let before = *self.method.work();
         self.ends.clear();
+        self.own.states.clear();
         if let Some(driven) = &mut self.driven {
             driven.acting.begin();
         }
@@ -130,6 +156,9 @@ impl Stepper for Reading<'_> {
             self.method.step(end)?;
             self.ends.push(self.method.moment().t);
             self.count_works(to)?;
+            if !self.own.parts.is_empty() {
+                self.keep_last()?;
+            }
         }
         self.method.interpolate(to, &mut self.y)?;
         (self.read)(&self.y, state);
@@ -148,6 +177,14 @@ impl Stepper for Reading<'_> {
 
     fn own_ends(&self) -> &[f64] {
         &self.ends
+    }
+
+    fn keep_own(&mut self, parts: &[f64]) {
+        self.own.parts = parts.to_vec();
+    }
+
+    fn own_states(&self) -> &[State<Vec<f64>>] {
+        &self.own.states
     }
 
     fn works(&self) -> &[f64] {
@@ -187,6 +224,7 @@ fn adaptive<'s, const D: usize>(
         StepControl::from(Tolerance::componentwise(tolerance, allowed(problem, tolerance))?);
     Ok(match method {
         Adaptive::DormandPrince853 => Box::new(DormandPrince853::new(field, control, start)?),
+        Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field, control, start)?),
         Adaptive::RadauIia5 => Box::new(RadauIia5::new(field, control, start)?),
         Adaptive::BackwardDifferences => Box::new(BackwardDifferences::new(field, control, start)?),
     })

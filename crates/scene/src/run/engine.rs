@@ -17,6 +17,7 @@ use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, Checkpoint, CheckpointError};
 use crate::run::error::{RunError, StepFailure};
 use crate::run::observer::{Control, Observer, Progress};
+use crate::run::own_samples::OwnSamples;
 use crate::run::recorder::{Failed, Recorder};
 use crate::run::samples::{Run, Samples};
 use crate::run::stepper::{Stepped, Stepper};
@@ -50,6 +51,9 @@ impl Engine<'_> {
         from: Option<Checkpoint>,
         observer: &mut dyn Observer,
     ) -> Result<Run, RunError> {
+        if let Some(kept) = observer.kept() {
+            return self.revisit(&kept, observer);
+        }
         let (scene, timing) = (self.scene, self.scene.timing);
         // Of a large scene it takes longer than a step.
         let fingerprint = LazyCell::new(|| Checkpoint::fingerprint(scene));
@@ -74,9 +78,15 @@ impl Engine<'_> {
                 }
             }
         }
+        let mut own = OwnSamples::of(scene, observer.own_parts());
+        self.stepper.keep_own(observer.own_parts());
+        own.add(std::slice::from_ref(&self.state), &mut *self.recorder);
         let mut asked = Control::Continue;
         for step in done + 1..=steps {
             let before = (asked == Control::Checkpoint).then(|| self.before());
+            if observer.keeps_starts() {
+                observer.start(self.start());
+            }
             if self.stepper.takes_parts() {
                 self.look_inside(observer, (step, h))?;
             }
@@ -84,6 +94,7 @@ impl Engine<'_> {
                 Ok(stepped) => {
                     cost.add(&stepped.report);
                     observer.own_ends(self.stepper.own_ends());
+                    own.add(self.stepper.own_states(), &mut *self.recorder);
                     let room = samples.impacts.len() < limits::IMPACTS;
                     samples.impacts.extend(stepped.impacts.filter(|_| room));
                     if let Some(residual) = stepped.unsettled {
@@ -127,10 +138,16 @@ impl Engine<'_> {
                 break;
             }
         }
+        if observer.keeps_starts() {
+            observer.start(self.start());
+        }
+        if let Some(sampled) = own.kept() {
+            observer.own(self.run(sampled, Cost::default()));
+        }
         Ok(self.run(samples, cost))
     }
 
-    fn run(&self, samples: Samples, cost: Cost) -> Run {
+    pub(crate) fn run(&self, samples: Samples, cost: Cost) -> Run {
         let broken = self.recorder.broken().to_vec();
         Run { scene: self.scene.clone(), samples, broken, cost, built: self.built }
     }
@@ -147,7 +164,7 @@ impl Engine<'_> {
 
     /// Shows the parts of a step that the observer is to see, and leaves everything as it was. A part
     /// that has no solution is passed over: the step itself will say so.
-    fn look_inside(
+    pub(crate) fn look_inside(
         &mut self,
         observer: &mut dyn Observer,
         (step, h): (u64, f64),
@@ -171,7 +188,7 @@ impl Engine<'_> {
     }
 
     /// Adds a sample, all of whose numbers are finite.
-    fn sample(&mut self, time: f64, samples: &mut Samples) -> Result<(), StepFailure> {
+    pub(crate) fn sample(&mut self, time: f64, samples: &mut Samples) -> Result<(), StepFailure> {
         self.recorder.sample(&self.state, time, samples);
         match samples.overflow(self.scene) {
             Some((quantity, value)) => Err(StepFailure::Overflow { quantity, value }),
@@ -179,12 +196,12 @@ impl Engine<'_> {
         }
     }
 
-    fn before(&mut self) -> Before {
+    pub(crate) fn before(&mut self) -> Before {
         let (memory, broken) = (self.stepper.save(), self.recorder.broken().to_vec());
         Before { state: self.state.clone(), memory, broken }
     }
 
-    fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
+    pub(crate) fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
         self.stepper.load(before)?;
         self.state.clone_from(&before.state);
         self.recorder.restore(&before.broken);

@@ -3,6 +3,7 @@
 //! ```text
 //! joint-coordinates      -D1 L(q, q') = p,  p' = D2 L(q, q')        equal steps, order 2
 //! dormand-prince-853     v. = M(q)^-1 (f - C(q, v))                 steps chosen to a tolerance
+//! dormand-prince-54      the same
 //! W = h/2 (F u + F' u')                                             of what acts, in an equal step
 //! ```
 //! `q v p` coordinates, speeds and momenta of joints, `f` what potentials and all else give them: the forces
@@ -12,8 +13,8 @@ use std::cell::RefCell;
 
 use stationary_calculus::{Covector, Force, Vector};
 use stationary_integrators::{
-    DormandPrince853, Integrator, Moment, Saved, State, StepControl, StepError, StepReport,
-    Tolerance,
+    AdaptiveMethod, DormandPrince54, DormandPrince853, Integrator, Moment, Saved, State,
+    StepControl, StepError, StepReport, Tolerance,
 };
 use stationary_rigid::tree::{TreeError, TreeField, TreeForces, TreeMotion, TreeVariational};
 
@@ -22,7 +23,7 @@ use crate::assemble::body_system::BodySystem;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::joint_tree::JointTree;
 use crate::model::scene::Scene;
-use crate::model::stepping::Stepping;
+use crate::model::stepping::{Adaptive, Stepping};
 use crate::run::adaptive::read_off;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::error::StepFailure;
@@ -37,7 +38,7 @@ pub(crate) fn stepper<'a>(
     let [q, v] = joints.start(scene)?;
     let acting = Acting::of(scene);
     match scene.stepping {
-        Stepping::Adaptive { tolerance, .. } => {
+        Stepping::Adaptive { method, tolerance } => {
             let scales = joints.scales(scene.scale(), scene.timing.horizon(), &v)?;
             let allowed = scales.into_iter().map(|scale| scale * tolerance).collect();
             let control = StepControl::from(Tolerance::componentwise(tolerance, allowed)?);
@@ -45,7 +46,10 @@ pub(crate) fn stepper<'a>(
             let none = TreeForces::none(&joints.tree);
             let drive = Forces::new(&joints, system, acting.clone()).drive();
             let field = TreeField::driven(joints.tree.clone(), none, drive)?;
-            let method = Box::new(DormandPrince853::new(field, control, start)?);
+            let method: Box<dyn AdaptiveMethod<Vec<f64>>> = match method {
+                Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field, control, start)?),
+                _ => Box::new(DormandPrince853::new(field, control, start)?),
+            };
             let mut motion = TreeMotion::new(joints.tree.clone());
             let read = move |y: &[f64], state: &mut State<Vec<f64>>| {
                 let (q, v) = y.split_at(joints.tree.coordinates());

@@ -1,8 +1,12 @@
 //! Who looks on while a scene runs, and controls it.
 
+use std::rc::Rc;
+
 use stationary_integrators::Cost;
 
 use crate::run::checkpoint::Checkpoint;
+use crate::run::revisit::Start;
+use crate::run::samples::Run;
 
 /// What an observer asks for after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +39,33 @@ pub trait Observer {
 
     /// Sees where the steps ended that an adaptive method chose itself.
     fn own_ends(&mut self, _ends: &[f64]) {}
+
+    /// The parts of these steps, between 0 and 1, at which they are sampled beside the scene's own samples.
+    #[doc(hidden)]
+    fn own_parts(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Takes what was sampled there and at the ends of these steps, after the last one; nothing where that was
+    /// too much.
+    #[doc(hidden)]
+    fn own(&mut self, _sampled: Run) {}
+
+    /// Whether it keeps where each step starts.
+    #[doc(hidden)]
+    fn keeps_starts(&self) -> bool {
+        false
+    }
+
+    /// Takes where a step starts, and after the last one where that ends.
+    #[doc(hidden)]
+    fn start(&mut self, _: Start) {}
+
+    /// Where the steps of this run start, kept before: then none is taken again, only parts of them.
+    #[doc(hidden)]
+    fn kept(&self) -> Option<Rc<[Start]>> {
+        None
+    }
 }
 
 /// How far a run has come, shown after every step.

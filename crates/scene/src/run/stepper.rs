@@ -39,6 +39,14 @@ pub(crate) trait Stepper {
         &[]
     }
 
+    /// Keeps the states at these parts of such steps, and at their ends.
+    fn keep_own(&mut self, _parts: &[f64]) {}
+
+    /// Those within the last step of the scene, in the order of time.
+    fn own_states(&self) -> &[State<Vec<f64>>] {
+        &[]
+    }
+
     /// The multipliers of the rods that are left, none where rods are not held by forces.
     fn multipliers(&self) -> &[f64] {
         &[]

@@ -6,7 +6,7 @@ use stationary_rigid::BodyMethod;
 use crate::model::body_shape::BodyShape;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
-use crate::model::stepping::{Adaptive, Stepping};
+use crate::model::stepping::Stepping;
 use crate::text::fault::{BodyFault, Fault};
 use crate::words::word::CONTACT;
 
@@ -48,7 +48,7 @@ impl Scene {
     pub(crate) fn moves_joints(&self) -> bool {
         match self.stepping {
             Stepping::JointCoordinates => true,
-            Stepping::Adaptive { method, .. } => method == Adaptive::DormandPrince853,
+            Stepping::Adaptive { method, .. } => method.is_explicit(),
             _ => false,
         }
     }

@@ -165,7 +165,7 @@ impl Scene {
     fn moves_pins(&self) -> bool {
         match self.stepping {
             Stepping::Equal(method) => method.facts().evaluation == Evaluation::Explicit,
-            Stepping::Adaptive { method, .. } => method == Adaptive::DormandPrince853,
+            Stepping::Adaptive { method, .. } => method.is_explicit(),
             _ => false,
         }
     }
@@ -218,7 +218,7 @@ impl Scene {
                     Stepping::Equal(own) if own.facts().evaluation == Evaluation::Explicit => {
                         Ok(())
                     }
-                    Stepping::Adaptive { method: Adaptive::DormandPrince853, .. } => Ok(()),
+                    Stepping::Adaptive { method, .. } if method.is_explicit() => Ok(()),
                     _ => refused("what touches by springs", "name an explicit method"),
                 },
                 Stepping::Equal(Method::StormerVerlet) => Ok(()),
@@ -251,8 +251,7 @@ impl Scene {
                 "name a method up to order 2, such as `stormer-verlet`, or an adaptive method",
             ),
             Stepping::Adaptive { method: adaptive, .. }
-                if adaptive != Adaptive::DormandPrince853
-                    && self.freedoms() > limits::FULL_MATRIX_FREEDOMS =>
+                if !adaptive.is_explicit() && self.freedoms() > limits::FULL_MATRIX_FREEDOMS =>
             {
                 refused("so many freedoms with full matrices", "name a method of equal steps")
             }

@@ -1,6 +1,7 @@
 //! The chooser on scenes.
 
 mod models;
+mod revisits;
 mod searches;
 mod truth;
 

@@ -226,7 +226,7 @@ fn joints_are_the_coordinates_where_that_is_cheaper() {
     for tolerance in [1e-2, 1e-6] {
         let (answer, _) = asked(text, "position=lower", tolerance);
         let row = answer.choice().unwrap_or_else(|| panic!("{answer}"));
-        assert_eq!(row.method, "dormand-prince-853", "{answer}");
+        assert!(row.method.starts_with("dormand-prince"), "{answer}");
         let held = answer.rows.iter().filter(|other| other.method.ends_with("rotation"));
         let whole = held.filter(|other| other.moment == row.moment).map(|other| other.work);
         assert!(whole.min().is_none_or(|work| work > 5 * row.work), "{answer}");

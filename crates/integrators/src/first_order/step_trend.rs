@@ -20,19 +20,19 @@ const SHRINK: f64 = 0.1;
 
 /// What is remembered of the steps so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StepTrend {
+pub(crate) struct StepTrend {
     exponent: f64,
     before: Option<(f64, f64)>,
     growth: f64,
 }
 
 impl StepTrend {
-    pub fn new(order: u32) -> Self {
+    pub(crate) fn new(order: u32) -> Self {
         StepTrend { exponent: -1.0 / f64::from(order + 1), before: None, growth: GROWTH }
     }
 
     /// Visits what is remembered; a length of 0 stands for no step.
-    pub fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
+    pub(crate) fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
         let (mut length, mut factor) = self.before.unwrap_or((0.0, 0.0));
         visit(&mut length);
         visit(&mut factor);
@@ -41,14 +41,14 @@ impl StepTrend {
     }
 
     /// Whether steps may have left this behind.
-    pub fn is_possible(&self) -> bool {
+    pub(crate) fn is_possible(&self) -> bool {
         let before = self.before.is_none_or(|(length, factor)| length > 0.0 && factor > 0.0);
         before && (1.0..=GROWTH).contains(&self.growth)
     }
 
     /// The step after an accepted one of `h` seconds.
     #[inline]
-    pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
+    pub(crate) fn accepted(&mut self, h: f64, error: f64) -> f64 {
         // An error of zero leaves a number that can be saved, too.
         let factor = (SAFETY * error.powf(self.exponent)).min(f64::MAX);
         let trend = self.before.map_or(1.0, |(length, before)| h / length * (factor / before));
@@ -60,7 +60,7 @@ impl StepTrend {
 
     /// The step in place of a refused one of `h` seconds. The one after it may not be longer.
     #[inline]
-    pub fn refused(&mut self, h: f64, error: f64) -> f64 {
+    pub(crate) fn refused(&mut self, h: f64, error: f64) -> f64 {
         self.growth = 1.0;
         let factor = SAFETY * error.powf(self.exponent);
         // An error that is not a number shrinks the step the most.
