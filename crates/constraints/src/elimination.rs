@@ -9,28 +9,76 @@
 //! descendants in the elimination tree come just before their ancestor. For a chain it runs from one
 //! end to the other, and the factor has no more entries than S.
 //!
+//! Columns one after the other with the same rows below them, such as the equations of one joint, make a
+//! front (supernode), kept as a dense block of its rows. What a front takes from the entries of later ones
+//! goes by runs of consecutive entries of a row.
+//!
 //! Source: Liu, SIAM J. Matrix Anal. Appl. 11 (1990) 134; Davis, Direct Methods for Sparse Linear
 //! Systems (2006), chapters 4 and 7. Knows no numbers.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 /// No parent in the elimination tree.
 const ROOT: u32 = u32::MAX;
 
-/// The order and the places of the factor's entries below its diagonal, by rows and by columns.
+/// Columns of a front, at most: so many numbers stay in registers.
+pub(crate) const WIDEST: usize = 6;
+
+/// The order, and the places of the factor's entries below its diagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct Elimination {
     /// Of each place its equation.
     pub(crate) order: Vec<u32>,
     /// Of each equation its place.
     pub(crate) place: Vec<u32>,
-    /// Columns of each row, ascending.
-    pub(crate) row_starts: Vec<usize>,
-    pub(crate) row_columns: Vec<u32>,
-    /// Rows of each column, ascending.
-    pub(crate) column_starts: Vec<usize>,
-    pub(crate) column_rows: Vec<u32>,
+    /// The first column of each row, or the row itself.
+    pub(crate) first: Vec<u32>,
+    pub(crate) fronts: Vec<Front>,
+    /// The front of each column.
+    fronts_of: Vec<u32>,
+    /// The rows of all fronts, those of its own columns first.
+    rows: Vec<u32>,
+    /// The updates of all fronts.
+    pub(crate) updates: Vec<Update>,
+    /// The numbers of all blocks.
+    len: usize,
+}
+
+/// Columns with the same rows below them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Front {
+    /// The first column, and how many.
+    pub(crate) start: usize,
+    pub(crate) width: usize,
+    /// Where its rows start, and how many.
+    rows: usize,
+    height: usize,
+    /// Where its block starts, `height` rows of `width` numbers.
+    pub(crate) block: usize,
+    /// How many updates it makes.
+    pub(crate) updates: usize,
+}
+
+/// A run of entries in a row of a later front, which products of a row of the block with consecutive others
+/// change.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Update {
+    /// The row and the first of the others, counted from the first below the front's columns.
+    pub(crate) row: u32,
+    pub(crate) from: u32,
+    pub(crate) len: u32,
+    /// Where the run starts among the blocks of later fronts.
+    pub(crate) to: u32,
+}
+
+impl Front {
+    /// Where its block is.
+    #[inline]
+    pub(crate) fn block(&self) -> Range<usize> {
+        self.block..self.block + self.height * self.width
+    }
 }
 
 impl Elimination {
@@ -42,52 +90,108 @@ impl Elimination {
         let place = inverse(&order);
         let stars = stars(count, elements, &place);
         let parents = tree(&stars);
-        let (mut row_starts, mut row_columns) = (vec![0], Vec::new());
-        let mut column_counts = vec![0_usize; count];
+        let mut columns: Vec<Vec<u32>> = vec![Vec::new(); count];
+        let mut first: Vec<u32> = (0..count as u32).collect();
         let mut seen = vec![ROOT; count];
         for (row, firsts) in stars.iter().enumerate() {
-            let start = row_columns.len();
             seen[row] = row as u32;
-            for &first in firsts {
-                let mut at = first;
+            for &star in firsts {
+                let mut at = star;
                 while seen[at as usize] != row as u32 {
                     seen[at as usize] = row as u32;
-                    row_columns.push(at);
-                    column_counts[at as usize] += 1;
+                    columns[at as usize].push(row as u32);
+                    first[row] = first[row].min(at);
                     at = parents[at as usize];
                 }
             }
-            row_columns[start..].sort_unstable();
-            row_starts.push(row_columns.len());
         }
-        let mut column_starts = vec![0];
-        for count in column_counts {
-            column_starts.push(column_starts.last().copied().unwrap_or(0) + count);
-        }
-        let mut column_rows = vec![0; row_columns.len()];
-        let mut next = column_starts.clone();
-        for row in 0..count {
-            for &column in &row_columns[row_starts[row]..row_starts[row + 1]] {
-                column_rows[next[column as usize]] = row as u32;
-                next[column as usize] += 1;
+        let (fronts, fronts_of, rows, updates) = <_>::default();
+        let mut found =
+            Elimination { order, place, first, fronts, fronts_of, rows, updates, len: 0 };
+        let mut start = 0;
+        for end in 1..=count {
+            let goes_on = end < count
+                && end - start < WIDEST
+                && columns[end - 1].first() == Some(&(end as u32))
+                && columns[end - 1].len() == columns[end].len() + 1;
+            if !goes_on {
+                found.push_front(start, &columns[start..end]);
+                start = end;
             }
         }
-        Elimination { order, place, row_starts, row_columns, column_starts, column_rows }
+        found.find_updates();
+        found
     }
 
-    /// The entries below the diagonal.
+    fn push_front(&mut self, start: usize, columns: &[Vec<u32>]) {
+        let (rows, width) = (self.rows.len(), columns.len());
+        self.rows.push(start as u32);
+        self.rows.extend_from_slice(&columns[0]);
+        let height = 1 + columns[0].len();
+        self.fronts_of.resize(start + width, self.fronts.len() as u32);
+        self.fronts.push(Front { start, width, rows, height, block: self.len, updates: 0 });
+        self.len += height * width;
+    }
+
+    fn find_updates(&mut self) {
+        for front in 0..self.fronts.len() {
+            let before = self.updates.len();
+            let later = self.fronts[front].block().end;
+            let below = self.below(&self.fronts[front]).to_vec();
+            for (row, &at) in below.iter().enumerate() {
+                let mut run: Option<Update> = None;
+                for (from, &column) in below[..row].iter().enumerate() {
+                    let to = (self.slot(at, column) - later) as u32;
+                    match &mut run {
+                        Some(run) if run.to + run.len == to => run.len += 1,
+                        _ => {
+                            let (row, from) = (row as u32, from as u32);
+                            self.updates.extend(run.replace(Update { row, from, len: 1, to }));
+                        }
+                    }
+                }
+                self.updates.extend(run);
+            }
+            self.fronts[front].updates = self.updates.len() - before;
+        }
+    }
+
+    /// The numbers of all blocks.
     pub(crate) fn len(&self) -> usize {
-        self.row_columns.len()
+        self.len
     }
 
-    /// Where the entry of two places of an element is kept: among those below the diagonal by rows, or
-    /// after all of them on it.
+    /// The rows of a front: its columns, and those below them.
+    #[inline]
+    fn rows(&self, front: &Front) -> &[u32] {
+        &self.rows[front.rows..front.rows + front.height]
+    }
+
+    /// The rows of a front below its columns.
+    #[inline]
+    pub(crate) fn below(&self, front: &Front) -> &[u32] {
+        &self.rows(front)[front.width..]
+    }
+
+    /// Of a column the rows below its diagonal, and where their entries are.
+    #[inline]
+    pub(crate) fn column(&self, column: usize) -> impl Iterator<Item = (usize, usize)> {
+        let front = &self.fronts[self.fronts_of[column] as usize];
+        let own = column - front.start;
+        let rows = self.rows(front).iter().enumerate().skip(own + 1);
+        rows.map(move |(at, &row)| (row as usize, front.block + at * front.width + own))
+    }
+
+    /// Where the entry of two places of an element is kept: among those below the diagonal, or after all
+    /// blocks on it.
     pub(crate) fn slot(&self, a: u32, b: u32) -> usize {
-        let (row, column) = (a.max(b) as usize, a.min(b));
-        let start = self.row_starts[row];
-        match self.row_columns[start..self.row_starts[row + 1]].binary_search(&column) {
-            Ok(at) => start + at,
-            Err(_) => self.len() + row,
+        let (row, column) = (a.max(b), a.min(b) as usize);
+        let front = &self.fronts[self.fronts_of[column] as usize];
+        match self.rows(front).binary_search(&row) {
+            Ok(at) if row as usize != column => {
+                front.block + at * front.width + column - front.start
+            }
+            _ => self.len() + row as usize,
         }
     }
 }
@@ -219,15 +323,29 @@ fn postorder(parents: &[u32]) -> Vec<usize> {
 mod tests {
     use super::*;
 
+    fn entries(elimination: &Elimination) -> usize {
+        (0..elimination.order.len()).map(|column| elimination.column(column).count()).sum()
+    }
+
     #[test]
     fn a_chain_is_eliminated_without_fill_and_a_star_from_its_ends() {
         let chain: Vec<Vec<u32>> = (0..99).map(|i| vec![i, i + 1]).collect();
         let found = Elimination::of(100, &chain);
-        assert_eq!(found.len(), 99);
+        assert_eq!(entries(&found), 99);
         let star: Vec<Vec<u32>> = (1..50).map(|i| vec![0, i]).collect();
         let found = Elimination::of(50, &star);
-        assert_eq!(found.len(), 49);
+        assert_eq!(entries(&found), 49);
         assert!(found.place[0] >= 48);
+    }
+
+    #[test]
+    fn joints_of_a_chain_are_fronts() {
+        let joints = 40_u32;
+        let bodies = (0..joints).map(|k| (3 * k..3 * (k + 2).min(joints)).collect());
+        let found = Elimination::of(120, &bodies.collect::<Vec<Vec<u32>>>());
+        // The last two joints meet no others when their turn comes.
+        assert_eq!(found.fronts.len(), 39);
+        assert!(found.fronts[..38].iter().all(|front| front.width == 3 && front.updates == 2));
     }
 
     #[test]
@@ -259,11 +377,13 @@ mod tests {
                 after.iter().for_each(|&b| meets[a][b] = true);
             }
         }
-        for (row, meets) in meets.iter().enumerate() {
-            let expected: Vec<u32> =
-                (0..row).filter(|&column| meets[column]).map(|c| c as u32).collect();
-            let own = &found.row_columns[found.row_starts[row]..found.row_starts[row + 1]];
-            assert_eq!(own, expected, "row {row}");
+        for column in 0..count {
+            let below = (column + 1..count).filter(|&row| meets[row][column]);
+            let expected: Vec<u32> = below.map(|row| row as u32).collect();
+            let own: Vec<u32> = found.column(column).map(|entry| entry.0 as u32).collect();
+            assert_eq!(own, expected, "column {column}");
+            let first = (0..=column).find(|&before| meets[column][before] || before == column);
+            assert_eq!(Some(found.first[column] as usize), first, "row {column}");
         }
         let mut sorted = found.order.clone();
         sorted.sort_unstable();

@@ -3,7 +3,8 @@
 //! ```text
 //! S_ij = <a_i, a_j>,     P S P^T = L L^T,     L_ii = distance of a_i from the rows before it
 //! ```
-//! `a_i` the rows of J M^-1/2 (m), eliminated in an order P that is found once. A row is dependent where
+//! `a_i` the rows of J M^-1/2 (m), eliminated in an order P that is found once, front by front (columns
+//! with the same rows below them). A row is dependent where
 //! its distance is at most `threshold_i`; its column of L is then zero and its multiplier with it, and
 //! what is left is the factor of the rows that are independent.
 //!
@@ -25,7 +26,7 @@ use std::sync::Arc;
 
 use stationary_calculus::first_non_finite;
 
-use crate::elimination::Elimination;
+use crate::elimination::{Elimination, Front, Update, WIDEST};
 use crate::entries::WeightedRows;
 
 /// A pivot below this part of its diagonal entry has its distance measured.
@@ -58,15 +59,12 @@ pub(crate) struct Dependent {
 pub(crate) struct RankRevealing {
     /// Which copies share.
     pub(crate) elimination: Arc<Elimination>,
-    /// S below the diagonal by rows of the factor, then its diagonal.
+    /// S below the diagonal in the blocks of fronts, which L replaces, then the diagonal of S.
     pub(crate) values: Vec<f64>,
-    /// L below the diagonal by columns, and where each column ends so far.
-    factor: Vec<f64>,
-    ends: Vec<usize>,
+    /// The squares of the diagonal of L, so far.
+    pivots: Vec<f64>,
     /// One over the diagonal of L; zero for a dependent row.
     inverse: Vec<f64>,
-    /// A row of L in the making; zero between.
-    row: Vec<f64>,
     /// A combination of rows, over freedoms; zero between.
     dense: Vec<f64>,
     /// The coefficients of a combination, and products with rows.
@@ -87,10 +85,8 @@ impl RankRevealing {
         let zeros = vec![0.0; count];
         RankRevealing {
             values: vec![0.0; len + count],
-            factor: vec![0.0; len],
-            ends: vec![0; count],
+            pivots: zeros.clone(),
             inverse: zeros.clone(),
-            row: zeros.clone(),
             dense: vec![0.0; freedoms],
             weights: zeros.clone(),
             products: zeros,
@@ -103,7 +99,7 @@ impl RankRevealing {
 
     /// The numbers of the factor.
     pub(crate) fn len(&self) -> usize {
-        self.factor.len() + self.inverse.len()
+        self.values.len()
     }
 
     /// Whether an equation depends on those eliminated before it.
@@ -113,7 +109,7 @@ impl RankRevealing {
 
     /// An equation whose row is longer than any number.
     pub(crate) fn non_finite_row(&self) -> Option<usize> {
-        let place = first_non_finite(&self.values[self.factor.len()..])?;
+        let place = first_non_finite(&self.values[self.elimination.len()..])?;
         Some(self.elimination.order[place] as usize)
     }
 
@@ -124,30 +120,91 @@ impl RankRevealing {
         rows: &WeightedRows<'_>,
         thresholds: &[f64],
     ) -> Result<(), Unclear> {
-        let count = self.inverse.len();
+        let elimination = Arc::clone(&self.elimination);
         self.dependent.clear();
         self.close = 0;
         self.weakest = (0, f64::INFINITY);
-        self.ends.copy_from_slice(&self.elimination.column_starts[..count]);
-        for place in 0..count {
-            let diagonal = self.values[self.factor.len() + place];
-            let pivot = self.eliminate(place, diagonal);
-            let equation = self.elimination.order[place];
-            let threshold = thresholds[equation as usize];
-            if pivot > SUSPICIOUS * diagonal && pivot > 4.0 * threshold * threshold {
-                self.inverse[place] = pivot.sqrt().recip();
-                self.weaken(equation, pivot, threshold);
-                continue;
+        self.pivots.copy_from_slice(&self.values[elimination.len()..]);
+        let mut updates = &elimination.updates[..];
+        for front in &elimination.fronts {
+            let (own, later) = updates.split_at(front.updates);
+            let judged = (front, own, rows, thresholds);
+            match front.width {
+                1 => self.factor_front::<1>(judged),
+                2 => self.factor_front::<2>(judged),
+                3 => self.factor_front::<3>(judged),
+                4 => self.factor_front::<4>(judged),
+                5 => self.factor_front::<5>(judged),
+                _ => self.factor_front::<WIDEST>(judged),
+            }?;
+            updates = later;
+        }
+        Ok(())
+    }
+
+    /// Factors the W columns of a front, and takes their products from those of later fronts.
+    #[inline]
+    fn factor_front<const W: usize>(
+        &mut self,
+        (front, updates, rows, thresholds): (&Front, &[Update], &WeightedRows<'_>, &[f64]),
+    ) -> Result<(), Unclear> {
+        let start = front.start;
+        for own in 0..W {
+            let block = self.values[front.block()].as_chunks_mut::<W>().0;
+            let (before, row) = block.split_at_mut(own);
+            let Some(row) = row.first_mut() else { break };
+            for (j, above) in before.iter().enumerate() {
+                let entry = reduced(row, above, j) * self.inverse[start + j];
+                row[j] = entry;
+                self.pivots[start + own] -= entry * entry;
             }
-            let distance = self.distance(place, rows, threshold)?;
-            if distance > threshold {
-                self.inverse[place] = distance.recip();
-                self.weaken(equation, distance * distance, threshold);
-                self.close += 1;
-            } else {
-                self.inverse[place] = 0.0;
-                self.dependent.push(Dependent { equation, distance });
+            let threshold = thresholds[self.elimination.order[start + own] as usize];
+            self.judge(start + own, rows, threshold)?;
+        }
+        let RankRevealing { elimination, values, pivots, inverse, .. } = self;
+        let (values, later) = values.split_at_mut(front.block().end);
+        let (top, below) = values[front.block..].as_chunks_mut::<W>().0.split_at_mut(W);
+        let inverse = &inverse[start..start + W];
+        for (row, &at) in below.iter_mut().zip(elimination.below(front)) {
+            for j in 0..W {
+                row[j] = reduced(row, &top[j], j) * inverse[j];
             }
+            let pivot = &mut pivots[at as usize];
+            row.iter().for_each(|entry| *pivot -= entry * entry);
+        }
+        for &Update { row, from, len, to } in updates {
+            let (row, from, to) = (&below[row as usize], from as usize, to as usize);
+            let others = below[from..].iter().take(len as usize);
+            for (entry, other) in later[to..].iter_mut().zip(others) {
+                *entry = (0..W).fold(*entry, |entry, k| entry - row[k] * other[k]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds one over the diagonal entry at a place, whose row has its entries.
+    #[inline]
+    fn judge(
+        &mut self,
+        place: usize,
+        rows: &WeightedRows<'_>,
+        threshold: f64,
+    ) -> Result<(), Unclear> {
+        let equation = self.elimination.order[place];
+        let (pivot, diagonal) = (self.pivots[place], self.values[self.elimination.len() + place]);
+        if pivot > SUSPICIOUS * diagonal && pivot > 4.0 * threshold * threshold {
+            self.inverse[place] = pivot.sqrt().recip();
+            self.weaken(equation, pivot, threshold);
+            return Ok(());
+        }
+        let distance = self.distance(place, rows, threshold)?;
+        if distance > threshold {
+            self.inverse[place] = distance.recip();
+            self.weaken(equation, distance * distance, threshold);
+            self.close += 1;
+        } else {
+            self.inverse[place] = 0.0;
+            self.dependent.push(Dependent { equation, distance });
         }
         Ok(())
     }
@@ -160,32 +217,6 @@ impl RankRevealing {
         }
     }
 
-    /// Writes the row of L at a place; the square of its diagonal entry.
-    #[inline]
-    fn eliminate(&mut self, place: usize, diagonal: f64) -> f64 {
-        let RankRevealing { elimination, values, factor, ends, inverse, row, .. } = self;
-        let own = elimination.row_starts[place]..elimination.row_starts[place + 1];
-        let columns = &elimination.row_columns[own.clone()];
-        for (&column, value) in columns.iter().zip(&values[own]) {
-            row[column as usize] = *value;
-        }
-        let mut pivot = diagonal;
-        for &column in columns {
-            let column = column as usize;
-            let entry = row[column] * inverse[column];
-            row[column] = 0.0;
-            pivot -= entry * entry;
-            let (start, end) = (elimination.column_starts[column], ends[column]);
-            let before = elimination.column_rows[start..end].iter().zip(&factor[start..end]);
-            for (&below, value) in before {
-                row[below as usize] -= value * entry;
-            }
-            factor[end] = entry;
-            ends[column] = end + 1;
-        }
-        pivot
-    }
-
     /// The distance of a row from those before it, measured. What is at most the threshold is a bound.
     #[cold]
     fn distance(
@@ -194,25 +225,19 @@ impl RankRevealing {
         rows: &WeightedRows<'_>,
         threshold: f64,
     ) -> Result<f64, Unclear> {
-        let RankRevealing { elimination, values, factor, ends, inverse, dense, .. } = self;
+        let RankRevealing { elimination, values, inverse, dense, .. } = self;
         let (weights, products) = (&mut self.weights, &mut self.products);
-        let length = |place: usize| values[factor.len() + place].sqrt();
+        let length = |place: usize| values[elimination.len() + place].sqrt();
         let equation = |place: usize| elimination.order[place] as usize;
-        let first = |place: usize| {
-            let own = elimination.row_starts[place]..elimination.row_starts[place + 1];
-            elimination.row_columns[own].first().map_or(place, |&column| column as usize)
-        };
-        let column = |column: usize| {
-            let own = elimination.column_starts[column]..ends[column];
-            elimination.column_rows[own.clone()].iter().zip(&factor[own])
-        };
+        let first = |place: usize| elimination.first[place] as usize;
+        let column = |column: usize| elimination.column(column).map(|(row, at)| (row, values[at]));
         // L^T w = l from the last row to the first that matters: -1 stands for the row itself.
         let mut reach = first(place);
         weights[place] = -1.0;
         let mut at = place;
         while at > reach {
             at -= 1;
-            let sum: f64 = column(at).map(|(&below, l)| l * weights[below as usize]).sum();
+            let sum: f64 = column(at).map(|(below, l)| l * weights[below]).sum();
             weights[at] = -sum * inverse[at];
             if weights[at].abs() * length(at) <= NOTHING * length(place) {
                 weights[at] = 0.0;
@@ -239,8 +264,8 @@ impl RankRevealing {
                 products[at] *= inverse[at];
                 let product = products[at];
                 inside += product * product;
-                for (&below, l) in column(at).filter(|(below, _)| (**below as usize) < place) {
-                    products[below as usize] -= l * product;
+                for (below, l) in column(at).filter(|(below, _)| *below < place) {
+                    products[below] -= l * product;
                 }
             }
             let mut square = 0.0;
@@ -258,8 +283,8 @@ impl RankRevealing {
                 break;
             }
             for at in (reach..place).rev() {
-                let below = column(at).filter(|(below, _)| (**below as usize) < place);
-                let sum: f64 = below.map(|(&below, l)| l * products[below as usize]).sum();
+                let below = column(at).filter(|(below, _)| *below < place);
+                let sum: f64 = below.map(|(below, l)| l * products[below]).sum();
                 products[at] = (products[at] - sum) * inverse[at];
                 weights[at] -= products[at];
             }
@@ -271,37 +296,76 @@ impl RankRevealing {
     /// Replaces numbers, equation by equation, by the solution without the dependent equations, whose
     /// multipliers are zero.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
-        let RankRevealing { elimination, factor, inverse, products: x, .. } = self;
-        let starts = &elimination.column_starts;
-        let column = |at: usize| {
-            let own = starts[at]..starts[at + 1];
-            elimination.column_rows[own.clone()].iter().zip(&factor[own])
-        };
-        for (x, &equation) in x.iter_mut().zip(&elimination.order) {
+        for (x, &equation) in self.products.iter_mut().zip(&self.elimination.order) {
             *x = b[equation as usize];
         }
-        for at in 0..x.len() {
-            let value = x[at] * inverse[at];
-            x[at] = value;
-            column(at).for_each(|(&below, l)| x[below as usize] -= l * value);
-        }
-        for at in (0..x.len()).rev() {
-            let own = starts[at]..starts[at + 1];
-            // Two sums side by side, so that none waits for the one before it.
-            let (rows, rows_left) = elimination.column_rows[own.clone()].as_chunks::<2>();
-            let (values, values_left) = factor[own].as_chunks::<2>();
-            let mut sums = [0.0; 2];
-            for ([a, b], [l, k]) in rows.iter().zip(values) {
-                sums[0] += l * x[*a as usize];
-                sums[1] += k * x[*b as usize];
+        let elimination = Arc::clone(&self.elimination);
+        for front in &elimination.fronts {
+            match front.width {
+                1 => self.forward::<1>(front),
+                2 => self.forward::<2>(front),
+                3 => self.forward::<3>(front),
+                4 => self.forward::<4>(front),
+                5 => self.forward::<5>(front),
+                _ => self.forward::<WIDEST>(front),
             }
-            for (&below, l) in rows_left.iter().zip(values_left) {
-                sums[0] += l * x[below as usize];
-            }
-            x[at] = (x[at] - (sums[0] + sums[1])) * inverse[at];
         }
-        for (x, &equation) in x.iter().zip(&elimination.order) {
+        for front in elimination.fronts.iter().rev() {
+            match front.width {
+                1 => self.backward::<1>(front),
+                2 => self.backward::<2>(front),
+                3 => self.backward::<3>(front),
+                4 => self.backward::<4>(front),
+                5 => self.backward::<5>(front),
+                _ => self.backward::<WIDEST>(front),
+            }
+        }
+        for (x, &equation) in self.products.iter().zip(&elimination.order) {
             b[equation as usize] = *x;
         }
     }
+
+    /// `L x = b` of the W columns of a front, whose part is taken from the rows below.
+    #[inline]
+    fn forward<const W: usize>(&mut self, front: &Front) {
+        let RankRevealing { elimination, values, inverse, products, .. } = self;
+        let (top, below) = values[front.block()].as_chunks::<W>().0.split_at(W);
+        let mut x = [0.0; W];
+        let inverse = &inverse[front.start..front.start + W];
+        let own = &mut products[front.start..front.start + W];
+        for i in 0..W {
+            x[i] = (0..i).fold(own[i], |sum, k| sum - top[i][k] * x[k]) * inverse[i];
+        }
+        own.copy_from_slice(&x);
+        for (row, &at) in below.iter().zip(elimination.below(front)) {
+            let sum = &mut products[at as usize];
+            *sum = (0..W).fold(*sum, |sum, k| sum - row[k] * x[k]);
+        }
+    }
+
+    /// `L^T x = b` of the W columns of a front, by what is known of the rows below.
+    #[inline]
+    fn backward<const W: usize>(&mut self, front: &Front) {
+        let RankRevealing { elimination, values, inverse, products, .. } = self;
+        let (top, below) = values[front.block()].as_chunks::<W>().0.split_at(W);
+        let mut x = [0.0; W];
+        x.copy_from_slice(&products[front.start..front.start + W]);
+        for (row, &at) in below.iter().zip(elimination.below(front)) {
+            let value = products[at as usize];
+            (0..W).for_each(|k| x[k] -= row[k] * value);
+        }
+        let inverse = &inverse[front.start..front.start + W];
+        for i in (0..W).rev() {
+            let value = x[i] * inverse[i];
+            x[i] = value;
+            (0..i).for_each(|k| x[k] -= top[i][k] * value);
+        }
+        products[front.start..front.start + W].copy_from_slice(&x);
+    }
+}
+
+/// The entry of a row in column j without what the columns before take of it.
+#[inline]
+fn reduced<const W: usize>(row: &[f64; W], above: &[f64; W], j: usize) -> f64 {
+    (0..j).fold(row[j], |entry, k| entry - row[k] * above[k])
 }

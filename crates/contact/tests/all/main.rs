@@ -19,6 +19,8 @@ mod impact_laws;
 mod jointed;
 #[cfg(feature = "3d")]
 mod jointed_space;
+#[cfg(feature = "3d")]
+mod kinds_and_steppers;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod joint_limits;
 mod no_allocation;

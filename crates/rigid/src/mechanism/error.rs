@@ -39,9 +39,10 @@ pub enum MechanismError {
         /// By how much, metres or radians.
         gap: f64,
     },
-    /// Equations that no acceleration satisfies.
+    /// Equations that no accelerations and forces satisfy.
     #[error(
-        "the equations contradict each other here: no acceleration satisfies them to {residual:e}"
+        "the equations contradict each other here: {residual:e} of their terms is left with the best \
+         accelerations and forces"
     )]
     Contradictory {
         /// What is left of them, relative to their terms.

@@ -39,7 +39,7 @@ const DIFFERENCE: f64 = 1e-3;
 ///
 /// # Errors
 /// Sizes that do not fit, numbers that are not finite, [`MechanismError::Contradictory`] where no
-/// acceleration satisfies the equations.
+/// accelerations and forces satisfy the equations.
 pub fn instant<P: Potential, S: BodySpace>(
     system: &System<BodyMetric<S>, P, S>,
     constraint: &impl Constraint,
@@ -68,12 +68,20 @@ pub fn instant<P: Potential, S: BodySpace>(
     let b = &d * (&j * &falling + &bend);
     let held = least_norm(&a, &b, DEPENDENT)?;
     let terms = (&d * &j).abs() * falling.abs() + &d * bend.abs();
-    if held.residual.is_nan() || held.residual > LEFT * terms.norm() {
-        return Err(MechanismError::Contradictory { residual: held.residual / terms.norm() });
-    }
-    let multipliers = least_norm(&a.transpose(), &held.x, DEPENDENT)?.x.component_mul(&weights);
+    check_left(held.residual, terms.norm())?;
+    let pushed = least_norm(&a.transpose(), &held.x, DEPENDENT)?;
+    check_left(pushed.residual, held.x.norm())?;
+    let multipliers = pushed.x.component_mul(&weights);
     let accelerations = falling - root * held.x;
     Ok(Instant { accelerations: accelerations.data.into(), multipliers: multipliers.data.into() })
+}
+
+/// An error where more is left of equations than rounding of their terms.
+fn check_left(residual: f64, terms: f64) -> Result<(), MechanismError> {
+    if residual.is_nan() || residual > LEFT * terms {
+        return Err(MechanismError::Contradictory { residual: residual / terms });
+    }
+    Ok(())
 }
 
 /// All forces but those of the joints, and the gyroscopic torques.

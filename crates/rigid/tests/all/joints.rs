@@ -15,13 +15,13 @@ use stationary_rigid::{
     RigidMotion, Rotation, Weight, null_space, spatial_angular_momentum,
 };
 
-const POINT: Vector3<f64> = Vector3::new(0.1, 0.4, -0.3);
-const OTHER: Vector3<f64> = Vector3::new(-0.2, 0.3, 0.6);
+pub(crate) const POINT: Vector3<f64> = Vector3::new(0.1, 0.4, -0.3);
+pub(crate) const OTHER: Vector3<f64> = Vector3::new(-0.2, 0.3, 0.6);
 
 const A: Vector3<f64> = Vector3::new(0.6, 0.0, 0.8);
 const B: Vector3<f64> = Vector3::new(0.3, 1.0, -0.2);
 
-const KINDS: [JointKind; 11] = [
+pub(crate) const KINDS: [JointKind; 11] = [
     JointKind::Weld,
     JointKind::Hinge { axis: A },
     JointKind::Slider { axis: A },
@@ -36,7 +36,7 @@ const KINDS: [JointKind; 11] = [
 ];
 
 /// Two ends, on two bodies or on one and the world, with frames of their own.
-fn ends() -> [[JointEnd; 2]; 3] {
+pub(crate) fn ends() -> [[JointEnd; 2]; 3] {
     let (turn, other) = (Rotation::exp(POINT), Rotation::exp(-OTHER));
     let hung = JointEnd::world(OTHER).turned(turn);
     let second = JointEnd::on(1, OTHER).turned(other);
@@ -73,13 +73,13 @@ impl Rows for Entries {
 }
 
 /// Poses of two bodies whose ends stand a motion apart: the second's frame, as the first's sees it.
-fn apart(ends: &[JointEnd; 2], motion: &RigidMotion) -> [RigidMotion; 2] {
+pub(crate) fn apart(ends: &[JointEnd; 2], motion: &RigidMotion) -> [RigidMotion; 2] {
     let first = RigidMotion { translation: OTHER, rotation: Rotation::exp(POINT) };
     let frame = first.compose(&ends[0].frame).compose(motion);
     [first, frame.compose(&ends[1].frame.inverse())]
 }
 
-fn numbers(poses: [RigidMotion; 2]) -> Vec<f64> {
+pub(crate) fn numbers(poses: [RigidMotion; 2]) -> Vec<f64> {
     let one = |pose: &RigidMotion| {
         let [w, x, y, z] = pose.rotation.quaternion();
         let t = pose.translation;
@@ -89,7 +89,7 @@ fn numbers(poses: [RigidMotion; 2]) -> Vec<f64> {
 }
 
 /// Motions that the kind leaves free.
-fn left_free(kind: &JointKind) -> Vec<RigidMotion> {
+pub(crate) fn left_free(kind: &JointKind) -> Vec<RigidMotion> {
     let across = A.cross(&B).normalize();
     let moved = |translation, turn| RigidMotion { translation, rotation: Rotation::exp(turn) };
     let rest = Vector3::zeros();

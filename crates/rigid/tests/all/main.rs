@@ -2,6 +2,8 @@
 
 mod bad_input;
 mod body_forces;
+mod contradictions;
+mod dense_forces;
 mod driven_arm;
 mod exponential;
 mod facts;

@@ -1,4 +1,6 @@
-//! Adaptive RATTLE from loose tolerances to those that no step meets.
+//! Adaptive RATTLE from loose tolerances to those that no step meets, and beside other obstacles.
+
+mod obstacles;
 
 use stationary_chart::{Axis, Lines, Series};
 use stationary_constraints::problems::{Pendulum, pendulum};
@@ -39,18 +41,24 @@ enum End {
     Crawls,
 }
 
-fn run<I>(problem: &Pendulum, integrator: I, absolute: f64) -> Result<End, StudyError>
+/// From a first step that is tried to a time.
+fn run<I>(
+    problem: &Pendulum,
+    integrator: I,
+    absolute: f64,
+    (first, time): (f64, f64),
+) -> Result<End, StudyError>
 where
     I: ConstrainedIntegrator<[f64; 2]> + Clone,
 {
     let mut state = problem.problem.initial.clone();
     let tolerance = StepTolerance { absolute, relative: 0.0 };
-    let mut method =
-        Adaptive::new(integrator, tolerance, 0.1, &state).map_err(StudyError::at("a tolerance"))?;
+    let mut method = Adaptive::new(integrator, tolerance, first, &state)
+        .map_err(StudyError::at("a tolerance"))?;
     for steps in 1..=MOST {
-        match method.advance(&mut state, TIME) {
-            Ok(step) if step.to < TIME => {}
-            Ok(_) => return Ok(End::Done { error: problem.error(TIME, &state.q), steps }),
+        match method.advance(&mut state, time) {
+            Ok(step) if step.to < time => {}
+            Ok(_) => return Ok(End::Done { error: problem.error(time, &state.q), steps }),
             Err(ConstraintError::StepTooShort { error, .. }) => {
                 return Ok(End::TooShort { error: error * absolute });
             }
@@ -89,8 +97,8 @@ fn study(_: Size) -> Result<Study, StudyError> {
         for digits in [4, 6, 8, 10, 12, 13, 17, 18, 20] {
             let tolerance = 10.0_f64.powi(-digits);
             let end = match order {
-                2 => run(&problem, rattle()?, tolerance)?,
-                _ => run(&problem, fourth()?, tolerance)?,
+                2 => run(&problem, rattle()?, tolerance, (0.1, TIME))?,
+                _ => run(&problem, fourth()?, tolerance, (0.1, TIME))?,
             };
             let (outcome, steps, error): (&str, Cell, Cell) = match end {
                 End::Done { error, steps } => {
@@ -118,13 +126,19 @@ fn study(_: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, done));
         chart = chart.with(Series::new(&format!("{name}: no step meets it"), edge));
     }
+    let obstacles::Found { charts, claims: others } = obstacles::obstacles(&problem)?;
+    claims.extend(others);
+    let mut all = vec![chart.into()];
+    all.extend(charts.into_iter().map(Into::into));
     Ok(Study {
         conclusion: "A step's error goes as the power p + 1 of its length and so the error at the end as the power \
                      p/(p + 1) of the tolerance. Below the rounding of the configuration no step meets a tolerance: \
-                     shorter steps are no better, and the method says so instead of crawling."
+                     shorter steps are no better, and the method says so instead of crawling. A first step that is too \
+                     long is shortened and changes little; a stiff spring is followed, in steps as short as its \
+                     period asks for; singular positions are passed on the branch."
             .into(),
         table,
-        charts: vec![chart.into()],
+        charts: all,
         claims,
         ..ADAPTIVE_EDGE.heading()
     })
