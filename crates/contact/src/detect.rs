@@ -7,6 +7,10 @@ pub(crate) mod planar_narrow_phase;
 #[cfg(feature = "3d")]
 pub(crate) mod box_axes;
 #[cfg(feature = "3d")]
+pub(crate) mod polytope_axes;
+#[cfg(feature = "3d")]
+pub(crate) mod polytope_corners;
+#[cfg(feature = "3d")]
 pub(crate) mod polytopes;
 #[cfg(feature = "3d")]
 pub(crate) mod separation;
@@ -18,3 +22,5 @@ pub(crate) mod round_contacts;
 pub(crate) mod narrow_phase;
 pub(crate) mod seams;
 pub(crate) mod detection;
+pub(crate) mod ray;
+pub(crate) mod queries;

@@ -38,7 +38,8 @@
 //! whatever answers to impulses ([`Response`], [`solve_rows`]). Then the plane and space, by the
 //! features `2d` and `3d`: what they are to contact ([`Dimension`]), shapes (balls, capsules, cylinders,
 //! cones, ellipsoids, boxes, hulls, polygons, half-spaces and meshes), colliders and detection, the same
-//! text for both ([`PlanarDetector`], [`Detector`]); and times of impact, whose "never" is a proof, of particles
+//! text for both ([`PlanarDetector`], [`Detector`]), which is asked for rays, closest points, overlaps and what
+//! sensors feel too; and times of impact, whose "never" is a proof, of particles
 //! and edges, of rigid bodies ([`rigid_bodies_meet`]), with the filter of a deforming mesh that
 //! rests on it ([`MeshFilter`]). Then time: gaps of [`Balls`], their penalty, the three answers to
 //! when ([`Impacting`]). Last, a [`World`], the front door for scenes: bodies of either dimension,
@@ -83,6 +84,12 @@ pub use detect::detection::Detector;
 pub use detect::detection::PlanarDetector;
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use detect::detection::{DetectorIn, Overlap, gap_rows};
+#[cfg(feature = "2d")]
+pub use detect::queries::PlanarRayHit;
+#[cfg(feature = "3d")]
+pub use detect::queries::RayHit;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub use detect::queries::RayHitIn;
 pub use error::ContactError;
 pub use impact::Impact;
 pub use impact::inverse_mass::InverseMass;

@@ -22,24 +22,24 @@ use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension
 
 /// Colliders, and the memory that finding their contacts takes.
 pub struct DetectorIn<G: Dimension> {
-    colliders: Vec<ColliderIn<G>>,
+    pub(super) colliders: Vec<ColliderIn<G>>,
     /// Restitution and friction of pairs that have their own.
     surfaces: BTreeMap<[usize; 2], [f64; 2]>,
     /// Pairs that pass through each other.
-    passing: BTreeSet<[usize; 2]>,
+    pub(super) passing: BTreeSet<[usize; 2]>,
     /// Lengths of rolling and of torsional friction of pairs that have them, m.
     rolling: BTreeMap<[usize; 2], [f64; 2]>,
     bodies: usize,
     radii: Vec<f64>,
     broad: BroadPhase<G>,
     seams: Seams,
-    placed: Vec<G::Motion>,
-    poses: Vec<G::Pose>,
+    pub(super) placed: Vec<G::Motion>,
+    pub(super) poses: Vec<G::Pose>,
     /// How much larger than each collider its box is, m.
     margins: Vec<f64>,
     pairs: Vec<(usize, usize)>,
-    room: G::Room,
-    facing: Vec<Facing<G::Vector>>,
+    pub(super) room: G::Room,
+    pub(super) facing: Vec<Facing<G::Vector>>,
     contacts: Vec<ContactIn<G>>,
 }
 
@@ -139,7 +139,7 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     /// A pair in its order.
-    fn pair(&self, colliders: [usize; 2]) -> Result<[usize; 2], ContactError> {
+    pub(super) fn pair(&self, colliders: [usize; 2]) -> Result<[usize; 2], ContactError> {
         let there = self.colliders.len();
         if let Some(&got) = colliders.iter().find(|&&collider| collider >= there) {
             return Err(SizeError { what: "a collider of a pair", expected: there, got }.into());
@@ -247,9 +247,8 @@ impl<G: Dimension> DetectorIn<G> {
         self.margins.extend(self.colliders.iter().map(|collider| reach(collider.body())));
         let (placed, poses) = (&self.placed, &self.poses);
         self.broad.pairs(&self.colliders, placed, poses, &self.margins, &mut self.pairs);
-        if !self.passing.is_empty() {
-            self.pairs.retain(|&(a, b)| !self.passing.contains(&[a.min(b), a.max(b)]));
-        }
+        let Self { pairs, passing, colliders, .. } = self;
+        pairs.retain(|&(a, b)| touch(colliders, passing, [a, b]));
         Ok(())
     }
 
@@ -308,7 +307,7 @@ impl<G: Dimension> DetectorIn<G> {
         }
     }
 
-    fn place(&mut self, q: &[f64]) -> Result<(), ContactError> {
+    pub(super) fn place(&mut self, q: &[f64]) -> Result<(), ContactError> {
         SizeError::check("the poses' numbers", G::STORED * self.bodies, q.len())?;
         G::check(q)?;
         for (i, collider) in self.colliders.iter().enumerate() {
@@ -391,7 +390,7 @@ impl<G: Dimension> DetectorIn<G> {
     }
 
     #[inline]
-    fn point(
+    pub(super) fn point(
         &self,
         pair: [usize; 2],
         placed: &[G::Motion; 2],
@@ -416,6 +415,18 @@ impl<G: Dimension> DetectorIn<G> {
             friction,
         }
     }
+}
+
+/// Whether two colliders have contacts with each other: they are no sensors, in each other's groups, and have not
+/// been told to pass through each other.
+fn touch<G: Dimension>(
+    colliders: &[ColliderIn<G>],
+    passing: &BTreeSet<[usize; 2]>,
+    [a, b]: [usize; 2],
+) -> bool {
+    let (first, second) = (&colliders[a], &colliders[b]);
+    let solid = !first.sensor && !second.sensor;
+    solid && first.meets(second) && !passing.contains(&[a.min(b), a.max(b)])
 }
 
 /// For each body the radius of a ball about its centre that holds all its shapes.

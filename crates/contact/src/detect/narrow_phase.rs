@@ -19,9 +19,8 @@
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::query::details::contact_manifold_pfm_pfm_shapes;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::{Cuboid, PolygonalFeature, Shape as Geometry, Triangle};
+use parry3d_f64::shape::{Cuboid, PolygonalFeature};
 
 use crate::Shape;
 use crate::detect::box_axes::farthest;
@@ -44,11 +43,10 @@ pub struct Manifolds {
     round: round_contacts::Room,
 }
 
-/// Gaps wider than this part of a box are distances; below it the directions of closest points are
-/// rounding, and the axes of the boxes are good enough.
-const WIDE: f64 = 1e-7;
+/// Gaps below this part of a box are rounding, and the axes of the boxes are good enough.
+const WIDE: f64 = 1e-13;
 /// Points this part of a box farther apart than they need be are the closest.
-const SHORT: f64 = 1e-9;
+const SHORT: f64 = 1e-12;
 
 /// Pairs of edges beyond which looking at each costs more than the search for the direction between round
 /// solids.
@@ -76,21 +74,16 @@ pub(crate) fn facing(
     if ball_and_hull || many || shapes.iter().any(|shape| shape.curved().is_some()) {
         return round_facing(shapes, relative, margin, round, triangle, found);
     }
-    if let (Some(first), Some(second), Some(wide)) =
-        (both[0].as_cuboid(), both[1].as_cuboid(), shapes[1].wide())
-    {
+    if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
         match clip([first, &wide.cuboid], relative, margin, one) {
-            Clipped::Apart => {}
+            Clipped::Apart => return Answer::Now,
             Clipped::Faces(answer) => {
                 append(one, wide.excess(one.local_n2), margin, found);
                 return answer;
             }
-            Clipped::Corners => {
-                closest_of_boxes([first, second], relative, margin, one);
-                append(one, 0.0, margin, found);
-            }
+            // Below, of their corners and edges.
+            Clipped::Corners => {}
         }
-        return Answer::Now;
     }
     if let [Some(first), Some(second)] = shapes.map(Shape::polytope) {
         polytopes::facing([first, second], relative, margin, space, found);
@@ -129,25 +122,41 @@ pub(crate) fn facing(
     if dispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None).is_err() {
         return Answer::None;
     }
-    for manifold in manifolds.iter() {
-        let triangles = [part(a, manifold.subshape1), part(b, manifold.subshape2)];
-        let parts = [(a, &triangles[0]), (b, &triangles[1])].map(|(whole, part)| match part {
-            Some(triangle) => triangle as &dyn Geometry,
-            None => whole,
-        });
-        if !by_corners(parts, relative, manifold) {
-            append(manifold, 0.0, margin, found);
-            continue;
-        }
-        (one.subshape1, one.subshape2) = (manifold.subshape1, manifold.subshape2);
-        closest(parts, relative, margin, one);
-        append(one, 0.0, margin, found);
-        (one.subshape1, one.subshape2) = (0, 0);
-    }
+    manifolds.iter().for_each(|manifold| append(manifold, 0.0, margin, found));
     let solid =
         |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
     let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
     [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
+}
+
+/// Finds where two convex parts with flat faces face each other, however far apart; says whether they are
+/// such parts, and few enough of their edges.
+pub(crate) fn facing_polytopes(
+    shapes: [&Shape; 2],
+    parts: [u32; 2],
+    relative: &Pose,
+    room: &mut Manifolds,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> bool {
+    found.clear();
+    let Manifolds { polytopes: space, triangle, .. } = room;
+    let mesh = shapes.iter().position(|shape| shape.geometry().as_trimesh().is_some());
+    let pair = match (shapes.map(Shape::polytope), mesh) {
+        ([Some(first), Some(second)], _) => [first, second],
+        ([None, Some(solid)] | [Some(solid), None], Some(side)) => {
+            let Some(mesh) = shapes[side].geometry().as_trimesh() else { return false };
+            let corners = mesh.triangle(parts[side]);
+            let triangle = triangle.get_or_insert_with(Polytope::triangle);
+            triangle.set_triangle([corners.a, corners.b, corners.c].map(from_vector));
+            if side == 0 { [&*triangle, solid] } else { [solid, &*triangle] }
+        }
+        _ => return false,
+    };
+    if pair[0].edges.len() * pair[1].edges.len() > EDGE_PAIRS {
+        return false;
+    }
+    polytopes::facing(pair, relative, f64::INFINITY, space, found);
+    true
 }
 
 /// Appends where a round solid and another shape face each other.
@@ -238,17 +247,6 @@ fn on_plane(
     Some(Answer::Plane(side))
 }
 
-fn part(shape: &dyn Geometry, part: u32) -> Option<Triangle> {
-    shape.as_trimesh().map(|mesh| mesh.triangle(part))
-}
-
-/// The closest points of two convex shapes.
-fn closest([a, b]: [&dyn Geometry; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
-    manifold.clear();
-    manifold.local_n1 = Vector::ZERO;
-    contact_manifold_pfm_pfm_shapes(relative, a, b, None, None, margin, manifold);
-}
-
 /// A power of two of the size of the smaller of two boxes, m: lengths are measured by it, to the
 /// same digits, where the library compares with absolute ones.
 fn unit_of(boxes: [&Cuboid; 2]) -> f64 {
@@ -266,14 +264,6 @@ fn in_metres(manifold: &mut Manifold, unit: f64) {
         point.local_p2 *= unit;
         point.dist *= unit;
     }
-}
-
-/// The closest points of two boxes.
-fn closest_of_boxes(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) {
-    let unit = unit_of(boxes);
-    let [a, b] = boxes.map(|cuboid| Cuboid::new(cuboid.half_extents / unit));
-    closest([&a, &b], &measured(relative, unit), margin / unit, manifold);
-    in_metres(manifold, unit);
 }
 
 /// What clipping the faces of two boxes against each other found.
@@ -320,27 +310,8 @@ fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
     separation > WIDE * size && deepest(manifold) > separation + SHORT * size
 }
 
-/// Whether axes of a box and a triangle were tried and none leads to the closest points, which are
-/// apart.
-fn by_corners(parts: [&dyn Geometry; 2], relative: &Pose, manifold: &Manifold) -> bool {
-    let [a, b] = parts;
-    let size = match (a.as_cuboid().or(b.as_cuboid()), a.as_triangle().or(b.as_triangle())) {
-        (Some(cuboid), Some(_)) => cuboid.half_extents.min_element(),
-        _ => return false,
-    };
-    let (n1, n2) = (manifold.local_n1, manifold.local_n2);
-    // Without a direction, they were apart by more than the margin.
-    if n1 == Vector::ZERO {
-        return false;
-    }
-    let farthest = |shape: &dyn Geometry, n: Vector| {
-        shape.as_support_map().map(|map| map.local_support_point(n))
-    };
-    let (Some(end1), Some(end2)) = (farthest(a, n1), farthest(b, n2)) else { return false };
-    too_far((relative * end2 - end1).dot(n1), manifold, size)
-}
-
-/// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
+/// Appends the points of a manifold whose gaps are larger by `narrower` than it says, and those of the second so
+/// much farther away: across the gap, equal impulses then have no moment.
 fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
     let parts = [manifold.subshape1, manifold.subshape2];
     let normal = from_vector(manifold.local_n1);
@@ -348,7 +319,10 @@ fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facin
     found.extend(near.map(|point| Facing {
         parts,
         features: [point.fid1.0, point.fid2.0],
-        points: [from_vector(point.local_p1), from_vector(point.local_p2)],
+        points: [
+            from_vector(point.local_p1),
+            from_vector(point.local_p2 - manifold.local_n2 * narrower),
+        ],
         normal,
         gap: point.dist + narrower,
     }));

@@ -61,22 +61,45 @@ pub(crate) fn facing(
         );
     }
     let first_found = found.len();
-    let margin = margin + round;
     for (i, first) in a.iter().enumerate() {
         for (j, second) in b.iter().enumerate() {
             let pair = Pair { first, second, there: *relative, back, parts: [i as u32, j as u32] };
-            pair.append(margin, found);
+            pair.append(margin + round, found);
         }
     }
-    if round > 0.0 {
-        for facing in &mut found[first_found..] {
-            facing.gap -= round;
-            facing.points[0] += facing.normal * rounding[0];
-            let own = from_vector(back.rotation * vector(&facing.normal));
-            facing.points[1] -= own * rounding[1];
-        }
-    }
+    round_off(&mut found[first_found..], rounding, &back);
     Answer::Now
+}
+
+/// Finds where two convex parts with corners or round ends face each other, however far apart; says whether
+/// they are such parts.
+pub(crate) fn facing_parts(
+    shapes: [&PlanarShape; 2],
+    parts: [u32; 2],
+    relative: &Pose,
+    found: &mut Found,
+) -> bool {
+    found.clear();
+    let [first, second] = [0, 1].map(|k| shapes[k].cores().get(parts[k] as usize));
+    let (Some(first), Some(second)) = (first, second) else { return false };
+    let back = relative.inverse();
+    Pair { first, second, there: *relative, back, parts }.append(f64::INFINITY, found);
+    round_off(found, shapes.map(PlanarShape::rounding), &back);
+    true
+}
+
+/// Takes the radii of round ends from gaps between outlines.
+fn round_off(found: &mut [Facing<Vector2<f64>>], radii: [f64; 2], back: &Pose) {
+    let round = radii[0] + radii[1];
+    if round == 0.0 {
+        return;
+    }
+    for facing in found {
+        facing.gap -= round;
+        facing.points[0] += facing.normal * radii[0];
+        let own = from_vector(back.rotation * vector(&facing.normal));
+        facing.points[1] -= own * radii[1];
+    }
 }
 
 /// The normal of a capsule and its partner, seen from the partner, as the capsule sees it turned

@@ -5,9 +5,7 @@
 //! ```
 //! `n1 n2` the normals of both solids' faces, `e1 e2` their edges. Overlapping solids leave each
 //! other on the shortest way along the `n` of the largest `s`; of solids apart it is the distance,
-//! unless a corner is closest to a corner or to an edge, and then those are looked at one by one.
-//! `s` is taken over all corners for every `n`, and so no direction, however badly rounded,
-//! promises more than it holds.
+//! unless a corner is closest to a corner or to an edge, and then those are looked at one by one (`polytope_corners.rs`).
 //!
 //! The face that looks along `n` bounds the polygon of the other solid's face that looks back.
 //! All lengths are compared with the sizes of the pair.
@@ -16,9 +14,11 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 use parry3d_f64::shape::PackedFeatureId;
 
+use crate::detect::polytope_axes::{Seen, Source, farthest};
+use crate::detect::polytope_corners::{between, by_corners, edge_name, pair_name};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
-use crate::shapes::polytope::{Edge, Polytope};
+use crate::shapes::polytope::Polytope;
 
 type V = Vector3<f64>;
 type Found = Vec<Facing<V>>;
@@ -48,61 +48,18 @@ enum Side {
     Bound(u32),
 }
 
-/// A direction that parts the solids, and whose.
-#[derive(Clone, Copy)]
-struct Axis {
-    separation: f64,
-    normal: V,
-    from: Source,
-}
-
-#[derive(Clone, Copy)]
-enum Source {
-    First(usize),
-    Second(usize),
-    Edges(Edge, Edge),
-}
-
 /// Later directions must be better by this part of the sizes, so that rounding does not choose.
 const TIE: f64 = 1e-13;
-/// Edges that fall short of supporting by more ties do not support.
-const SUPPORT: f64 = 1e4;
 /// Points outside of a face by this part of the sizes are on its border.
 const BORDER: f64 = 1e-9;
 /// Points off an edge by less than this part of the sizes are on it.
 const ON_EDGE: f64 = 4e-12;
 /// Distances below this part of the sizes are rounding, and have no direction.
-const WIDE: f64 = 1e-7;
-/// Edges at a smaller sine to each other are parallel: faces have their axis.
-const PARALLEL: f64 = 1e-10;
+const WIDE: f64 = 1e-13;
+/// Points this part of the sizes farther apart than they need be are not the closest.
+const SHORT: f64 = 1e-13;
 /// Faces that look along an axis of edges, by cosine, and are bounded by each other.
 const ALONG: f64 = 0.9;
-
-/// A solid as the pair's axes see it.
-#[derive(Clone, Copy)]
-struct Seen<'a> {
-    solid: &'a Polytope,
-    corners: &'a [V],
-    normals: &'a [V],
-}
-
-impl Seen<'_> {
-    /// How far it reaches along a direction.
-    fn reach(&self, n: &V) -> f64 {
-        self.corners.iter().map(|c| c.dot(n)).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Of the faces at the corner that reaches farthest, that which looks most along a direction.
-    fn facing(&self, n: &V, slack: f64) -> usize {
-        let reach = self.reach(n) - slack;
-        let at_end =
-            |f: &usize| self.solid.around(*f).iter().any(|&c| self.corners[c].dot(n) >= reach);
-        let faces = (0..self.normals.len()).filter(at_end);
-        faces
-            .max_by(|&f, &g| self.normals[f].dot(n).total_cmp(&self.normals[g].dot(n)))
-            .unwrap_or(0)
-    }
-}
 
 /// Appends where a convex solid and a half-space face each other: every corner that is near.
 pub(crate) fn facing_plane(
@@ -210,7 +167,7 @@ pub(crate) fn facing(
             }
         }
     }
-    if axis.separation > WIDE * size && least > axis.separation + BORDER * size {
+    if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
         by_corners([a, b], &back, BORDER * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
         // Rounding left no polygon: the deepest corner stays.
@@ -225,94 +182,11 @@ pub(crate) fn facing(
     }
 }
 
-/// The direction along which two solids are farthest apart; none if by more than `margin`.
-fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
-    let separation = |n: &V| -b.reach(&-n) - a.reach(n);
-    let mut best =
-        Axis { separation: f64::NEG_INFINITY, normal: V::zeros(), from: Source::First(0) };
-    let mut take = |normal: V, from: Source| {
-        let separation = separation(&normal);
-        if separation > best.separation + tie {
-            best = Axis { separation, normal, from };
-        }
-        best.separation
-    };
-    let mut so_far = f64::NEG_INFINITY;
-    for (f, n) in a.normals.iter().enumerate() {
-        so_far = take(*n, Source::First(f));
-    }
-    for (f, n) in b.normals.iter().enumerate() {
-        so_far = take(-n, Source::Second(f));
-    }
-    if so_far > margin {
-        return None;
-    }
-    for &one in &a.solid.edges {
-        let e1 = a.corners[one.corners[1]] - a.corners[one.corners[0]];
-        let [n1, n2] = one.faces.map(|f| a.normals[f]);
-        for &other in &b.solid.edges {
-            let [m1, m2] = other.faces.map(|f| -b.normals[f]);
-            let e2 = b.corners[other.corners[1]] - b.corners[other.corners[0]];
-            if !arcs_cross([n1, n2], [m1, m2]) {
-                continue;
-            }
-            let across = e1.cross(&e2);
-            let length = across.norm();
-            if length <= PARALLEL * e1.norm() * e2.norm() {
-                continue;
-            }
-            // Of the edge of a triangle both sides are outside, and arcs do not say whether it
-            // supports along a direction.
-            let flat = n1 == -n2 || m1 == -m2;
-            let n = across * ((n1 + n2).dot(&across).signum() / length);
-            for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
-                let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
-                let supports = || !flat || separation(&n) > here - SUPPORT * tie;
-                if here > so_far + tie && supports() {
-                    so_far = take(n, Source::Edges(one, other));
-                    if so_far > margin {
-                        return None;
-                    }
-                }
-            }
-        }
-    }
-    Some(best)
-}
-
 /// Whether a point is on an edge, or off it by no more than a distance.
 fn on_edge(x: &V, [from, to]: [V; 2], slack: f64) -> bool {
     let (along, way) = (to - from, x - from);
     let t = (way.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     (way - along * t).norm() <= slack
-}
-
-/// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is
-/// looked at here has 2^15 corners (`narrow_phase.rs`).
-fn edge_name(corners: [usize; 2]) -> u32 {
-    PackedFeatureId::edge(pair_name(corners)).0
-}
-
-fn pair_name([from, to]: [usize; 2]) -> u32 {
-    ((from << 15) | to) as u32
-}
-
-/// Whether the arcs between two pairs of normals cross on the sphere, or nearly.
-fn arcs_cross([a, b]: [V; 2], [c, d]: [V; 2]) -> bool {
-    let (ab, cd) = (b.cross(&a), d.cross(&c));
-    let (cba, dba, adc, bdc) = (c.dot(&ab), d.dot(&ab), a.dot(&cd), b.dot(&cd));
-    cba * dba <= PARALLEL && adc * bdc <= PARALLEL && cba * bdc >= -PARALLEL
-}
-
-/// The points of two lines along edges that are closest.
-fn between([own, others]: [&[V]; 2], [one, other]: [Edge; 2]) -> [V; 2] {
-    let (p, q) = (own[one.corners[0]], others[other.corners[0]]);
-    let (d, e) = (own[one.corners[1]] - p, others[other.corners[1]] - q);
-    let across = d.cross(&e);
-    let r = q - p;
-    let s = r.cross(&e).dot(&across) / across.norm_squared();
-    let t = r.cross(&d).dot(&across) / across.norm_squared();
-    [p + d * s, q + e * t]
 }
 
 /// Cuts the second's face to what lies, seen along `n`, within the first's.
@@ -365,72 +239,5 @@ fn bound(
             }
         }
         std::mem::swap(polygon, cut);
-    }
-}
-
-/// Appends the closest of corners and edges, of solids that are apart, beside what has been found
-/// farther apart.
-fn by_corners(
-    both: [Seen<'_>; 2],
-    back: &Pose,
-    slack: f64,
-    [least, margin]: [f64; 2],
-    found: &mut Found,
-) {
-    let mut closest = f64::INFINITY;
-    for_each_corner_and_edge(both, |[x1, x2], _| closest = closest.min((x2 - x1).norm()));
-    if closest >= least {
-        return;
-    }
-    for_each_corner_and_edge(both, |[x1, x2], features| {
-        let gap = (x2 - x1).norm();
-        if gap <= (closest + slack).min(margin) {
-            let points = [x1, from_vector(back * vector(&x2))];
-            let normal = (x2 - x1) / gap;
-            found.push(Facing { parts: [0, 0], features, points, normal, gap });
-        }
-    });
-}
-
-/// Each corner of one solid with the closest point of each edge of the other, and each two edges
-/// that are closest between their ends.
-fn for_each_corner_and_edge([a, b]: [Seen<'_>; 2], mut visit: impl FnMut([V; 2], [u32; 2])) {
-    let name = |edge: &Edge, t: f64| {
-        let [from, to] = edge.corners;
-        match t {
-            0.0 => PackedFeatureId::vertex(from as u32).0,
-            1.0 => PackedFeatureId::vertex(to as u32).0,
-            _ => edge_name(edge.corners),
-        }
-    };
-    let nearest = |seen: &Seen<'_>, edge: &Edge, x: &V| {
-        let [from, to] = edge.corners.map(|c| seen.corners[c]);
-        let t = ((x - from).dot(&(to - from)) / (to - from).norm_squared()).clamp(0.0, 1.0);
-        (from + (to - from) * t, name(edge, t))
-    };
-    for (k, &x2) in b.corners.iter().enumerate() {
-        for edge in &a.solid.edges {
-            let (x1, feature) = nearest(&a, edge, &x2);
-            visit([x1, x2], [feature, PackedFeatureId::vertex(k as u32).0]);
-        }
-    }
-    for (k, &x1) in a.corners.iter().enumerate() {
-        for edge in &b.solid.edges {
-            let (x2, feature) = nearest(&b, edge, &x1);
-            visit([x1, x2], [PackedFeatureId::vertex(k as u32).0, feature]);
-        }
-    }
-    for one in &a.solid.edges {
-        for other in &b.solid.edges {
-            let [x1, x2] = between([a.corners, b.corners], [*one, *other]);
-            let within = |x: &V, [from, to]: [V; 2]| {
-                let t = (x - from).dot(&(to - from)) / (to - from).norm_squared();
-                t > 0.0 && t < 1.0
-            };
-            let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
-            if within(&x1, ends[0]) && within(&x2, ends[1]) {
-                visit([x1, x2], [name(one, 0.5), name(other, 0.5)]);
-            }
-        }
     }
 }

@@ -46,8 +46,8 @@ impl Seams {
         let has_parts = |i: usize| G::has_parts(&colliders[i].shape);
         let itself = |i: usize| has_parts(i).then_some(i).into_iter().collect();
         let mut next: Vec<Vec<usize>> = (0..colliders.len()).map(itself).collect();
-        let mut shared: Vec<usize> =
-            (0..colliders.len()).filter(|&i| G::plane(&colliders[i].shape).is_none()).collect();
+        let solid = |&i: &usize| G::plane(&colliders[i].shape).is_none() && !colliders[i].sensor;
+        let mut shared: Vec<usize> = (0..colliders.len()).filter(solid).collect();
         let of = |i: &usize| match colliders[*i].carrier {
             Carrier::World => 0,
             Carrier::Body(body) => body + 1,
@@ -103,9 +103,12 @@ impl Seams {
         let far = length::<G>(&point);
         let probe = |point: &G::Vector| *point + *normal * (PROBE * size);
         let (shorter, rounding) = ((1.0 - SHORTER) * PROBE * size, ROUNDINGS * far);
+        // What the other one passes through covers nothing.
+        let felt = |other: usize| colliders[other].meets(&colliders[pair[1 - side]]);
+        let next = &self.next[pair[side]];
         let covered = |point: &G::Vector| {
             let seen = probe(point);
-            self.next[pair[side]].iter().any(|&other| {
+            next.iter().filter(|&&other| felt(other)).any(|&other| {
                 let nearest = nearest::<G>(&colliders[other], &seen);
                 let (off, away) =
                     (length::<G>(&(nearest - seen)), length::<G>(&(nearest - *point)));

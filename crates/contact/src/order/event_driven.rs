@@ -12,9 +12,8 @@
 //! slides the whole world takes steps of `r`, of order 1; all other errors are those of flight.
 //!
 //! Things touch at gaps of up to a skin, [`SKIN`] of the largest coordinate or radius: an instant is early by no
-//! more than the skin over the speed of approach. Of two polytopes that turn distances are known to 1e-8 of their size
-//! only: these get their impact by a contact step. What a flight's force does inside of it is bounded by its values
-//! at both ends (`flight.rs`).
+//! more than the skin over the speed of approach, and friction across it changes the angular momentum by up to the skin
+//! times its impulse. What a flight's force does inside of it is bounded by its values at both ends (`flight.rs`).
 //!
 //! Each step may take [`EVENTS`] events; what has more of them, as many bodies that keep hitting each other, is
 //! for a world's own steps. There are no joints and no moving obstacles. Source: notes 11.4 (at the instant);
@@ -77,7 +76,7 @@ pub struct EventDriven<G: Flies, P> {
     law: ImpactLaw,
     contact_step: f64,
     flight: Flight,
-    search: FreeTimeSearch,
+    search: FreeTimeSearch<G>,
     pieces: Pieces,
     events: Vec<Event>,
     touches: bool,
@@ -270,7 +269,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         self.next.t = end;
         let (system, detector) = self.world.system_and_detector();
         let ends = [&self.now, &self.next];
-        let free = self.search.free_time::<G, P>(&mut self.flight, system, detector, ends, skin)?;
+        let free = self.search.free_time::<P>(&mut self.flight, system, detector, ends, skin)?;
         report.queries += free.queries;
         if free.touches {
             if free.time <= 0.0 || self.now.t + free.time <= self.now.t {

@@ -14,8 +14,8 @@ use stationary_integrators::State;
 use stationary_rigid::LieGroup;
 
 use crate::order::flight::{Flies, Flight, chord};
-use crate::when::rigid_time_of_impact::{Swept, leaves, meet};
-use crate::{BodiesIn, Closeness, ContactError, DetectorIn, RigidPathIn};
+use crate::when::rigid_time_of_impact::{MeetRoom, Queries, Swept, leaves, meet};
+use crate::{BodiesIn, Closeness, ContactError, DetectorIn, Dimension, RigidPathIn};
 
 /// Chords of a flight after which what is left counts as not free.
 const CHORDS: usize = 10_000;
@@ -34,17 +34,24 @@ pub(crate) struct FreeTime {
 }
 
 /// Room for the search.
-#[derive(Debug, Default)]
-pub(crate) struct FreeTimeSearch {
+#[derive(Debug)]
+pub(crate) struct FreeTimeSearch<G: Dimension> {
     pairs: Vec<(usize, usize)>,
-    parts: [Vec<u32>; 2],
+    room: MeetRoom<G>,
     from: State<Vec<f64>>,
     to: State<Vec<f64>>,
 }
 
-impl FreeTimeSearch {
+impl<G: Flies> Default for FreeTimeSearch<G> {
+    fn default() -> Self {
+        let (from, to) = Default::default();
+        FreeTimeSearch { pairs: Vec::new(), room: MeetRoom::default(), from, to }
+    }
+}
+
+impl<G: Flies> FreeTimeSearch<G> {
     /// How long a state flies freely, `most` seconds at most; `end` is the state after all of them.
-    pub(crate) fn free_time<G: Flies, P: Potential>(
+    pub(crate) fn free_time<P: Potential>(
         &mut self,
         flight: &mut Flight,
         system: &BodiesIn<G, P>,
@@ -95,7 +102,7 @@ impl FreeTimeSearch {
     }
 
     /// The pairs of colliders that may meet in the flight.
-    fn find_pairs<G: Flies>(
+    fn find_pairs(
         &mut self,
         flight: &Flight,
         detector: &mut DetectorIn<G>,
@@ -123,7 +130,7 @@ impl FreeTimeSearch {
 
     /// The part of the chords that is proved free where it is not all of them, and how far flights are
     /// off them.
-    fn free_part<G: Flies>(
+    fn free_part(
         &mut self,
         flight: &Flight,
         detector: &DetectorIn<G>,
@@ -145,8 +152,10 @@ impl FreeTimeSearch {
             let off = |body: usize| flight.off_chord(body, detector.radius_of(body), d);
             let off: f64 = colliders.iter().filter_map(|c| c.body()).map(off).sum();
             let close = Closeness { thickness: off + 0.25 * skin, tolerance: off.max(0.5 * skin) };
-            let touching = |parts: &[u32; 2]| leaves(&bodies, *parts, skin, 4.0 * off);
-            if let Some(hit) = meet(&bodies, close, INTERVALS, &mut self.parts, touching)
+            let touching = |parts: &[u32; 2], queries: &mut Queries<G>| {
+                leaves(&bodies, *parts, skin, 4.0 * off, queries)
+            };
+            if let Some(hit) = meet(&bodies, close, INTERVALS, &mut self.room, touching)
                 && first.is_none_or(|part| hit.time < part || (hit.time == part && off > worst))
             {
                 (first, worst) = (Some(hit.time), off);

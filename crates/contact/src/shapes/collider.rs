@@ -33,6 +33,12 @@ pub struct ColliderIn<G: Dimension> {
     pub restitution: f64,
     /// Its friction, at least 0.
     pub friction: f64,
+    /// The groups that it is in, a bit each.
+    pub groups: u32,
+    /// The groups that it meets, a bit each.
+    pub meets: u32,
+    /// Whether it only feels what overlaps it ([`crate::DetectorIn::sensed`]), and takes no impulse.
+    pub sensor: bool,
 }
 
 /// A shape in space.
@@ -43,16 +49,21 @@ pub type Collider = ColliderIn<crate::Spatial>;
 pub type PlanarCollider = ColliderIn<crate::Planar>;
 
 impl<G: Dimension> ColliderIn<G> {
-    /// A shape in the axes of a body, inelastic and without friction.
+    fn new(carrier: Carrier, shape: G::Shape, place: G::Motion, surface: f64) -> Self {
+        let (restitution, friction) = (surface, surface);
+        let (groups, meets, sensor) = (u32::MAX, u32::MAX, false);
+        ColliderIn { shape, carrier, place, restitution, friction, groups, meets, sensor }
+    }
+
+    /// A shape in the axes of a body, inelastic and without friction, in all groups.
     pub fn on_body(body: usize, shape: G::Shape) -> Self {
-        let place = G::Motion::identity();
-        ColliderIn { shape, carrier: Carrier::Body(body), place, restitution: 0.0, friction: 0.0 }
+        Self::new(Carrier::Body(body), shape, G::Motion::identity(), 0.0)
     }
 
     /// A shape that stays where it is, perfectly elastic and perfectly rough, so that what touches
     /// it decides.
     pub fn fixed(place: G::Motion, shape: G::Shape) -> Self {
-        ColliderIn { shape, carrier: Carrier::World, place, restitution: 1.0, friction: 1.0 }
+        Self::new(Carrier::World, shape, place, 1.0)
     }
 
     /// The same with this restitution.
@@ -63,6 +74,22 @@ impl<G: Dimension> ColliderIn<G> {
     /// The same with this friction.
     pub fn with_friction(self, friction: f64) -> Self {
         ColliderIn { friction, ..self }
+    }
+
+    /// The same in these groups, a bit each, and meeting those. Two colliders have contacts where each is in a group
+    /// that the other meets: in no group, or meeting none, it passes through everything.
+    pub fn in_groups(self, groups: u32, meets: u32) -> Self {
+        ColliderIn { groups, meets, ..self }
+    }
+
+    /// The same as a sensor: it takes no impulse, and says what overlaps it ([`crate::DetectorIn::sensed`]).
+    pub fn as_sensor(self) -> Self {
+        ColliderIn { sensor: true, ..self }
+    }
+
+    /// Whether each of two is in a group that the other meets.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        self.groups & other.meets != 0 && other.groups & self.meets != 0
     }
 
     /// The body that carries it.

@@ -200,7 +200,9 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
         shapes: [&Self::Shape; 2],
         parts: [u32; 2],
         poses: [&Self::Pose; 2],
-    ) -> Option<[Self::Vector; 2]>;
+        room: &mut Self::Room,
+        found: &mut Vec<Facing<Self::Vector>>,
+    ) -> Option<Closest<Self::Vector>>;
 
     /// How far a convex part of a shape reaches along a direction of its axes, of any length.
     #[doc(hidden)]
@@ -227,6 +229,16 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     #[doc(hidden)]
     fn nearest(shape: &Self::Shape, point: &Self::Vector) -> Self::Vector;
 
+    /// How far along a ray of unit direction it meets a shape, at most `longest`, and the normal there, against the
+    /// ray where that starts inside; in the axes of the shape.
+    #[doc(hidden)]
+    fn cast(
+        shape: &Self::Shape,
+        start: &Self::Vector,
+        direction: &Self::Vector,
+        longest: f64,
+    ) -> Option<(f64, Self::Vector)>;
+
     /// Appends where two shapes face each other across at most `margin`.
     #[doc(hidden)]
     fn face(
@@ -249,6 +261,16 @@ pub enum Answer {
     /// Corners of one face a plane of the other, the first (0) or the second (1): after a small
     /// motion they still do.
     Plane(usize),
+}
+
+/// The closest points of two convex parts that are apart.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Closest<V> {
+    pub points: [V; 2],
+    /// From the first to the second, of length 1, where it is known better than by the points.
+    pub normal: Option<V>,
+    pub distance: f64,
 }
 
 /// Two points of shapes that face each other.

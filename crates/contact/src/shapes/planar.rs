@@ -11,9 +11,10 @@ use parry2d_f64::math::Pose;
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
-use crate::detect::planar_narrow_phase::{Manifolds, facing};
+use crate::detect::planar_narrow_phase::{Manifolds, facing, facing_parts};
+use crate::detect::ray::entrance;
 use crate::error::check_finite;
-use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
+use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
 use crate::shapes::planar_convert;
 use crate::solve::island_solver::IslandSolver;
 use crate::{ContactError, Dimension, PlanarShape};
@@ -202,12 +203,29 @@ impl Dimension for Planar {
         shapes: [&PlanarShape; 2],
         parts: [u32; 2],
         poses: [&Pose; 2],
-    ) -> Option<[Vector2<f64>; 2]> {
+        _room: &mut Manifolds,
+        found: &mut Vec<Facing<Vector2<f64>>>,
+    ) -> Option<Closest<Vector2<f64>>> {
         use parry2d_f64::query::{ClosestPoints, closest_points};
+        let at = |pose: &Pose, point: Vector2<f64>| {
+            planar_convert::from_vector(*pose * planar_convert::vector(&point))
+        };
+        if facing_parts(shapes, parts, &poses[0].inv_mul(poses[1]), found) {
+            let nearest = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+            let [x1, x2] = nearest.points;
+            let normal = poses[0].rotation * planar_convert::vector(&nearest.normal);
+            return (nearest.gap > 0.0).then(|| Closest {
+                points: [at(poses[0], x1), at(poses[1], x2)],
+                normal: Some(planar_convert::from_vector(normal)),
+                distance: nearest.gap,
+            });
+        }
         let [a, b] = [0, 1].map(|k| part(shapes[k], parts[k]));
         match closest_points(poses[0], a, poses[1], b, f64::MAX) {
             Ok(ClosestPoints::WithinMargin(first, second)) => {
-                Some([first, second].map(planar_convert::from_vector))
+                let points = [first, second].map(planar_convert::from_vector);
+                let distance = (points[1] - points[0]).norm();
+                Some(Closest { points, normal: None, distance })
             }
             _ => None,
         }
@@ -253,6 +271,53 @@ impl Dimension for Planar {
     fn nearest(shape: &PlanarShape, point: &Vector2<f64>) -> Vector2<f64> {
         let there = shape.geometry().project_local_point(planar_convert::vector(point), true);
         planar_convert::from_vector(there.point)
+    }
+
+    fn cast(
+        shape: &PlanarShape,
+        start: &Vector2<f64>,
+        direction: &Vector2<f64>,
+        longest: f64,
+    ) -> Option<(f64, Vector2<f64>)> {
+        use parry2d_f64::query::{Ray, RayCast};
+        let (o, d) = (planar_convert::vector(start), planar_convert::vector(direction));
+        let mut first: Option<(f64, Vector2<f64>)> = None;
+        let mut offer = |t: f64, n: Option<Vector2<f64>>| {
+            if first.is_none_or(|(least, _)| t < least) {
+                first = Some((t, n.filter(|_| t > 0.0).unwrap_or(-direction)));
+            }
+        };
+        let round = shape.rounding();
+        for core in shape.cores() {
+            // Of a capsule the two long sides, and its ends as planes: the discs there follow.
+            let (points, normals) = (core.points(), core.normals());
+            let sides = (0..normals.len()).map(|k| [points[k] + normals[k] * round, normals[k]]);
+            let caps = [[points[0], points[0] - points[1]], [points[1], points[1] - points[0]]];
+            let planes: Vec<_> = match round > 0.0 {
+                true => sides.chain(caps).collect(),
+                false => sides.collect(),
+            };
+            let cut = planes.iter().map(|[a, n]| [n.dot(d), n.dot(o - *a)]);
+            if let Some((t, face)) = entrance(cut, longest) {
+                let normal = |k: usize| planar_convert::from_vector(planes[k][1]).normalize();
+                offer(t, face.map(normal));
+            }
+            let ends = points.iter().filter(|_| round > 0.0);
+            for end in ends {
+                let disc = parry2d_f64::shape::Ball::new(round);
+                let ray = Ray::new(o - *end, d);
+                if let Some(hit) = disc.cast_local_ray_and_get_normal(&ray, longest, true) {
+                    offer(hit.time_of_impact, Some(planar_convert::from_vector(hit.normal)));
+                }
+            }
+        }
+        if shape.cores().is_empty()
+            && let Some(hit) =
+                shape.geometry().cast_local_ray_and_get_normal(&Ray::new(o, d), longest, true)
+        {
+            offer(hit.time_of_impact, Some(planar_convert::from_vector(hit.normal)));
+        }
+        first
     }
 
     fn face(

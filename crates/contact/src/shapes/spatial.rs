@@ -15,10 +15,11 @@ use stationary_rigid::{
 };
 
 use crate::detect::facing_points::closest_points;
-use crate::detect::narrow_phase::{Manifolds, facing};
+use crate::detect::narrow_phase::{Manifolds, facing, facing_polytopes};
+use crate::detect::ray::{entrance, on_round};
 use crate::error::check_finite;
 use crate::shapes::convert;
-use crate::shapes::dimension::{Answer, Facing, farthest_of_plane, sealed::Sealed};
+use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
 use crate::shapes::polytope::Polytope;
 use crate::shapes::solid::{Placed, Solid};
 use crate::solve::island_solver::IslandSolver;
@@ -241,17 +242,37 @@ impl Dimension for Spatial {
         shapes: [&Shape; 2],
         parts: [u32; 2],
         poses: [&Pose; 2],
-    ) -> Option<[Vector3<f64>; 2]> {
+        room: &mut Manifolds,
+        found: &mut Vec<Facing<Vector3<f64>>>,
+    ) -> Option<Closest<Vector3<f64>>> {
         use parry3d_f64::query::{ClosestPoints, closest_points};
+        let at =
+            |pose: &Pose, point: Vector3<f64>| convert::from_vector(pose * convert::vector(&point));
+        let relative = poses[0].inv_mul(poses[1]);
+        if facing_polytopes(shapes, parts, &relative, room, found) {
+            let nearest = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
+            let [x1, x2] = nearest.points;
+            let normal = poses[0].rotation * convert::vector(&nearest.normal);
+            return (nearest.gap > 0.0).then(|| Closest {
+                points: [at(poses[0], x1), at(poses[1], x2)],
+                normal: Some(convert::from_vector(normal)),
+                distance: nearest.gap,
+            });
+        }
+        let apart = |points: [Vector3<f64>; 2]| Closest {
+            points,
+            normal: None,
+            distance: (points[1] - points[0]).norm(),
+        };
         if shapes.iter().any(|shape| shape.curved().is_some()) {
-            return closest_of_round(shapes, parts, poses);
+            return closest_of_round(shapes, parts, poses).map(apart);
         }
         let found = with_part(shapes[0], parts[0], |a| {
             with_part(shapes[1], parts[1], |b| closest_points(poses[0], a, poses[1], b, f64::MAX))
         });
         match found {
             Ok(ClosestPoints::WithinMargin(first, second)) => {
-                Some([first, second].map(convert::from_vector))
+                Some(apart([first, second].map(convert::from_vector)))
             }
             _ => None,
         }
@@ -300,6 +321,33 @@ impl Dimension for Spatial {
         }
         let there = shape.geometry().project_local_point(convert::vector(point), true);
         convert::from_vector(there.point)
+    }
+
+    fn cast(
+        shape: &Shape,
+        start: &Vector3<f64>,
+        direction: &Vector3<f64>,
+        longest: f64,
+    ) -> Option<(f64, Vector3<f64>)> {
+        use parry3d_f64::query::Ray;
+        if let Some(solid) = shape.polytope() {
+            let plane = |f: usize| {
+                let n = solid.faces[f].normal;
+                [n.dot(direction), n.dot(&(start - solid.corners[solid.around(f)[0]]))]
+            };
+            let (t, face) = entrance((0..solid.faces.len()).map(plane), longest)?;
+            return Some((t, face.map_or(-direction, |f| solid.faces[f].normal)));
+        }
+        if let Some(solid) = shape.curved() {
+            return on_round(solid, start, direction, longest);
+        }
+        let ray = Ray::new(convert::vector(start), convert::vector(direction));
+        let hit = shape.geometry().cast_local_ray_and_get_normal(&ray, longest, true)?;
+        let normal = convert::from_vector(hit.normal);
+        // A mesh has no inside: its normal looks against the ray.
+        let against = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        let inside = hit.time_of_impact == 0.0;
+        Some((hit.time_of_impact, if inside { -direction } else { against }))
     }
 
     fn face(

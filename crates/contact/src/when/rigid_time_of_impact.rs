@@ -24,6 +24,7 @@
 
 use stationary_rigid::LieGroup;
 
+use crate::shapes::dimension::{Closest, Facing};
 #[cfg(feature = "3d")]
 use crate::when::swept_boxes::{SweptBox, overlapping};
 use crate::{Closeness, ContactError, Dimension, RigidPathIn};
@@ -122,6 +123,31 @@ impl<'a, G: Dimension> Swept<'a, G> {
     }
 }
 
+/// Room for a search: the parts of both shapes, and what the queries between them need.
+pub(crate) struct MeetRoom<G: Dimension> {
+    parts: [Vec<u32>; 2],
+    queries: Queries<G>,
+}
+
+/// Room for queries of closest points.
+pub(crate) struct Queries<G: Dimension> {
+    shapes: G::Room,
+    found: Vec<Facing<G::Vector>>,
+}
+
+impl<G: Dimension> Default for MeetRoom<G> {
+    fn default() -> Self {
+        let queries = Queries { shapes: G::Room::default(), found: Vec::new() };
+        MeetRoom { parts: Default::default(), queries }
+    }
+}
+
+impl<G: Dimension> std::fmt::Debug for MeetRoom<G> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MeetRoom").field("parts", &self.parts).finish_non_exhaustive()
+    }
+}
+
 /// When two rigid bodies come within the thickness of each other.
 ///
 /// # Errors
@@ -140,7 +166,7 @@ pub fn rigid_bodies_meet<G: Dimension>(
         return Err(ContactError::NoQuery { first, second });
     }
     close.check(LEAST_TOLERANCE * rounding(&bodies))?;
-    Ok(meet(&bodies, close, INTERVALS, &mut Default::default(), |_| false))
+    Ok(meet(&bodies, close, INTERVALS, &mut MeetRoom::default(), |_, _| false))
 }
 
 fn rounding<G: Dimension>(bodies: &[Swept<G>; 2]) -> f64 {
@@ -153,46 +179,71 @@ pub(crate) fn meet<G: Dimension>(
     bodies: &[Swept<G>; 2],
     close: Closeness,
     most: usize,
-    parts: &mut [Vec<u32>; 2],
-    leaving: impl Fn(&[u32; 2]) -> bool,
+    room: &mut MeetRoom<G>,
+    leaving: impl Fn(&[u32; 2], &mut Queries<G>) -> bool,
 ) -> Option<RigidHitIn<G>> {
     let [a, b] = bodies;
-    let room = close.thickness + close.tolerance;
-    let [of_a, of_b] = parts;
-    a.parts_near(b, room, of_a);
-    b.parts_near(a, room, of_b);
-    let pairs = of_a.iter().flat_map(|&i| of_b.iter().map(move |&j| [i, j]));
-    let coming = pairs.filter(|parts| !leaving(parts));
-    let hits = coming.filter_map(|parts| advance(bodies, parts, close, most));
-    hits.min_by(|one, other| one.time.total_cmp(&other.time))
+    let MeetRoom { parts: [of_a, of_b], queries } = room;
+    let near = close.thickness + close.tolerance;
+    a.parts_near(b, near, of_a);
+    b.parts_near(a, near, of_b);
+    let mut first: Option<RigidHitIn<G>> = None;
+    for &i in of_a.iter() {
+        for &j in of_b.iter() {
+            if leaving(&[i, j], queries) {
+                continue;
+            }
+            let hit = advance(bodies, [i, j], close, most, queries);
+            let sooner = |hit: &RigidHitIn<G>| first.is_none_or(|first| hit.time < first.time);
+            if let Some(hit) = hit.filter(sooner) {
+                first = Some(hit);
+            }
+        }
+    }
+    first
 }
 
 /// Whether two convex parts that are within `touch` of each other at the start leave: are farther apart than
-/// that at the end, or have kept half of their distance, and have no less on the way; also of what follows these paths up to a deviation that is
-/// zero at both ends, and at most `bend s (1 - s)` between.
+/// that at the end, or have kept half of their distance, and have no less on the way; also of what follows these
+/// paths up to a deviation that is zero at both ends, and at most `bend s (1 - s)` between.
 ///
 /// ```text
-/// s(n, s) >= (1 - s) s(n, 0) + s (linear reach at 1) - (k1 + k2)/2 s^2 - bend s (1 - s)
+/// n(s) = (1 - s) n0 + s n1,   |n(s)| <= 1           n0 n1 the directions of the closest points at 0 and 1
+/// n(s).(x2 - x1)(s) >= (1 - s) d0 + s (min n1.(x2 + x2') - max n1.(x1 + x1')) - (k1 + k2)/2 s^2
+///                      - s (1 - s) (|n1 - n0| |x2' - x1'| + bend)
 /// ```
+/// The direction turns with the faces and edges that touch: along one that stays, the far end of a face that
+/// turns would come towards the other part.
 pub(crate) fn leaves<G: Dimension>(
     bodies: &[Swept<G>; 2],
     parts: [u32; 2],
     touch: f64,
     bend: f64,
+    queries: &mut Queries<G>,
 ) -> bool {
     let poses = [0, 1].map(|k| bodies[k].path.at(0.0));
-    let Some([x1, x2]) = closest(bodies, parts, &poses) else { return false };
-    let apart = x2 - x1;
-    let distance = G::dot(&apart, &apart).sqrt();
-    if !(distance > 0.0 && distance <= touch) {
+    let Some(here) = closest(bodies, parts, &poses, queries) else { return false };
+    if !(here.distance > 0.0 && here.distance <= touch) {
         return false;
     }
-    let n = direction(bodies, &poses).unwrap_or(apart * distance.recip());
+    let ends = [0, 1].map(|k| bodies[k].path.at(1.0));
+    let Some(there) = closest(bodies, parts, &ends, queries) else { return false };
+    let n = direction(bodies, &ends, &there);
+    let turned = n - direction(bodies, &poses, &here);
     let far = bodies[0].farthest(parts[0], &poses[0], &n, 1.0);
     let near = -bodies[1].farthest(parts[1], &poses[1], &(n * -1.0), 1.0);
-    let bend: f64 = bend + acceleration(bodies);
-    let after = near - far - rounding(bodies) - bend;
-    after > touch || after >= 0.5 * distance
+    let turned = G::dot(&turned, &turned).sqrt();
+    let turning = if turned > 0.0 { turned * fastest(bodies) } else { 0.0 };
+    let after = near - far - rounding(bodies) - bend - turning - acceleration(bodies);
+    after > touch || after >= 0.5 * here.distance
+}
+
+/// How far the points of two bodies move past each other at most, if they go on as they start.
+fn fastest<G: Dimension>(bodies: &[Swept<G>; 2]) -> f64 {
+    let way = *bodies[1].path.way() - *bodies[0].path.way();
+    let spins = bodies.iter().filter(|body| body.turns);
+    let spins: f64 = spins.map(|body| body.radius * G::spin_speed(body.path.turn())).sum();
+    G::dot(&way, &way).sqrt() + spins
 }
 
 /// Half of how fast two parts can bend towards each other.
@@ -205,6 +256,7 @@ fn advance<G: Dimension>(
     parts: [u32; 2],
     close: Closeness,
     most: usize,
+    queries: &mut Queries<G>,
 ) -> Option<RigidHitIn<G>> {
     let Closeness { thickness, tolerance } = close;
     let rounding = rounding(bodies);
@@ -215,15 +267,14 @@ fn advance<G: Dimension>(
         let poses = [0, 1].map(|k| bodies[k].path.at(time));
         let hit =
             |points, normal, settled| Some(RigidHitIn { time, normal, points, intervals, settled });
-        let Some([x1, x2]) = closest(bodies, parts, &poses) else {
+        let Some(closest) = closest(bodies, parts, &poses, queries) else {
             return hit(poses.map(|pose| G::translation(&pose)), nowhere, true);
         };
-        let apart = x2 - x1;
-        let distance = G::dot(&apart, &apart).sqrt();
+        let Closest { points: [x1, x2], distance, .. } = closest;
         if !(distance > 0.0 && distance.is_finite()) {
             return hit([x1, x2], nowhere, true);
         }
-        let n = direction(bodies, &poses).unwrap_or(apart * distance.recip());
+        let n = direction(bodies, &poses, &closest);
         if distance <= thickness + 0.5 * tolerance {
             return hit([x1, x2], n, true);
         }
@@ -246,18 +297,24 @@ fn advance<G: Dimension>(
         time += step;
     }
     let poses = [0, 1].map(|k| bodies[k].path.at(time));
-    let points = closest(bodies, parts, &poses);
+    let points = closest(bodies, parts, &poses, queries).map(|closest| closest.points);
     let points = points.unwrap_or(poses.map(|pose| G::translation(&pose)));
     Some(RigidHitIn { time, normal: nowhere, points, intervals: most, settled: false })
 }
 
-/// From the first to the second along the normal of the one that is a half-space.
-fn direction<G: Dimension>(bodies: &[Swept<G>; 2], poses: &[G::Motion; 2]) -> Option<G::Vector> {
-    (0..2).find_map(|k| {
+/// From the first to the second: the normal of the one that is a half-space, or that of the closest points.
+fn direction<G: Dimension>(
+    bodies: &[Swept<G>; 2],
+    poses: &[G::Motion; 2],
+    closest: &Closest<G::Vector>,
+) -> G::Vector {
+    let of_plane = (0..2).find_map(|k| {
         let normal = G::plane(bodies[k].shape)?;
         let seen = G::turn(&poses[k], &G::turn(bodies[k].place, &normal));
         Some(if k == 0 { seen } else { seen * -1.0 })
-    })
+    });
+    let [x1, x2] = closest.points;
+    of_plane.or(closest.normal).unwrap_or((x2 - x1) * closest.distance.recip())
 }
 
 /// About the longest step of which a test holds, not longer than `most`.
@@ -282,12 +339,19 @@ fn closest<G: Dimension>(
     bodies: &[Swept<G>; 2],
     parts: [u32; 2],
     poses: &[G::Motion; 2],
-) -> Option<[G::Vector; 2]> {
+    queries: &mut Queries<G>,
+) -> Option<Closest<G::Vector>> {
     // Seen from the first body, so that nothing is lost far from the origin.
     let seen = G::relative(&poses[0], &poses[1]);
     let seen = [G::convert(bodies[0].place), G::convert(&seen.compose(bodies[1].place))];
-    let points = G::closest([bodies[0].shape, bodies[1].shape], parts, [&seen[0], &seen[1]])?;
-    Some(points.map(|point| G::apply(&poses[0], &point)))
+    let shapes = [bodies[0].shape, bodies[1].shape];
+    let Queries { shapes: room, found } = queries;
+    let closest = G::closest(shapes, parts, [&seen[0], &seen[1]], room, found)?;
+    Some(Closest {
+        points: closest.points.map(|point| G::apply(&poses[0], &point)),
+        normal: closest.normal.map(|normal| G::turn(&poses[0], &normal)),
+        distance: closest.distance,
+    })
 }
 
 /// Every pair of moving bodies that meets, by number, sorted.

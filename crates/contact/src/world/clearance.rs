@@ -9,7 +9,7 @@
 
 use stationary_rigid::LieGroup;
 
-use crate::when::rigid_time_of_impact::{Swept, meet};
+use crate::when::rigid_time_of_impact::{MeetRoom, Swept, meet};
 use crate::{Closeness, ColliderIn, ContactIn, DetectorIn, Dimension, RigidPathIn};
 
 /// Intervals looked at before two bodies count as meeting.
@@ -47,12 +47,12 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
 
     /// Whether the colliders of these contacts may meet, or another part of the surface of one meets
     /// the other while these contacts stand for it.
-    pub(crate) fn meets(&self, of_pair: &[ContactIn<G>], parts: &mut [Vec<u32>; 2]) -> bool {
+    pub(crate) fn meets(&self, of_pair: &[ContactIn<G>], room: &mut MeetRoom<G>) -> bool {
         let pair = of_pair[0].id.pair();
-        self.may_meet(pair, parts)
+        self.may_meet(pair, room)
             || self.detector.beside(pair).any(|other| {
                 (!has_contacts(self.contacts, other) || self.is_level(of_pair, other))
-                    && self.may_meet(other, parts)
+                    && self.may_meet(other, room)
             })
     }
 
@@ -69,7 +69,7 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
         Mover { collider, path: RigidPathIn::of(pose, &velocity, self.h), radius }
     }
 
-    fn may_meet(&self, pair: [usize; 2], parts: &mut [Vec<u32>; 2]) -> bool {
+    fn may_meet(&self, pair: [usize; 2], room: &mut MeetRoom<G>) -> bool {
         let movers = pair.map(|collider| self.mover(collider));
         let radius = movers.iter().map(|mover| mover.radius).filter(|&radius| radius > 0.0);
         let tolerance = TOUCHING_DISTANCE * radius.fold(f64::INFINITY, f64::min);
@@ -77,7 +77,7 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
             let Mover { collider, path, .. } = &movers[k];
             Swept::new(&collider.shape, &collider.place, path)
         });
-        meet(&bodies, Closeness { thickness: 0.0, tolerance }, INTERVALS, parts, |_| false)
+        meet(&bodies, Closeness { thickness: 0.0, tolerance }, INTERVALS, room, |_, _| false)
             .is_some()
     }
 

@@ -8,6 +8,7 @@ use stationary_integrators::State;
 use crate::solve::body_state::BodyState;
 use crate::solve::islands::Islands;
 use crate::solve::rolling::ContactMoments;
+use crate::when::rigid_time_of_impact::MeetRoom;
 use crate::world::resting::Resting;
 use crate::{ContactIn, Dimension};
 
@@ -33,7 +34,7 @@ pub(crate) struct Memory<G: Dimension> {
     /// they seemed to.
     pub(super) passing: Vec<ContactIn<G>>,
     pub(super) meeting: Vec<[usize; 2]>,
-    pub(super) parts: [Vec<u32>; 2],
+    pub(super) room: MeetRoom<G>,
     pub(super) scales: Vec<G::Velocity>,
     pub(super) states: Vec<BodyState<G>>,
     /// Velocities of bodies in world axes: after the step, and the mean with those before.
@@ -74,7 +75,7 @@ impl<G: Dimension> Memory<G> {
             reach: Vec::new(),
             passing: Vec::new(),
             meeting: Vec::new(),
-            parts: Default::default(),
+            room: MeetRoom::default(),
             scales,
             states: Vec::new(),
             after: Vec::new(),

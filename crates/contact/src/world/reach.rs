@@ -47,7 +47,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// Drops the contacts of pairs that move far in the step and pass each other with clearance.
     pub(super) fn drop_passing(&mut self, contacts: &mut Vec<ContactIn<G>>, q: &[f64], h: f64) {
-        let Memory { start, increment, passing, meeting, parts, reach, .. } = &mut self.memory;
+        let Memory { start, increment, passing, meeting, room, reach, .. } = &mut self.memory;
         let velocity = |freedom: usize| start.0[freedom] + increment.0[freedom];
         let detector = &self.detector;
         let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
@@ -60,7 +60,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 && motion.closing(pair) > far
                 && !meeting.contains(&pair)
                 && of_pair.iter().all(|contact| contact.gap > 0.0)
-                && !motion.meets(of_pair, parts);
+                && !motion.meets(of_pair, room);
             if clear {
                 passing.extend_from_slice(of_pair);
             }
@@ -73,13 +73,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// Finds pairs that seemed to pass each other and meet with the velocities of now; says whether
     /// there are any.
     pub(super) fn find_meeting(&mut self, q: &[f64], h: f64) -> bool {
-        let Memory { v, passing, meeting, parts, .. } = &mut self.memory;
+        let Memory { v, passing, meeting, room, .. } = &mut self.memory;
         let velocity = |freedom: usize| v.0[freedom];
         let (detector, contacts) = (&self.detector, self.kept.found());
         let motion = StepMotion { detector, contacts, q, velocity: &velocity, h };
         let before = meeting.len();
         for of_pair in passing.chunk_by(ContactIn::same_pair) {
-            if motion.meets(of_pair, parts) {
+            if motion.meets(of_pair, room) {
                 meeting.push(of_pair[0].id.pair());
             }
         }

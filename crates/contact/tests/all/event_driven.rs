@@ -297,13 +297,12 @@ pub(crate) fn momenta(state: &State<Vec<f64>>) -> [Vector3<f64>; 2] {
     [linear, angular]
 }
 
-/// Distances of solids that turn are known to 1e-8 of their size when they meet: such impacts are given by a contact
-/// step, which keeps the angular momentum if it is short. One of 1e-3 s lifts what overlaps, and turns it.
+/// Two boxes that turn hit each other off their centres: at the instant, however long a contact step would be.
 #[test]
 fn impacts_of_solids_that_turn_keep_both_momenta_and_gain_no_energy() {
     let orders = [FlightOrder::Second, FlightOrder::Fourth];
     for (order, contact_step) in
-        orders.into_iter().flat_map(|order| [(order, 1e-3), (order, 1e-4), (order, 1e-5)])
+        orders.into_iter().flat_map(|order| [(order, 1e-2), (order, 1e-3), (order, 1e-5)])
     {
         let (detector, metric, mut state) = two_boxes();
         let system = metric.under(Free { freedoms: 12 }).unwrap();
@@ -312,14 +311,17 @@ fn impacts_of_solids_that_turn_keep_both_momenta_and_gain_no_energy() {
         let bodies = system.clone();
         let mut bodies =
             EventDriven::<Spatial, _>::new(bodies, detector, order, contact_step).unwrap();
-        let mut impacts = 0;
+        let (mut impacts, mut contact_steps) = (0, 0);
         for _ in 0..150 {
-            impacts += bodies.step(&mut state, 1e-2).unwrap().impacts;
+            let report = bodies.step(&mut state, 1e-2).unwrap();
+            impacts += report.impacts;
+            contact_steps += report.contact_steps;
         }
         assert!(impacts > 0);
+        assert_eq!(contact_steps, 0, "{order:?} {contact_step}");
         let off = [0, 1].map(|k| (momenta(&state)[k] - first[k]).norm());
-        assert!(off[0] < 1e-12, "{contact_step}: {off:?}");
-        assert_eq!(off[1] < 1e-8, contact_step < 1e-3, "{contact_step}: {off:?}");
+        // Friction acts across the gap: its moment is at most the skin times the impulse, some newton seconds.
+        assert!(off[0] < 1e-12 && off[1] < 1e-11, "{contact_step}: {off:?}");
         assert!(kinetic(&state) < before * (1.0 - 1e-3), "{} {before}", kinetic(&state));
     }
 }

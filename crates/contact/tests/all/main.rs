@@ -30,6 +30,7 @@ mod planar_detection;
 mod polytopes;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod push_apart;
+mod queries;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod resuming;
 #[cfg(all(feature = "2d", feature = "3d"))]

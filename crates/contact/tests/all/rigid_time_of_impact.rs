@@ -107,7 +107,9 @@ fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
                     let (least, when) = distance.least(hit.time, 200);
                     assert!(least > 0.0, "{query}: {least} at {when}, {hit:?}");
                     let apart = hit.points[1] - hit.points[0];
-                    assert!((apart.normalize() - hit.normal).norm() < 1e-9);
+                    // Points half a tolerance apart show the direction to their rounding over that.
+                    let off = (apart.normalize() - hit.normal).norm();
+                    assert!(off < 1e-7, "{query}: {off:e}");
                 }
             }
         }

@@ -255,7 +255,10 @@ fn rate(
     let rows = gap_rows(&[*closest], q);
     let rate = rows.along(0, Vector(&velocity[..]));
     let slope = (ahead.gap - behind.gap) / (2.0 * h);
-    Verdict::of((slope - rate).abs(), 1e-3 * reach, "the gap's rate")
+    // How fast a point of either may move: a normal that turns by 1e-3 changes the rate by that part of it.
+    let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let speeds = velocity.chunks_exact(6).map(|v| length(&v[..3]) + reach * length(&v[3..]));
+    Verdict::of((slope - rate).abs(), 1e-3 * speeds.sum::<f64>(), "the gap's rate")
 }
 
 /// What knows how far two solids are apart.

@@ -1,0 +1,126 @@
+//! Along which direction are two convex solids with flat faces farthest apart, of those that their faces
+//! and pairs of edges give?
+//!
+//! ```text
+//! s(n) = min n.x2 - max n.x1          n = +n1, -n2, e1 x e2/|e1 x e2|
+//! ```
+//! `n1 n2` the normals of both solids' faces, `e1 e2` their edges. `s` is taken over all corners for every
+//! `n`, and so no direction, however badly rounded, promises more than it holds.
+
+use nalgebra::Vector3;
+
+use crate::shapes::polytope::{Edge, Polytope};
+
+type V = Vector3<f64>;
+
+/// A direction that parts the solids, and whose.
+#[derive(Clone, Copy)]
+pub(crate) struct Axis {
+    pub(crate) separation: f64,
+    pub(crate) normal: V,
+    pub(crate) from: Source,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) enum Source {
+    First(usize),
+    Second(usize),
+    Edges(Edge, Edge),
+}
+
+/// Edges that fall short of supporting by more ties do not support.
+const SUPPORT: f64 = 1e4;
+/// Edges at a smaller sine to each other are parallel: faces have their axis.
+pub(crate) const PARALLEL: f64 = 1e-10;
+/// A solid as the pair's axes see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub(crate) solid: &'a Polytope,
+    pub(crate) corners: &'a [V],
+    pub(crate) normals: &'a [V],
+}
+
+impl Seen<'_> {
+    /// How far it reaches along a direction.
+    pub(crate) fn reach(&self, n: &V) -> f64 {
+        self.corners.iter().map(|c| c.dot(n)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Of the faces at the corner that reaches farthest, that which looks most along a direction.
+    pub(crate) fn facing(&self, n: &V, slack: f64) -> usize {
+        let reach = self.reach(n) - slack;
+        let at_end =
+            |f: &usize| self.solid.around(*f).iter().any(|&c| self.corners[c].dot(n) >= reach);
+        let faces = (0..self.normals.len()).filter(at_end);
+        faces
+            .max_by(|&f, &g| self.normals[f].dot(n).total_cmp(&self.normals[g].dot(n)))
+            .unwrap_or(0)
+    }
+}
+
+/// How far apart two solids are along a direction from the first to the second.
+pub(crate) fn separation([a, b]: [Seen<'_>; 2], n: &V) -> f64 {
+    -b.reach(&-n) - a.reach(n)
+}
+
+/// The direction along which two solids are farthest apart; none if by more than `margin`.
+pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Option<Axis> {
+    let separation = |n: &V| separation([a, b], n);
+    let mut best =
+        Axis { separation: f64::NEG_INFINITY, normal: V::zeros(), from: Source::First(0) };
+    let mut take = |normal: V, from: Source| {
+        let separation = separation(&normal);
+        if separation > best.separation + tie {
+            best = Axis { separation, normal, from };
+        }
+        best.separation
+    };
+    let mut so_far = f64::NEG_INFINITY;
+    for (f, n) in a.normals.iter().enumerate() {
+        so_far = take(*n, Source::First(f));
+    }
+    for (f, n) in b.normals.iter().enumerate() {
+        so_far = take(-n, Source::Second(f));
+    }
+    if so_far > margin {
+        return None;
+    }
+    for &one in &a.solid.edges {
+        let e1 = a.corners[one.corners[1]] - a.corners[one.corners[0]];
+        let [n1, n2] = one.faces.map(|f| a.normals[f]);
+        for &other in &b.solid.edges {
+            let [m1, m2] = other.faces.map(|f| -b.normals[f]);
+            let e2 = b.corners[other.corners[1]] - b.corners[other.corners[0]];
+            if !arcs_cross([n1, n2], [m1, m2]) {
+                continue;
+            }
+            let across = e1.cross(&e2);
+            let length = across.norm();
+            if length <= PARALLEL * e1.norm() * e2.norm() {
+                continue;
+            }
+            // Of the edge of a triangle both sides are outside, and arcs do not say whether it
+            // supports along a direction.
+            let flat = n1 == -n2 || m1 == -m2;
+            let n = across * ((n1 + n2).dot(&across).signum() / length);
+            for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
+                let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
+                let supports = || !flat || separation(&n) > here - SUPPORT * tie;
+                if here > so_far + tie && supports() {
+                    so_far = take(n, Source::Edges(one, other));
+                    if so_far > margin {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+    Some(best)
+}
+
+/// Whether the arcs between two pairs of normals cross on the sphere, or nearly.
+fn arcs_cross([a, b]: [V; 2], [c, d]: [V; 2]) -> bool {
+    let (ab, cd) = (b.cross(&a), d.cross(&c));
+    let (cba, dba, adc, bdc) = (c.dot(&ab), d.dot(&ab), a.dot(&cd), b.dot(&cd));
+    cba * dba <= PARALLEL && adc * bdc <= PARALLEL && cba * bdc >= -PARALLEL
+}
