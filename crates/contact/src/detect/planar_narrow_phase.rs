@@ -8,7 +8,8 @@
 //! corners are closest. The edge and the one that faces it are clipped against each other, and so
 //! matching edges keep both ends, whatever rounding does. Pieces of other polygons are looked at
 //! pair by pair. A capsule is its segment and a radius: gaps are those of the segment, less the
-//! radius. Discs and half-planes are asked of the geometry library.
+//! radius. Before a half-plane every corner that is near has a contact. Discs are asked of the geometry
+//! library.
 
 use nalgebra::Vector2;
 use parry2d_f64::math::{Pose, Vector};
@@ -39,24 +40,28 @@ pub(crate) fn facing(
     let back = relative.inverse();
     let rounding = shapes.map(PlanarShape::rounding);
     let round = rounding[0] + rounding[1];
+    if let Some(side) = (0..2).find(|&k| shapes[k].plane().is_some())
+        && !shapes[1 - side].cores().is_empty()
+    {
+        facing_plane(shapes, side, relative, margin, found);
+        return Answer::Now;
+    }
     if a.is_empty() || b.is_empty() {
         if round == 0.0 {
             return ask(shapes, relative, margin, room, found);
         }
         let side = usize::from(a.is_empty());
         let place = if side == 0 { &back } else { relative };
-        return capsule_and(
+        return disc_and_capsule(
             [shapes[1 - side], shapes[side]],
             place,
             margin,
-            |points, n, end, gap| {
+            |points, n, gap| {
                 let (points, n) = match side {
                     1 => (points, n),
                     _ => ([points[1], points[0]], back_to_capsule(relative, &n)),
                 };
-                let mut features = [0, end];
-                features.swap(0, 1 - side);
-                found.push(Facing { parts: [0, 0], features, points, normal: n, gap });
+                found.push(Facing { parts: [0, 0], features: [0, 0], points, normal: n, gap });
             },
         );
     }
@@ -108,28 +113,53 @@ fn back_to_capsule(relative: &Pose, n: &Vector2<f64>) -> Vector2<f64> {
     -from_vector(relative.rotation * vector(n))
 }
 
-/// Says where a disc or a half-plane, which sees the capsule at `place`, and the capsule face each
-/// other.
-fn capsule_and(
+/// Appends where a half-plane, the shape `side`, and what has corners or round ends face each other: every corner
+/// that is near.
+fn facing_plane(
+    shapes: [&PlanarShape; 2],
+    side: usize,
+    relative: &Pose,
+    margin: f64,
+    found: &mut Found,
+) {
+    let Some(normal) = shapes[side].plane() else { return };
+    let (n, solid) = (vector(&normal), shapes[1 - side]);
+    let place = if side == 0 { *relative } else { relative.inverse() };
+    let (own, radius) = (place.rotation.inverse() * n, solid.rounding());
+    for (part, core) in solid.cores().iter().enumerate() {
+        for (k, &point) in core.points().iter().enumerate() {
+            let there = place * point;
+            let height = there.dot(n);
+            let gap = height - radius;
+            if gap > margin {
+                continue;
+            }
+            let points = [there - n * height, point - own * radius].map(from_vector);
+            let facing =
+                Facing { parts: [0, part as u32], features: [0, corner(k)], points, normal, gap };
+            found.push(match side {
+                0 => facing,
+                _ => Facing {
+                    parts: [part as u32, 0],
+                    features: [corner(k), 0],
+                    points: [points[1], points[0]],
+                    normal: from_vector(-own),
+                    gap,
+                },
+            });
+        }
+    }
+}
+
+/// Says where a disc, which sees the capsule at `place`, and the capsule face each other.
+fn disc_and_capsule(
     [other, capsule]: [&PlanarShape; 2],
     place: &Pose,
     margin: f64,
-    mut say: impl FnMut([Vector2<f64>; 2], Vector2<f64>, u32, f64),
+    say: impl FnOnce([Vector2<f64>; 2], Vector2<f64>, f64),
 ) -> Answer {
     let (ends, radius) = (capsule.cores()[0].points(), capsule.rounding());
     let own = |at: Vector| from_vector(place.inverse() * at);
-    if let Some(normal) = other.plane() {
-        let n = vector(&normal);
-        for (end, &point) in ends.iter().enumerate() {
-            let at = *place * point;
-            let gap = at.dot(n) - radius;
-            if gap <= margin {
-                let points = [from_vector(at - n * at.dot(n)), own(at - n * radius)];
-                say(points, normal, corner(end), gap);
-            }
-        }
-        return Answer::Now;
-    }
     let Some(disc) = other.geometry().as_ball() else { return Answer::None };
     let [from, to] = [0, 1].map(|end: usize| *place * ends[end]);
     let along = to - from;
@@ -141,7 +171,7 @@ fn capsule_and(
     let n = if distance > 0.0 { nearest / distance } else { sideways };
     let gap = distance - radius - disc.radius;
     if gap <= margin {
-        say([from_vector(n * disc.radius), own(nearest - n * radius)], from_vector(n), 0, gap);
+        say([from_vector(n * disc.radius), own(nearest - n * radius)], from_vector(n), gap);
     }
     Answer::Now
 }
