@@ -33,8 +33,8 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
-//! | `tolerance` | below 1 | for the three that choose their own steps, and only for them |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these, with impacts at their instant `"event-driven-2"` or `"event-driven-4"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
+//! | `tolerance` | below 1 | for those that choose their own steps, and only for them |
 //! | `modes` | a number | how many of them `"linear-modes"` adds up |
 //! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
 //! | `sample_every` | a number of steps | 1 where it is missing; the end is always sampled |
@@ -268,6 +268,8 @@ mod run {
     #[cfg(feature = "contact")]
     pub(crate) mod joint_set;
     #[cfg(feature = "contact")]
+    pub(crate) mod event_driven;
+    #[cfg(feature = "contact")]
     pub(crate) mod touching;
     #[cfg(feature = "rigid")]
     pub(crate) mod joint_coordinates;
@@ -317,6 +319,8 @@ pub use model::observable::Observable;
 pub use model::particle::{Motion, Particle};
 pub use model::scene::{Gravity, Scene};
 pub use model::simplices::{Middles, Simplices};
+#[cfg(feature = "rigid")]
+pub use model::stepping::FlightSteps;
 pub use model::stepping::{Adaptive, Constrained, Stepping};
 pub use model::strength::{Pieces, Strength};
 pub use model::timing::Timing;

@@ -24,13 +24,14 @@ use stationary_constraints::VelocityRows;
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
-use crate::impact::rounds::ImpactRounds;
+use crate::impact::rounds::{Given, ImpactRounds};
 use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, Flight, FlightOrder};
 use crate::order::free_time::FreeTimeSearch;
 use crate::order::pieces::{Motion, Pieces, between};
 use crate::{
-    BodiesIn, ContactError, ContactRows, DetectorIn, ImpactLaw, InverseMass, World, gap_rows,
+    BodiesIn, ContactError, ContactIn, ContactRows, DetectorIn, ImpactLaw, InverseMass, Touch,
+    World, gap_rows,
 };
 
 /// Gaps up to this part of the largest coordinate or radius count as touching.
@@ -62,8 +63,16 @@ pub struct EventDrivenReport {
     pub queries: usize,
     /// Contacts relaxed and systems solved by the world's steps, and passes of the impact law.
     pub solves: usize,
-    /// The kinetic energy that impacts took, J.
+    /// The kinetic energy that impacts took, those within contact steps too, J.
     pub impact_energy: f64,
+    /// The energies that friction took in contact steps, and that lifting out of overlap gave, J: those of
+    /// [`WorldReport`](crate::WorldReport).
+    pub friction_energy: f64,
+    /// See [`EventDrivenReport::friction_energy`].
+    pub lifting_energy: f64,
+    /// By how much contact steps missed their conditions at most, as
+    /// [`WorldReport::residual`](crate::WorldReport::residual) and `coulomb` measure it.
+    pub residual: f64,
     /// Whether all impacts and contact steps met their conditions.
     pub settled: bool,
 }
@@ -79,6 +88,8 @@ pub struct EventDriven<G: Flies, P> {
     search: FreeTimeSearch<G>,
     pieces: Pieces,
     events: Vec<Event>,
+    /// What pushed in the last step, and when.
+    pushes: Vec<(f64, Touch<G>)>,
     touches: bool,
     now: State<Vec<f64>>,
     next: State<Vec<f64>>,
@@ -120,6 +131,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             search: FreeTimeSearch::default(),
             pieces: Pieces::default(),
             events: Vec::new(),
+            pushes: Vec::new(),
             touches: false,
             now: State::default(),
             next: State::default(),
@@ -146,6 +158,12 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     /// What happened in the last step that was taken, in the order of time.
     pub fn events(&self) -> &[Event] {
         &self.events
+    }
+
+    /// The contacts of the last step that was taken with their impulses, in the order of time: at the instant of
+    /// an impact, and at the end of each contact step, s.
+    pub fn pushes(&self) -> &[(f64, Touch<G>)] {
+        &self.pushes
     }
 
     /// The state at a time of the last step that was taken: of the order of its flights, and straight between
@@ -214,6 +232,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         self.now.clone_from(state);
         self.pieces.clear();
         self.events.clear();
+        self.pushes.clear();
         self.flight.evaluations = 0;
         match self.go(state.t + h, &mut saved) {
             Ok(report) => {
@@ -224,6 +243,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             Err(error) => {
                 self.pieces.clear();
                 self.events.clear();
+                self.pushes.clear();
                 self.touches = touched;
                 if let Some(saved) = saved {
                     self.world.load(&saved)?;
@@ -329,6 +349,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             report.impacts += 1;
             report.solves += given.passes;
             report.settled &= given.converged;
+            report.residual = report.residual.max(given.left);
             check_finite("the velocity after an impact", &self.v.0)?;
             let before = system.metric().kinetic_energy(self.now.p.view());
             system.metric().flat(self.v.view(), self.now.p.view_mut());
@@ -338,6 +359,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             let hardest = given.normal.iter().copied().enumerate().max_by(|a, b| pushed(a, b));
             let bodies = hardest.map_or([None; 2], |(i, _)| contacts[i].bodies);
             self.note(EventKind::Impact, bodies, energy);
+            self.keep_impulses(&contacts, &given);
         }
         let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let still = STILL * fastest(&self.v);
@@ -376,9 +398,26 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         report.contact_steps += 1;
         report.detections += 1;
         report.impacts += usize::from(done.impacts > 0);
+        report.impact_energy += done.impact_energy;
+        report.friction_energy += done.friction_energy;
+        report.lifting_energy += done.lifting_energy;
+        let pushed = self.world.touches().map(|touch| (self.now.t, touch));
+        self.pushes.extend(pushed);
         report.solves += done.relaxed + done.solved + done.projected + done.impacts;
         report.settled &= done.settled;
+        report.residual = report.residual.max(done.residual).max(done.coulomb);
         Ok(())
+    }
+
+    /// Keeps what an impact gave.
+    fn keep_impulses(&mut self, contacts: &[ContactIn<G>], given: &Given) {
+        let across = given.friction.len() / contacts.len();
+        for (i, (&contact, &impact)) in contacts.iter().zip(&given.normal).enumerate() {
+            let rubbed = contact.tangents().zip(&given.friction[across * i..][..across]);
+            let friction = rubbed
+                .fold(G::Vector::default(), |sum, (tangent, &impulse)| sum + tangent * impulse);
+            self.pushes.push((self.now.t, Touch { contact, impact, normal: 0.0, friction }));
+        }
     }
 
     fn note(&mut self, kind: EventKind, bodies: [Option<usize>; 2], energy: f64) {

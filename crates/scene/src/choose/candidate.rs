@@ -7,7 +7,7 @@ use stationary_rigid::BodyMethod;
 
 use super::declaration::Change;
 use crate::model::scene::Scene;
-use crate::model::stepping::{Adaptive, Constrained, Stepping};
+use crate::model::stepping::{Adaptive, Constrained, FlightSteps, Stepping};
 
 /// A method as a scene names it.
 pub struct Candidate {
@@ -72,8 +72,14 @@ pub fn candidates(scene: &Scene) -> Vec<Candidate> {
     // An iteration of it goes through the joints as a differential does, and it takes one or two.
     let joints = Stepping::JointCoordinates;
     let joints = Candidate::of(joints, Kind::EqualSteps, 2, 3, Evaluation::Explicit);
+    // Flight of one and of five differentials; what rests or slides makes it a world of order 1.
+    let flights = [(FlightSteps::Second, 2, 1), (FlightSteps::Fourth, 4, 5)];
+    let flights = flights.map(|(flights, order, stages)| {
+        let stepping = Stepping::EventDriven(flights);
+        Candidate::of(stepping, Kind::EqualSteps, order, stages, Evaluation::Explicit)
+    });
     let elastic = (!scene.solids().is_empty()).then_some(modes);
-    let all = known.chain(own).chain(held).chain([joints]).chain(elastic);
+    let all = known.chain(own).chain(held).chain([joints]).chain(flights).chain(elastic);
     // Springs of touch have a kink where things meet: no order above two holds.
     let kink = scene.contact().is_some_and(|contact| contact.stiffness.is_some());
     all.filter(|candidate| !kink || candidate.name == Method::StormerVerlet.facts().name).collect()

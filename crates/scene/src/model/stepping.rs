@@ -41,6 +41,20 @@ pub enum Stepping {
     /// [`TreeVariational`](stationary_rigid::tree::TreeVariational).
     #[cfg(feature = "rigid")]
     JointCoordinates,
+    /// Bodies that touch, in equal steps of flight with impacts at their instant: `EventDriven` of
+    /// `stationary_contact`. While anything rests or slides all takes steps of a world.
+    #[cfg(feature = "rigid")]
+    EventDriven(FlightSteps),
+}
+
+/// How bodies fly between impacts that are met at their instant.
+#[cfg(feature = "rigid")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlightSteps {
+    /// Of order 2.
+    Second,
+    /// Of order 4.
+    Fourth,
 }
 
 /// A method that chooses its own steps.
@@ -76,6 +90,11 @@ pub enum Constrained {
 #[cfg(feature = "rigid")]
 pub(crate) const JOINT_COORDINATES: &str = "joint-coordinates";
 
+/// The words for impacts at their instant.
+#[cfg(feature = "rigid")]
+pub(crate) const EVENT_DRIVEN: [(&str, FlightSteps); 2] =
+    [("event-driven-2", FlightSteps::Second), ("event-driven-4", FlightSteps::Fourth)];
+
 /// The word for motion in closed form.
 pub(crate) const LINEAR_MODES: &str = "linear-modes";
 
@@ -103,6 +122,8 @@ impl Stepping {
             Stepping::Bodies(method) => method.facts().name,
             #[cfg(feature = "rigid")]
             Stepping::JointCoordinates => JOINT_COORDINATES,
+            #[cfg(feature = "rigid")]
+            Stepping::EventDriven(flights) => named(&EVENT_DRIVEN, flights),
         }
     }
 
@@ -117,6 +138,9 @@ impl Stepping {
             Stepping::Heat(_) => Evaluation::Explicit,
             #[cfg(feature = "rigid")]
             Stepping::JointCoordinates => Evaluation::Implicit,
+            // Of impacts and contact steps none counts iterations.
+            #[cfg(feature = "rigid")]
+            Stepping::EventDriven(_) => Evaluation::Explicit,
             Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
                 Evaluation::Implicit
             }

@@ -69,6 +69,10 @@ type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// What steps bodies in space.
 fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+    #[cfg(feature = "contact")]
+    if let Stepping::EventDriven(flights) = scene.stepping {
+        return crate::run::event_driven::in_space(scene, of, flights);
+    }
     let Stepping::Bodies(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);
     };
@@ -92,6 +96,10 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
 
 /// What steps bodies in the plane.
 fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+    #[cfg(feature = "contact")]
+    if let Stepping::EventDriven(flights) = scene.stepping {
+        return crate::run::event_driven::in_the_plane(scene, of, flights);
+    }
     let Stepping::Equal(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);
     };

@@ -10,7 +10,8 @@
 
 use stationary_calculus::{Covector, Force, Potential, Vector};
 use stationary_contact::{
-    ColliderIn, ContactError, DetectorIn, Dimension, ImpactLaw, Touch, World,
+    ColliderIn, ContactError, Detector, DetectorIn, Dimension, ImpactLaw, PlanarDetector, Touch,
+    World,
 };
 use stationary_integrators::{Saved, State};
 use stationary_rigid::BodyMethod;
@@ -33,10 +34,7 @@ type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
 pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
-    let contact = scene.contact.as_ref();
-    let shapes = contact.map(|contact| scene.colliders(contact)).transpose()?;
-    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
-    check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    let (detector, colliders) = detecting_in_space(scene, of)?;
     if scene.has_joints() {
         // A start that moves against its joints is refused as without contact.
         let method = BodyMethod::VariationalRotation;
@@ -48,15 +46,36 @@ pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
 
 /// Steps of bodies in the plane.
 pub(crate) fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
-    let contact = scene.contact.as_ref();
-    let shapes = contact.map(|contact| scene.planar_colliders(contact)).transpose()?;
-    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
-    check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    let (detector, colliders) = detecting_in_the_plane(scene, of)?;
     if scene.has_joints() {
         joints::in_the_plane(&of.system, &of.joints, (&of.initial, None))?;
     }
     let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
     Ok(Touching::over(scene, world, colliders, JointSet::in_the_plane(scene, of)?))
+}
+
+/// What detects the contacts of bodies in space, which are free at the start.
+pub(crate) fn detecting_in_space(
+    scene: &Scene,
+    of: &InSpace,
+) -> Result<(Detector, Colliders), AssemblyError> {
+    let contact = scene.contact.as_ref();
+    let shapes = contact.map(|contact| scene.colliders(contact)).transpose()?;
+    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
+    check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    Ok((detector, colliders))
+}
+
+/// What detects those of bodies in the plane.
+pub(crate) fn detecting_in_the_plane(
+    scene: &Scene,
+    of: &InThePlane,
+) -> Result<(PlanarDetector, Colliders), AssemblyError> {
+    let contact = scene.contact.as_ref();
+    let shapes = contact.map(|contact| scene.planar_colliders(contact)).transpose()?;
+    let (mut detector, colliders) = detecting(scene, shapes.unwrap_or_default())?;
+    check_free(&mut detector, scene.bodies.len(), &of.initial.q)?;
+    Ok((detector, colliders))
 }
 
 /// What detects contacts; none without the word.
@@ -70,7 +89,7 @@ fn detecting<G: Dimension>(
     }
 }
 
-fn law(scene: &Scene) -> ImpactLaw {
+pub(crate) fn law(scene: &Scene) -> ImpactLaw {
     scene.contact.as_ref().map_or(ImpactLaw::GeneralizedReflections, |contact| contact.law)
 }
 
@@ -116,7 +135,7 @@ impl<'a, G: Dimension, P: Potential + 'a> Touching<G, P> {
 }
 
 /// The impulse of a contact on its second side.
-fn push<G: Dimension>(
+pub(crate) fn push<G: Dimension>(
     (colliders, pins): (Colliders, &[usize]),
     touch: &Touch<G>,
     time: f64,

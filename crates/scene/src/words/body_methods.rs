@@ -84,6 +84,9 @@ impl Scene {
         let refused = |instead| Err(Fault::MethodCannot { method, what, instead });
         let only_moments = |body: &&RigidBody| touches && body.shape == BodyShape::Moments;
         let untouchable = self.bodies.iter().find(only_moments);
+        if let (Stepping::EventDriven(_), None) = (self.stepping, untouchable) {
+            return self.check_flights();
+        }
         match (self.stepping, self.dimension, untouchable) {
             (_, _, Some(body)) => Err(Fault::Bodies(BodyFault::Untouchable(body.name.clone()))),
             (Stepping::Bodies(BodyMethod::VariationalRotation), 3, _)
@@ -91,6 +94,20 @@ impl Scene {
             (_, 3, _) => refused("name `variational-rotation`"),
             _ => refused("name `stormer-verlet`"),
         }
+    }
+
+    /// An error where something acts on the scene's bodies for which flight between impacts has no place.
+    fn check_flights(&self) -> Result<(), Fault> {
+        let what = match self.is_driven() {
+            _ if self.has_joints() => "joints or rods",
+            true => "loads, motors, drag, dampers, a frame that turns or changing gravity",
+            false => return Ok(()),
+        };
+        let instead = match self.dimension {
+            3 => "name `variational-rotation`",
+            _ => "name `stormer-verlet`",
+        };
+        Err(Fault::MethodCannot { method: self.stepping.name(), what, instead })
     }
 }
 

@@ -5,6 +5,7 @@
 //! adaptive    steps chosen to a tolerance, read off at every moment i h
 //! rattle, constrained-hamilton       equal steps that hold rods by their forces
 //! joint-coordinates    equal steps of bodies, of numbers that are free
+//! event-driven-2, event-driven-4     bodies that touch: flight, impacts at their instant
 //! linear-modes    no steps: a sum of modes in closed form, read off at every moment i h
 //! ```
 //! `h` the scene's step.
@@ -13,11 +14,11 @@ use stationary_integrators::{Evaluation, Method};
 
 use crate::model::drives::{Drives, MotorDrive};
 use crate::model::scene::Scene;
-#[cfg(feature = "rigid")]
-use crate::model::stepping::JOINT_COORDINATES;
 use crate::model::stepping::{
     ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
 };
+#[cfg(feature = "rigid")]
+use crate::model::stepping::{EVENT_DRIVEN, FlightSteps, JOINT_COORDINATES};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
@@ -44,6 +45,8 @@ enum Word {
     Bodies(BodyMethod),
     #[cfg(feature = "rigid")]
     JointCoordinates,
+    #[cfg(feature = "rigid")]
+    EventDriven(FlightSteps),
 }
 
 /// The words that a scene of this kind may say.
@@ -55,11 +58,13 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
     }
     let adaptive = ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method)));
     #[cfg(feature = "rigid")]
-    let of_joints = [(JOINT_COORDINATES, Word::JointCoordinates)];
+    let of_bodies = [(JOINT_COORDINATES, Word::JointCoordinates)]
+        .into_iter()
+        .chain(EVENT_DRIVEN.map(|(name, flights)| (name, Word::EventDriven(flights))));
     #[cfg(feature = "rigid")]
     if declared.is_of_bodies(dimension) && dimension == 3 {
         let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
-        return BodyMethod::ALL.iter().map(word).chain(of_joints).chain(adaptive).collect();
+        return BodyMethod::ALL.iter().map(word).chain(of_bodies).chain(adaptive).collect();
     }
     let _ = (declared, dimension);
     let word = |&method: &Method| (method.facts().name, Word::Equal(method));
@@ -68,7 +73,7 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
     words.push((LINEAR_MODES, Word::LinearModes));
     #[cfg(feature = "rigid")]
     if declared.is_of_bodies(dimension) {
-        words.extend(of_joints);
+        words.extend(of_bodies);
     }
     words
 }
@@ -105,6 +110,8 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
         (Word::Bodies(method), None) => Stepping::Bodies(method),
         #[cfg(feature = "rigid")]
         (Word::JointCoordinates, None) => Stepping::JointCoordinates,
+        #[cfg(feature = "rigid")]
+        (Word::EventDriven(flights), None) => Stepping::EventDriven(flights),
     })
 }
 
@@ -262,7 +269,7 @@ impl Scene {
                 refused("so many freedoms with full matrices", "name an explicit method")
             }
             #[cfg(feature = "rigid")]
-            Stepping::Bodies(_) | Stepping::JointCoordinates => {
+            Stepping::Bodies(_) | Stepping::JointCoordinates | Stepping::EventDriven(_) => {
                 Err(Fault::MethodOfAnother(method.to_owned()))
             }
             Stepping::Constrained(Constrained::Rattle) => Ok(()),

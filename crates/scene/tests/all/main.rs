@@ -8,6 +8,7 @@ mod checkpoints;
 mod claims;
 mod diagnostics;
 mod driven;
+mod event_driven;
 mod failed_runs;
 mod faces_and_walls;
 mod fields;
