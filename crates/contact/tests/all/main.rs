@@ -1,6 +1,8 @@
 //! What holds of `stationary-contact`, in one binary: what is generic is compiled once.
 
 #[cfg(all(feature = "2d", feature = "3d"))]
+mod bad_input;
+#[cfg(all(feature = "2d", feature = "3d"))]
 mod clearance;
 #[cfg(feature = "3d")]
 mod compounds;
