@@ -21,6 +21,9 @@ use crate::run::samples::Impacts;
 use crate::run::stepper::{Stepped, Stepper};
 use crate::run::touching;
 
+/// Steps of lasting contact in a step of the scene: bounces end as rest where they are shorter than four of these.
+const CONTACT_STEPS: f64 = 64.0;
+
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
@@ -49,7 +52,7 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
         FlightSteps::Second => FlightOrder::Second,
         FlightSteps::Fourth => FlightOrder::Fourth,
     };
-    let bodies = EventDriven::new(system, detector, order, scene.timing.step())?;
+    let bodies = EventDriven::new(system, detector, order, scene.timing.step() / CONTACT_STEPS)?;
     let bodies = bodies.with_law(touching::law(scene));
     let pins = scene.round_pins().collect();
     Ok(Box::new(Flying { bodies, colliders, pins, works: [0.0; 3] }))

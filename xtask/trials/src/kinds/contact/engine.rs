@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_contact::{ContactError, ImpactLaw, WorldReport};
+use stationary_integrators::StepError;
 
 use super::case::{Case, Form, Law, Thing};
 use super::hull::{Hull, Pose};
@@ -47,6 +48,8 @@ pub(super) struct Seen {
 /// A scene that can be moved on.
 pub(super) trait Engine {
     fn step(&mut self, h: f64) -> Result<WorldReport, ContactError>;
+    /// Goes on from what it has saved.
+    fn reload(&mut self) -> Result<(), StepError>;
     fn motions(&self) -> Vec<Motion>;
     fn touches(&self) -> Vec<Seen>;
 }

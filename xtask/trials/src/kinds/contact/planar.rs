@@ -6,7 +6,7 @@ use stationary_contact::{
     ContactError, Planar, PlanarCollider, PlanarContactPoint, PlanarDetector, PlanarShape,
     PlanarWorld, Touch, World, WorldReport,
 };
-use stationary_integrators::State;
+use stationary_integrators::{State, StepError};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
 
 use super::case::{Case, Form, Thing};
@@ -74,6 +74,10 @@ impl Engine for Scene {
     fn step(&mut self, h: f64) -> Result<WorldReport, ContactError> {
         self.frames = self.motions().iter().map(|motion| motion.pose.r).collect();
         self.world.step(&mut self.state, h)
+    }
+
+    fn reload(&mut self) -> Result<(), StepError> {
+        self.world.load(&self.world.save())
     }
 
     fn motions(&self) -> Vec<Motion> {

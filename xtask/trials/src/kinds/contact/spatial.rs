@@ -5,7 +5,7 @@ use stationary_contact::{
     Collider, ContactError, ContactPoint, Detector, Shape, Spatial, SpatialWorld, Touch, World,
     WorldReport,
 };
-use stationary_integrators::State;
+use stationary_integrators::{State, StepError};
 use stationary_rigid::{
     Body as RigidBody, BodyMetric, BodyMotion, LieGroup, PointMass, Poses, RigidMotion, Rotation,
     Weight,
@@ -78,6 +78,10 @@ impl Engine for Scene {
     fn step(&mut self, h: f64) -> Result<WorldReport, ContactError> {
         self.frames = self.motions().iter().map(|motion| motion.pose.r).collect();
         self.world.step(&mut self.state, h)
+    }
+
+    fn reload(&mut self) -> Result<(), StepError> {
+        self.world.load(&self.world.save())
     }
 
     fn motions(&self) -> Vec<Motion> {
