@@ -251,6 +251,7 @@ mod run {
     pub(crate) mod engine;
     pub(crate) mod own_samples;
     pub(crate) mod revisit;
+    pub(crate) mod start;
     pub(crate) mod equal;
     pub(crate) mod driven;
     pub(crate) mod adaptive;

@@ -43,10 +43,11 @@ pub struct Manifolds {
     round: round_contacts::Room,
 }
 
-/// Gaps below this part of a box are rounding, and the axes of the boxes are good enough.
-const WIDE: f64 = 1e-13;
+/// Gaps below this part of a box are those of contact: the axes of the boxes are good enough, and faces that touch
+/// keep their corners.
+const WIDE: f64 = 1e-7;
 /// Points this part of a box farther apart than they need be are the closest.
-const SHORT: f64 = 1e-12;
+const SHORT: f64 = 1e-9;
 
 /// Pairs of edges beyond which looking at each costs more than the search for the direction between round
 /// solids.
@@ -310,8 +311,7 @@ fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
     separation > WIDE * size && deepest(manifold) > separation + SHORT * size
 }
 
-/// Appends the points of a manifold whose gaps are larger by `narrower` than it says, and those of the second so
-/// much farther away: across the gap, equal impulses then have no moment.
+/// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
 fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
     let parts = [manifold.subshape1, manifold.subshape2];
     let normal = from_vector(manifold.local_n1);
@@ -319,10 +319,7 @@ fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facin
     found.extend(near.map(|point| Facing {
         parts,
         features: [point.fid1.0, point.fid2.0],
-        points: [
-            from_vector(point.local_p1),
-            from_vector(point.local_p2 - manifold.local_n2 * narrower),
-        ],
+        points: [from_vector(point.local_p1), from_vector(point.local_p2)],
         normal,
         gap: point.dist + narrower,
     }));

@@ -79,9 +79,13 @@ pub(crate) fn by_corners(
     if closest >= least {
         return;
     }
+    let first = found.len();
     for_each_corner_and_edge(both, |pair| {
         let gap = pair.distance();
+        // Two corners are met along each of their edges.
+        let known = |f: &Facing<V>| f.features == pair.features;
         if gap <= (closest + slack).min(margin)
+            && !found[first..].iter().any(known)
             && let Some((normal, _)) = pair.direction(both)
         {
             let [x1, x2] = pair.points;

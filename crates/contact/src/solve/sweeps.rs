@@ -14,20 +14,15 @@
 //! no friction exceeds its reach.
 
 use crate::solve::proximal::Proximal;
-use crate::solve::rigid_contact::{RigidContact, dot};
+use crate::solve::rigid_contact::RigidContact;
 
 /// The compliance that a proximal step adds to a row, relative to the row's own, per part of the
 /// impulses that the last sweep changed: of the order of one, so that steps lengthen as sweeps settle.
 const COMPLIANCE_PER_CHANGE: f64 = 1.5;
 /// The most of it: softer steps carry no farther than a sweep.
 const MAX_COMPLIANCE: f64 = 0.05;
-/// The least of it, where masses are alike: at less, rounding of rates shows in impulses.
+/// The least of it: at less, rounding of rates shows in impulses.
 const MIN_COMPLIANCE: f64 = 1e-6;
-/// The least of it relative to the least compliance of a body over the largest, where that is smaller:
-/// beside something light a row is as stiff as the light body's mass allows, and the heaviest feels it
-/// so many times less.
-const MIN_COMPLIANCE_OF_HEAVIEST: f64 = 1e-2;
-
 /// What one contact changes last, others feel by no more than so many times that.
 pub(crate) const AMPLIFICATION: f64 = 30.0;
 /// A proximal step helps if the next sweep changes no more than this part of the energy of the one
@@ -148,7 +143,6 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         bound: usize,
     ) -> [usize; 2] {
         let (mut solved, mut last) = (0, f64::INFINITY);
-        let least = MIN_COMPLIANCE.min(MIN_COMPLIANCE_OF_HEAVIEST * mass_ratio(island));
         // Sweeps to come without a step, and after the next step that does not help; whether the
         // last sweep came after a step.
         let (mut wait, mut patience, mut stepped) = (0, 1, false);
@@ -170,7 +164,7 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             stepped = wait == 0 && !soon;
             if stepped {
                 let part = (energy / energy_of(island, x)).sqrt();
-                let soft = (COMPLIANCE_PER_CHANGE * part).clamp(least, MAX_COMPLIANCE);
+                let soft = (COMPLIANCE_PER_CHANGE * part).clamp(MIN_COMPLIANCE, MAX_COMPLIANCE);
                 solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
             } else if !soon {
                 wait -= 1;
@@ -192,21 +186,6 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         }
         Change { fastest, energy }
     }
-}
-
-/// The least that a body answers along a normal over the most: one over the largest ratio of masses.
-fn mass_ratio<const F: usize, const D: usize>(island: Island<F, D>) -> f64 {
-    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for contact in island.contacts {
-        for side in [0, 1] {
-            let normal = &contact.rows(side)[0];
-            let gives = dot(normal, normal);
-            if gives > 0.0 {
-                (least, most) = (least.min(gives), most.max(gives));
-            }
-        }
-    }
-    if most > 0.0 { least / most } else { 1.0 }
 }
 
 /// The energy of impulses, J.

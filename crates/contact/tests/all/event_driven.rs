@@ -320,8 +320,8 @@ fn impacts_of_solids_that_turn_keep_both_momenta_and_gain_no_energy() {
         assert!(impacts > 0);
         assert_eq!(contact_steps, 0, "{order:?} {contact_step}");
         let off = [0, 1].map(|k| (momenta(&state)[k] - first[k]).norm());
-        // Friction acts across the gap: its moment is at most the skin times the impulse, some newton seconds.
-        assert!(off[0] < 1e-12 && off[1] < 1e-11, "{contact_step}: {off:?}");
+        // Boxes are clipped 4e-9 wider than they are: so far beside the gap a contact's points may lie.
+        assert!(off[0] < 1e-12 && off[1] < 1e-9, "{contact_step}: {off:?}");
         assert!(kinetic(&state) < before * (1.0 - 1e-3), "{} {before}", kinetic(&state));
     }
 }

@@ -14,7 +14,7 @@ use super::run::{Kept, own, told};
 use crate::model::scene::Scene;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::observer::{Control, Observer, Progress};
-use crate::run::revisit::Start;
+use crate::run::start::Start;
 
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;

@@ -16,8 +16,8 @@ use crate::model::scene::Scene;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::error::{RunError, StepFailure};
 use crate::run::observer::{Control, Observer, Progress};
-use crate::run::revisit::Start;
 use crate::run::samples::Run;
+use crate::run::start::Start;
 
 /// Where the steps of a run start, so that it can be looked at again, and what is known of it.
 #[derive(Clone, Debug)]

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use stationary_integrators::Cost;
 
 use crate::run::checkpoint::Checkpoint;
-use crate::run::revisit::Start;
 use crate::run::samples::Run;
+use crate::run::start::Start;
 
 /// What an observer asks for after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

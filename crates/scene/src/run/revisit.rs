@@ -7,28 +7,11 @@
 
 use stationary_integrators::Cost;
 
-use crate::run::checkpoint::Before;
 use crate::run::engine::Engine;
 use crate::run::error::RunError;
 use crate::run::observer::{Control, Observer, Progress};
 use crate::run::samples::Run;
-
-/// Where a step starts.
-#[doc(hidden)]
-#[derive(Clone, Debug)]
-pub struct Start {
-    pub(crate) before: Before,
-    /// What the rods felt there.
-    pub(crate) multipliers: Vec<f64>,
-}
-
-impl Start {
-    /// How many numbers it holds.
-    pub(crate) fn numbers(&self) -> usize {
-        let Before { state, memory, .. } = &self.before;
-        2 * state.q.len() + memory.numbers.len() + self.multipliers.len()
-    }
-}
+use crate::run::start::Start;
 
 impl Engine<'_> {
     /// Where the next step starts.
