@@ -71,9 +71,6 @@ fn trial(draw: &mut Draw, flat: bool, rolls: bool) -> Verdict {
             Ok(report) => report,
             Err(error) => return verdict.and(Verdict::refused(error)),
         };
-        if let Err(error) = engine.reload() {
-            return Verdict::Wrong { ratio: f64::INFINITY, what: format!("step {step}: {error}") };
-        }
         let after = engine.motions();
         let word = referee.judge(&before, &after, &engine.touches(), &report);
         if let Verdict::Wrong { ratio, what } = word {
@@ -82,6 +79,9 @@ fn trial(draw: &mut Draw, flat: bool, rolls: bool) -> Verdict {
         verdict = verdict.and(word);
         if !report.settled {
             verdict = verdict.and(Verdict::refused("not settled"));
+        }
+        if let Err(error) = engine.reload() {
+            return Verdict::Wrong { ratio: f64::INFINITY, what: format!("step {step}: {error}") };
         }
         before = after;
     }
