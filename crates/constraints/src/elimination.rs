@@ -377,12 +377,12 @@ mod tests {
                 after.iter().for_each(|&b| meets[a][b] = true);
             }
         }
-        for column in 0..count {
+        for (column, row) in meets.iter().enumerate() {
             let below = (column + 1..count).filter(|&row| meets[row][column]);
             let expected: Vec<u32> = below.map(|row| row as u32).collect();
             let own: Vec<u32> = found.column(column).map(|entry| entry.0 as u32).collect();
             assert_eq!(own, expected, "column {column}");
-            let first = (0..=column).find(|&before| meets[column][before] || before == column);
+            let first = (0..=column).find(|&before| row[before] || before == column);
             assert_eq!(Some(found.first[column] as usize), first, "row {column}");
         }
         let mut sorted = found.order.clone();
