@@ -65,7 +65,7 @@ impl<G: Dimension> WarmStart<G> {
         numbers
     }
 
-    /// What the numbers say that were saved.
+    /// What the numbers say that were saved. Contacts of one name follow each other, as they are found.
     pub(crate) fn load(numbers: &[f64]) -> Result<Self, StepError> {
         let refused = Err(StepError::Saved("it has numbers that no contacts leave behind"));
         let Some((&step, rest)) = numbers.split_first() else { return refused };
@@ -75,7 +75,7 @@ impl<G: Dimension> WarmStart<G> {
         }
         let by_contact: Option<Vec<_>> = contacts.map(contact::<G>).collect();
         match by_contact {
-            Some(by_contact) if by_contact.is_sorted_by(|a, b| a.0 < b.0) => {
+            Some(by_contact) if by_contact.is_sorted_by(|a, b| a.0 <= b.0) => {
                 match step > 0.0 || (step == 0.0 && by_contact.is_empty()) {
                     true => Ok(WarmStart { by_contact, step }),
                     false => refused,
