@@ -13,6 +13,7 @@ pub struct Start {
 
 impl Start {
     /// How many numbers it holds.
+    #[cfg(feature = "choose")]
     pub(crate) fn numbers(&self) -> usize {
         let Before { state, memory, .. } = &self.before;
         state.q.len() + state.p.0.len() + memory.numbers.len() + self.multipliers.len()
