@@ -32,16 +32,9 @@ impl TreeMotion {
             self.columns.len(),
             joint_forces.len(),
         )?;
+        self.accelerate(acceleration);
         for (body, link) in self.tree.links.iter().enumerate() {
-            let placed = &self.placed[body];
-            let mut a = match link.parent {
-                Some(parent) => self.accelerations[parent].outward(&placed.offset()),
-                None => Twist::zero(),
-            } + self.moving[body].bias;
-            for k in link.speeds.clone() {
-                a += self.columns[k] * acceleration[k];
-            }
-            self.accelerations[body] = a;
+            let (placed, a) = (&self.placed[body], self.accelerations[body]);
             let SpatialForce { force, torque } = forces.bodies[body];
             let w = self.moving[body].twist.angular;
             let gyroscopic = w.cross(&placed.moments_times(&link.moments, &w));
@@ -53,6 +46,20 @@ impl TreeMotion {
         self.gather(joint_forces);
         joint_forces.iter_mut().zip(&forces.joints).for_each(|(tau, given)| *tau -= given);
         check_numbers("the joint forces", self.columns.len(), joint_forces)
+    }
+
+    /// The bodies' accelerations, of those of the speeds.
+    pub(super) fn accelerate(&mut self, acceleration: &[f64]) {
+        for (body, link) in self.tree.links.iter().enumerate() {
+            let mut a = match link.parent {
+                Some(parent) => self.accelerations[parent].outward(&self.placed[body].offset()),
+                None => Twist::zero(),
+            } + self.moving[body].bias;
+            for k in link.speeds.clone() {
+                a += self.columns[k] * acceleration[k];
+            }
+            self.accelerations[body] = a;
+        }
     }
 
     /// Sums the bodies' forces inward, and writes what each speed feels of them.

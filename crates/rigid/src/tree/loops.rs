@@ -7,7 +7,8 @@
 //! ```
 //! `v._0` the accelerations of the open tree, `lambda` minus what the joint's first end exerts along
 //! each row (N, or N m). Each row is one more pass over the tree, so that a few rows cost little;
-//! their matrix is full. Rows that the tree holds already are refused: a loop of parallel hinges is
+//! their matrix is full. What the accelerations still miss of the rows is solved for again: the matrix
+//! squares the angle between rows, and would lose what rows that nearly depend on each other ask for. Rows that the tree holds already are refused: a loop of parallel hinges is
 //! closed by a point on a line along them, which is two rows.
 //!
 //! A field with multipliers keeps `g` to the tolerance of the run only, and it drifts: the second
@@ -43,6 +44,8 @@ pub struct TreeLoops {
     scaled: Vec<f64>,
     sizes: Vec<f64>,
     multipliers: Vec<f64>,
+    /// What is added to them.
+    parts: Vec<f64>,
     change: Vec<f64>,
     idle: Vec<f64>,
 }
@@ -60,6 +63,10 @@ const HELD: f64 = 1e-11;
 const ROUNDED: f64 = 256.0 * f64::EPSILON;
 /// The square of the sine of the angle between rows, masses counted, below which they hold the same.
 const DEPENDENT: f64 = 1e-11;
+/// Most solves for multipliers, each of what the last has left: rows near that angle leave 1e-5 of it.
+const REFINEMENTS: u32 = 8;
+/// The part of the multipliers that the last of them may add.
+const REFINED: f64 = 1e-7;
 
 impl TreeLoops {
     /// No loops yet.
@@ -72,6 +79,7 @@ impl TreeLoops {
             scaled: Vec::new(),
             sizes: Vec::new(),
             multipliers: Vec::new(),
+            parts: Vec::new(),
             change: vec![0.0; tree.speeds()],
             idle: vec![0.0; tree.speeds()],
         }
@@ -99,6 +107,7 @@ impl TreeLoops {
         let m = self.rows.len();
         self.responses.resize(m * self.idle.len(), 0.0);
         self.multipliers.resize(m, 0.0);
+        self.parts.resize(m, 0.0);
         self.matrix = DenseLu::new(m);
         self.scaled.resize(self.rows.len() * self.rows.len(), 0.0);
         self.sizes.resize(self.rows.len(), 0.0);
@@ -135,13 +144,50 @@ impl TreeLoops {
     ) -> Result<(), TreeError> {
         self.check(motion)?;
         motion.forward_dynamics(forces, acceleration)?;
-        for (lambda, row) in self.multipliers.iter_mut().zip(&self.rows) {
-            *lambda = -row.acceleration(motion);
-        }
         self.respond(motion)?;
-        self.solve()?;
-        self.add_responses(acceleration);
+        self.hold(motion, acceleration, TreeMotion::accelerate, LoopRow::acceleration)?;
         check_numbers("the acceleration", self.idle.len(), acceleration)
+    }
+
+    /// Adds what the rows do to rates of the speeds until the rates meet them; `at` sets the motion to rates.
+    fn hold(
+        &mut self,
+        motion: &mut TreeMotion,
+        rates: &mut [f64],
+        at: impl Fn(&mut TreeMotion, &[f64]),
+        missed: impl Fn(&LoopRow, &TreeMotion) -> f64,
+    ) -> Result<(), TreeError> {
+        self.factor()?;
+        self.multipliers.fill(0.0);
+        let mut last = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            at(motion, rates);
+            for (part, row) in self.parts.iter_mut().zip(&self.rows) {
+                *part = -missed(row, motion);
+            }
+            self.matrix.solve(&mut self.parts);
+            let part = self.size(&self.parts);
+            if part > 0.5 * last {
+                break;
+            }
+            last = part;
+            self.multipliers.iter_mut().zip(&self.parts).for_each(|(sum, part)| *sum += part);
+            self.add_responses(rates);
+            if part <= ROUNDED * self.size(&self.multipliers) {
+                break;
+            }
+        }
+        at(motion, rates);
+        match last <= REFINED * self.size(&self.multipliers) {
+            true => Ok(()),
+            false => Err(self.dependent()),
+        }
+    }
+
+    /// The largest of multipliers, each by what its row alone moves.
+    fn size(&self, multipliers: &[f64]) -> f64 {
+        let sizes = multipliers.iter().zip(&self.sizes);
+        sizes.fold(0.0, |largest, (lambda, size)| largest.max(lambda.abs() * size))
     }
 
     /// Brings coordinates and speeds to where the loops are closed, and stay so; the motion is then
@@ -161,16 +207,19 @@ impl TreeLoops {
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let mut gap = 0.0_f64;
-            for (lambda, row) in self.multipliers.iter_mut().zip(&self.rows) {
-                *lambda = -row.gap(motion);
-                gap = gap.max(lambda.abs() / row.size(motion));
+            for (part, row) in self.parts.iter_mut().zip(&self.rows) {
+                *part = -row.gap(motion);
+                gap = gap.max(part.abs() / row.size(motion));
             }
             if gap <= ROUNDING || (gap >= 0.5 * last && gap <= STALLED) {
-                return self.close_speeds(motion, q, v);
+                motion.set_moving(q, v);
+                self.respond(motion)?;
+                return self.hold(motion, v, |motion, v| motion.set_moving(q, v), LoopRow::speed);
             }
             last = gap;
             self.respond(motion)?;
-            self.solve()?;
+            self.factor()?;
+            self.matrix.solve(&mut self.parts);
             self.change.fill(0.0);
             let mut change = std::mem::take(&mut self.change);
             self.add_responses(&mut change);
@@ -180,23 +229,6 @@ impl TreeLoops {
             motion.put(q);
         }
         Err(TreeError::NotClosed { gap: last })
-    }
-
-    fn close_speeds(
-        &mut self,
-        motion: &mut TreeMotion,
-        q: &[f64],
-        v: &mut [f64],
-    ) -> Result<(), TreeError> {
-        motion.set_moving(q, v);
-        for (lambda, row) in self.multipliers.iter_mut().zip(&self.rows) {
-            *lambda = -row.speed(motion);
-        }
-        self.respond(motion)?;
-        self.solve()?;
-        self.add_responses(v);
-        motion.set_moving(q, v);
-        Ok(())
     }
 
     fn check(&self, motion: &TreeMotion) -> Result<(), TreeError> {
@@ -233,7 +265,7 @@ impl TreeLoops {
     /// meets is then rounding, and a number divided by it would be none.
     fn check_rank(&mut self, motion: &TreeMotion) -> Result<(), TreeError> {
         let m = self.rows.len();
-        let dependent = Err(TreeError::DependentLoops { rows: m });
+        let dependent = Err(self.dependent());
         let [together, lightest] = Lump::of(motion);
         self.scaled.copy_from_slice(self.matrix.matrix());
         for (r, row) in self.rows.iter().enumerate() {
@@ -261,18 +293,18 @@ impl TreeLoops {
         Ok(())
     }
 
-    fn solve(&mut self) -> Result<(), TreeError> {
-        let rows = self.rows.len();
-        self.matrix.factor().map_err(|_| TreeError::DependentLoops { rows })?;
-        self.matrix.solve(&mut self.multipliers);
-        Ok(())
+    fn factor(&mut self) -> Result<(), TreeError> {
+        self.matrix.factor().map_err(|_| self.dependent())
+    }
+
+    fn dependent(&self) -> TreeError {
+        TreeError::DependentLoops { rows: self.rows.len() }
     }
 
     fn add_responses(&self, to: &mut [f64]) {
         let n = self.idle.len();
-        for (lambda, response) in self.multipliers.iter().zip(self.responses.chunks_exact(n.max(1)))
-        {
-            to.iter_mut().zip(response).for_each(|(to, response)| *to += lambda * response);
+        for (part, response) in self.parts.iter().zip(self.responses.chunks_exact(n.max(1))) {
+            to.iter_mut().zip(response).for_each(|(to, response)| *to += part * response);
         }
     }
 }
