@@ -1,16 +1,17 @@
 //! Whether a run of another kind agrees with a reference over the whole way of a choice.
 //!
-//! At the moments it is looked for first (`confirm.rs`); what agrees there is read off along the way, and finer
-//! runs are made until one does there too.
+//! At the moments it is looked for first (`confirm.rs`); what agrees there is read off along the way, or looked at
+//! there, and finer runs are made until one does there too. The choice must keep to the tolerance by both: two runs
+//! of one kind may come near each other by luck, where a third shows how far they are off.
 
 use std::collections::BTreeMap;
 
 use crate::confirm::{Confirmed, PATIENCE, confirmed, next_rung};
 use crate::effort::Purpose;
 use crate::grid::Within;
-use crate::ladder::At;
+use crate::ladder::{At, Kind};
 use crate::ladder_search::rungs_to_go;
-use crate::look::{Look, apart_where_own};
+use crate::look::{Look, apart, apart_where_own};
 use crate::measured_runs::MeasuredRuns;
 use crate::reference::Reference;
 use crate::verify::{LEAST_HALVINGS, samples, told, whole_way};
@@ -31,32 +32,56 @@ pub enum Agreement {
     None,
 }
 
+/// A choice and the truth at the moments of its way, in the observable's unit what the two may be apart, how near a
+/// run of another kind must come to the truth, and what reading it off may lose.
+pub struct Judged<'w> {
+    /// The moments.
+    pub way: &'w Way,
+    /// The choice there.
+    pub own: &'w Look,
+    /// The reference there.
+    pub truth: &'w Look,
+    /// What the choice may be off.
+    pub promised: f64,
+    /// How near another kind must come.
+    pub near: f64,
+    /// What may be lost.
+    pub allowed: f64,
+}
+
+impl Judged<'_> {
+    /// How far another run is from the reference, at all moments of the way; and whether the choice keeps to the
+    /// tolerance by it.
+    fn by(&self, other: &Look) -> (f64, bool) {
+        (
+            apart_where_own(other, self.truth),
+            apart(&self.own.values, &other.values) <= self.promised,
+        )
+    }
+}
+
 /// A run of another kind, or what its runs lead to, that is near the reference over the whole way.
 pub fn agreement(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
-    (near, way, allowed): (f64, &Way, f64),
+    judged: &Judged<'_>,
     families: &[usize],
-    truth: &Look,
 ) -> Agreement {
     let scale = reference.course.scale;
-    match confirmed(runs, reference, near, families) {
+    match confirmed(runs, reference, judged.near / scale, families) {
         Confirmed::Alone => Agreement::Alone,
         Confirmed::No => Agreement::None,
         Confirmed::Led(other) => {
             let at = At { family: other.family, rung: other.finest };
-            let Some((other, _)) = whole_way(runs, &other, way, allowed) else {
+            let Some((other, _)) = whole_way(runs, &other, judged.way, judged.allowed) else {
                 return Agreement::None;
             };
-            let off = apart_where_own(&other, truth) / scale;
-            match off <= near {
-                true => Agreement::With(at, off),
-                false => finer_agrees(runs, reference, (near, way, allowed), (at, families), truth),
+            match judged.by(&other) {
+                (off, true) if off <= judged.near => Agreement::With(at, off / scale),
+                _ => finer_agrees(runs, reference, judged, (at, families)),
             }
         }
-        Confirmed::By(first) => {
-            finer_agrees(runs, reference, (near, way, allowed), (first, families), truth)
-        }
+        Confirmed::By(first) => finer_agrees(runs, reference, judged, (first, families)),
     }
 }
 
@@ -64,10 +89,11 @@ pub fn agreement(
 fn finer_agrees(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
-    (near, way, allowed): (f64, &Way, f64),
+    judged: &Judged<'_>,
     (first, families): (At, &[usize]),
-    truth: &Look,
 ) -> Agreement {
+    let scale = reference.course.scale;
+    let near = judged.near / scale;
     let most = PATIENCE * runs.spent();
     let mut least = f64::INFINITY;
     // The rung of each family that comes next.
@@ -76,11 +102,11 @@ fn finer_agrees(
     for _ in 0..FINER {
         runs.measure(at);
         runs.turn_to(Purpose::WithinOther);
-        let off = off_other(runs, reference, at, (way, truth), allowed);
+        let found = off_other(runs, reference, at, judged);
         runs.turn_to(Purpose::Confirmation);
-        if let Some(off) = off {
-            let off = off / reference.course.scale;
-            if off <= near {
+        if let Some((off, holds)) = found {
+            let off = off / scale;
+            if holds && off <= near {
                 return Agreement::With(at, off);
             }
             least = least.min(off);
@@ -105,28 +131,28 @@ fn finer_agrees(
     if least.is_finite() { Agreement::Disagrees(least) } else { Agreement::None }
 }
 
-/// How far a run of another kind is from the reference, in the observable's unit: at all moments of a way
-/// where its samples tell it there, else at these samples.
+/// How far a run of another kind is from the reference, in the observable's unit, and whether the choice holds by it:
+/// at all moments of a way where its samples tell it there, or it reads off its own steps; else at these samples.
 fn off_other(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
     at: At,
-    (way, truth): (&Way, &Look),
-    allowed: f64,
-) -> Option<f64> {
-    let track = runs.seen(at)?.track.clone();
+    judged: &Judged<'_>,
+) -> Option<(f64, bool)> {
+    let is_adaptive = runs.family(at.family).kind == Kind::Adaptive;
     let mut all: Option<Look> = None;
-    for (grid, within) in &way.grids {
-        let moments = runs.moments(grid, *within)?;
-        let reading = track.as_ref().map(|track| track.read(&moments.times));
-        let Some(reading) = reading.filter(|reading| reading.off <= allowed) else {
+    for (grid, within) in &judged.way.grids {
+        let read = runs.read_off(at, (grid, *within), judged.allowed).map(|(look, _)| look);
+        let Some(look) =
+            read.or_else(|| is_adaptive.then(|| runs.look(at, grid, *within)).flatten())
+        else {
             let ends = samples(runs, at, LEAST_HALVINGS);
             let (other, _) = runs.read(at, (&ends, Within::Ends), 0.0)?;
-            let (truth, _) =
-                told(runs, reference, (&ends, Within::Ends), allowed, MeasuredRuns::read)?;
-            return Some(apart_where_own(&other, &truth));
+            let of = (&ends, Within::Ends);
+            let (truth, _) = told(runs, reference, of, judged.allowed, MeasuredRuns::read)?;
+            return Some((apart_where_own(&other, &truth), true));
         };
-        all = Some(all.map_or_else(|| reading.look.clone(), |before| before.and(&reading.look)));
+        all = Some(all.map_or_else(|| Look::clone(&look), |before| before.and(&look)));
     }
-    Some(apart_where_own(&all?, truth))
+    Some(judged.by(&all?))
 }

@@ -14,7 +14,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::agreement::{Agreement, agreement};
+use crate::agreement::{Agreement, Judged, agreement};
 use crate::closer::{CLOSELY_BETWEEN, largest};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
@@ -365,7 +365,9 @@ fn verify_on(
         false => BARELY * tolerance,
     };
     runs.turn_to(Purpose::Confirmation);
-    let other = match agreement(runs, reference, (near, way, allowed), families, &truth) {
+    let (promised, near) = (tolerance * scale, near * scale);
+    let judged = Judged { way, own: &own, truth: &truth, promised, near, allowed };
+    let other = match agreement(runs, reference, &judged, families) {
         Agreement::With(other, off) => Some(Some((other, off))),
         Agreement::Alone => Some(None),
         Agreement::Disagrees(off) => return Some(Finding::Doubtful(Doubt::Disagrees(off))),

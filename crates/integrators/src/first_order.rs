@@ -36,6 +36,7 @@ mod radau;
 mod saved;
 mod step_control;
 mod step_trend;
+mod stiffness;
 mod vector_field;
 
 pub use backward_differences::BackwardDifferences;

@@ -89,6 +89,12 @@ pub(crate) fn square_across<const D: usize>(x: &[f64; D]) -> f64 {
     x[1..].iter().map(|x| x * x).sum()
 }
 
+/// Impulses that do not pull, and rub no more than Coulomb's cone allows.
+pub(crate) fn in_cone<const D: usize>(mut x: [f64; D], friction: f64) -> [f64; D] {
+    x[0] = x[0].max(0.0);
+    disc(x, friction * x[0])
+}
+
 /// The impulses whose part across the normal is the nearest point of a disc about zero.
 #[inline]
 pub(crate) fn disc<const D: usize>(mut x: [f64; D], radius: f64) -> [f64; D] {

@@ -13,7 +13,7 @@ use std::ops::{Add, Mul};
 
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::FreeMotion;
-use crate::solve::friction::disc;
+use crate::solve::friction::in_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
@@ -142,10 +142,7 @@ where
         for (&i, directions) in members.iter().zip(&self.directions) {
             let guess = directions.map(|direction| G::dot(&impulses[i], &direction));
             // The normal may have turned since: a guess pulls no more than any impulse does.
-            let pushed = guess[0].max(0.0);
-            let mut guess = disc(guess, free.points[i].friction * pushed);
-            guess[0] = pushed;
-            self.x.push(guess);
+            self.x.push(in_cone(guess, free.points[i].friction));
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
         let island = Island { contacts: &self.contacts, bodies };
@@ -194,6 +191,10 @@ where
             }
             report.relaxed += relaxed;
             report.solved += solved;
+        }
+        // Differences of impulses were added up: what is left of large ones may lie beside the cone.
+        for (contact, x) in self.contacts.iter().zip(x.iter_mut()) {
+            *x = in_cone(*x, contact.friction);
         }
         sweeps.refresh(island, x);
         left = sweeps.residuals(island, x);

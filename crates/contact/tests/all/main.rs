@@ -28,6 +28,8 @@ mod joint_limits;
 mod no_allocation;
 #[cfg(feature = "2d")]
 mod planar_detection;
+#[cfg(feature = "2d")]
+mod planar_kinds_and_steppers;
 #[cfg(feature = "3d")]
 mod polytopes;
 #[cfg(all(feature = "2d", feature = "3d"))]

@@ -34,6 +34,7 @@ use super::error_scale::ErrorScale;
 use super::first_step::guess_step;
 use super::method::check_finite;
 use super::step_control::Attempt;
+use super::stiffness::is_stiff;
 use super::{
     AdaptiveError, AdaptiveMethod, FirstOrderFacts, Moment, StepControl, VectorField, Work,
 };
@@ -189,20 +190,9 @@ impl<F: VectorField, C: Storage> DormandPrince853<F, C> {
         self.work.evaluations += 1;
         self.work.steps += 1;
         if self.work.steps.is_multiple_of(LOOK) {
-            self.look_for_stiffness();
-        }
-    }
-
-    /// Compares how f changes with how y changes, between two states of nearly the same time.
-    fn look_for_stiffness(&mut self) {
-        let distance = |a: &C, b: &C| {
-            let pairs = a.as_ref().iter().zip(b.as_ref());
-            pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
-        };
-        let df = distance(&self.last.k[12], &self.last.k[11]);
-        let dy = distance(&self.moment.y, &self.stage);
-        if self.last.h * self.last.h * df > STABILITY * STABILITY * dy {
-            self.work.stiff += 1;
+            let slopes = [&last.k[12], &last.k[11]];
+            let states = [&self.moment.y, &self.stage];
+            self.work.stiff += u64::from(is_stiff(h, STABILITY, slopes, states));
         }
     }
 }

@@ -25,6 +25,7 @@ use super::first_step::guess_step;
 use super::method::check_finite;
 use super::step_control::Attempt;
 use super::step_trend::StepTrend;
+use super::stiffness::is_stiff;
 use super::{
     AdaptiveError, AdaptiveMethod, FirstOrderFacts, Moment, StepControl, VectorField, Work,
 };
@@ -186,20 +187,9 @@ impl<F: VectorField, S: Storage> DormandPrince54<F, S> {
         self.f.clone_from(&last.k[STAGES - 1]);
         self.work.steps += 1;
         if self.work.steps.is_multiple_of(LOOK) {
-            self.look_for_stiffness();
-        }
-    }
-
-    /// Compares how f changes with how y changes, between two states of the same time.
-    fn look_for_stiffness(&mut self) {
-        let distance = |a: &S, b: &S| {
-            let pairs = a.as_ref().iter().zip(b.as_ref());
-            pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
-        };
-        let df = distance(&self.last.k[STAGES - 1], &self.last.k[STAGES - 2]);
-        let dy = distance(&self.moment.y, &self.stage);
-        if self.last.h * self.last.h * df > STABILITY * STABILITY * dy {
-            self.work.stiff += 1;
+            let slopes = [&last.k[STAGES - 1], &last.k[STAGES - 2]];
+            let states = [&self.moment.y, &self.stage];
+            self.work.stiff += u64::from(is_stiff(h, STABILITY, slopes, states));
         }
     }
 }

@@ -21,7 +21,7 @@ pub(crate) const VELOCITY: f64 = 1e-9;
 /// Velocities that are solved for together, at most: the matrix is full.
 const UNKNOWNS: usize = 300;
 
-/// Singular values below this part of the largest are zero.
+/// What is left of a column beside those before it, below this part of the largest, is nothing.
 const RANK: f64 = 1e-10;
 
 /// Gives bodies the velocities that their joints determine, where the text does not give them.
@@ -98,17 +98,28 @@ fn solve_all(dimension: usize, bodies: &mut [DeclaredBody], joints: &[SceneJoint
             forbidden(&moved) - &start
         })
         .collect();
-    let svd = DMatrix::from_columns(&columns).svd(true, true);
-    let largest = svd.singular_values.max();
-    if svd.rank(RANK * largest) < unknowns.len() {
-        return;
-    }
-    let Ok(rates) = svd.solve(&-start, RANK * largest) else { return };
+    let Some(rates) = least_squares(DMatrix::from_columns(&columns), -start) else { return };
     for (unknown, rate) in unknowns.into_iter().zip(rates.iter()) {
         unknown.add(&mut tried, *rate);
     }
     // What is not closed now is contradicted by what is given, and told as such.
     bodies.clone_from_slice(&tried);
+}
+
+/// The x (n) of the least |a x - b|, where the m x n matrix `a` has independent columns.
+fn least_squares(a: DMatrix<f64>, b: DVector<f64>) -> Option<DVector<f64>> {
+    let n = a.ncols();
+    if a.nrows() < n {
+        return None;
+    }
+    let qr = a.col_piv_qr();
+    let r = qr.r();
+    if r[(n - 1, n - 1)].abs() <= RANK * r[(0, 0)].abs() {
+        return None;
+    }
+    let mut x = r.solve_upper_triangular(&qr.q().tr_mul(&b))?;
+    qr.p().inv_permute_rows(&mut x);
+    Some(x)
 }
 
 fn spin(body: &RigidBody) -> Vector3<f64> {

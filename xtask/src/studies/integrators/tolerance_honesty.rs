@@ -13,8 +13,9 @@ use stationary_integrators::problems::{
     Problem, StiffProblem, hires, kepler, oscillator, pendulum, pleiades, robertson, van_der_pol,
 };
 use stationary_integrators::{
-    AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince853, MechanicalField, Moment,
-    NystromMethod8, NystromMethod12, RadauIia5, StepControl, Tolerance, VectorField, integrate,
+    AdaptiveError, AdaptiveMethod, BackwardDifferences, DormandPrince54, DormandPrince853,
+    MechanicalField, Moment, NystromMethod8, NystromMethod12, RadauIia5, StepControl, Tolerance,
+    VectorField, integrate,
 };
 use stationary_measure::{Cell, Column, Table};
 
@@ -32,8 +33,9 @@ pub const STUDY: Entry<'static> = Entry {
 };
 
 /// The methods, each with the exponent of the finest tolerance it is asked for.
-const METHODS: [(Adaptive, i32); 6] = [
+const METHODS: [(Adaptive, i32); 7] = [
     (Adaptive::DormandPrince, 11),
+    (Adaptive::DormandPrince54, 9),
     (Adaptive::Nystrom8, 11),
     (Adaptive::Nystrom12, 11),
     (Adaptive::Radau, 9),
@@ -54,6 +56,7 @@ const CHAOTIC: f64 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Adaptive {
     DormandPrince,
+    DormandPrince54,
     Nystrom8,
     Nystrom12,
     Radau,
@@ -74,6 +77,7 @@ impl Adaptive {
             Adaptive::BackwardDifferences(highest) => {
                 Box::new(BackwardDifferences::of_order_at_most(highest, field, control, start)?)
             }
+            Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field, control, start)?),
             _ => Box::new(DormandPrince853::new(field, control, start)?),
         })
     }
@@ -136,7 +140,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
                      their own sizes. A tolerance holds the error of a step. The error at the end \
                      is what the flow makes of all of them: A says by how much it amplifies what \
                      is wrong at the start. The Nystrom pairs hold a tolerance above 1e-5 as 1e-5, \
-                     DOP853 and Radau one above 1e-4 as 1e-4, BDF one above 1e-3 as 1e-3. An explicit method on a stiff problem ends at its \
+                     DOP853 and Radau one above 1e-4 as 1e-4, DOPRI5 and BDF one above 1e-3 as 1e-3. An explicit method on a stiff problem ends at its \
                      bound on the number of steps and says so."
                 .into(),
         table: page.table,

@@ -11,6 +11,7 @@ mod lie_maps;
 mod linkage;
 mod mass_properties;
 mod singular_positions;
+mod two_ways;
 mod variational;
 
 use crate::Kind;
