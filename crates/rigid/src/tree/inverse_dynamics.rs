@@ -49,13 +49,23 @@ impl TreeMotion {
     }
 
     /// The bodies' accelerations, of those of the speeds.
-    pub(super) fn accelerate(&mut self, acceleration: &[f64]) {
+    fn accelerate(&mut self, acceleration: &[f64]) {
+        self.accelerate_where(acceleration, |_, _| true);
+    }
+
+    /// The same, where what is held accelerates by the bias alone.
+    pub(super) fn accelerate_free(&mut self, acceleration: &[f64]) {
+        self.accelerate_where(acceleration, |held, speed| !held.contains(&speed));
+    }
+
+    #[inline]
+    fn accelerate_where(&mut self, acceleration: &[f64], counts: impl Fn(&[usize], usize) -> bool) {
         for (body, link) in self.tree.links.iter().enumerate() {
             let mut a = match link.parent {
                 Some(parent) => self.accelerations[parent].outward(&self.placed[body].offset()),
                 None => Twist::zero(),
             } + self.moving[body].bias;
-            for k in link.speeds.clone() {
+            for k in link.speeds.clone().filter(|&k| counts(&self.held, k)) {
                 a += self.columns[k] * acceleration[k];
             }
             self.accelerations[body] = a;
