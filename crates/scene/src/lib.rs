@@ -230,6 +230,8 @@ mod assemble {
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
     #[cfg(feature = "rigid")]
+    pub(crate) mod spanning_tree;
+    #[cfg(feature = "rigid")]
     pub(crate) mod joint_tree;
     #[cfg(feature = "contact")]
     pub(crate) mod colliders;
@@ -291,6 +293,7 @@ mod show {
     pub(crate) mod body_surface;
     pub(crate) mod projection;
     pub(crate) mod silhouette;
+    pub(crate) mod painter;
     pub(crate) mod sheet;
     pub(crate) mod walls;
     pub(crate) mod picture;
@@ -332,7 +335,7 @@ pub use run::contact_impulses::ContactImpulse;
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};
-pub use run::samples::{BrokenRod, Impacts, Run, Unsettled};
+pub use run::samples::{BrokenRod, Impacts, LastingContact, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};

@@ -10,6 +10,7 @@ use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone, significan
 use crate::model::particle::Motion;
 use crate::model::scene::COORDINATES;
 use crate::run::samples::Run;
+use crate::show::painter::Edges;
 use crate::show::projection::{Extent, round_length};
 use crate::show::sheet::{Axes, Sheet, THICK, THIN, square};
 
@@ -87,11 +88,11 @@ impl<'a> Picture<'a> {
         let last = self.samples() - 1;
         sheet.walls(canvas, &self.walls);
         sheet.fixed_balls(canvas);
-        sheet.lines(canvas, 0, Tone::Faint);
+        sheet.lines(canvas, 0, Tone::Faint, &Edges::new());
         sheet.silhouettes(canvas, 0, Tone::Faint);
-        sheet.faces(canvas, last);
+        let drawn = sheet.faces(canvas, last);
         sheet.silhouettes(canvas, last, Tone::Strong);
-        sheet.lines(canvas, last, Tone::Strong);
+        sheet.lines(canvas, last, Tone::Strong, &drawn);
     }
 
     /// Followed particles that move, as many as have a path.
