@@ -6,20 +6,15 @@
 //! In the order of their middles: faces that cut through each other, or lie in a ring, are drawn in one order all
 //! the same.
 
-use std::collections::BTreeSet;
-
 use nalgebra::Vector3;
 use stationary_chart::{Canvas, Path, Tone};
 
 use crate::show::drawing::Face;
 use crate::show::projection::Projection;
-use crate::show::sheet::{FACE, LINES, Sheet, THIN};
+use crate::show::sheet::{Edges, FACE, LINES, Sheet, THIN};
 
 /// How much more of a face is seen that is turned to the eye.
 const SHADE: f64 = 0.34;
-
-/// Edges by their lesser end first.
-pub(crate) type Edges = BTreeSet<[usize; 2]>;
 
 impl Sheet<'_> {
     /// Faces at a sample with the edges about them; which edges those are. In the plane, and where they are too

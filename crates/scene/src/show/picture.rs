@@ -10,9 +10,8 @@ use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone, significan
 use crate::model::particle::Motion;
 use crate::model::scene::COORDINATES;
 use crate::run::samples::Run;
-use crate::show::painter::Edges;
 use crate::show::projection::{Extent, round_length};
-use crate::show::sheet::{Axes, Sheet, THICK, THIN, square};
+use crate::show::sheet::{Axes, Edges, Sheet, THICK, THIN, square};
 
 /// The paper, and the part of it that the scene may use.
 const WIDTH: f64 = 900.0;

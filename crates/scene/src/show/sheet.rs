@@ -3,12 +3,12 @@
 //! Lines are drawn at one sample, in a tone: springs and edges of bodies thin, rods thick, those that
 //! broke not at all. Pinned particles are squares, followed ones spots of a colour each.
 
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use stationary_chart::{Canvas, Path, Tone};
 
 use crate::run::samples::Run;
-use crate::show::painter::Edges;
 use crate::show::projection::{Extent, Projection};
 use crate::show::silhouette::Outlines;
 
@@ -22,6 +22,9 @@ const WALL: f64 = 0.5;
 
 /// Lines of a kind drawn at one time; beyond this number only a part is drawn, evenly chosen.
 pub(crate) const LINES: usize = 20_000;
+
+/// Edges by their lesser end first.
+pub(crate) type Edges = BTreeSet<[usize; 2]>;
 
 /// What runs to the right and upward.
 #[derive(Clone, Copy, Debug, PartialEq)]
