@@ -117,6 +117,11 @@ impl Canvas {
             write!(self.inside, r#"<path class="{class} fill" opacity="{opacity:.2}" d="{d}"/>"#);
     }
 
+    /// Paper over what a path encloses.
+    pub fn cover(&mut self, path: &Path) {
+        self.path("paper", &path.data());
+    }
+
     /// A filled circle with a rim of paper, which keeps it apart from what it covers.
     pub fn dot(&mut self, tone: Tone, centre: (f64, f64), radius: f64) {
         self.circle(&format!("{} dot", tone.class()), centre, radius);

@@ -129,7 +129,7 @@ pub use metric::{BodyMetric, BodyMotion, spatial_angular_momentum};
 pub use motion::RigidMotion;
 pub use munthe_kaas::MuntheKaas4;
 pub use planar::{PlanarMotion, PlanarRotation};
-pub use planar_joint::{PlanarDrive, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarTurn};
+pub use planar_joint::{PlanarCoordinate, PlanarDrive, PlanarEnd, PlanarJoint, PlanarJointKind};
 pub use planar_weight::PlanarWeight;
 pub use point_force::{Wrench, apply_impulse, force_at_point};
 pub use pose_potential::{PoseEnergy, PoseOf, PosePotential};

@@ -28,7 +28,7 @@ use stationary_constraints::{
 use crate::{JointFault, JointName, LieGroup, PlanarRotation, RigidError};
 use row::{Local, Placed, Row};
 
-pub use drive::{PlanarDrive, PlanarTurn};
+pub use drive::{PlanarCoordinate, PlanarDrive};
 
 /// What a joint of the plane leaves free; axes are told in the joint's frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,10 +161,7 @@ impl PlanarJoint {
     ) -> Result<Self, RigidError> {
         let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
         let fault = |fault| RigidError::Joint { joint, fault };
-        ends.iter().try_for_each(|end| end.check(bodies)).map_err(fault)?;
-        if ends[0].body == ends[1].body {
-            return Err(fault(JointFault::ToItself));
-        }
+        check_ends(&ends, bodies).map_err(fault)?;
         let rows = Row::all(&kind, ends[0].angle).map_err(fault)?;
         Ok(PlanarJoint { bodies, kind, ends, rows })
     }
@@ -209,15 +206,9 @@ impl Constraint for PlanarJoint {
     }
 
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
-        let ends = self.placed(q)?;
+        check_read(self.dim(), q)?;
         for (number, row) in self.rows.iter().enumerate() {
-            let differential = row.differential(&ends);
-            for (end, slope) in self.ends.iter().zip(differential.as_chunks::<3>().0) {
-                let Some(body) = end.body else { continue };
-                for k in (0..3).filter(|&k| row.moves_along(k)) {
-                    rows.add(number, 3 * body + k, slope[k]);
-                }
-            }
+            bring(row, 1.0, number, (&self.ends, q), rows);
         }
         Ok(())
     }
@@ -235,19 +226,49 @@ impl Constraint for PlanarJoint {
         for (row, &lambda) in self.rows.iter().zip(lambda) {
             row.add_hessian(&ends, lambda, &mut local);
         }
-        let freedoms: [usize; 6] =
-            std::array::from_fn(|k| self.ends[k / 3].body.map_or(FIXED, |body| 3 * body + k % 3));
-        hessian.add_symmetric(&freedoms, local.as_slice());
+        hessian.add_symmetric(&pair_freedoms(&self.ends), local.as_slice());
         Ok(())
     }
 
     fn scale(&self, row: usize) -> Scale {
-        let reach = |end: &PlanarEnd| end.body.map_or(0.0, |_| end.point.norm());
-        let arm = self.ends.iter().map(reach).fold(0.0, f64::max);
-        self.rows.get(row).map_or_else(Scale::default, |row| row.scale(arm))
+        self.rows.get(row).map_or_else(Scale::default, |row| row.scale(arm(&self.ends)))
     }
 
     fn describe(&self, _row: usize) -> Option<String> {
         Some(self.name().to_string())
     }
+}
+
+/// An error unless the ends are those of two bodies, or of one and the world.
+fn check_ends(ends: &[PlanarEnd; 2], bodies: usize) -> Result<(), JointFault> {
+    ends.iter().try_for_each(|end| end.check(bodies))?;
+    if ends[0].body == ends[1].body { Err(JointFault::ToItself) } else { Ok(()) }
+}
+
+/// Brings the differential of a row, times a sign.
+fn bring(
+    row: &Row,
+    sign: f64,
+    number: usize,
+    (ends, q): (&[PlanarEnd; 2], &[f64]),
+    rows: &mut impl Rows,
+) {
+    let differential = row.differential(&ends.each_ref().map(|end| end.placed(q)));
+    for (end, slope) in ends.iter().zip(differential.as_chunks::<3>().0) {
+        let Some(body) = end.body else { continue };
+        for k in (0..3).filter(|&k| row.moves_along(k)) {
+            rows.add(number, 3 * body + k, sign * slope[k]);
+        }
+    }
+}
+
+/// The freedoms of both ends.
+fn pair_freedoms(ends: &[PlanarEnd; 2]) -> [usize; 6] {
+    std::array::from_fn(|k| ends[k / 3].body.map_or(FIXED, |body| 3 * body + k % 3))
+}
+
+/// The longest arm, metres.
+fn arm(ends: &[PlanarEnd; 2]) -> f64 {
+    let reach = |end: &PlanarEnd| end.body.map_or(0.0, |_| end.point.norm());
+    ends.iter().map(reach).fold(0.0, f64::max)
 }

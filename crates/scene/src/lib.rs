@@ -56,7 +56,7 @@
 //! | `[[solids]]` | `name`, `shape`, `section` or `thickness`, `density`, `element`, `material`, `young`, `poisson`, `bending`, `pinned`, `hung`, `velocity`, `struck`, `marks` | elastic: a bar with its section, a sheet with its thickness, or a block, of elements `"linear"` or `"quadratic"`; its vertices are called `name.0`, `name.1`, ... and `name.MARK` |
 //! | `[heat]` | `name`, `shape`, `diffusivity`, `warm`, `held`, `sources`, `marks` | heat that flows through a shape, and nothing else |
 //! | `[[bodies]]` | `name`, `mass`, a shape or `moments`, `points`, `position`, `rotation`, `velocity`, `angular_velocity` | the shape is a `box` by its sides, a `ball` (in the plane a disc), a `polygon`, a `capsule`, in space a `cylinder`, `cone`, `ellipsoid` or `hull`, or `parts` with masses of their own; polygons, hulls and parts are laid with their centre of mass at the position, or without one stay where they are drawn; moments are about the body's axes (one in the plane); points in body axes are called `name.0`, `name.1`, after the corners; a rotation is axis times angle, in the plane a number, as is an angular velocity, which in space is in body axes |
-//! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping`, `limits`, `friction` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper; these, and in space sliders, limits and dry friction |
+//! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping`, `limits`, `friction` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper; these and sliders limits and dry friction |
 //! | `[[motors]]` | `between`, `torque` or `speed` | at a pin or a hinge: of the second against the first, a number or a strength in time |
 //! | `[[loads]]` | `on`, `force`, `torque`, `strength` | on a particle, a body, or a point of a body, in world axes |
 //! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs |
@@ -230,6 +230,8 @@ mod assemble {
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
     #[cfg(feature = "rigid")]
+    pub(crate) mod spanning_tree;
+    #[cfg(feature = "rigid")]
     pub(crate) mod joint_tree;
     #[cfg(feature = "contact")]
     pub(crate) mod colliders;
@@ -292,6 +294,7 @@ mod show {
     pub(crate) mod projection;
     pub(crate) mod silhouette;
     pub(crate) mod sheet;
+    pub(crate) mod painter;
     pub(crate) mod walls;
     pub(crate) mod picture;
     pub(crate) mod film;
@@ -332,7 +335,7 @@ pub use run::contact_impulses::ContactImpulse;
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};
-pub use run::samples::{BrokenRod, Impacts, Run, Unsettled};
+pub use run::samples::{BrokenRod, Impacts, LastingContact, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};

@@ -53,8 +53,10 @@ pub struct EventDrivenReport {
     pub impacts: usize,
     /// Pieces of flight.
     pub flights: usize,
-    /// Steps of the world, while contact lasted.
+    /// Steps of the world, while contact lasted, and the time that they took, s: of order 1.
     pub contact_steps: usize,
+    /// See [`EventDrivenReport::contact_steps`].
+    pub contact_time: f64,
     /// Differentials of the potential.
     pub evaluations: usize,
     /// Detections of contact points, those of the world's steps counted once each.
@@ -396,6 +398,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             self.now.t = end;
         }
         report.contact_steps += 1;
+        report.contact_time += h;
         report.detections += 1;
         report.impacts += usize::from(done.impacts > 0);
         report.impact_energy += done.impact_energy;

@@ -21,7 +21,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use stationary_calculus::SizeError;
 use stationary_constraints::{Constraint, ConstraintError, RowLaw, Rows, VelocityRows};
 
@@ -71,6 +71,20 @@ impl JointLimits<PlanarDrive<Steady>> {
         limits: [f64; 2],
     ) -> Result<Self, RigidError> {
         let coordinate = PlanarDrive::new(bodies, ends, STANDS);
+        JointLimits::of(coordinate, ends.map(|end| end.body), limits, f64::INFINITY)
+    }
+
+    /// Those of a shift along an axis, told in the joint's frames.
+    ///
+    /// # Errors
+    /// Those of [`JointLimits::in_plane`], and an axis without a direction.
+    pub fn in_plane_along(
+        bodies: usize,
+        axis: Vector2<f64>,
+        ends: [PlanarEnd; 2],
+        limits: [f64; 2],
+    ) -> Result<Self, RigidError> {
+        let coordinate = PlanarDrive::along(bodies, axis, ends, STANDS);
         JointLimits::of(coordinate, ends.map(|end| end.body), limits, f64::INFINITY)
     }
 }
@@ -157,6 +171,20 @@ impl JointFriction<PlanarDrive<Steady>> {
     /// not finite.
     pub fn in_plane(bodies: usize, ends: [PlanarEnd; 2], bound: f64) -> Result<Self, RigidError> {
         let coordinate = PlanarDrive::new(bodies, ends, STANDS);
+        JointFriction::of(coordinate, ends.map(|end| end.body), bound)
+    }
+
+    /// Friction of at most `bound` (N) of a shift along an axis, told in the joint's frames.
+    ///
+    /// # Errors
+    /// Those of [`JointFriction::in_plane`], and an axis without a direction.
+    pub fn in_plane_along(
+        bodies: usize,
+        axis: Vector2<f64>,
+        ends: [PlanarEnd; 2],
+        bound: f64,
+    ) -> Result<Self, RigidError> {
+        let coordinate = PlanarDrive::along(bodies, axis, ends, STANDS);
         JointFriction::of(coordinate, ends.map(|end| end.body), bound)
     }
 }

@@ -44,7 +44,7 @@ fn quarter(v: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-v.y, v.x)
 }
 
-fn unit(axis: Vector2<f64>) -> Result<Vector2<f64>, JointFault> {
+pub(super) fn unit(axis: Vector2<f64>) -> Result<Vector2<f64>, JointFault> {
     let largest = axis.amax();
     if !axis.iter().all(|c| c.is_finite()) || largest == 0.0 {
         return Err(JointFault::NoAxis([axis.x, axis.y, 0.0]));

@@ -34,6 +34,8 @@ struct Room {
     /// Where the drives lead, and the force of each.
     prescribed: [Vec<f64>; 2],
     holding: Vec<f64>,
+    /// Of a state that is looked at.
+    rates: Vec<f64>,
 }
 
 /// A tree under forces, as a field of its coordinates and speeds.
@@ -74,7 +76,7 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
     fn accelerate(&self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), TreeError> {
         let (q, v) = y.split_at(self.tree.coordinates());
         let (rates, accelerations) = f.split_at_mut(self.tree.coordinates());
-        let Room { motion, forces, loops, prescribed, holding } = &mut *self.room.borrow_mut();
+        let Room { motion, forces, loops, prescribed, holding, .. } = &mut *self.room.borrow_mut();
         let [own_q, own_v] = prescribed;
         let (q, v) = if self.schedules.is_empty() {
             (q, v)
@@ -111,10 +113,31 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
     /// Room for another number of forces; a state without a finite acceleration.
     pub fn drive_forces(&self, t: f64, y: &[f64], forces: &mut [f64]) -> Result<(), TreeError> {
         SizeError::check("the drives' forces", self.schedules.len(), forces.len())?;
-        SizeError::check("the state's numbers", self.dim(), y.len())?;
-        self.accelerate(t, y, &mut vec![0.0; y.len()])?;
+        self.look(t, y)?;
         forces.copy_from_slice(&self.room.borrow().holding);
         Ok(())
+    }
+
+    /// Writes the force along each row of the loops, as [`TreeLoops::multipliers`] has it.
+    ///
+    /// # Errors
+    /// Room for another number of forces; a state without a finite acceleration.
+    pub fn loop_forces(&self, t: f64, y: &[f64], forces: &mut [f64]) -> Result<(), TreeError> {
+        self.look(t, y)?;
+        let room = self.room.borrow();
+        let multipliers = room.loops.as_ref().map_or(&[][..], TreeLoops::multipliers);
+        SizeError::check("the loops' forces", multipliers.len(), forces.len())?;
+        forces.copy_from_slice(multipliers);
+        Ok(())
+    }
+
+    /// Accelerates at a time and a state, for what holds it there.
+    fn look(&self, t: f64, y: &[f64]) -> Result<(), TreeError> {
+        SizeError::check("the state's numbers", self.dim(), y.len())?;
+        let mut rates = std::mem::take(&mut self.room.borrow_mut().rates);
+        let looked = self.accelerate(t, y, &mut rates);
+        self.room.borrow_mut().rates = rates;
+        looked
     }
 }
 
@@ -123,7 +146,9 @@ impl<D> TreeField<D> {
         constant.check(&tree)?;
         let (motion, forces) = (TreeMotion::new(tree.clone()), constant.clone());
         let prescribed = [vec![0.0; tree.coordinates()], vec![0.0; tree.speeds()]];
-        let room = Room { motion, forces, loops: None, prescribed, holding: Vec::new() };
+        let rates = vec![0.0; tree.coordinates() + tree.speeds()];
+        let holding = Vec::new();
+        let room = Room { motion, forces, loops: None, prescribed, holding, rates };
         Ok(TreeField { tree, constant, drive, schedules: Vec::new(), room: RefCell::new(room) })
     }
 
@@ -139,16 +164,8 @@ impl<D> TreeField<D> {
     /// # Errors
     /// Drives of another tree, or two of one speed: [`TreeError::DrivenTwice`].
     pub fn prescribed(mut self, drives: Vec<TreeDrive>) -> Result<Self, TreeError> {
-        let speeds = self.tree.speeds();
         let room = self.room.get_mut();
-        room.motion.held.clear();
-        for drive in &drives {
-            SizeError::check("the tree's speeds", speeds, speeds.max(drive.speed + 1))?;
-            if room.motion.held.contains(&drive.speed) {
-                return Err(TreeError::DrivenTwice { speed: drive.speed });
-            }
-            room.motion.held.push(drive.speed);
-        }
+        room.motion.hold(&drives)?;
         room.holding = vec![0.0; drives.len()];
         self.schedules = drives;
         Ok(self)

@@ -8,41 +8,40 @@
 //! `v._0` the accelerations of the open tree, `lambda` minus what the joint's first end exerts along
 //! each row (N, or N m). Each row is one more pass over the tree, so that a few rows cost little;
 //! their matrix is full. What the accelerations still miss of the rows is solved for again: the matrix
-//! squares the angle between rows, and would lose what rows that nearly depend on each other ask for. Rows that the tree holds already are refused: a loop of parallel hinges is
-//! closed by a point on a line along them, which is two rows.
+//! squares the angle between rows, and would lose what rows that nearly depend on each other ask for. Rows that the tree or other rows hold already are refused, or set aside where
+//! [`TreeLoops::keep_independent`] asks for it: of a hinge that closes a loop of parallel hinges three
+//! rows of five.
 //!
 //! A field with multipliers keeps `g` to the tolerance of the run only, and it drifts: the second
 //! line brings a state back along the shortest way in the metric. Call it after a step, or as often
 //! as the drift matters. Source: Featherstone 2008, 8; notes 6.3, 6.4.
 
-use nalgebra::{SVector, Vector3};
+mod rank;
+mod row;
+
 use stationary_calculus::{DenseLu, SizeError};
 
 use super::builder::Tree;
 use super::error::{TreeError, check_numbers};
 use super::forces::TreeForces;
 use super::motion::TreeMotion;
-use super::spatial::{SpatialForce, Twist};
-use crate::joint::{Local, Placed, Row, along};
-use crate::{JointEnd, JointFault, JointKind, JointName, Wrench};
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct LoopRow {
-    ends: [JointEnd; 2],
-    row: Row,
-}
+use super::spatial::Twist;
+use crate::joint::Row;
+use crate::{JointEnd, JointFault, JointKind, JointName};
+pub(super) use rank::Rank;
+pub(super) use row::LoopRow;
 
 /// Joints that close loops, and the memory to hold them so.
 #[derive(Clone, Debug)]
 pub struct TreeLoops {
     bodies: usize,
-    rows: Vec<LoopRow>,
+    pub(super) rows: Vec<LoopRow>,
+    /// Rows that others hold.
+    aside: Vec<LoopRow>,
     /// `M^-1 J^T`, row after row.
     responses: Vec<f64>,
     matrix: DenseLu,
-    /// A copy of it, and the roots of its diagonal, to examine its rank.
-    scaled: Vec<f64>,
-    sizes: Vec<f64>,
+    rank: Rank,
     multipliers: Vec<f64>,
     /// What is added to them.
     parts: Vec<f64>,
@@ -57,16 +56,16 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// So is one that corrections no longer halve: coordinates of many turns are rounded by more.
 const STALLED: f64 = 1e-9;
 
-/// What a row moves that is this part of what it would move of all bodies as one, is held by the tree.
-const HELD: f64 = 1e-11;
-/// So is what is rounding of the motion of the lightest.
-const ROUNDED: f64 = 256.0 * f64::EPSILON;
-/// The square of the sine of the angle between rows, masses counted, below which they hold the same.
-const DEPENDENT: f64 = 1e-11;
-/// Most solves for multipliers, each of what the last has left: rows near that angle leave 1e-5 of it.
+/// Most solves for multipliers, each of what the last has left: rows that barely differ leave 1e-5 of it.
 const REFINEMENTS: u32 = 8;
-/// The part of the multipliers that the last of them may add.
+/// Nothing is left of the multipliers below this part of them.
+const ROUNDED: f64 = 256.0 * f64::EPSILON;
+/// The part of the multipliers that the last solve may add.
 const REFINED: f64 = 1e-7;
+
+/// A gap of a row that was set aside, as a part of its points' distance from the origin, beyond which nothing
+/// else held it.
+const OPENED: f64 = 1e-6;
 
 impl TreeLoops {
     /// No loops yet.
@@ -74,10 +73,10 @@ impl TreeLoops {
         TreeLoops {
             bodies: tree.bodies(),
             rows: Vec::new(),
+            aside: Vec::new(),
             responses: Vec::new(),
             matrix: DenseLu::new(0),
-            scaled: Vec::new(),
-            sizes: Vec::new(),
+            rank: Rank::default(),
             multipliers: Vec::new(),
             parts: Vec::new(),
             change: vec![0.0; tree.speeds()],
@@ -104,14 +103,40 @@ impl TreeLoops {
         }
         let kind = kind.checked().map_err(fault)?;
         self.rows.extend(Row::all(&kind, &ends).into_iter().map(|row| LoopRow { ends, row }));
+        self.resize();
+        Ok(())
+    }
+
+    /// Sets the rows aside that the tree or earlier rows hold where the motion is placed: no step asks for them,
+    /// and where nothing holds them any more [`TreeLoops::close`] and steps say so.
+    ///
+    /// # Errors
+    /// A motion of another tree; [`TreeError::Singular`].
+    pub fn keep_independent(&mut self, motion: &mut TreeMotion) -> Result<(), TreeError> {
+        self.check(motion)?;
+        self.respond(motion)?;
+        let mut held = vec![false; self.rows.len()];
+        let TreeLoops { rows, rank, matrix, aside, .. } = self;
+        rank.examine(motion, rows, matrix.matrix(), |row| held[row] = true);
+        for (row, held) in std::mem::take(rows).into_iter().zip(held) {
+            if held { aside.push(row) } else { rows.push(row) }
+        }
+        self.resize();
+        Ok(())
+    }
+
+    fn resize(&mut self) {
         let m = self.rows.len();
         self.responses.resize(m * self.idle.len(), 0.0);
         self.multipliers.resize(m, 0.0);
         self.parts.resize(m, 0.0);
         self.matrix = DenseLu::new(m);
-        self.scaled.resize(self.rows.len() * self.rows.len(), 0.0);
-        self.sizes.resize(self.rows.len(), 0.0);
-        Ok(())
+        self.rank.resize(m);
+    }
+
+    /// How many rows hold the loops closed.
+    pub fn rows(&self) -> usize {
+        self.rows.len()
     }
 
     /// The forces and torques along the rows (N, N m) at the last [`TreeLoops::forward_dynamics`].
@@ -126,7 +151,7 @@ impl TreeLoops {
     pub fn violation(&self, motion: &TreeMotion) -> Result<[f64; 2], TreeError> {
         self.check(motion)?;
         let worst = |of: &dyn Fn(&LoopRow) -> f64| {
-            self.rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max)
+            self.rows.iter().chain(&self.aside).map(|row| of(row).abs()).fold(0.0, f64::max)
         };
         Ok([worst(&|row| row.gap(motion)), worst(&|row| row.speed(motion))])
     }
@@ -144,54 +169,54 @@ impl TreeLoops {
     ) -> Result<(), TreeError> {
         self.check(motion)?;
         motion.forward_dynamics(forces, acceleration)?;
-        self.respond(motion)?;
-        self.hold(motion, acceleration, TreeMotion::accelerate, LoopRow::acceleration)?;
+        self.respond_alone(motion)?;
+        let write = |loops: &Self, _: &TreeMotion, change: &mut [f64]| loops.write_response(change);
+        let rates = (TreeMotion::accelerate_free, LoopRow::acceleration);
+        self.meet(motion, acceleration, rates, write)?;
         check_numbers("the acceleration", self.idle.len(), acceleration)
     }
 
-    /// Adds what the rows do to rates of the speeds until the rates meet them; `at` sets the motion to rates.
-    fn hold(
+    /// Adds what the rows do to rates of the speeds until the rates meet them: `at` sets the motion to rates, `write`
+    /// says what a part of the multipliers changes of them.
+    fn meet(
         &mut self,
         motion: &mut TreeMotion,
         rates: &mut [f64],
-        at: impl Fn(&mut TreeMotion, &[f64]),
-        missed: impl Fn(&LoopRow, &TreeMotion) -> f64,
+        (at, missed): (impl Fn(&mut TreeMotion, &[f64]), impl Fn(&LoopRow, &TreeMotion) -> f64),
+        write: impl Fn(&Self, &TreeMotion, &mut [f64]),
     ) -> Result<(), TreeError> {
         self.factor()?;
         self.multipliers.fill(0.0);
         let mut last = f64::INFINITY;
+        let mut change = std::mem::take(&mut self.change);
         for _ in 0..REFINEMENTS {
             at(motion, rates);
             for (part, row) in self.parts.iter_mut().zip(&self.rows) {
                 *part = -missed(row, motion);
             }
             self.matrix.solve(&mut self.parts);
-            let part = self.size(&self.parts);
+            let part = self.rank.largest(&self.parts);
             if part > 0.5 * last {
                 break;
             }
             last = part;
             self.multipliers.iter_mut().zip(&self.parts).for_each(|(sum, part)| *sum += part);
-            self.add_responses(rates);
-            if part <= ROUNDED * self.size(&self.multipliers) {
+            write(self, motion, &mut change);
+            rates.iter_mut().zip(&change).for_each(|(rate, change)| *rate += change);
+            if part <= ROUNDED * self.rank.largest(&self.multipliers) {
                 break;
             }
         }
+        self.change = change;
         at(motion, rates);
-        match last <= REFINED * self.size(&self.multipliers) {
+        match last <= REFINED * self.rank.largest(&self.multipliers) {
             true => Ok(()),
             false => Err(self.dependent()),
         }
     }
 
-    /// The largest of multipliers, each by what its row alone moves.
-    fn size(&self, multipliers: &[f64]) -> f64 {
-        let sizes = multipliers.iter().zip(&self.sizes);
-        sizes.fold(0.0, |largest, (lambda, size)| largest.max(lambda.abs() * size))
-    }
-
     /// Brings coordinates and speeds to where the loops are closed, and stay so; the motion is then
-    /// placed there.
+    /// placed there. What the motion [holds](TreeMotion::hold) stays.
     ///
     /// # Errors
     /// [`TreeError::NotClosed`] where no closed place is found near; [`TreeError::DependentLoops`];
@@ -212,17 +237,18 @@ impl TreeLoops {
                 gap = gap.max(part.abs() / row.size(motion));
             }
             if gap <= ROUNDING || (gap >= 0.5 * last && gap <= STALLED) {
+                self.check_aside(motion)?;
                 motion.set_moving(q, v);
-                self.respond(motion)?;
-                return self.hold(motion, v, |motion, v| motion.set_moving(q, v), LoopRow::speed);
+                self.respond_alone(motion)?;
+                let at = |motion: &mut TreeMotion, v: &[f64]| motion.set_moving(q, v);
+                return self.meet(motion, v, (at, LoopRow::speed), Self::write_change);
             }
             last = gap;
-            self.respond(motion)?;
+            self.respond_alone(motion)?;
             self.factor()?;
             self.matrix.solve(&mut self.parts);
-            self.change.fill(0.0);
             let mut change = std::mem::take(&mut self.change);
-            self.add_responses(&mut change);
+            self.write_change(motion, &mut change);
             motion.tree.move_along(q, &change);
             self.change = change;
             self.check_finite(q)?;
@@ -231,11 +257,36 @@ impl TreeLoops {
         Err(TreeError::NotClosed { gap: last })
     }
 
+    /// What a part of the multipliers moves, but for what the motion holds.
+    fn write_change(&self, motion: &TreeMotion, change: &mut [f64]) {
+        self.write_response(change);
+        motion.held.iter().for_each(|&speed| change[speed] = 0.0);
+    }
+
+    /// What a part of the multipliers moves, and of what is held the force.
+    fn write_response(&self, change: &mut [f64]) {
+        change.fill(0.0);
+        let n = self.idle.len();
+        for (part, response) in self.parts.iter().zip(self.responses.chunks_exact(n.max(1))) {
+            change
+                .iter_mut()
+                .zip(response)
+                .for_each(|(change, response)| *change += part * response);
+        }
+    }
+
+    /// An error where a row that others held is held no longer.
+    pub(super) fn check_aside(&self, motion: &TreeMotion) -> Result<(), TreeError> {
+        let part = |row: &LoopRow| row.gap(motion).abs() / row.size(motion);
+        let gap = self.aside.iter().map(part).fold(0.0, f64::max);
+        if gap <= OPENED { Ok(()) } else { Err(TreeError::NotClosed { gap }) }
+    }
+
     fn check(&self, motion: &TreeMotion) -> Result<(), TreeError> {
         self.check_tree(&motion.tree)
     }
 
-    fn check_tree(&self, tree: &Tree) -> Result<(), TreeError> {
+    pub(super) fn check_tree(&self, tree: &Tree) -> Result<(), TreeError> {
         SizeError::check("the tree's bodies", self.bodies, tree.bodies())?;
         Ok(SizeError::check("the tree's speeds", self.idle.len(), tree.speeds())?)
     }
@@ -244,7 +295,7 @@ impl TreeLoops {
         check_numbers("the coordinates", q.len(), q)
     }
 
-    /// `M^-1 J^T` and `J M^-1 J^T`, of full rank.
+    /// `M^-1 J^T` and `J M^-1 J^T`.
     fn respond(&mut self, motion: &mut TreeMotion) -> Result<(), TreeError> {
         motion.factor()?;
         let n = self.idle.len();
@@ -258,39 +309,16 @@ impl TreeLoops {
                 *entry = felt.rate(motion, |body| motion.accelerations[body]);
             }
         }
-        self.check_rank(motion)
+        Ok(())
     }
 
-    /// An error where a row pushes against what the tree holds already, or against other rows: what it
-    /// meets is then rounding, and a number divided by it would be none.
-    fn check_rank(&mut self, motion: &TreeMotion) -> Result<(), TreeError> {
-        let m = self.rows.len();
-        let dependent = Err(self.dependent());
-        let [together, lightest] = Lump::of(motion);
-        self.scaled.copy_from_slice(self.matrix.matrix());
-        for (r, row) in self.rows.iter().enumerate() {
-            let unit = row.differential(motion);
-            let rounding = HELD * together.response(&unit) + ROUNDED * lightest.response(&unit);
-            let response = self.scaled[(m + 1) * r];
-            if response.is_nan() || response <= rounding {
-                return dependent;
-            }
-            self.sizes[r] = response.sqrt();
-        }
-        // Cholesky's pivots, of rows that alone meet 1.
-        for k in 0..m {
-            for i in k..m {
-                let taken: f64 =
-                    (0..k).map(|j| self.scaled[m * j + i] * self.scaled[m * j + k]).sum();
-                let entry = self.scaled[m * k + i] / (self.sizes[i] * self.sizes[k]) - taken;
-                if i == k && (entry.is_nan() || entry <= DEPENDENT) {
-                    return dependent;
-                }
-                let pivot = if i == k { entry.sqrt() } else { self.scaled[(m + 1) * k] };
-                self.scaled[m * k + i] = if i == k { pivot } else { entry / pivot };
-            }
-        }
-        Ok(())
+    /// The same, of full rank.
+    fn respond_alone(&mut self, motion: &mut TreeMotion) -> Result<(), TreeError> {
+        self.respond(motion)?;
+        let TreeLoops { rows, rank, matrix, .. } = self;
+        let mut alone = true;
+        rank.examine(motion, rows, matrix.matrix(), |_| alone = false);
+        if alone { Ok(()) } else { Err(self.dependent()) }
     }
 
     fn factor(&mut self) -> Result<(), TreeError> {
@@ -299,107 +327,5 @@ impl TreeLoops {
 
     fn dependent(&self) -> TreeError {
         TreeError::DependentLoops { rows: self.rows.len() }
-    }
-
-    fn add_responses(&self, to: &mut [f64]) {
-        let n = self.idle.len();
-        for (part, response) in self.parts.iter().zip(self.responses.chunks_exact(n.max(1))) {
-            to.iter_mut().zip(response).for_each(|(to, response)| *to += part * response);
-        }
-    }
-}
-
-/// A mass and an inertia that a row could push, kg and kg m^2.
-struct Lump {
-    mass: f64,
-    inertia: f64,
-}
-
-impl Lump {
-    /// All bodies as one, and the lightest of each.
-    fn of(motion: &TreeMotion) -> [Lump; 2] {
-        let mut all = Lump { mass: 0.0, inertia: 0.0 };
-        let mut least = Lump { mass: f64::INFINITY, inertia: f64::INFINITY };
-        let origin = motion.placed[0].centre;
-        for (link, placed) in motion.tree.links.iter().zip(&motion.placed) {
-            if link.mass > 0.0 {
-                all.mass += link.mass;
-                all.inertia += link.moments.sum();
-                all.inertia += link.mass * (placed.centre - origin).norm_squared();
-                least.mass = least.mass.min(link.mass);
-                least.inertia = least.inertia.min(link.moments.min());
-            }
-        }
-        [all, least]
-    }
-
-    /// How a unit of a row's force moves it along the row.
-    fn response(&self, unit: &[Wrench; 2]) -> f64 {
-        let force = unit.iter().map(|wrench| wrench.force.norm_squared()).sum::<f64>();
-        let torque = unit.iter().map(|wrench| wrench.torque.norm_squared()).sum::<f64>();
-        force / self.mass + torque / self.inertia
-    }
-}
-
-impl LoopRow {
-    fn placed(&self, motion: &TreeMotion) -> [Placed; 2] {
-        self.ends.each_ref().map(|end| match end.body {
-            None => end.in_world(),
-            Some(body) => {
-                let at = &motion.placed[body];
-                let arm = end.frame.translation;
-                Placed { rotation: at.matrix, arm, place: at.centre + at.matrix * arm }
-            }
-        })
-    }
-
-    fn differential(&self, motion: &TreeMotion) -> [Wrench; 2] {
-        self.row.differential(&self.placed(motion))
-    }
-
-    fn gap(&self, motion: &TreeMotion) -> f64 {
-        self.row.value(&self.placed(motion))
-    }
-
-    /// What a gap is rounded against.
-    fn size(&self, motion: &TreeMotion) -> f64 {
-        let far = |at: Placed| at.place.norm().max(at.arm.norm());
-        self.row.scale(self.placed(motion).map(far).into_iter().fold(0.0, f64::max)).length
-    }
-
-    /// Each body's motion in the row's axes: that of the centre in the world's, turns in the body's.
-    fn local(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> SVector<f64, 12> {
-        along(&self.ends.each_ref().map(|end| match end.body {
-            None => Wrench { force: Vector3::zeros(), torque: Vector3::zeros() },
-            Some(body) => {
-                let Twist { linear, angular } = of(body);
-                Wrench { force: linear, torque: motion.placed[body].matrix.tr_mul(&angular) }
-            }
-        }))
-    }
-
-    fn rate(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> f64 {
-        along(&self.differential(motion)).dot(&self.local(motion, of))
-    }
-
-    fn speed(&self, motion: &TreeMotion) -> f64 {
-        self.rate(motion, |body| motion.moving[body].twist)
-    }
-
-    fn acceleration(&self, motion: &TreeMotion) -> f64 {
-        let mut bend = Local::zeros();
-        self.row.add_hessian(&self.placed(motion), 1.0, &mut bend);
-        let velocity = self.local(motion, |body| motion.moving[body].twist);
-        self.rate(motion, |body| motion.accelerations[body]) + velocity.dot(&(bend * velocity))
-    }
-
-    /// Sets the tree's bias forces to a unit of this row's force.
-    fn push(&self, motion: &mut TreeMotion) {
-        motion.forces.fill(SpatialForce::zero());
-        for (end, Wrench { force, torque }) in self.ends.iter().zip(self.differential(motion)) {
-            let Some(body) = end.body else { continue };
-            let torque = motion.placed[body].matrix * torque;
-            motion.forces[body] += SpatialForce { force: -force, torque: -torque };
-        }
     }
 }

@@ -13,14 +13,55 @@
 use std::fmt;
 use std::rc::Rc;
 
-use stationary_calculus::{Vector, directional_derivative, second_differential};
+use stationary_calculus::{SizeError, Vector, directional_derivative, second_differential};
 
 use super::builder::Tree;
-use super::error::TreeError;
+use super::error::{TreeError, check_numbers};
 use super::motion::TreeMotion;
+use super::spatial::{SpatialForce, Twist};
 use crate::{JointFault, Schedule};
 
 impl TreeMotion {
+    /// Holds what follows these schedules: no force moves it, and no loop does that is
+    /// [closed](super::TreeLoops::close).
+    ///
+    /// # Errors
+    /// Drives of another tree, or two of one speed: [`TreeError::DrivenTwice`].
+    pub fn hold(&mut self, drives: &[TreeDrive]) -> Result<(), TreeError> {
+        self.held = TreeDrive::check_all(drives, &self.tree)?;
+        Ok(())
+    }
+
+    /// Changes the speeds as impulses do that change those that are held by so much. The motion is placed there, and
+    /// moves as they say afterwards.
+    ///
+    /// # Errors
+    /// Sizes that do not fit, numbers that are not finite; [`TreeError::Singular`].
+    pub fn change_held(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        changes: &[f64],
+    ) -> Result<(), TreeError> {
+        check_numbers("the changes", self.held.len(), changes)?;
+        self.place(q, v)?;
+        self.factor()?;
+        self.moving.iter_mut().for_each(|moving| moving.bias = Twist::zero());
+        let held = std::mem::take(&mut self.held);
+        for (&speed, &change) in held.iter().zip(changes) {
+            self.accelerate_along(speed, change);
+        }
+        self.forces.fill(SpatialForce::zero());
+        let mut answer = vec![0.0; v.len()];
+        self.solve(&vec![0.0; v.len()], |moving| moving.bias, &mut answer);
+        for (&speed, &change) in held.iter().zip(changes) {
+            answer[speed] = change;
+        }
+        self.held = held;
+        v.iter_mut().zip(&answer).for_each(|(v, change)| *v += change);
+        self.place(q, v)
+    }
+
     /// Adds the acceleration of a held speed to what its body accelerates by itself, until the tree is placed
     /// again.
     pub(super) fn accelerate_along(&mut self, speed: usize, acceleration: f64) {
@@ -82,6 +123,22 @@ impl TreeDrive {
             speed: speeds.start + freedom,
             moves: Rc::new(moves),
         })
+    }
+
+    /// Their speeds, which belong to the tree and are driven once each.
+    pub(super) fn check_all(drives: &[TreeDrive], tree: &Tree) -> Result<Vec<usize>, TreeError> {
+        let (coordinates, speeds) = (tree.coordinates(), tree.speeds());
+        let mut held = Vec::with_capacity(drives.len());
+        for drive in drives {
+            SizeError::check("the tree's speeds", speeds, speeds.max(drive.speed + 1))?;
+            let least = coordinates.max(drive.coordinate + 1);
+            SizeError::check("the tree's coordinates", coordinates, least)?;
+            if held.contains(&drive.speed) {
+                return Err(TreeError::DrivenTwice { speed: drive.speed });
+            }
+            held.push(drive.speed);
+        }
+        Ok(held)
     }
 
     /// The coordinate, its speed and its acceleration at a time: of a turn radians, of a shift metres.

@@ -23,14 +23,9 @@
 //! are none, it is a step of half the momentum's change.
 //!
 //! Beside the weight, [`TreeVariational::driven`] takes what acts at a time and a motion, as a kick at
-//! either end of the step (the file `driven`), and [`TreeVariational::prescribed`] joints that follow schedules:
-//!
-//! ```text
-//! -D1 L(q, q') = p + A,   q'_k = s(t + h),    p' = D2 L(q, q') + B,   (M^-1 p')_k = s.(t + h)
-//! F = (A + B) / h,        W = A s.(t) + B s.(t + h)
-//! ```
-//! with impulses `A B` of the driven coordinates `k` alone: what RATTLE does with a
-//! [`Drive`](crate::Drive). A body must turn by less than half a turn in a step, and
+//! either end of the step (the file `driven`), [`TreeVariational::prescribed`] joints that follow schedules and
+//! [`TreeVariational::closed`] loops, by impulses at either end (the file `held`): what RATTLE does with a
+//! [`Drive`](crate::Drive) and with joints. A body must turn by less than half a turn in a step, and
 //! the step must resolve the fastest mode: below `2 / omega`.
 //! Source: notes 5.5, 6.5, 9.5; Marsden and West 2001; Lee, Liu, Park and Srinivasa 2018, who solve
 //! the equations of the group SE(3) with an approximate matrix.
@@ -39,8 +34,8 @@
 //! [`ConstantVelocity`]: crate::ConstantVelocity
 
 mod guesses;
+mod held;
 mod newton;
-mod prescribed;
 mod turn;
 
 use std::fmt;
@@ -60,8 +55,8 @@ use super::forces::TreeForces;
 use super::motion::TreeMotion;
 use super::spatial::SpatialForce;
 use guesses::Guesses;
+use held::Held;
 use newton::Equations;
-use prescribed::Prescribed;
 
 /// The variational step, bound to a tree under its weight and what drives it.
 #[derive(Clone)]
@@ -78,7 +73,9 @@ pub struct TreeVariational<D = Idle> {
     /// The coordinates at which `after` is placed, if it is.
     arrived: Vec<f64>,
     guesses: Guesses,
-    prescribed: Prescribed,
+    held: Held,
+    /// Momenta with the impulses that hold what is held.
+    pushed: Vec<f64>,
     /// Where quaternions stand among the coordinates.
     quaternions: Vec<usize>,
 }
@@ -135,7 +132,8 @@ impl<D> TreeVariational<D> {
             next,
             arrived: Vec::with_capacity(coordinates),
             guesses: Guesses::new(freedoms),
-            prescribed: Prescribed::default(),
+            held: Held::new(freedoms),
+            pushed: vec![0.0; freedoms],
             quaternions,
         })
     }
@@ -159,7 +157,7 @@ impl<D> TreeVariational<D> {
         let (mut q, mut v) = (q.to_vec(), v.to_vec());
         self.tree().check_coordinates(&q)?;
         self.tree().check_speeds("the speeds", &v)?;
-        for drive in &self.prescribed.drives {
+        for drive in &self.held.drives {
             [q[drive.coordinate], v[drive.speed], _] = drive.motion(0.0);
         }
         self.before.place(&q, &v)?;
@@ -206,7 +204,7 @@ impl<D> TreeVariational<D> {
         if let Some(freedom) = first_non_finite(state.p.components()) {
             return Err(StepError::NonFiniteMomentum { freedom });
         }
-        for drive in &self.prescribed.drives {
+        for drive in &self.held.drives {
             let (number, [place, ..]) = (drive.coordinate, drive.motion(state.t));
             let off = (state.q[number] - place).abs();
             if off.is_nan() || off > UNIT * place.abs().max(1.0) {
@@ -239,10 +237,9 @@ impl<D> TreeVariational<D> {
         if !expected {
             self.start_slowly(interval.1)?;
         }
-        let TreeVariational { before, next, guesses, prescribed, .. } = self;
+        let TreeVariational { before, next, guesses, .. } = self;
         next.q.copy_from_slice(q);
         before.tree.move_along(&mut next.q, &guesses.displacement);
-        prescribed.lead(interval.0 + interval.1, &mut next.q);
         Ok(expected)
     }
 
@@ -265,6 +262,49 @@ impl<D> TreeVariational<D> {
                 Ok(())
             }
         }
+    }
+}
+
+impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeVariational<D> {
+    /// The momenta at the start of a step with the impulses of what is held, and with the kick of what acts.
+    fn kick(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(), StepError> {
+        let TreeVariational { drive, kicks, before, held, pushed, .. } = self;
+        pushed.copy_from_slice(state.p.components());
+        held.push(pushed);
+        match drive {
+            None => kicks.momenta.copy_from_slice(pushed),
+            Some(drive) => {
+                kicks.before(before, drive, (state.t, h), (state.q.as_slice(), pushed))?
+            }
+        }
+        Ok(())
+    }
+
+    /// The end of a step that holds what is held; iterations, and the size of the last correction.
+    fn seek(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(u32, f64), StepError> {
+        let holds = self.held.rows() > 0;
+        if holds {
+            self.held.place(&mut self.before)?;
+        }
+        self.kick(state, h)?;
+        let expected = self.guess(&state.q, (state.t, h), true)?;
+        let mut found = match self.find(h) {
+            Err(_) if expected => {
+                self.guess(&state.q, (state.t, h), false)?;
+                self.find(h)
+            }
+            found => found,
+        }?;
+        let mut gap = f64::INFINITY;
+        for _ in 0..if holds { held::ITERATIONS } else { 0 } {
+            if self.correct_impulses((state.t, h), &mut gap)? {
+                return Ok(found);
+            }
+            self.kick(state, h)?;
+            let (more, residual) = self.find(h)?;
+            found = (found.0 + more, residual);
+        }
+        if holds { Err(held::unclosed(&[gap])) } else { Ok(found) }
     }
 }
 
@@ -292,31 +332,22 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
     fn step(&mut self, state: &mut State<Vec<f64>>, h: f64) -> Result<StepReport, StepError> {
         self.check(state, h)?;
         self.start(&state.q);
-        let TreeVariational { drive, kicks, before, .. } = self;
-        match drive {
-            None => kicks.momenta.copy_from_slice(state.p.components()),
-            Some(drive) => {
-                let here = (state.q.as_slice(), state.p.components());
-                kicks.before(before, drive, (state.t, h), here)?;
-            }
+        if !self.guesses.go_on_from(state.t) {
+            self.held.impulses[0].fill(0.0);
         }
-        let expected = self.guess(&state.q, (state.t, h), true)?;
-        let found = match self.find(h) {
-            Err(_) if expected => {
-                self.guess(&state.q, (state.t, h), false)?;
-                self.find(h)
-            }
-            found => found,
-        };
+        let found = self.seek(state, h);
+        if found.is_err() {
+            self.held.impulses[0].fill(0.0);
+        }
         let (hessians, residual) = found?;
         self.finish(h);
-        let TreeVariational { drive, kicks, after, next, .. } = self;
+        let TreeVariational { drive, kicks, after, held, next, .. } = self;
         if let Some(drive) = drive {
             let there = (next.q.as_slice(), next.p.components_mut());
             kicks.after(after, drive, (state.t, h), there)?;
         }
-        if !self.prescribed.drives.is_empty() {
-            self.hold((state.t, h))?;
+        if held.rows() > 0 {
+            held.settle(after, (state.t, h), next.p.components_mut())?;
         }
         if let Some(freedom) = first_non_finite(&self.next.q) {
             return Err(StepError::NonFiniteConfiguration { freedom });
@@ -332,7 +363,8 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
     }
 
     fn save(&self) -> Saved {
-        let numbers = self.guesses.save();
+        let impulses = self.held.impulses[0].iter().copied();
+        let numbers = impulses.chain(self.guesses.save()).collect();
         Saved { method: NAME.to_owned(), numbers }
     }
 
@@ -340,7 +372,13 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
         if saved.method != NAME {
             return Err(StepError::Saved("it is another method's"));
         }
-        self.guesses.load(&saved.numbers)
+        let impulses = &mut self.held.impulses[0];
+        let Some((own, guesses)) = saved.numbers.split_at_checked(impulses.len()) else {
+            return Err(StepError::Saved("it holds fewer numbers"));
+        };
+        self.guesses.load(guesses)?;
+        impulses.copy_from_slice(own);
+        Ok(())
     }
 }
 

@@ -25,6 +25,7 @@ mod shapes;
 mod symmetries;
 mod tree;
 mod tree_bad_input;
+mod tree_closed_steps;
 mod tree_driven;
 mod tree_field;
 mod tree_invariants;

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use stationary_calculus::Number;
 use stationary_constraints::{ConstrainedIntegrator, Rattle, Redundancy, SparseDiagonal};
 use stationary_integrators::{
-    AdaptiveMethod, DormandPrince853, Integrator, Moment, StepError, Tolerance, integrate,
+    AdaptiveMethod, DormandPrince853, Integrator, Moment, StepError, Tolerance, VectorField,
+    integrate,
 };
 use stationary_measure::loglog_slope;
 use stationary_rigid::tree::{
@@ -164,4 +165,55 @@ fn two_drives_of_a_joint_another_tree_s_and_a_state_off_its_schedule_are_refused
     let error = method.step(&mut state, 1e-3).unwrap_err();
     assert!(matches!(error, StepError::Configuration { number: 0 }), "{error}");
     assert_eq!(state, before);
+}
+
+/// What depends on velocities sees the driven joint at both ends of a step as the schedule moves it.
+#[test]
+fn a_prescribed_joint_with_a_damper_below_it_has_order_two_in_place_force_and_work() {
+    let tree = bars();
+    let damp = |_: f64, motion: &TreeMotion, forces: &mut TreeForces| {
+        let [upper, lower] = [0, 1].map(|body| {
+            let motion = motion.body(body).unwrap();
+            motion.pose.rotation.rotate(&motion.angular_velocity)
+        });
+        let torque = (upper - lower) * 0.4;
+        forces.add_torque(1, torque).unwrap();
+        forces.add_torque(0, -torque).unwrap();
+    };
+    let (q, v) = start(&tree);
+    let weight = TreeForces::weight(&tree, GRAVITY).unwrap();
+    let field = || {
+        let field = TreeField::driven(tree.clone(), weight.clone(), damp).unwrap();
+        field.prescribed(vec![swung(&tree)]).unwrap()
+    };
+    let y = integrate_to(field(), [&q[..], &v].concat(), 1.0);
+    let mut torque = [0.0];
+    field().drive_forces(1.0, &y, &mut torque).unwrap();
+    let mut errors = [[0.0; 2]; 3];
+    for (n, error) in [100, 200, 400].into_iter().zip(&mut errors) {
+        let method = TreeVariational::driven(tree.clone(), GRAVITY, damp).unwrap();
+        let mut method = method.prescribed(vec![swung(&tree)]).unwrap();
+        let mut state = method.state(&q, &v).unwrap();
+        let (mut work, before) = (0.0, method.energy(&state).unwrap());
+        for _ in 0..n {
+            method.step(&mut state, 1.0 / f64::from(n)).unwrap();
+            work += method.work() + method.drive_work();
+        }
+        let balance = method.energy(&state).unwrap() - before - work;
+        *error = [far(&state.q, &y[..5]), balance.abs()];
+        assert!((method.drive_forces()[0] - torque[0]).abs() < 0.1 * torque[0].abs().max(1.0));
+    }
+    for k in 0..2 {
+        let slope = (errors[0][k] / errors[2][k]).log2() / 2.0;
+        assert!((slope - 2.0).abs() < 0.15, "{k}: {errors:?}");
+    }
+}
+
+fn integrate_to<F: VectorField>(field: F, y: Vec<f64>, time: f64) -> Vec<f64> {
+    let tolerance = Tolerance::new(1e-12, 1e-12).unwrap();
+    let mut method = DormandPrince853::new(field, tolerance.into(), Moment::new(0.0, y)).unwrap();
+    while method.moment().t < time {
+        method.step(time).unwrap();
+    }
+    method.moment().y.clone()
 }

@@ -58,7 +58,7 @@ pub(crate) type PlanarJoints = (Vec<PlanarJoint>, Vec<PlanarDrive<Turned>>);
 
 /// The turn that a motor makes: the integral of its speed.
 #[derive(Clone, Debug)]
-pub(crate) struct Turned(Strength);
+pub(crate) struct Turned(pub(crate) Strength);
 
 impl Schedule for Turned {
     fn at<R: Number>(&self, t: R) -> R {
@@ -198,20 +198,21 @@ impl Scene {
         Ok(Free { freedoms: each * self.bodies.len() })
     }
 
-    /// A rod between points of bodies, or a point of a body and a place of the world.
-    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
+    /// Where a rod ends: points of bodies, or places of the world.
+    pub(crate) fn rod_ends(&self, rod: &Rod) -> [JointEnd; 2] {
         let rotation = Rotation::identity();
-        let ends = rod.ends.map(|end| match self.particles[end].motion {
-            Motion::Carried { body, point } => JointEnd {
-                body: Some(body),
-                frame: RigidMotion { translation: point.into(), rotation },
-            },
-            _ => {
-                let translation = self.particles[end].position.into();
-                JointEnd { body: None, frame: RigidMotion { translation, rotation } }
-            }
-        });
-        Ok(Joint::new(Poses, self.bodies.len(), JointKind::Rod { length: rod.length }, ends)?)
+        rod.ends.map(|end| {
+            let (body, place) = match self.particles[end].motion {
+                Motion::Carried { body, point } => (Some(body), point),
+                _ => (None, self.particles[end].position),
+            };
+            JointEnd { body, frame: RigidMotion { translation: place.into(), rotation } }
+        })
+    }
+
+    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
+        let kind = JointKind::Rod { length: rod.length };
+        Ok(Joint::new(Poses, self.bodies.len(), kind, self.rod_ends(rod))?)
     }
 
     fn rod_in_the_plane(&self, rod: &Rod) -> Result<PlanarJoint, AssemblyError> {
@@ -224,7 +225,7 @@ impl Scene {
     }
 
     /// Motors that have a speed.
-    fn speeds(&self) -> impl Iterator<Item = &Motor> {
+    pub(crate) fn speeds(&self) -> impl Iterator<Item = &Motor> {
         self.drives.motors.iter().filter(|motor| motor.drive == MotorDrive::Speed)
     }
 

@@ -99,8 +99,10 @@ pub enum AssemblyError {
     #[cfg(feature = "rigid")]
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// Joints that close a loop have no coordinates of their own.
-    #[error("the joint between `{first}` and `{second}` closes a loop")]
+    /// The speed of a joint follows from the others of its loop.
+    #[error(
+        "the joint between `{first}` and `{second}` closes a loop of joints that all have motors with a speed"
+    )]
     ClosesLoop {
         /// What it joins.
         first: String,

@@ -4,55 +4,24 @@
 //! x_b = x_b(q),   u_b = J_b(q) v          poses and velocities of the bodies
 //! p = sum J_b^T P_b,   v = M^-1 p         the speeds of joints, from the momenta of bodies
 //! ```
-//! `q v` coordinates and speeds of the joints, `P` momenta. Each body hangs from the world or from another by
-//! its joint; one that no joint leads to moves freely. In the plane every turn is about the third axis.
+//! `q v` coordinates and speeds of the joints, `P` momenta. Joints that close loops are rows beside the tree, and so
+//! are rods; motors with a speed are schedules of coordinates. In the plane every turn is about the third axis.
 
 use nalgebra::Vector3;
 use stationary_calculus::Covector;
 use stationary_integrators::State;
-use stationary_rigid::tree::{Tree, TreeBuilder, TreeError, TreeForces, TreeMotion};
+use stationary_rigid::tree::{
+    Tree, TreeBuilder, TreeDrive, TreeError, TreeForces, TreeLoops, TreeMotion,
+};
 use stationary_rigid::{Body, BodyMotion, JointEnd, JointKind, LieGroup, RigidMotion, Rotation};
 
 use crate::JointKind as SceneJointKind;
-use crate::assemble::body_system::ends_in_space;
+use crate::assemble::body_system::{Turned, ends_in_space};
 use crate::assemble::error::AssemblyError;
+use crate::assemble::spanning_tree::{Hung, SpanningTree};
 use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::scene::Scene;
-
-/// A body in the order of the tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Hung {
-    body: usize,
-    /// The joint from which it hangs, and which of its ends is the body; none of what moves freely.
-    by: Option<(usize, usize)>,
-}
-
-/// Bodies that hang already.
-struct Order<'a> {
-    of: &'a Scene,
-    hung: Vec<Hung>,
-    seen: Vec<bool>,
-}
-
-impl Order<'_> {
-    /// Hangs the body that a joint leads to; the joint itself, where both ends hang already.
-    fn hang(&mut self, number: usize) -> Result<(), usize> {
-        let between = self.of.joints[number].between;
-        let free = between.iter().position(|end| end.is_some_and(|body| !self.seen[body]));
-        let (Some(end), Some(body)) = (free, free.and_then(|end| between[end])) else {
-            return Err(number);
-        };
-        self.seen[body] = true;
-        self.hung.push(Hung { body, by: Some((number, end)) });
-        Ok(())
-    }
-
-    fn leave_free(&mut self, body: usize) -> usize {
-        self.seen[body] = true;
-        self.hung.push(Hung { body, by: None });
-        body
-    }
-}
+use crate::model::strength::Strength;
 
 /// A scene's bodies as a tree.
 #[derive(Clone, Debug)]
@@ -63,58 +32,23 @@ pub(crate) struct JointTree {
     /// Mass and moments of each.
     inertias: Vec<(f64, Vector3<f64>)>,
     dimension: usize,
+    /// Rows of joints that close loops, then of rods.
+    pub(crate) loops: TreeLoops,
+    /// How many rows are of rods, and how many equations full coordinates have of joints.
+    pub(crate) rods: usize,
+    pub(crate) rows_of_joints: usize,
+    /// Motors with a speed, and their speeds along the coordinates.
+    pub(crate) drives: Vec<TreeDrive>,
+    pub(crate) speeds: Vec<Strength>,
 }
 
 impl Scene {
-    /// The first joint that closes a loop, if one does.
-    pub(crate) fn closing_joint(&self) -> Option<usize> {
-        self.hung_in_order().err()
-    }
-
-    /// Every body after what it hangs from; the joint that closes a loop, where one does.
-    fn hung_in_order(&self) -> Result<Vec<Hung>, usize> {
-        let mut joints_of = vec![Vec::new(); self.bodies.len()];
-        let mut of_world = Vec::new();
-        for (number, joint) in self.joints.iter().enumerate() {
-            match joint.between {
-                [None, None] => return Err(number),
-                [Some(a), Some(b)] => {
-                    joints_of[a].push(number);
-                    joints_of[b].push(number);
-                }
-                [Some(one), None] | [None, Some(one)] => {
-                    joints_of[one].push(number);
-                    of_world.push(number);
-                }
-            }
-        }
-        let mut order = Order { of: self, hung: Vec::new(), seen: vec![false; self.bodies.len()] };
-        let mut used = vec![false; self.joints.len()];
-        let mut hang = |order: &mut Order<'_>, number: usize| {
-            if std::mem::replace(&mut used[number], true) { Ok(()) } else { order.hang(number) }
-        };
-        for number in of_world {
-            hang(&mut order, number)?;
-        }
-        let (mut next, mut root) = (0, 0);
-        while let Some(body) = order.hung.get(next).map(|hung| hung.body).or_else(|| {
-            root += order.seen[root..].iter().take_while(|seen| **seen).count();
-            (root < order.seen.len()).then(|| order.leave_free(root))
-        }) {
-            for &number in &joints_of[body] {
-                hang(&mut order, number)?;
-            }
-            next += 1;
-        }
-        Ok(order.hung)
-    }
-
     /// Its bodies as a tree.
     pub(crate) fn joint_tree(&self) -> Result<JointTree, AssemblyError> {
-        let order = self.hung_in_order().map_err(|joint| self.closes(joint))?;
+        let SpanningTree { hung, closing } = self.spanning_tree();
         let mut places = vec![0; self.bodies.len()];
         let mut builder = TreeBuilder::default();
-        for Hung { body, by } in order {
+        for &Hung { body, by } in &hung {
             let of = &self.bodies[body];
             let (parent, kind, frames) = match by {
                 Some((joint, end)) => {
@@ -128,13 +62,57 @@ impl Scene {
             places[body] =
                 builder.hang(parent, kind, frames, Body::new(of.mass, self.moments(of))?);
         }
+        let tree = builder.build()?;
+        let loops = self.loops(&tree, &places, &closing)?;
         let inertia = |body: &RigidBody| (body.mass, Vector3::from(self.moments(body)));
+        let (mut drives, mut speeds) = (Vec::new(), Vec::new());
+        for motor in self.speeds() {
+            let by = |hung: &&Hung| hung.by.is_some_and(|(joint, _)| joint == motor.joint);
+            let Some(&Hung { body, by: Some((_, end)) }) = hung.iter().find(by) else {
+                return Err(self.closes(motor.joint));
+            };
+            // The coordinate is the turn of what hangs.
+            let speed = motor.strength.clone();
+            let speed = if end == 1 { speed } else { speed.reversed() };
+            drives.push(TreeDrive::new(&tree, places[body], 0, Turned(speed.clone()))?);
+            speeds.push(speed);
+        }
         Ok(JointTree {
-            tree: builder.build()?,
+            tree,
             places,
             inertias: self.bodies.iter().map(inertia).collect(),
             dimension: self.dimension,
+            loops,
+            rods: self.rods.len(),
+            rows_of_joints: self.rows_of_joints(),
+            drives,
+            speeds,
         })
+    }
+
+    /// Joints that close loops, but for the rows that the tree holds, then rods.
+    fn loops(
+        &self,
+        tree: &Tree,
+        places: &[usize],
+        closing: &[usize],
+    ) -> Result<TreeLoops, AssemblyError> {
+        let mut loops = TreeLoops::new(tree);
+        let in_tree = |ends: [JointEnd; 2]| {
+            ends.map(|end| JointEnd { body: end.body.map(|body| places[body]), ..end })
+        };
+        for joint in closing.iter().map(|&joint| &self.joints[joint]) {
+            let ends = ends_in_space(&self.bodies, joint);
+            loops.join(tree, self.kind_of(joint), in_tree(ends))?;
+        }
+        if !closing.is_empty() {
+            loops.keep_independent(&mut TreeMotion::new(tree.clone()))?;
+        }
+        for rod in &self.rods {
+            let kind = JointKind::Rod { length: rod.length };
+            loops.join(tree, kind, in_tree(self.rod_ends(rod)))?;
+        }
+        Ok(loops)
     }
 
     fn closes(&self, joint: usize) -> AssemblyError {
@@ -200,6 +178,20 @@ impl JointTree {
         let [x, y, z] = body.angular_velocity;
         let [i, j, k] = body.moments;
         if self.dimension == 2 { [0.0, 0.0, k * z] } else { [i * x, j * y, k * z] }
+    }
+
+    /// The tree at rest, which no force moves along what follows a schedule.
+    pub(crate) fn motion(&self) -> Result<TreeMotion, TreeError> {
+        let mut motion = TreeMotion::new(self.tree.clone());
+        motion.hold(&self.drives)?;
+        Ok(motion)
+    }
+
+    /// Writes the multipliers of full coordinates, of which those of rods are known: their tensions.
+    pub(crate) fn write_tensions(&self, of_loops: &[f64], multipliers: &mut Vec<f64>) {
+        multipliers.clear();
+        multipliers.resize(self.rows_of_joints, 0.0);
+        multipliers.extend(of_loops[of_loops.len() - self.rods..].iter().map(|force| -force));
     }
 
     /// Writes where the bodies are and how they move: those of a state of the scene.

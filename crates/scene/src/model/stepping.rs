@@ -95,6 +95,9 @@ pub(crate) const JOINT_COORDINATES: &str = "joint-coordinates";
 pub(crate) const EVENT_DRIVEN: [(&str, FlightSteps); 2] =
     [("event-driven-2", FlightSteps::Second), ("event-driven-4", FlightSteps::Fourth)];
 
+/// Steps of lasting contact in a step of these: bounces end as rest where they are shorter than four of them.
+pub(crate) const CONTACT_STEPS: u32 = 64;
+
 /// The word for motion in closed form.
 pub(crate) const LINEAR_MODES: &str = "linear-modes";
 

@@ -138,10 +138,18 @@ impl Strength {
         }
     }
 
-    /// The integral from time zero, with its rate.
+    /// The integral from time zero, with its first two derivatives.
     pub(crate) fn integral_of<R: Number>(&self, t: R) -> R {
         let now = t.re();
-        (t - now) * self.at(now) + self.integral(0.0, now)
+        let since = t - now;
+        since * since * (0.5 * self.rate(now)) + since * self.at(now) + self.integral(0.0, now)
+    }
+
+    /// By how much it jumps at a time: what is only steep there does not.
+    pub(crate) fn jump(&self, t: f64) -> f64 {
+        let [before, after] = [self.at(t.next_down()), self.at(t)];
+        let steep = 1e-9 * before.abs().max(after.abs());
+        if (after - before).abs() > steep { after - before } else { 0.0 }
     }
 
     /// The same with its sign turned.
@@ -213,5 +221,6 @@ mod tests {
         assert_eq!(step.next_corner(0.0), Some(0.3));
         assert_eq!(step.next_corner(0.3), None);
         assert_eq!(table.next_corner(0.1), Some(0.4));
+        assert_eq!((step.jump(0.3), table.jump(0.4), table.jump(0.1)), (4.0, -2.0, 0.0));
     }
 }

@@ -27,41 +27,87 @@ pub(crate) fn stepper<'s, const D: usize>(
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let acting = Acting::of(scene);
     let method = adaptive(method, problem, acting.clone(), tolerance)?;
-    let read = |y: &[f64], state: &mut State<Vec<f64>>| {
+    Ok(read_off(scene, &problem.initial, method, Box::new(PlacesAndMomenta), acting))
+}
+
+/// How the scene's state, and what holds it, are read from a method's numbers at a time.
+pub(crate) trait Reader {
+    /// Writes the scene's state.
+    fn read(&mut self, t: f64, y: &[f64], state: &mut State<Vec<f64>>) -> Result<(), StepFailure>;
+
+    /// Brings the numbers where what is held is held; whether that changed them by more than is worth it.
+    fn restore(&mut self, _t: f64, _y: &mut [f64]) -> Result<bool, StepFailure> {
+        Ok(false)
+    }
+
+    /// Goes on from numbers at a time that were brought there.
+    fn go_on_from(&mut self, _t: f64) {}
+
+    /// The first time after `t` at which what it knows is not smooth.
+    fn next_corner(&self, _t: f64) -> Option<f64> {
+        None
+    }
+
+    /// The power of motors with a speed.
+    fn driven_power(&mut self, _t: f64, _y: &[f64]) -> Result<f64, StepFailure> {
+        Ok(0.0)
+    }
+
+    /// The multipliers of what is held, where it was read last.
+    fn multipliers(&self) -> &[f64] {
+        &[]
+    }
+}
+
+/// Numbers that are those of the state.
+struct PlacesAndMomenta;
+
+impl Reader for PlacesAndMomenta {
+    fn read(&mut self, _: f64, y: &[f64], state: &mut State<Vec<f64>>) -> Result<(), StepFailure> {
         let (q, p) = y.split_at(state.q.len());
         state.q.copy_from_slice(q);
         state.p.components_mut().copy_from_slice(p);
-    };
-    Ok(read_off(scene, &problem.initial, method, Box::new(read), acting))
+        Ok(())
+    }
 }
-
-/// How the scene's state is read from a method's numbers.
-pub(crate) type Read<'s> = Box<dyn FnMut(&[f64], &mut State<Vec<f64>>) + 's>;
 
 /// What reads a method's numbers off, and counts the works of what acts.
 pub(crate) fn read_off<'s>(
     scene: &Scene,
     initial: &State<Vec<f64>>,
     method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
-    read: Read<'s>,
+    reader: Box<dyn Reader + 's>,
     acting: Option<Acting>,
 ) -> Box<dyn Stepper + 's> {
     let end = scene.timing.horizon();
     let y = vec![0.0; method.moment().y.len()];
-    let driven = acting.map(|acting| {
+    let driven = (acting.is_some() || scene.drives.has_speeds()).then(|| {
         let v = vec![0.0; initial.p.components().len()];
-        Worked { acting, to: 0.0, at: initial.clone(), v }
+        Worked { acting, to: 0.0, at: initial.clone(), v, of_speeds: 0.0 }
     });
     let own = Own { parts: Vec::new(), states: Vec::new(), like: initial.clone() };
-    Box::new(Reading { method, read, end, y, before: Vec::new(), ends: Vec::new(), own, driven })
+    let again = Moment::new(0.0, y.clone());
+    Box::new(Reading {
+        method,
+        reader,
+        end,
+        y,
+        again,
+        before: Vec::new(),
+        ends: Vec::new(),
+        own,
+        driven,
+    })
 }
 
 /// A method that chooses its own steps, read off.
 struct Reading<'s> {
     method: Box<dyn AdaptiveMethod<Vec<f64>> + 's>,
-    read: Read<'s>,
+    reader: Box<dyn Reader + 's>,
     end: f64,
     y: Vec<f64>,
+    /// Where it starts again where what is held was brought back.
+    again: Moment<Vec<f64>>,
     /// The method's numbers before its last step, whose polynomial is read off.
     before: Vec<f64>,
     /// The ends of its steps since it was asked last.
@@ -77,12 +123,14 @@ struct Own {
     like: State<Vec<f64>>,
 }
 
-/// What acts, the time up to which its works are counted, and room for a state and its velocity.
+/// What acts and drives, the time up to which its works are counted, and room for a state and its velocity.
 struct Worked {
-    acting: Acting,
+    acting: Option<Acting>,
     to: f64,
     at: State<Vec<f64>>,
     v: Vec<f64>,
+    /// The work of motors with a speed.
+    of_speeds: f64,
 }
 
 /// Gauss' three places in an interval from 0 to 1, and their weights.
@@ -102,7 +150,7 @@ impl Reading<'_> {
             let t = if part < 1.0 { from + part * (to - from) } else { to };
             self.method.interpolate(t, &mut self.y)?;
             let mut state = self.own.like.clone();
-            (self.read)(&self.y, &mut state);
+            self.reader.read(t, &self.y, &mut state)?;
             state.t = t;
             self.own.states.push(state);
         }
@@ -111,17 +159,22 @@ impl Reading<'_> {
 
     /// Counts the works up to a time within the method's last step.
     fn count_works(&mut self, to: f64) -> Result<(), StepFailure> {
-        let Some(Worked { acting, to: from, at, v }) = &mut self.driven else { return Ok(()) };
+        let Some(Worked { acting, to: from, at, v, of_speeds }) = &mut self.driven else {
+            return Ok(());
+        };
         let to = to.min(self.method.moment().t);
         let length = to - *from;
         if length > 0.0 {
             for (place, weight) in PLACES {
                 let t = *from + place * length;
                 self.method.interpolate(t, &mut self.y)?;
-                (self.read)(&self.y, at);
-                let (q, p) = (&at.q, at.p.components());
-                acting.velocity(p, v);
-                acting.add_powers(weight * length, t, q, p, v);
+                *of_speeds += weight * length * self.reader.driven_power(t, &self.y)?;
+                if let Some(acting) = acting {
+                    self.reader.read(t, &self.y, at)?;
+                    let (q, p) = (&at.q, at.p.components());
+                    acting.velocity(p, v);
+                    acting.add_powers(weight * length, t, q, p, v);
+                }
             }
             *from = to;
         }
@@ -141,18 +194,25 @@ impl Stepper for Reading<'_> {
         self.ends.clear();
         self.own.states.clear();
         if let Some(driven) = &mut self.driven {
-            driven.acting.begin();
+            driven.of_speeds = 0.0;
+            driven.acting.iter_mut().for_each(Acting::begin);
         }
         if self.method.last_begin().is_some() {
             self.count_works(to)?;
         }
         while self.method.moment().t < to {
+            let t = self.method.moment().t;
+            self.again.clone_from(self.method.moment());
+            if self.reader.restore(t, &mut self.again.y)? {
+                self.method.restart(&self.again)?;
+            }
             self.before.clear();
             self.method.visit(&mut |number| self.before.push(*number));
             // A step ends where a strength is not smooth: none is passed over.
-            let t = self.method.moment().t;
-            let corner = self.driven.as_ref().and_then(|driven| driven.acting.next_corner(t));
-            let end = corner.map_or(self.end, |corner| corner.min(self.end));
+            let acting = self.driven.as_ref().and_then(|driven| driven.acting.as_ref());
+            let corners =
+                [acting.and_then(|acting| acting.next_corner(t)), self.reader.next_corner(t)];
+            let end = corners.into_iter().flatten().fold(self.end, f64::min);
             self.method.step(end)?;
             self.ends.push(self.method.moment().t);
             self.count_works(to)?;
@@ -161,7 +221,8 @@ impl Stepper for Reading<'_> {
             }
         }
         self.method.interpolate(to, &mut self.y)?;
-        (self.read)(&self.y, state);
+        self.reader.read(to, &self.y, state)?;
+        state.t = to;
         let after = self.method.work();
         let since = |count: fn(&Work) -> u64| (count(after) - count(&before)) as u32;
         Ok(Stepped::done(StepReport {
@@ -188,7 +249,16 @@ impl Stepper for Reading<'_> {
     }
 
     fn works(&self) -> &[f64] {
-        self.driven.as_ref().map_or(&[], |driven| driven.acting.works())
+        let acting = self.driven.as_ref().and_then(|driven| driven.acting.as_ref());
+        acting.map_or(&[], Acting::works)
+    }
+
+    fn driven_work(&self) -> f64 {
+        self.driven.as_ref().map_or(0.0, |driven| driven.of_speeds)
+    }
+
+    fn multipliers(&self) -> &[f64] {
+        self.reader.multipliers()
     }
 
     fn save(&mut self) -> Saved {
@@ -204,7 +274,9 @@ impl Stepper for Reading<'_> {
             // The works up to the checkpoint's last sample are in its samples.
             driven.to = before.state.t;
         }
-        Ok(self.method.load(&before.memory)?)
+        self.method.load(&before.memory)?;
+        self.reader.go_on_from(self.method.moment().t);
+        Ok(())
     }
 }
 

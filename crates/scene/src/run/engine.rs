@@ -97,6 +97,8 @@ impl Engine<'_> {
                     own.add(self.stepper.own_states(), &mut *self.recorder);
                     let room = samples.impacts.len() < limits::IMPACTS;
                     samples.impacts.extend(stepped.impacts.filter(|_| room));
+                    samples.lasting.steps += u64::from(stepped.lasting > 0.0);
+                    samples.lasting.time += stepped.lasting;
                     if let Some(residual) = stepped.unsettled {
                         samples.unsettled.add(residual);
                     }

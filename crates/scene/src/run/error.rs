@@ -23,6 +23,8 @@ use stationary_contact::ContactError;
 use stationary_laplacian::LaplacianError;
 #[cfg(feature = "modal")]
 use stationary_modal::ModalError;
+#[cfg(feature = "rigid")]
+use stationary_rigid::tree::TreeError;
 
 /// A run that did not begin, or did not reach the horizon.
 #[derive(Debug, thiserror::Error)]
@@ -93,6 +95,10 @@ pub enum StepFailure {
     #[cfg(feature = "constraints")]
     #[error(transparent)]
     Constraint(ConstraintError),
+    /// Joints that cannot be held, as a loop where its rows depend on each other.
+    #[cfg(feature = "rigid")]
+    #[error(transparent)]
+    Tree(#[from] TreeError),
     /// Modes of another system.
     #[cfg(feature = "modal")]
     #[error(transparent)]

@@ -13,16 +13,13 @@ use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
 use crate::model::built::Built;
 use crate::model::scene::Scene;
-use crate::model::stepping::FlightSteps;
+use crate::model::stepping::{CONTACT_STEPS, FlightSteps};
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
 use crate::run::samples::Impacts;
 use crate::run::stepper::{Stepped, Stepper};
 use crate::run::touching;
-
-/// Steps of lasting contact in a step of the scene: bounces end as rest where they are shorter than four of these.
-const CONTACT_STEPS: f64 = 64.0;
 
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
@@ -52,7 +49,8 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
         FlightSteps::Second => FlightOrder::Second,
         FlightSteps::Fourth => FlightOrder::Fourth,
     };
-    let bodies = EventDriven::new(system, detector, order, scene.timing.step() / CONTACT_STEPS)?;
+    let bodies =
+        EventDriven::new(system, detector, order, scene.timing.step() / f64::from(CONTACT_STEPS))?;
     let bodies = bodies.with_law(touching::law(scene));
     let pins = scene.round_pins().collect();
     Ok(Box::new(Flying { bodies, colliders, pins, works: [0.0; 3] }))
@@ -83,7 +81,8 @@ impl<G: Flies, P: Potential> Stepper for Flying<G, P> {
         let report = StepReport { differentials, ..StepReport::default() };
         let impacts = (met.impacts > 0).then_some(Impacts { time: last, count: met.impacts });
         let unsettled = (!met.settled).then_some(met.residual);
-        Ok(Stepped { impacts, unsettled, ..Stepped::done(report) })
+        let lasting = met.contact_time;
+        Ok(Stepped { impacts, unsettled, lasting, ..Stepped::done(report) })
     }
 
     fn works(&self) -> &[f64] {

@@ -6,7 +6,7 @@
 //! T = -x/h          the tension of a rod, x the impulse of its row in a step of h seconds
 //! ```
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use stationary_constraints::{Constraint, ConstraintError, VelocityRows};
 use stationary_contact::{JointRows, Kept};
 use stationary_rigid::{Along, JointFriction, JointLimits, Poses, RigidError};
@@ -54,11 +54,23 @@ impl JointSet {
     pub(crate) fn in_the_plane(scene: &Scene, of: &InThePlane) -> Result<Self, AssemblyError> {
         let bodies = scene.bodies.len();
         let limits = scene.limited().map(|(joint, limits)| {
-            JointLimits::in_plane(bodies, ends_in_the_plane(&scene.bodies, joint), limits)
+            let ends = ends_in_the_plane(&scene.bodies, joint);
+            match joint.kind {
+                JointKind::Slider => {
+                    JointLimits::in_plane_along(bodies, planar_axis(joint), ends, limits)
+                }
+                _ => JointLimits::in_plane(bodies, ends, limits),
+            }
         });
         let friction = scene.rubbing().map(|joint| {
             let ends = ends_in_the_plane(&scene.bodies, joint);
-            JointFriction::in_plane(bodies, ends, joint.friction)
+            match joint.kind {
+                JointKind::Slider => {
+                    let axis = planar_axis(joint);
+                    JointFriction::in_plane_along(bodies, axis, ends, joint.friction)
+                }
+                _ => JointFriction::in_plane(bodies, ends, joint.friction),
+            }
         });
         let bounds = (all(limits)?, all(friction)?);
         Ok(JointSet::of(scene, &of.joints.0, &of.joints.1, Box::new(bounds)))
@@ -120,6 +132,10 @@ impl JointSet {
         let whole = |rod: &usize| broken.iter().all(|broken| broken.rod != *rod);
         self.left = (0..self.rods.len()).filter(whole).collect();
     }
+}
+
+fn planar_axis(joint: &SceneJoint) -> Vector2<f64> {
+    Vector3::from(joint.axis).xy()
 }
 
 fn all<T>(made: impl Iterator<Item = Result<T, RigidError>>) -> Result<Vec<T>, RigidError> {

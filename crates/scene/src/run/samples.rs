@@ -54,6 +54,15 @@ impl Unsettled {
     }
 }
 
+/// Steps in which contact lasted, of a method that steps it otherwise than flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LastingContact {
+    /// How many there were.
+    pub steps: u64,
+    /// For how long it lasted in all.
+    pub time: f64,
+}
+
 /// Samples in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Samples {
@@ -74,6 +83,7 @@ pub(crate) struct Samples {
     /// Of each step in which things met, in the order of time.
     pub(crate) impacts: Vec<Impacts>,
     pub(crate) unsettled: Unsettled,
+    pub(crate) lasting: LastingContact,
     /// The works so far of what acts on the scene, and last that of motors with a speed.
     pub(crate) works: Vec<f64>,
     /// Rows of contact impulses, in the order of the samples.
@@ -232,6 +242,11 @@ impl Run {
     /// Steps whose contact conditions were not met as far as asked.
     pub fn unsettled(&self) -> Unsettled {
         self.samples.unsettled
+    }
+
+    /// Steps of `event-driven-2` and `event-driven-4` in which contact lasted: there their order is 1.
+    pub fn lasting_contact(&self) -> LastingContact {
+        self.samples.lasting
     }
 
     /// What things that touch gave each other from one sample to the next, in the order of the

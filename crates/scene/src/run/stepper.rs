@@ -94,11 +94,13 @@ pub(crate) struct Stepped {
     pub(crate) impacts: Option<Impacts>,
     /// How far the contact conditions were missed where the step is not settled.
     pub(crate) unsettled: Option<f64>,
+    /// For how long contact lasted, of a method that steps it otherwise than flight.
+    pub(crate) lasting: f64,
 }
 
 impl Stepped {
     pub(crate) fn done(report: StepReport) -> Self {
-        Stepped { report, broken: None, impacts: None, unsettled: None }
+        Stepped { report, broken: None, impacts: None, unsettled: None, lasting: 0.0 }
     }
 
     /// A step in which the law of impact was applied so often, the last time at this one. To apply

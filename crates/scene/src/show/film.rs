@@ -110,10 +110,10 @@ impl<'a> Film<'a> {
             canvas.stroke(Tone::Faint, 1.0, &frame);
             sheet.walls(canvas, &self.walls);
             sheet.fixed_balls(canvas);
-            sheet.faces(canvas, sample);
+            let drawn = sheet.faces(canvas, sample);
             sheet.silhouettes(canvas, sample, Tone::Strong);
             sheet.paths(canvas, before..=sample, &moving, POINTS);
-            sheet.lines(canvas, sample, Tone::Strong);
+            sheet.lines(canvas, sample, Tone::Strong, &drawn);
             sheet.spots(canvas, sample, &moving, 3.5);
             sheet.pins(canvas);
             let at = (0.5 * WIDTH, height + 19.0);

@@ -11,7 +11,7 @@ use crate::model::particle::Motion;
 use crate::model::scene::COORDINATES;
 use crate::run::samples::Run;
 use crate::show::projection::{Extent, round_length};
-use crate::show::sheet::{Axes, Sheet, THICK, THIN, square};
+use crate::show::sheet::{Axes, Edges, Sheet, THICK, THIN, square};
 
 /// The paper, and the part of it that the scene may use.
 const WIDTH: f64 = 900.0;
@@ -87,11 +87,11 @@ impl<'a> Picture<'a> {
         let last = self.samples() - 1;
         sheet.walls(canvas, &self.walls);
         sheet.fixed_balls(canvas);
-        sheet.lines(canvas, 0, Tone::Faint);
+        sheet.lines(canvas, 0, Tone::Faint, &Edges::new());
         sheet.silhouettes(canvas, 0, Tone::Faint);
-        sheet.faces(canvas, last);
+        let drawn = sheet.faces(canvas, last);
         sheet.silhouettes(canvas, last, Tone::Strong);
-        sheet.lines(canvas, last, Tone::Strong);
+        sheet.lines(canvas, last, Tone::Strong, &drawn);
     }
 
     /// Followed particles that move, as many as have a path.

@@ -27,6 +27,11 @@ impl Projection {
         Projection { right, up: unit(cross(w, right)) }
     }
 
+    /// How near the eye a point is, along the direction to it.
+    pub(crate) fn nearness(&self, x: [f64; 3]) -> f64 {
+        dot(cross(self.right, self.up), x)
+    }
+
     /// The point's distances to the right and upward.
     pub(crate) fn of(&self, x: [f64; 3]) -> [f64; 2] {
         [dot(self.right, x), dot(self.up, x)]
@@ -87,6 +92,7 @@ mod tests {
     fn a_view_from_above_is_a_map() {
         let map = Projection::toward([0.0, 0.0, 1.0]);
         assert_eq!(map.of([3.0, 4.0, 5.0]), [3.0, 4.0]);
+        assert_eq!(map.nearness([3.0, 4.0, 5.0]), 5.0);
         let front = Projection::toward([0.0, -1.0, 0.0]);
         assert_eq!(front.of([3.0, 4.0, 5.0]), [3.0, 5.0]);
     }

@@ -3,6 +3,7 @@
 //! Lines are drawn at one sample, in a tone: springs and edges of bodies thin, rods thick, those that
 //! broke not at all. Pinned particles are squares, followed ones spots of a colour each.
 
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use stationary_chart::{Canvas, Path, Tone};
@@ -16,11 +17,14 @@ pub(crate) const THIN: f64 = 0.9;
 pub(crate) const THICK: f64 = 2.0;
 const PATH: f64 = 1.2;
 /// How much of a face and of a wall is seen.
-const FACE: f64 = 0.16;
+pub(crate) const FACE: f64 = 0.16;
 const WALL: f64 = 0.5;
 
 /// Lines of a kind drawn at one time; beyond this number only a part is drawn, evenly chosen.
-const LINES: usize = 20_000;
+pub(crate) const LINES: usize = 20_000;
+
+/// Edges by their lesser end first.
+pub(crate) type Edges = BTreeSet<[usize; 2]>;
 
 /// What runs to the right and upward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +81,7 @@ impl Axes {
 /// A rectangle of paper with the scene on it.
 #[derive(Debug)]
 pub(crate) struct Sheet<'a> {
-    run: &'a Run,
+    pub(crate) run: &'a Run,
     pub(crate) axes: Axes,
     /// What is in the middle, in the scene's units.
     middle: [f64; 2],
@@ -165,9 +169,10 @@ impl<'a> Sheet<'a> {
         path
     }
 
-    /// Springs, edges of bodies, and the rods that are left.
-    pub(crate) fn lines(&self, canvas: &mut Canvas, sample: usize, tone: Tone) {
-        let springs: Vec<[usize; 2]> = self.run.scene.lines().collect();
+    /// Springs, edges of bodies that are not drawn yet, and the rods that are left.
+    pub(crate) fn lines(&self, canvas: &mut Canvas, sample: usize, tone: Tone, drawn: &Edges) {
+        let left = |[a, b]: &[usize; 2]| !drawn.contains(&[*a.min(b), *a.max(b)]);
+        let springs: Vec<[usize; 2]> = self.run.scene.lines().filter(left).collect();
         let rods: Vec<[usize; 2]> = self.run.rods_at(sample).collect();
         for (width, lines) in [(THIN, springs), (THICK, rods)] {
             let mut path = Path::new();
@@ -180,17 +185,12 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Faces, of which all are seen through.
-    pub(crate) fn faces(&self, canvas: &mut Canvas, sample: usize) {
-        let faces = self.run.scene.surface();
-        if faces.is_empty() || faces.len() > LINES {
-            return;
+    /// How a scene in space is seen.
+    pub(crate) fn in_space(&self) -> Option<Projection> {
+        match self.axes {
+            Axes::Seen(projection) if self.run.scene.dimension == 3 => Some(projection),
+            _ => None,
         }
-        let mut path = Path::new();
-        for face in faces {
-            path.outline(&face.corners.map(|corner| self.spot(sample, corner)));
-        }
-        canvas.fill(Tone::Hue(0), FACE, &path);
     }
 
     /// Paths of particles, of which the first has the first hue, with about so many points in all.

@@ -9,8 +9,9 @@ use stationary_measure::{Cell, Column, Table};
 use crate::model::claim::{Event, Measured, Scale};
 use crate::model::observable::Observable;
 use crate::model::particle::Motion;
+use crate::model::stepping::CONTACT_STEPS;
 use crate::run::claims::Verdict;
-use crate::run::samples::Run;
+use crate::run::samples::{LastingContact, Run};
 use crate::text::limits;
 
 /// The tables of a run.
@@ -34,6 +35,8 @@ pub struct Summary {
     pub broken_claims: usize,
     /// Steps whose contact conditions were not met as far as asked, where there are any.
     pub unsettled: Option<String>,
+    /// Steps in which contact lasted where that is stepped otherwise than flight, if there are any.
+    pub lasting: Option<String>,
     /// What the files of the run leave out, where they leave out anything.
     pub left_out: Option<String>,
 }
@@ -67,6 +70,7 @@ impl Summary {
                 .filter(|answer| answer.verdict == Verdict::DoesNotHold)
                 .count(),
             unsettled: (run.unsettled().steps > 0).then(|| unsettled(run)),
+            lasting: (run.lasting_contact().steps > 0).then(|| lasting(run)),
             left_out: run.contact_impulses_end().map(|end| {
                 format!(
                     "contacts.csv ends at t = {end} {unit}: it has at most {} rows; sample less often\n",
@@ -193,6 +197,16 @@ fn unsettled(run: &Run) -> String {
         run.cost().steps,
         found.residual,
         units.velocity()
+    )
+}
+
+fn lasting(run: &Run) -> String {
+    let (LastingContact { steps, time }, unit) = (run.lasting_contact(), &run.scene().units().time);
+    format!(
+        "contact lasted in {steps} of {} steps, for {time:.2} {unit} in all: there the order is 1, at a {}th of \
+         the step\n",
+        run.cost().steps,
+        CONTACT_STEPS,
     )
 }
 
@@ -432,7 +446,7 @@ fn norm(x: [f64; 3]) -> f64 {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n\n{}\n{}", self.title, self.cost, self.invariants)?;
-        let notes = [&self.unsettled, &self.left_out];
+        let notes = [&self.unsettled, &self.lasting, &self.left_out];
         write!(f, "{}", self.observables)?;
         if let Some(budget) = &self.budget {
             write!(f, "\n{budget}")?;

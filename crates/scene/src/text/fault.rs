@@ -64,7 +64,7 @@ pub enum Fault {
         value: f64,
     },
     /// A tolerance outside its range.
-    #[error("the tolerance is {value}; it must be at least {} and below 1", limits::TOLERANCE)]
+    #[error("the tolerance is {value:e}; it must be at least {:e} and below 1", limits::TOLERANCE)]
     Tolerance {
         /// The tolerance.
         value: f64,
@@ -358,7 +358,7 @@ pub enum Fault {
     #[error("there is already a solid called `{0}`")]
     DuplicateSolid(String),
     /// A direction has a length.
-    #[error("{what} is zero; a direction is not")]
+    #[error("{what} has no direction: all its components are zero")]
     NoDirection {
         /// The direction.
         what: &'static str,

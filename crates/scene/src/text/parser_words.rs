@@ -14,7 +14,14 @@ pub(crate) fn in_words(message: &str) -> String {
     }
     let told = ["invalid type: ", "invalid value: "].iter().find_map(|kind| {
         let (got, expected) = message.strip_prefix(kind)?.rsplit_once(", expected ")?;
-        Some(format!("expected {}, got {}", wanted(expected), found(got)))
+        // Who writes a name for a number has an expression in mind.
+        let text = got.strip_prefix("string ").map(|text| text.trim_matches('"'));
+        let named = text.is_some_and(|text| text.parse::<f64>().is_err());
+        let hint = match named && expected == "a number" {
+            true => "; an expression is a text that begins with `=`, such as \"= 2*L\"",
+            false => "",
+        };
+        Some(format!("expected {}, got {}{hint}", wanted(expected), found(got)))
     });
     told.unwrap_or_else(|| message.to_owned())
 }
@@ -64,6 +71,11 @@ mod tests {
             ("invalid value: integer `-2`, expected a spring", "expected a spring, got -2"),
             ("invalid type: floating point `2.5`, expected a rod", "expected a rod, got 2.5"),
             ("invalid type: boolean `true`, expected a map", "expected a table, got `true`"),
+            (
+                "invalid type: string \"2*L\", expected a number",
+                "expected a number, got the text \"2*L\"; an expression is a text that begins with `=`, such as \
+                 \"= 2*L\"",
+            ),
             ("missing field `mass`", "missing field `mass`"),
         ] {
             assert_eq!(in_words(message), words);

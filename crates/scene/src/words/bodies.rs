@@ -22,12 +22,12 @@ use toml::Spanned;
 use crate::text::diagnostic::Checked;
 use crate::text::number::{Components, Number};
 use crate::text::turn::Turn;
-use crate::words::body_tables::{ConeDeclaration, LongDeclaration, PartDeclaration};
+use crate::words::body_tables::{ConeDeclaration, LongDeclaration, PartDeclaration, shaped_table};
 use crate::words::draft::Draft;
-use crate::words::table::{Kind, table};
+use crate::words::table::Kind;
 use crate::words::word::{Feature, Of, RIGID, Word};
 
-table! {
+shaped_table! {
     /// A rigid body: of one shape, of several parts, or of given moments. Its points are called name.0,
     /// name.1 and so on, after the corners of its shape.
     pub(crate) struct BodyDeclaration = "a body" {
@@ -35,22 +35,7 @@ table! {
         name: Spanned<String> = Kind::Name,
         /// Its mass; of a body of parts theirs together, and not said again.
         mass: Option<Spanned<Number>> = Kind::Positive,
-        /// The sides of a solid box.
-        sides as "box": Option<Components> = Kind::Vector,
-        /// The radius of a solid ball; in the plane a disc.
-        ball: Option<Spanned<Number>> = Kind::Positive,
-        /// The corners of a plate in the plane.
-        polygon: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
-        /// A solid capsule along the third axis, in the plane a plate along the first.
-        capsule: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
-        /// A solid cylinder about the third axis, in space.
-        cylinder: Option<LongDeclaration> = Kind::Table(&LongDeclaration::TABLE),
-        /// A solid cone about the third axis, in space; its centre of mass is a quarter of the height above the base.
-        cone: Option<ConeDeclaration> = Kind::Table(&ConeDeclaration::TABLE),
-        /// The half axes of a solid ellipsoid, in space.
-        ellipsoid: Option<Components> = Kind::Vector,
-        /// Points in space of which the body is the solid convex hull.
-        hull: Option<Spanned<Vec<Components>>> = Kind::List(&Kind::Vector),
+    } {
         /// Shapes that are one body.
         parts: Option<Spanned<Vec<PartDeclaration>>> = Kind::List(&Kind::Table(&PartDeclaration::TABLE)),
         /// The principal moments of inertia; one in the plane.
@@ -236,17 +221,7 @@ mod compiled {
     /// The mass, the shape and the moments that a body can have.
     fn shaped(dimension: usize, declared: &BodyDeclaration) -> Checked<(f64, Shaped)> {
         let name = || declared.name.get_ref().clone();
-        let words = ShapeWords {
-            sides: declared.sides.as_ref(),
-            ball: declared.ball.as_ref(),
-            polygon: declared.polygon.as_ref(),
-            capsule: declared.capsule.as_ref(),
-            cylinder: declared.cylinder.as_ref(),
-            cone: declared.cone.as_ref(),
-            ellipsoid: declared.ellipsoid.as_ref(),
-            hull: declared.hull.as_ref(),
-            moments: declared.moments.as_ref(),
-        };
+        let words = ShapeWords { moments: declared.moments.as_ref(), ..declared.shape() };
         let (mass, shaped) = match (&declared.parts, &declared.mass) {
             (Some(_), Some(mass)) => return Err(at(mass.span(), BodyFault::MassOfParts)),
             (Some(_), None) if words.any() => {

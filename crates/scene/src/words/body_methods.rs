@@ -13,6 +13,14 @@ use crate::words::word::CONTACT;
 impl Scene {
     /// An error where the scene's method cannot step its bodies.
     pub(crate) fn check_bodies(&self) -> Result<(), Fault> {
+        if let (Stepping::EventDriven(_), false) = (self.stepping, self.touches_as_bodies()) {
+            let what = "bodies that never meet";
+            let instead = match self.dimension {
+                3 => "add `[contact]`, or name `variational-rotation`",
+                _ => "add `[contact]`, or name `stormer-verlet`",
+            };
+            return Err(Fault::MethodCannot { method: self.stepping.name(), what, instead });
+        }
         if self.has_inequalities() {
             CONTACT.check("strength")?;
             return self.check_touching();
@@ -53,24 +61,15 @@ impl Scene {
         }
     }
 
-    /// An error where the joints are not all the coordinates that the scene needs.
+    /// An error where no coordinates of joints are left to follow motors.
     fn check_joint_coordinates(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
-        let refused = |what| {
-            let instead = match self.dimension {
-                3 => "name `variational-rotation`",
-                _ => "name `stormer-verlet`",
-            };
-            Err(Fault::MethodCannot { method, what, instead })
-        };
-        if !self.rods.is_empty() {
-            return refused("rods between bodies");
-        }
-        if self.drives.has_speeds() {
-            return refused("motors with a speed");
-        }
-        match self.closing_joint() {
-            Some(_) => refused("joints that close a loop"),
+        match self.driven_closing_joint() {
+            Some(_) => {
+                let what = "motors with a speed at all joints of a loop";
+                let instead = "leave the speed of one out: it follows from the others";
+                Err(Fault::MethodCannot { method, what, instead })
+            }
             None => Ok(()),
         }
     }

@@ -14,7 +14,7 @@ use crate::model::body_shape::{BodyPart, BodyShape};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::{BodyFault, Fault};
 use crate::text::{check, limits};
-use crate::words::body_shape::{self, ShapeWords, Shaped, principal};
+use crate::words::body_shape::{self, Shaped, principal};
 use crate::words::body_tables::PartDeclaration;
 
 /// The mass of all parts, and the shape that they make.
@@ -61,18 +61,7 @@ struct Part {
 impl Part {
     fn declared(dimension: usize, declared: &PartDeclaration) -> Checked<Self> {
         let mass = check::positive("the mass", &declared.mass)?;
-        let words = ShapeWords {
-            sides: declared.sides.as_ref(),
-            ball: declared.ball.as_ref(),
-            polygon: declared.polygon.as_ref(),
-            capsule: declared.capsule.as_ref(),
-            cylinder: declared.cylinder.as_ref(),
-            cone: declared.cone.as_ref(),
-            ellipsoid: declared.ellipsoid.as_ref(),
-            hull: declared.hull.as_ref(),
-            moments: None,
-        };
-        let shaped = body_shape::declare(dimension, mass, words)?;
+        let shaped = body_shape::declare(dimension, mass, declared.shape())?;
         let Some(Shaped { shape, moments, centre, axes, .. }) = shaped else {
             return Err(at(declared.mass.span(), BodyFault::PartShape));
         };

@@ -173,6 +173,8 @@ impl Scene {
         match self.stepping {
             Stepping::Equal(method) => method.facts().evaluation == Evaluation::Explicit,
             Stepping::Adaptive { method, .. } => method.is_explicit(),
+            // Its kicks are those of an explicit method.
+            Stepping::Constrained(Constrained::Rattle) => true,
             _ => false,
         }
     }

@@ -38,9 +38,9 @@ table! {
         /// Of a damper at a pin or a hinge: torque over the rate of the turn.
         damping: Option<Spanned<Number>> = Kind::NotNegative,
         /// The least and the largest turn of the second against the first from the start, at a pin or a hinge; of a
-        /// slider in space the least and the largest shift along its axis. What meets them stops.
+        /// slider the least and the largest shift along its axis. What meets them stops.
         limits: Option<Spanned<Vec<Spanned<Number>>>> = Kind::List(&Kind::Number),
-        /// The largest torque of dry friction at a pin or a hinge; of a slider in space the largest force.
+        /// The largest torque of dry friction at a pin or a hinge; of a slider the largest force.
         friction: Option<Spanned<Number>> = Kind::NotNegative,
     }
 }
@@ -199,7 +199,7 @@ mod compiled {
     ) -> Checked<(Option<[f64; 2]>, f64)> {
         let (limits, friction) = (&declared.limits, &declared.friction);
         let turns = kind == JointKind::Hinge || (kind == JointKind::Ball && dimension == 2);
-        let shifts = kind == JointKind::Slider && dimension == 3;
+        let shifts = kind == JointKind::Slider;
         let place = limits.as_ref().map(Spanned::span);
         if let Some(place) = place.or(friction.as_ref().map(Spanned::span))
             && !(turns || shifts)

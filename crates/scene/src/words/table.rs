@@ -102,7 +102,7 @@ macro_rules! table {
     )*) => {$(
         $(#[doc = $says])*
         #[derive(Clone, Debug, $($extra,)? serde::Deserialize)]
-        #[serde(deny_unknown_fields, expecting = $expecting)]
+        #[serde(remote = "Self", deny_unknown_fields)]
         pub(crate) struct $name {
             $(
                 $(#[doc = $about])*
@@ -110,6 +110,28 @@ macro_rules! table {
                 $(#[serde($($serde)*)])?
                 pub(crate) $key: $kind,
             )*
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Keys;
+                impl<'de> serde::de::Visitor<'de> for Keys {
+                    type Value = $name;
+
+                    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                        f.write_str($expecting)
+                    }
+
+                    // A list of values without their keys is no table.
+                    fn visit_map<A: serde::de::MapAccess<'de>>(
+                        self,
+                        map: A,
+                    ) -> Result<$name, A::Error> {
+                        $name::deserialize(serde::de::value::MapAccessDeserializer::new(map))
+                    }
+                }
+                deserializer.deserialize_map(Keys)
+            }
         }
 
         impl $name {

@@ -85,7 +85,7 @@ fn a_joint_that_cannot_be_is_refused_where_it_says_so() {
     let axis = joint("\"ball\"", both, "at = [0, 0, 0]\naxis = <<[0, 0, 1]>>");
     refused(&format!("{two}{axis}"), "only a hinge or a slider has an axis");
     let zero = joint("\"hinge\"", both, "at = [0, 0, 0]\naxis = <<[0, 0, 0]>>");
-    refused(&format!("{two}{zero}"), "the axis is zero; a direction is not");
+    refused(&format!("{two}{zero}"), "the axis has no direction: all its components are zero");
     let moving = format!("{two}velocity = [2, 0, 0]\n");
     let held = joint("\"ball\"", "[\"lid\", \"world\"]", "at = <<[0, 0, 0]>>");
     let message = "`lid` and `world` move apart at 2 a unit of time where they are joined: velocities that are \

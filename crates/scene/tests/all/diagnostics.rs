@@ -270,7 +270,7 @@ fn a_vector_has_as_many_components_as_the_scene_has_dimensions() {
     let text = format!("{HEAD}view = <<[0, 0, 0]>>\n{BALL}")
         .replace("dimension = 2", "dimension = 3")
         .replace("position = [0, 0]", "position = [0, 0, 0]");
-    refused(&text, "the view is zero; a direction is not");
+    refused(&text, "the view has no direction: all its components are zero");
 }
 
 #[test]
@@ -366,7 +366,10 @@ fn a_net_has_rows_columns_and_a_right_angle() {
     }
     let skew = format!("{HEAD}{NET}across = <<[1, 1]>>\n");
     refused(&skew, "the two sides are not at a right angle");
-    refused(&format!("{HEAD}{NET}down = <<[0, 0]>>\n"), "`down` is zero; a direction is not");
+    refused(
+        &format!("{HEAD}{NET}down = <<[0, 0]>>\n"),
+        "`down` has no direction: all its components are zero",
+    );
     let line = HEAD.replace("dimension = 2", "dimension = 1");
     let net = NET.replace("\"net\"", "<<\"net\">>");
     refused(&format!("{line}{net}"), "a net needs a scene of dimension 2 or 3");

@@ -402,3 +402,27 @@ fn what_cannot_be_driven_is_refused_with_the_reason() {
         base.replace("stormer-verlet", "yoshida-6") + "loads = [{ on = \"b\", force = [1, 0] }]\n";
     assert!(matches!(fault(&high), Fault::MethodCannot { .. }));
 }
+
+/// Along its rod a dumbbell is moved by a pin as one particle of the mass of both, to rounding.
+#[test]
+fn a_pin_that_moves_pulls_at_what_hangs_on_rods_as_at_one_mass() {
+    let of = |method: &str, particles: &str, rods: &str| {
+        let text = format!(
+            "dimension = 2\nintegrator = \"{method}\"\nstep = 0.01\nhorizon = 3\n\
+             observables = [{{ position = \"p\" }}]\n\
+             particles = [{{ name = \"hook\", pinned = true, position = [-1, 0] }}, {particles}]\n\
+             springs = [{{ between = [\"hook\", \"p\"], stiffness = 5 }}]\n{rods}\
+             motions = [{{ of = \"hook\", shift = [0.4, 0], strength = {{ ramp = [0, 1], to = 1.5 }} }}]\n"
+        );
+        Scene::parse("pin.toml", &text).unwrap_or_else(|error| panic!("{error}")).run().unwrap()
+    };
+    let one = of("stormer-verlet", "{ name = \"p\", mass = 3, position = [0, 0] }", "");
+    let both = "{ name = \"p\", mass = 1, position = [0, 0] }, { name = \"q\", mass = 2, position = [1, 0] }";
+    let two = of("rattle", both, "rods = [{ between = [\"p\", \"q\"] }]\n");
+    for sample in 0..one.times().len() {
+        let [a, b] = [&one, &two].map(|run| run.observed(sample)[0]);
+        assert!((a - b).abs() < 1e-12, "{sample}: {a} {b}");
+    }
+    let [a, b] = [&one, &two].map(|run| run.works()[0].1);
+    assert!((a - b).abs() < 1e-12 && a > 0.01, "{a} {b}");
+}

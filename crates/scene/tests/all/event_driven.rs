@@ -76,4 +76,28 @@ fn what_flight_has_no_place_for_is_refused() {
     let message = "`event-driven-2` cannot step loads, motors, drag, dampers, a frame that turns or changing \
                    gravity: name `variational-rotation`";
     refused(&drag, message);
+    // Nothing meets without contact.
+    let alone = marked.split("[contact]").next().unwrap();
+    refused(
+        alone,
+        "`event-driven-2` cannot step bodies that never meet: add `[contact]`, or name `variational-rotation`",
+    );
+}
+
+/// A ball that is laid on a wall rests from the start; one that flies past never does.
+#[test]
+fn the_summary_says_where_contact_lasted() {
+    for method in WORDS {
+        let laid = bouncing(method, 0.031_25).replace("[0, 0, 1.1]", "[0, 0, 0.1]");
+        let run = Scene::parse("a.toml", &laid).unwrap().run().unwrap();
+        let lasting = run.lasting_contact();
+        assert_eq!(lasting.steps, 32);
+        assert!((lasting.time - 1.0).abs() < 1e-12, "{lasting:?}");
+        let words = run.summary().to_string();
+        let line = "contact lasted in 32 of 32 steps, for 1.00 s in all: there the order is 1, at a 64th of the step";
+        assert!(words.contains(line), "{words}");
+        let flying = Scene::parse("a.toml", &bouncing(method, 0.031_25)).unwrap().run().unwrap();
+        assert_eq!(flying.lasting_contact().steps, 0);
+        assert!(!flying.summary().to_string().contains("lasted"));
+    }
 }

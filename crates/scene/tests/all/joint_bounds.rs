@@ -173,6 +173,39 @@ fn a_rod_breaks_beside_bodies_at_the_load_of_its_strength() {
     }
 }
 
+/// A block on a tilted rail that turns with a wheel of moment 2, or is fixed.
+fn on_a_rail(words: &str, velocity: &str) -> String {
+    format!(
+        "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.001\nhorizon = 3\n\
+         observables = [{{ distance = [\"block\", \"mark\"] }}]\n\
+         particles = [{{ name = \"mark\", position = [-3, -4], pinned = true }}]\n\
+         bodies = [{{ name = \"block\", mass = 2, box = [1, 1], position = [0, 0], velocity = {velocity} }}]\n\
+         joints = [{{ kind = \"slider\", between = [\"world\", \"block\"], at = [0, 0], axis = [3, 4], {words} }}]\n"
+    )
+}
+
+#[test]
+fn a_slider_of_the_plane_stops_at_its_limits_and_by_its_friction() {
+    // At 2.5 m/s it is at the limit, 1 m away, after 0.4 s, and stays there: an impact without restitution.
+    let stopped = run(&on_a_rail("limits = [-0.5, 1]", "[1.5, 2]"));
+    for sample in [200, 300, 399, 500, 3000] {
+        let shift = (2.5 * stopped.times()[sample]).min(1.0);
+        let found = stopped.observed(sample)[0] - 5.0;
+        assert!((found - shift).abs() < 3e-3, "{sample}: {found} {shift}");
+    }
+    // The other way to the other one, by the order of its ends.
+    let back = on_a_rail("limits = [-1, 0.5]", "[1.5, 2]");
+    let back = run(&back.replace("[\"world\", \"block\"]", "[\"block\", \"world\"]"));
+    assert!((back.observed(3000)[0] - 6.0).abs() < 3e-3, "{:?}", back.observed(3000));
+    // m v/f = 1 s and m v^2/(2 f) = 1.25 m.
+    let rubbed = run(&on_a_rail("friction = 5", "[1.5, 2]"));
+    for (sample, shift) in [(500, 1.25 - 0.25 * 1.25), (1000, 1.25), (3000, 1.25)] {
+        let found = rubbed.observed(sample)[0] - 5.0;
+        assert!((found - shift).abs() < 3e-3, "{sample}: {found} {shift}");
+    }
+    assert!(left(&rubbed) < 1e-2, "{}", left(&rubbed));
+}
+
 #[test]
 fn limits_and_friction_that_cannot_be_are_refused() {
     let fault = |text: &str| match Scene::parse("bad.toml", text) {

@@ -1,6 +1,7 @@
 //! What holds of `stationary-scene`, in one binary: what is generic is compiled once.
 
 mod any_input;
+mod bad_scenes;
 mod bodies;
 mod body_diagnostics;
 mod built;
@@ -17,6 +18,7 @@ mod frames;
 mod heat;
 mod joint_bounds;
 mod joint_coordinates;
+mod joint_loops;
 mod jointed_contact;
 mod mixture_diagnostics;
 mod mixtures;

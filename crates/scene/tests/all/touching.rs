@@ -106,7 +106,7 @@ fn contact_that_cannot_be_is_refused_where_it_says_so() {
     refused("friction = 0.5", "particles have no friction");
     refused("law = \"jacoby\"", "did you mean `jacobi`?");
     refused("when = \"after\"", "did you mean `after-overlap`?");
-    refused("walls = [{ normal = [0], at = [0] }]", "the normal is zero");
+    refused("walls = [{ normal = [0], at = [0] }]", "the normal has no direction");
     refused("balls = [{ at = [0], radius = 0 }]", "the radius is 0");
     refused("balls = [{ at = [0], radius = 1.5 }]", "`ball` overlaps an obstacle by");
     let text = "dimension = 1\nintegrator = \"runge-kutta-4\"\nstep = 0.1\nhorizon = 1\n[contact]\n\

@@ -231,7 +231,7 @@ fn joints_are_the_coordinates_where_that_is_cheaper() {
         let whole = held.filter(|other| other.moment == row.moment).map(|other| other.work);
         assert!(whole.min().is_none_or(|work| work > 5 * row.work), "{answer}");
     }
-    // Beside what touches and in loops bodies keep their own.
+    // Beside what touches bodies keep their own.
     let touching =
         format!("contact = {{}}\n{}", text.replace("moments = [0.1, 0.1, 0.01]", "ball = 0.1"));
     let runs = bounded_runs(&touching, "position=lower");

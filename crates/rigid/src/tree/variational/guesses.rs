@@ -35,6 +35,11 @@ impl Guesses {
         self.end = f64::NAN;
     }
 
+    /// Whether the last step led to this time.
+    pub(super) fn go_on_from(&self, t: f64) -> bool {
+        t == self.end
+    }
+
     /// Writes the displacement that is expected of a step; whether one is.
     pub(super) fn expect(&mut self, (t, h): (f64, f64)) -> bool {
         if t != self.end || !self.speeds.is_full() {

@@ -111,7 +111,7 @@ impl Equations {
 impl<D> TreeVariational<D> {
     /// The matrix and what is left of the equations where the guess has the tree; the longest turn.
     fn factor(&mut self, h: f64) -> Result<f64, StepError> {
-        let TreeVariational { before, equations, kicks, prescribed, gravity, .. } = self;
+        let TreeVariational { before, equations, kicks, gravity, .. } = self;
         let Equations { at, forms, forces, forks, levers, inverses, .. } = equations;
         let Equations { rest, carried: carries, slopes, size, reach, .. } = equations;
         for &fork in &*forks {
@@ -144,9 +144,6 @@ impl<D> TreeVariational<D> {
             }
             for k in link.speeds.clone().rev() {
                 let (minus, plus) = (&before.columns[k], &at.columns[k]);
-                if prescribed.holds(k) {
-                    continue;
-                }
                 let own = [form.times(plus), form.transposed_times(minus)];
                 let pivot = own[0].along(minus);
                 if pivot.is_nan() || pivot <= 0.0 {
@@ -173,7 +170,7 @@ impl<D> TreeVariational<D> {
 
     /// What is left of the equations where the last correction has led, for the same matrix; the longest turn.
     fn reduce(&mut self, h: f64) -> f64 {
-        let TreeVariational { before, after, equations, kicks, prescribed, gravity, .. } = self;
+        let TreeVariational { before, after, equations, kicks, gravity, .. } = self;
         let Equations { forces, forks, levers, inverses, rest, carried: carries, .. } = equations;
         for &fork in &*forks {
             forces[fork] = SpatialForce::zero();
@@ -193,9 +190,6 @@ impl<D> TreeVariational<D> {
                 f += forces[body];
             }
             for k in link.speeds.clone().rev() {
-                if prescribed.holds(k) {
-                    continue;
-                }
                 rest[k] = kicks.momenta[k] - f.along(&before.columns[k]);
                 f += levers[k][0] * (rest[k] * inverses[k]);
             }
@@ -212,7 +206,7 @@ impl<D> TreeVariational<D> {
 
     /// Solves for the correction, and places the tree where it leads; its size, kg^1/2 m.
     fn correct(&mut self) -> f64 {
-        let TreeVariational { after, equations, prescribed, guesses, next, .. } = self;
+        let TreeVariational { after, equations, guesses, next, .. } = self;
         let Equations { at, levers, inverses, rest, moved, change, .. } = equations;
         let Tree { links, .. } = &at.tree;
         let mut size = 0.0;
@@ -223,10 +217,6 @@ impl<D> TreeVariational<D> {
                 None => Twist::zero(),
             };
             for k in link.speeds.clone() {
-                if prescribed.holds(k) {
-                    change[k] = 0.0;
-                    continue;
-                }
                 let felt = levers[k][1].along(&own);
                 change[k] = (rest[k] - felt) * inverses[k];
                 guesses.displacement[k] += change[k];

@@ -107,8 +107,7 @@ pub enum BodyFault {
     SpringWithoutAxis,
     /// Limits or friction of a joint without one turn or shift that is measured.
     #[error(
-        "`limits` and `friction` are of a `pin` or a `hinge`, or in space of a `slider`; in the plane a slider \
-         stops at a wall or a ball of [contact]"
+        "`limits` and `friction` are of a `pin`, a `hinge` or a `slider`; this joint has no one turn or shift"
     )]
     BoundsWithoutCoordinate,
     /// Limits that do not hold the start between them.
