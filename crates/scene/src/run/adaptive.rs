@@ -35,9 +35,10 @@ pub(crate) trait Reader {
     /// Writes the scene's state.
     fn read(&mut self, t: f64, y: &[f64], state: &mut State<Vec<f64>>) -> Result<(), StepFailure>;
 
-    /// Brings the numbers where what is held is held; whether that changed them by more than is worth it.
-    fn restore(&mut self, _t: f64, _y: &mut [f64]) -> Result<bool, StepFailure> {
-        Ok(false)
+    /// Brings the numbers where what is held is held; where that changed them by more than an error may, or a motor's
+    /// speed jumps, the work of the jump.
+    fn restore(&mut self, _t: f64, _y: &mut [f64]) -> Result<Option<f64>, StepFailure> {
+        Ok(None)
     }
 
     /// Goes on from numbers at a time that were brought there.
@@ -203,8 +204,9 @@ impl Stepper for Reading<'_> {
         while self.method.moment().t < to {
             let t = self.method.moment().t;
             self.again.clone_from(self.method.moment());
-            if self.reader.restore(t, &mut self.again.y)? {
+            if let Some(work) = self.reader.restore(t, &mut self.again.y)? {
                 self.method.restart(&self.again)?;
+                self.driven.iter_mut().for_each(|driven| driven.of_speeds += work);
             }
             self.before.clear();
             self.method.visit(&mut |number| self.before.push(*number));

@@ -5,6 +5,7 @@ mod bad_scenes;
 mod bodies;
 mod body_diagnostics;
 mod built;
+mod chaotic_scenes;
 mod checkpoints;
 mod claims;
 mod diagnostics;

@@ -55,29 +55,36 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> JointReader<D> {
         })
     }
 
-    /// Sets the numbers where what is held is held, and the motion there; whether a motor's speed jumps.
-    fn hold(&mut self, t: f64, y: &[f64]) -> Result<bool, TreeError> {
-        let JointReader { joints, motion, loops, y: own, jumps, jumped, .. } = self;
-        own.copy_from_slice(y);
-        let (q, v) = own.split_at_mut(joints.tree.coordinates());
-        let ahead = t > *jumped;
-        for (jump, speed) in jumps.iter_mut().zip(&joints.speeds) {
+    /// Sets the numbers where what is held is held, and the motion there; the work of motors whose speed jumps, where
+    /// one does.
+    fn hold(&mut self, t: f64, y: &[f64]) -> Result<Option<f64>, TreeError> {
+        let ahead = t > self.jumped;
+        for (jump, speed) in self.jumps.iter_mut().zip(&self.joints.speeds) {
             *jump = if ahead { speed.jump(t) } else { 0.0 };
         }
-        let jumps_here = jumps.iter().any(|&jump| jump != 0.0);
-        if jumps_here {
-            motion.change_held(q, v, jumps)?;
+        self.y.copy_from_slice(y);
+        if self.jumps.iter().all(|&jump| jump == 0.0) {
+            self.close(t, false)?;
+            return Ok(None);
         }
-        for drive in &joints.drives {
+        self.close(t, true)?;
+        let before = self.motion.kinetic_energy();
+        let (q, v) = self.y.split_at_mut(self.joints.tree.coordinates());
+        self.motion.change_held(q, v, &self.jumps)?;
+        self.close(t, false)?;
+        // Loops do none.
+        Ok(Some(self.motion.kinetic_energy() - before))
+    }
+
+    /// Leads what follows motors, at the speed before a jump or after it, and closes loops.
+    fn close(&mut self, t: f64, before: bool) -> Result<(), TreeError> {
+        let JointReader { joints, motion, loops, y, jumps, .. } = self;
+        let (q, v) = y.split_at_mut(joints.tree.coordinates());
+        for (drive, jump) in joints.drives.iter().zip(jumps) {
             let ([place, speed, _], [coordinate, number]) = (drive.motion(t), drive.places());
-            (q[coordinate], v[number]) = (place, speed);
+            (q[coordinate], v[number]) = (place, if before { speed - *jump } else { speed });
         }
-        if loops.rows() > 0 {
-            loops.close(motion, q, v)?;
-        } else {
-            motion.place(q, v)?;
-        }
-        Ok(jumps_here)
+        if loops.rows() > 0 { loops.close(motion, q, v) } else { motion.place(q, v) }
     }
 }
 
@@ -92,18 +99,19 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Reader for JointReader<D> {
         Ok(joints.read(motion, state)?)
     }
 
-    fn restore(&mut self, t: f64, y: &mut [f64]) -> Result<bool, StepFailure> {
+    fn restore(&mut self, t: f64, y: &mut [f64]) -> Result<Option<f64>, StepFailure> {
         if self.loops.rows() == 0 && self.joints.speeds.is_empty() {
-            return Ok(false);
+            return Ok(None);
         }
-        let jumps = self.hold(t, y)?;
+        let work = self.hold(t, y)?;
         self.jumped = t;
         let off = self.y.iter().zip(&*y).map(|(held, y)| (held - y).abs());
         let opened = off.zip(&self.allowed).any(|(off, allowed)| off > OPENED * allowed);
-        if opened || jumps {
-            y.copy_from_slice(&self.y);
+        if !opened && work.is_none() {
+            return Ok(None);
         }
-        Ok(opened || jumps)
+        y.copy_from_slice(&self.y);
+        Ok(Some(work.unwrap_or(0.0)))
     }
 
     fn go_on_from(&mut self, t: f64) {
