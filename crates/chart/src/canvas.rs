@@ -119,7 +119,7 @@ impl Canvas {
 
     /// Paper over what a path encloses.
     pub fn cover(&mut self, path: &Path) {
-        self.path("paper", &path.data());
+        self.path("paper", path.data());
     }
 
     /// A filled circle with a rim of paper, which keeps it apart from what it covers.

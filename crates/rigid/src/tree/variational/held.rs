@@ -16,7 +16,7 @@ use super::super::error::TreeError;
 use super::super::loops::{LoopRow, Rank, TreeLoops};
 use super::super::motion::TreeMotion;
 use super::super::prescribed::TreeDrive;
-use super::super::spatial::Twist;
+use super::super::spatial::{SpatialForce, Twist};
 use super::TreeVariational;
 
 /// Most corrections of the impulses: it takes two or three.
@@ -103,7 +103,7 @@ impl Held {
                 Err(drive) => {
                     lever.fill(0.0);
                     lever[drive.speed] = 1.0;
-                    motion.forces.fill(super::super::spatial::SpatialForce::zero());
+                    motion.forces.fill(SpatialForce::zero());
                     motion.solve(lever, |_| Twist::zero(), response);
                 }
             }

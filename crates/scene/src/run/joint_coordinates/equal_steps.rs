@@ -32,12 +32,15 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> HoldingSteps for TreeVariational<
     }
 }
 
-/// The steps with what is held, and the state in which they start.
+/// Steps, and the state in which they start.
+type Started<'a> = (Box<dyn HoldingSteps + 'a>, State<Vec<f64>>);
+
+/// The steps with what is held.
 fn holding<'a, D: Fn(f64, &TreeMotion, &mut TreeForces) + 'a>(
     steps: TreeVariational<D>,
     joints: &JointTree,
     [q, v]: [&[f64]; 2],
-) -> Result<(Box<dyn HoldingSteps + 'a>, State<Vec<f64>>), TreeError> {
+) -> Result<Started<'a>, TreeError> {
     let mut steps = steps.prescribed(joints.drives.clone())?;
     if joints.loops.rows() > 0 {
         steps = steps.closed(joints.loops.clone())?;
