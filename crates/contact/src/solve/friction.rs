@@ -89,6 +89,12 @@ pub(crate) fn square_across<const D: usize>(x: &[f64; D]) -> f64 {
     x[1..].iter().map(|x| x * x).sum()
 }
 
+/// Impulses that do not pull, with friction within what they allow.
+pub(crate) fn into_cone<const D: usize>(mut x: [f64; D], friction: f64) -> [f64; D] {
+    x[0] = x[0].max(0.0);
+    disc(x, friction * x[0])
+}
+
 /// The impulses whose part across the normal is the nearest point of a disc about zero.
 #[inline]
 pub(crate) fn disc<const D: usize>(mut x: [f64; D], radius: f64) -> [f64; D] {
@@ -167,6 +173,14 @@ mod tests {
         assert!((lifted.0[1] - expected).abs() < 1e-14 && expected > 1.0);
         let (kept, _) = rub(mu, [s, 0.0, -w]);
         assert!(kept[2].abs() < 1e-15 && (kept[0] - (s - mu * w)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rounding_of_changes_is_taken_back_into_the_cone() {
+        // An impulse that shrank from 1 to 1e-13 has friction that is off by the rounding of 1.
+        assert_eq!(into_cone([1e-13, 3e-13, 4e-13], 1.0), [1e-13, 0.6e-13, 0.8e-13]);
+        assert_eq!(into_cone([-1e-17, 0.0, 1e-17], 1.0), [0.0; 3]);
+        assert_eq!(into_cone([1.0, 0.5, 0.0], 1.0), [1.0, 0.5, 0.0]);
     }
 
     #[test]
