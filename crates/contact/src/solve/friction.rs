@@ -89,8 +89,8 @@ pub(crate) fn square_across<const D: usize>(x: &[f64; D]) -> f64 {
     x[1..].iter().map(|x| x * x).sum()
 }
 
-/// Impulses that do not pull, and rub no more than Coulomb's cone allows.
-pub(crate) fn in_cone<const D: usize>(mut x: [f64; D], friction: f64) -> [f64; D] {
+/// Impulses that do not pull, with friction within what they allow.
+pub(crate) fn into_cone<const D: usize>(mut x: [f64; D], friction: f64) -> [f64; D] {
     x[0] = x[0].max(0.0);
     disc(x, friction * x[0])
 }
@@ -173,6 +173,14 @@ mod tests {
         assert!((lifted.0[1] - expected).abs() < 1e-14 && expected > 1.0);
         let (kept, _) = rub(mu, [s, 0.0, -w]);
         assert!(kept[2].abs() < 1e-15 && (kept[0] - (s - mu * w)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rounding_of_changes_is_taken_back_into_the_cone() {
+        // An impulse that shrank from 1 to 1e-13 has friction that is off by the rounding of 1.
+        assert_eq!(into_cone([1e-13, 3e-13, 4e-13], 1.0), [1e-13, 0.6e-13, 0.8e-13]);
+        assert_eq!(into_cone([-1e-17, 0.0, 1e-17], 1.0), [0.0; 3]);
+        assert_eq!(into_cone([1.0, 0.5, 0.0], 1.0), [1.0, 0.5, 0.0]);
     }
 
     #[test]

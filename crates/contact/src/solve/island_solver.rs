@@ -13,7 +13,7 @@ use std::ops::{Add, Mul};
 
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::FreeMotion;
-use crate::solve::friction::in_cone;
+use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
@@ -142,7 +142,7 @@ where
         for (&i, directions) in members.iter().zip(&self.directions) {
             let guess = directions.map(|direction| G::dot(&impulses[i], &direction));
             // The normal may have turned since: a guess pulls no more than any impulse does.
-            self.x.push(in_cone(guess, free.points[i].friction));
+            self.x.push(into_cone(guess, free.points[i].friction));
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
         let island = Island { contacts: &self.contacts, bodies };
@@ -192,9 +192,9 @@ where
             report.relaxed += relaxed;
             report.solved += solved;
         }
-        // Differences of impulses were added up: what is left of large ones may lie beside the cone.
-        for (contact, x) in self.contacts.iter().zip(x.iter_mut()) {
-            *x = in_cone(*x, contact.friction);
+        // Changes leave their rounding in impulses, which is large for those that have become small.
+        for (x, contact) in x.iter_mut().zip(&self.contacts) {
+            *x = into_cone(*x, contact.friction);
         }
         sweeps.refresh(island, x);
         left = sweeps.residuals(island, x);
