@@ -176,9 +176,8 @@ mod tests {
     }
 
     #[test]
-    fn rounding_of_changes_is_taken_back_into_the_cone() {
-        // An impulse that shrank from 1 to 1e-13 has friction that is off by the rounding of 1.
-        assert_eq!(into_cone([1e-13, 3e-13, 4e-13], 1.0), [1e-13, 0.6e-13, 0.8e-13]);
+    fn impulses_outside_of_the_cone_are_taken_back_into_it() {
+        assert_eq!(into_cone([5.0, 6.0, 8.0], 1.0), [5.0, 3.0, 4.0]);
         assert_eq!(into_cone([-1e-17, 0.0, 1e-17], 1.0), [0.0; 3]);
         assert_eq!(into_cone([1.0, 0.5, 0.0], 1.0), [1.0, 0.5, 0.0]);
     }
