@@ -7,9 +7,7 @@ use stationary_constraints::{
     Adaptive, Composed, ConstrainedIntegrator, Rattle, Redundancy, SparseDiagonal, StepTolerance,
 };
 use stationary_contact::{Kept, PlanarDetector, PlanarWorld};
-use stationary_integrators::{
-    AdaptiveMethod, DormandPrince853, Integrator, Moment, Scheme, State, Tolerance,
-};
+use stationary_integrators::{AdaptiveMethod, DormandPrince853, Moment, Scheme, State, Tolerance};
 use stationary_rigid::tree::{Tree, TreeBuilder, TreeField, TreeForces, TreeLoops, TreeMotion};
 use stationary_rigid::{
     Body, JointEnd, JointKind, LieGroup, PlanarEnd, PlanarJoint, PlanarJointKind, PlanarMotion,
@@ -78,7 +76,7 @@ fn start(kind: PlanarJointKind) -> Stored {
     State::new(vec![a.x, a.y, TURNED, b.x, b.y, turned], Covector(vec![0.0; 6]))
 }
 
-fn system() -> System<DiagonalMetric, PlanarWeight> {
+fn system() -> System<DiagonalMetric<Vec<f64>>, PlanarWeight> {
     let moment = body().moments().z;
     let metric = DiagonalMetric::new([MASS, MASS, moment].repeat(2)).unwrap();
     System::new(metric, PlanarWeight { gravity: GRAVITY, masses: vec![MASS; 2] }).unwrap()
