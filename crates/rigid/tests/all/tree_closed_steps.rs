@@ -108,7 +108,7 @@ fn loops_are_held_with_the_motion_the_torque_and_the_work_of_rattle() {
         let mut full = system.metric().state(&bodies).unwrap();
         let mut method = steps(driven);
         let mut state = method.state(&q, &v).unwrap();
-        let held = (joints.clone(), vec![drive.clone(); usize::from(driven)]);
+        let held = (joints.clone(), vec![drive; usize::from(driven)]);
         let mut rattle = Rattle::along(free, &system, &held, &full, equations).unwrap();
         let mut works = [0.0; 2];
         for _ in 0..1000 {

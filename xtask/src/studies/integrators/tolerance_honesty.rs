@@ -50,6 +50,8 @@ const MOST_STEPS: u64 = 30_000;
 const HONEST: f64 = 100.0;
 /// The same for the formulas of order 2, whose many steps add up.
 const HONEST_AT_ORDER_2: f64 = 1_000.0;
+/// The same for order 5, whose steps are long and err alike at tolerances of 1e-3 and looser.
+const HONEST_AT_ORDER_5: f64 = 300.0;
 /// Where `A tol` is above, errors are as large as the motion and say nothing of the tolerance.
 const CHAOTIC: f64 = 0.01;
 
@@ -326,6 +328,7 @@ impl Measured {
     fn new(method: Adaptive, name: &'static str) -> Self {
         let bound = match method {
             Adaptive::BackwardDifferences(2) => HONEST_AT_ORDER_2,
+            Adaptive::DormandPrince54 => HONEST_AT_ORDER_5,
             _ => HONEST,
         };
         Measured { name, bound, ratios: Vec::new() }
