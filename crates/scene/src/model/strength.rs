@@ -221,6 +221,7 @@ mod tests {
         assert_eq!(step.next_corner(0.0), Some(0.3));
         assert_eq!(step.next_corner(0.3), None);
         assert_eq!(table.next_corner(0.1), Some(0.4));
-        assert_eq!((step.jump(0.3), table.jump(0.4), table.jump(0.1)), (4.0, -2.0, 0.0));
+        assert_eq!((step.jump(0.3), table.jump(0.1)), (4.0, 0.0));
+        assert!((table.jump(0.4) + 2.0).abs() < 1e-14, "{}", table.jump(0.4));
     }
 }
