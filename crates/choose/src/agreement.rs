@@ -32,8 +32,7 @@ pub enum Agreement {
     None,
 }
 
-/// A choice and the truth at the moments of its way, in the observable's unit what the two may be apart, how near a
-/// run of another kind must come to the truth, and what reading it off may lose.
+/// A choice and its reference at the moments of its way; bounds in the observable's unit.
 pub struct Judged<'w> {
     /// The moments.
     pub way: &'w Way,
@@ -43,9 +42,9 @@ pub struct Judged<'w> {
     pub truth: &'w Look,
     /// What the choice may be off.
     pub promised: f64,
-    /// How near another kind must come.
+    /// How near to the reference a run of another kind must come.
     pub near: f64,
-    /// What may be lost.
+    /// What reading that run off between its samples may lose.
     pub allowed: f64,
 }
 

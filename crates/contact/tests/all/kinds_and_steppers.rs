@@ -18,6 +18,8 @@ use stationary_rigid::{
     JointFault, JointKind, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
 
+use crate::apart::{off, order};
+
 type V = Vector3<f64>;
 type Joints = Vec<Joint<Poses>>;
 type Stored = State<Vec<f64>>;
@@ -132,20 +134,11 @@ fn places(q: &[f64]) -> Vec<f64> {
     [one(0), one(1)].concat().iter().flat_map(|v| [v.x, v.y, v.z]).collect()
 }
 
-fn off(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
 /// The places after equal steps.
 fn stepped(start: &Stored, steps: u32, mut step: impl FnMut(&mut Stored, f64)) -> Vec<f64> {
     let mut state = start.clone();
     (0..steps).for_each(|_| step(&mut state, TIME / f64::from(steps)));
     places(&state.q)
-}
-
-/// The order that two numbers of steps show, one twice the other.
-fn order(error: impl Fn(u32) -> f64, steps: u32) -> f64 {
-    (error(steps) / error(2 * steps)).log2()
 }
 
 fn tree_places(tree: &Tree, q: &[f64]) -> Vec<f64> {

@@ -1,5 +1,7 @@
 //! What holds of `stationary-contact`, in one binary: what is generic is compiled once.
 
+#[cfg(any(feature = "2d", feature = "3d"))]
+mod apart;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod bad_input;
 #[cfg(all(feature = "2d", feature = "3d"))]

@@ -14,6 +14,8 @@ use stationary_rigid::{
     PlanarRotation, PlanarWeight, RigidMotion, Rotation,
 };
 
+use crate::apart::{off, order};
+
 type Stored = State<Vec<f64>>;
 
 const AXIS: Vector2<f64> = Vector2::new(0.6, 0.8);
@@ -89,20 +91,11 @@ fn joints(kind: PlanarJointKind) -> Vec<PlanarJoint> {
         .into()
 }
 
-fn off(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
 /// The places after equal steps.
 fn stepped(start: &Stored, steps: u32, mut step: impl FnMut(&mut Stored, f64)) -> Vec<f64> {
     let mut state = start.clone();
     (0..steps).for_each(|_| step(&mut state, TIME / f64::from(steps)));
     state.q
-}
-
-/// The order that two numbers of steps show, one twice the other.
-fn order(error: impl Fn(u32) -> f64, steps: u32) -> f64 {
-    (error(steps) / error(2 * steps)).log2()
 }
 
 fn raised(point: Vector2<f64>, angle: f64) -> RigidMotion {

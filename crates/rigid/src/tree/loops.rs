@@ -8,7 +8,8 @@
 //! `v._0` the accelerations of the open tree, `lambda` minus what the joint's first end exerts along
 //! each row (N, or N m). Each row is one more pass over the tree, so that a few rows cost little;
 //! their matrix is full. What the accelerations still miss of the rows is solved for again: the matrix
-//! squares the angle between rows, and would lose what rows that nearly depend on each other ask for. Rows that the tree or other rows hold already are refused, or set aside where
+//! squares the angle between rows, and would lose what rows that nearly depend on each other ask for.
+//! Rows that the tree or other rows hold already are refused, or set aside where
 //! [`TreeLoops::keep_independent`] asks for it: of a hinge that closes a loop of parallel hinges three
 //! rows of five.
 //!

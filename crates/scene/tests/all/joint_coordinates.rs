@@ -44,7 +44,7 @@ fn branches(method: &str, step: f64) -> Scene {
 }
 
 /// The largest difference of places at the moments of the coarser run.
-fn apart(fine: &Run, coarse: &Run) -> f64 {
+pub(crate) fn apart(fine: &Run, coarse: &Run) -> f64 {
     let every = (fine.times().len() - 1) / (coarse.times().len() - 1);
     let differ = |sample: usize| {
         let (a, b) = (fine.positions(every * sample), coarse.positions(sample));
@@ -53,7 +53,8 @@ fn apart(fine: &Run, coarse: &Run) -> f64 {
     (0..coarse.times().len()).map(differ).fold(0.0, f64::max)
 }
 
-fn defect(run: &Run) -> f64 {
+/// What the works leave of the change of energy, joules.
+pub(crate) fn defect(run: &Run) -> f64 {
     let energies = run.energies();
     let change = energies[energies.len() - 1] - energies[0];
     change - run.works().iter().map(|(_, work)| work).sum::<f64>()

@@ -4,6 +4,7 @@
 use stationary_scene::{Fault, Run, Scene, SceneError};
 
 use crate::checkpoints::assert_resumes;
+use crate::joint_coordinates::{apart, defect};
 
 fn scene(text: &str) -> Scene {
     Scene::parse("loops.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -75,22 +76,6 @@ fn tilted_hinges() -> String {
      { kind = \"hinge\", between = [\"c\", \"b\"], at = [2, 0.5, 1.2], axis = [0, 1, 0] },\n\
      { kind = \"hinge\", between = [\"world\", \"c\"], at = [2.5, 0, 0], axis = [0, 1, 0] }]\n"
         .to_owned()
-}
-
-/// The largest difference of places at the moments of the coarser run.
-fn apart(fine: &Run, coarse: &Run) -> f64 {
-    let every = (fine.times().len() - 1) / (coarse.times().len() - 1);
-    let differ = |sample: usize| {
-        let (a, b) = (fine.positions(every * sample), coarse.positions(sample));
-        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    (0..coarse.times().len()).map(differ).fold(0.0, f64::max)
-}
-
-fn defect(run: &Run) -> f64 {
-    let energies = run.energies();
-    let change = energies[energies.len() - 1] - energies[0];
-    change - run.works().iter().map(|(_, work)| work).sum::<f64>()
 }
 
 const EXACT: &str = "\"dormand-prince-853\"\ntolerance = 1e-11";
