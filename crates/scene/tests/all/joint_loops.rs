@@ -1,7 +1,7 @@
 //! Loops, rods and motors with a speed in the coordinates of joints: the motion, tensions and works of bodies that
 //! are held by forces.
 
-use stationary_scene::{Fault, Run, Scene, SceneError};
+use stationary_scene::{Fault, Scene, SceneError};
 
 use crate::checkpoints::assert_resumes;
 use crate::joint_coordinates::{apart, defect};
