@@ -6,7 +6,7 @@
 //! ```
 //! Runs are tried from the cheapest on, those of no sort of method long before those of another.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use stationary_integrators::Evaluation;
 
@@ -34,6 +34,9 @@ pub const PATIENCE: u64 = 10;
 
 /// A run that is unlikely to agree is tried before one that may where it is so many times cheaper.
 const UNLIKELY: u64 = 4;
+
+/// How much dearer a run may be than was known of its like, before others are tried.
+const OVERRUN: u64 = 4;
 
 /// Looks for a run of another family near the reference, and makes one where there is none.
 pub fn confirmed(
@@ -118,7 +121,8 @@ pub fn confirmed(
             break;
         };
         let most_error = tolerance + reference.uncertainty;
-        let most_work = u64::MAX;
+        // What turns out to be far dearer than was known is tried again in its turn.
+        let most_work = OVERRUN * runs.predicted(at);
         let (reference, foresight) = (Some(reference), Foresight::None);
         runs.attempt(at, &StopRule { reference, most_error, most_work, foresight });
         if agrees(runs, at) {
@@ -126,10 +130,12 @@ pub fn confirmed(
         }
         *spent.entry(kind_of(runs.family(at.family))).or_default() += runs.spent() - begun;
     }
-    for family in others {
+    let begun = runs.spent();
+    for family in of_each_sort(runs, others) {
         for rung in 1..runs.family(family).rungs.len() {
             let at = At { family, rung };
-            if runs.late() || !runs.affords(at) || runs.predicted(at) > most {
+            if runs.late() || !runs.affords(at) || runs.spent() - begun + runs.predicted(at) > most
+            {
                 break;
             }
             if let Some(other) = extrapolation_agrees(runs, at, reference, tolerance) {
@@ -138,6 +144,18 @@ pub fn confirmed(
         }
     }
     Confirmed::No
+}
+
+/// The cheapest family of each sort, as the same rungs of one sort lead to the same; first those whose steps hold
+/// what is held, as others err by what they project.
+fn of_each_sort(runs: &MeasuredRuns<'_>, mut families: Vec<usize>) -> Vec<usize> {
+    families.sort_by_key(|&family| {
+        let own = runs.family(family);
+        (!own.holds_constraints, own.rungs[0].least_work, family)
+    });
+    let mut sorts = BTreeSet::new();
+    families.retain(|&family| sorts.insert(family_class(runs.family(family))));
+    families
 }
 
 /// Sorts of methods that do well and badly together: equal steps and own, with equations and without.
@@ -161,6 +179,7 @@ pub fn next_rung(
                 let error = at_the_end(runs, at, error).min(SMALL);
                 at.rung + likely_rungs(runs.family(family), tolerance, error)
             }
+            Judgement::CostLimit => at.rung,
             _ => at.rung + 1,
         },
     };

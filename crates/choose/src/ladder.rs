@@ -24,8 +24,8 @@ const MOST_NUMBERS: u64 = 1_000_000;
 /// Halvings of the coarsest step: at most this many, and at most so many steps.
 const HALVINGS: u32 = 20;
 const MOST_STEPS: u64 = 1 << 26;
-/// Steps between two moments that a method of adaptive steps is expected to take.
-const OWN: u64 = 2;
+/// Steps that a method of adaptive steps is expected to take at least: less than one between two moments.
+const LEAST_STEPS: u64 = 10;
 /// The tightest tolerance tried, as a power of a tenth.
 const TIGHTEST: i32 = 12;
 /// Powers of ten are rounded.
@@ -203,7 +203,7 @@ pub fn powers(loosest: f64) -> impl Iterator<Item = i32> {
 
 /// The rungs of adaptive steps, each of which counts so much.
 pub fn adaptive_steps(loosest: f64, step: u64) -> impl Iterator<Item = Setting> {
-    let least_work = OWN * step * MOMENTS;
+    let least_work = LEAST_STEPS * step;
     powers(loosest).map(move |k| Setting { setting: 10_f64.powi(-k), least_work })
 }
 

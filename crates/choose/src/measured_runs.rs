@@ -167,6 +167,9 @@ impl<'e> MeasuredRuns<'e> {
         if !self.moments.contains_key(&key) {
             let horizon = self.ladder().horizon;
             let all = match grid {
+                Grid::Equal { halvings } if self.ladder().is_joined => {
+                    Moments::joined(*halvings, horizon)
+                }
                 Grid::Equal { halvings } => Moments::equal(*halvings, horizon),
                 Grid::Closely { halvings } => Moments::closely(*halvings, horizon),
                 Grid::Some { halvings, parts } => Moments::some(*halvings, parts, horizon),

@@ -7,8 +7,8 @@
 //! y(t + x h) = y + x (d + (1-x) (r_3 + x (r_4 + (1-x) r_5)))
 //! ```
 //! `y` the state (n), `h` the step in seconds, `x` from 0 to 1, `d = y' - y`. Six evaluations a step, as the
-//! last is the first of the next; the polynomial of order 4 takes none. A relative tolerance looser than 1e-3
-//! is held as 1e-3.
+//! last is the first of the next; the polynomial of order 4 takes none. A relative tolerance looser than 1e-4
+//! is held as 1e-4.
 //!
 //! For a few digits of smooth motion, and to see whether another method comes to the same: with
 //! [`DormandPrince853`](super::DormandPrince853) it has nothing in common but the step control. Knows no mass
@@ -46,7 +46,7 @@ pub(super) const FACTS: FirstOrderFacts = FirstOrderFacts {
 };
 
 /// A looser relative tolerance is held as this one: steps so long say nothing of their own error.
-const LOOSEST: f64 = 1e-3;
+const LOOSEST: f64 = 1e-4;
 /// The order of the error's estimate.
 const ESTIMATE: u32 = 4;
 /// Where h times the stiffest rate reaches this, the step is bounded by stability.

@@ -19,7 +19,7 @@ use super::model::{Model, Simplification, moved};
 use super::observable::{in_words, scale};
 use super::{ChooseError, look, run};
 use crate::model::scene::Scene;
-use crate::model::stepping::Stepping;
+use crate::model::stepping::{CONTACT_STEPS, EVENT_DRIVEN, Stepping};
 
 /// Doublings of the number of modes.
 const DOUBLINGS: u32 = 8;
@@ -56,7 +56,12 @@ impl SceneLadder {
         let (mut families, mut settings) = (Vec::new(), Vec::new());
         let mut refusal = String::new();
         for (place, model) in models.iter().enumerate() {
+            let lasts = model.scene.contact().is_some() && contact_lasts(name, model);
             for mut candidate in candidates(&model.scene) {
+                // While something rests or slides these take a world's own steps, of order 1, and many of them.
+                if lasts && EVENT_DRIVEN.iter().any(|(word, _)| *word == candidate.name) {
+                    continue;
+                }
                 if !model.scene.rods().is_empty() && model.scene.bodies().is_empty() {
                     // A step back to the rods is a solve, whatever went before, and has order 1.
                     candidate.evaluation = Evaluation::Implicit;
@@ -152,6 +157,21 @@ impl Experiment for SceneLadder {
         let kept = self.kept.borrow().get(&at).cloned();
         look::look(&self.name, self.model(at), (kind, setting), kept, moments, deadline)
     }
+}
+
+/// Whether something rests or slides from the start, as steps with impacts at their instant find it in a step.
+fn contact_lasts(name: &str, model: &Model) -> bool {
+    let horizon = model.scene.timing().horizon();
+    let step = number(horizon / (MOMENTS * u64::from(CONTACT_STEPS)) as f64);
+    let changes = [
+        Change::to("integrator", format!("\"{}\"", EVENT_DRIVEN[0].0)),
+        Change::to("step", step.clone()),
+        Change::to("horizon", step),
+        Change::to("sample_every", "1"),
+    ];
+    let scene = Scene::parse_at(name, &changed(&model.text, &changes));
+    let run = scene.ok().and_then(|scene| scene.run().ok());
+    run.is_some_and(|run| 2.0 * run.lasting_contact().time > run.scene().timing().horizon())
 }
 
 /// Whether nothing in a scene takes energy, so that a true motion keeps it.
