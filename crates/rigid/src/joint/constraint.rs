@@ -66,6 +66,7 @@ impl<S: BodySpace> Joint<S> {
         &self.ends
     }
 
+    #[inline]
     fn placed(&self, q: &[f64]) -> Result<[Placed; 2], SizeError> {
         check_read(S::STORED.saturating_mul(self.bodies), q)?;
         Ok(self.ends.each_ref().map(|end| end.placed::<S>(q)))
@@ -83,6 +84,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
         self.rows.len()
     }
 
+    #[inline]
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.count(), g)?;
         let ends = self.placed(q)?;
@@ -90,6 +92,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
         Ok(())
     }
 
+    #[inline]
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         let ends = self.placed(q)?;
         for (number, row) in self.rows.iter().enumerate() {

@@ -75,6 +75,7 @@ impl JointEnd {
         if ends[0].body == ends[1].body { Err(JointFault::ToItself) } else { Ok(()) }
     }
 
+    #[inline]
     pub(crate) fn placed<S: BodySpace>(&self, q: &[f64]) -> Placed {
         self.on_body(|body| S::pose_at(q, body))
     }
@@ -84,6 +85,7 @@ impl JointEnd {
         self.on_body(|body| pose_or_none::<S>(q, body))
     }
 
+    #[inline]
     fn on_body(&self, pose: impl Fn(usize) -> RigidMotion) -> Placed {
         let Some(body) = self.body else { return self.in_world() };
         let (pose, arm) = (pose(body), self.frame.translation);

@@ -140,6 +140,7 @@ impl Row {
     }
 
     /// Brings the row's differential, between these ends.
+    #[inline]
     pub(crate) fn bring<S: BodySpace>(
         &self,
         number: usize,
@@ -159,6 +160,7 @@ impl Row {
     }
 
     /// Whether a shift along an axis of the world may change it, wherever the bodies are.
+    #[inline]
     pub(crate) fn moves_along(&self, k: usize) -> bool {
         match self {
             Row::Together { axis } => *axis == k,
@@ -181,6 +183,7 @@ impl Row {
     }
 
     /// The value, in metres or as the cosine of an angle.
+    #[inline]
     pub(crate) fn value(&self, [one, other]: &[Placed; 2]) -> f64 {
         let d = one.place - other.place;
         match self {
@@ -212,12 +215,18 @@ impl Row {
     }
 
     /// The differential: a wrench for each end.
+    #[inline]
     pub(crate) fn differential(&self, ends: &[Placed; 2]) -> [Wrench; 2] {
         let [one, other] = ends;
         match self {
             Row::Together { axis } => {
                 let e = Vector3::ith(*axis, 1.0);
-                [one.pushed(e), other.pushed(-e)]
+                // What a body sees of the world's axis is a row of its matrix.
+                let seen = [one, other].map(|end| end.rotation.row(*axis).transpose());
+                [
+                    Wrench { force: e, torque: one.arm.cross(&seen[0]) },
+                    Wrench { force: -e, torque: seen[1].cross(&other.arm) },
+                ]
             }
             Row::Across { a } => {
                 let along = one.rotation * a;
@@ -305,6 +314,7 @@ const W2: usize = 9;
 
 impl Placed {
     /// What a force at the end's point, in world axes, does to its body.
+    #[inline]
     fn pushed(&self, force: Vector3<f64>) -> Wrench {
         Wrench { force, torque: self.arm.cross(&self.rotation.tr_mul(&force)) }
     }
@@ -340,6 +350,7 @@ impl Angle {
 }
 
 /// The differential of `<R_1 a, R_2 b>`.
+#[inline]
 fn turned([one, other]: &[Placed; 2], a: &Vector3<f64>, b: &Vector3<f64>) -> [Wrench; 2] {
     let b_seen = one.rotation.tr_mul(&(other.rotation * b));
     let a_seen = other.rotation.tr_mul(&(one.rotation * a));

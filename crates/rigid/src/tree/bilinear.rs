@@ -69,6 +69,13 @@ impl Bilinear {
         Bilinear { linear: self.linear, upper, lower, angular }
     }
 
+    /// Adds that of a body about its centre.
+    #[inline]
+    pub(super) fn add_body(&mut self, linear: f64, angular: &Matrix3<f64>) {
+        (0..3).for_each(|k| self.linear[(k, k)] += linear);
+        self.angular += angular;
+    }
+
     #[inline]
     pub(super) fn add(&mut self, other: &Bilinear) {
         self.linear += other.linear;

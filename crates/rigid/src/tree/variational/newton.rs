@@ -128,16 +128,18 @@ impl<D> TreeVariational<D> {
             carries[body] = f;
             let slope = start.matrix * (turn.slope(moments) / h) * end.matrix.transpose();
             slopes[body] = slope;
-            let linear = Matrix3::from_diagonal_element(mass / h);
-            let mut form = Bilinear { linear, angular: slope, ..Bilinear::zero() };
             let (back, ahead) = (start.offset(), end.offset());
             let arm = if link.parent.is_some() { &back } else { &start.arm };
             sizes += mass * arm.norm_squared() + moments.sum();
             reaches += mass * start.centre.norm_squared();
-            if let Some((branch, force)) = branch.take() {
-                form.add(&branch);
-                f += force;
-            }
+            let mut form = match branch.take() {
+                Some((branch, force)) => {
+                    f += force;
+                    branch
+                }
+                None => Bilinear::zero(),
+            };
+            form.add_body(mass / h, &slope);
             if link.forks {
                 form.add(&forms[body]);
                 f += forces[body];
