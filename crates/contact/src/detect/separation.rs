@@ -147,7 +147,11 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
 pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> Separation {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let Top { value, normal, .. } = Search { solids, scale }.climb(*start);
+    let search = Search { solids, scale };
+    let Top { value, normal, .. } = search.climb(*start);
+    // Beside a rim the search begins elsewhere, and may end lower than where it was to begin.
+    let there = search.value(start);
+    let (value, normal) = if there >= value { (there, *start) } else { (value, normal) };
     let place = solids[point].centre;
     let [first, second] = match point {
         0 => [place, place + normal * value],
