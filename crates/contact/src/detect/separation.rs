@@ -151,7 +151,8 @@ pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> S
     let Top { value, normal, .. } = search.climb(*start);
     // Beside a rim the search begins elsewhere, and may end lower than where it was to begin.
     let there = search.value(start);
-    let (value, normal) = if there >= value { (there, *start) } else { (value, normal) };
+    let lower = there > value + ROUNDING * scale;
+    let (value, normal) = if lower { (there, *start) } else { (value, normal) };
     let place = solids[point].centre;
     let [first, second] = match point {
         0 => [place, place + normal * value],
