@@ -3,7 +3,7 @@
 use allocation_counter::measure;
 use nalgebra::Vector3;
 use stationary_contact::problems::{Boxes, falling_boxes};
-use stationary_contact::{Collider, Detector, EventDriven, FlightOrder, Shape, SpatialWorld};
+use stationary_contact::{Collider, Detector, Shape, SpatialWorld};
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, RigidMotion, Rotation};
 
@@ -41,26 +41,4 @@ fn sweeps_take_no_memory_once_as_many_contacts_have_been_met() {
     assert!(used == 0 && visits > 0, "{used} {visits}");
     // And at rest.
     assert_eq!(allocations(&boxes, 500, 40), (0, 0));
-}
-
-#[test]
-fn flight_landing_and_lasting_contact_take_no_memory_the_second_time_event_by_event() {
-    let boxes = falling_boxes(1).unwrap();
-    for order in [FlightOrder::Second, FlightOrder::Fourth] {
-        let mut bodies = EventDriven::new(boxes.system.clone(), detector(1), order, 1e-3).unwrap();
-        let run = |bodies: &mut EventDriven<_, _>, state: &mut State<Vec<f64>>| {
-            let (mut flights, mut steps) = (0, 0);
-            for _ in 0..100 {
-                let report = bodies.step(state, 1e-2).unwrap();
-                flights += report.flights;
-                steps += report.contact_steps;
-            }
-            (flights, steps)
-        };
-        run(&mut bodies, &mut boxes.state.clone());
-        let mut again = boxes.state.clone();
-        let mut done = (0, 0);
-        let used = measure(|| done = run(&mut bodies, &mut again)).count_total;
-        assert!(used == 0 && done.0 > 0 && done.1 > 0, "{order:?}: {used} {done:?}");
-    }
 }
