@@ -5,4 +5,5 @@ pub(crate) mod free_time;
 pub(crate) mod event;
 pub(crate) mod event_driven;
 pub(crate) mod pieces;
+pub(crate) mod touching;
 pub(crate) mod error_controlled;

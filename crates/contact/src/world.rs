@@ -216,11 +216,20 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// Everything on which the next steps depend beside the state: the impulses of the last, and
     /// from where its contact points are kept.
     pub fn save(&self) -> Saved {
-        let last = self.last.save();
-        let mut numbers = vec![last.len() as f64];
-        numbers.extend(last);
-        numbers.extend(self.kept.save());
-        Saved { method: NAME.to_owned(), numbers }
+        let mut saved = Saved::default();
+        self.save_into(&mut saved);
+        saved
+    }
+
+    /// The same into room that is kept.
+    pub(crate) fn save_into(&self, saved: &mut Saved) {
+        NAME.clone_into(&mut saved.method);
+        saved.numbers.clear();
+        // Behind their count.
+        saved.numbers.push(0.0);
+        saved.numbers.extend(self.last.save());
+        saved.numbers[0] = (saved.numbers.len() - 1) as f64;
+        saved.numbers.extend(self.kept.save());
     }
 
     /// Takes over what the same world had saved, and goes on from its state to the same bits.

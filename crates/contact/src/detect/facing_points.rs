@@ -52,8 +52,8 @@ pub(crate) struct Facing {
 /// The closest points of two solids that are apart; none where they overlap.
 pub(crate) fn closest_points(solids: [&Placed; 2]) -> Option<[V; 2]> {
     let [a, b] = solids;
-    let Direction { gap, normal } = separate(solids, f64::INFINITY)?;
-    let facing = facing_points(solids, normal, gap + a.rounding + b.rounding);
+    let direction = separate(solids, f64::INFINITY)?;
+    let facing = facing_points(solids, &direction);
     let Facing { points: [x1, x2], normal, separation, .. } = facing;
     let apart = separation - a.rounding - b.rounding > 0.0;
     apart.then(|| [x1 + normal * a.rounding, x2 - normal * b.rounding])
@@ -61,14 +61,19 @@ pub(crate) fn closest_points(solids: [&Placed; 2]) -> Option<[V; 2]> {
 
 /// Points of the hulls of two solids that face each other along a direction across a separation. Of hulls that
 /// are apart they are the closest, and say the direction where the search for it left more to find.
-pub(crate) fn facing_points(solids: [&Placed; 2], n: V, separation: f64) -> Facing {
+pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Facing {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let ends = [ends_of(a, &n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
-    let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
-    let off = (points[1] - points[0] - n * separation).norm();
-    let found = Facing { separation, normal: n, points, off };
-    if off <= MET * scale || separation <= 0.0 {
+    let n = direction.normal;
+    let mut found = across(solids, n, direction.gap + a.rounding + b.rounding, scale);
+    if found.off <= MET * scale {
+        return found;
+    }
+    if let Some(n) = direction.beside_face {
+        let other = across(solids, n, -b.farthest(&-n).1 - a.farthest(&n).1, scale);
+        found = if other.off < found.off { other } else { found };
+    }
+    if found.off <= MET * scale || found.separation <= 0.0 {
         return found;
     }
     let points = nearest([&a.parts, &b.parts], &n, &V::zeros(), scale);
@@ -78,6 +83,15 @@ pub(crate) fn facing_points(solids: [&Placed; 2], n: V, separation: f64) -> Faci
     let off = (way - normal * separation).norm();
     let better = separation >= found.separation - ZERO * scale && off < found.off;
     if better { Facing { separation, normal, points, off } } else { found }
+}
+
+/// Points of what reaches farthest along a direction, as far from being across a separation as need be.
+fn across(solids: [&Placed; 2], n: V, separation: f64, scale: f64) -> Facing {
+    let [a, b] = solids;
+    let ends = [ends_of(a, &n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
+    let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
+    let off = (points[1] - points[0] - n * separation).norm();
+    Facing { separation, normal: n, points, off }
 }
 
 /// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
@@ -217,9 +231,10 @@ mod tests {
                 let along = V::y() * 3.0;
                 let middle = V::new(across, 0.0, 1.5);
                 let other = edge([middle - along, middle + along]);
-                let separation = -other.farthest(&-n).1 - disc.farthest(&n).1;
+                let gap = -other.farthest(&-n).1 - disc.farthest(&n).1;
+                let direction = Direction { gap, normal: n, beside_face: None };
                 let Facing { points: [x1, x2], normal: n, separation, .. } =
-                    facing_points([&disc, &other], n, separation);
+                    facing_points([&disc, &other], &direction);
                 let on_disc = x1.xy().norm() <= 2.0 + 1e-12 && (x1.z - 1.0).abs() < 1e-12;
                 let on_edge = (x2.x - across).abs() < 1e-12 && x2.y.abs() <= 3.0;
                 let off = (x2 - x1 - n * separation).norm();

@@ -292,6 +292,7 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     PolygonalFeature::contacts(&there, &again, n1, n2, &faces[0], &faces[1], manifold, false);
     in_metres(manifold, unit);
     (manifold.local_n1, manifold.local_n2) = (n1, n2);
+    straighten(manifold, boxes, relative, &back);
     let size = halves[0].min_element().min(halves[1].min_element());
     if too_far(axis.separation, manifold, size) {
         return Clipped::Corners;
@@ -299,6 +300,24 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     // What lies deepest is a corner above a face; elsewhere edges slide over edges.
     let above = deepest(manifold) <= axis.separation + SHORT * size;
     Clipped::Faces(axis.face.filter(|_| above).map_or(Answer::Now, Answer::Plane))
+}
+
+/// Moves one of two points that face each other until they do so along the normal: where nearly parallel
+/// edges cross, rounding puts each at another place along its own edge. The one moves that stays in its box.
+fn straighten(manifold: &mut Manifold, boxes: [&Cuboid; 2], relative: &Pose, back: &Pose) {
+    let n = manifold.local_n1;
+    let outside = |k: usize, x: Vector| (x.abs() - boxes[k].half_extents).max_element().max(0.0);
+    for point in &mut manifold.points {
+        let second = relative * point.local_p2;
+        let off = second - point.local_p1;
+        let across = off - n * off.dot(n);
+        let moved = [point.local_p1 + across, back * (second - across)];
+        if outside(0, moved[0]) <= outside(1, moved[1]) {
+            point.local_p1 = moved[0];
+        } else {
+            point.local_p2 = moved[1];
+        }
+    }
 }
 
 /// The least gap of a manifold's points.

@@ -255,7 +255,10 @@ impl Pair<'_> {
             return;
         }
         let Corners { distance, numbers } = self.closest_corners();
-        if axis.separation > 0.0 && distance > rounding {
+        // Segments on one line are apart along it, which the normal of neither says.
+        let segments = [self.first, self.second].iter().all(|outline| outline.points().len() == 2);
+        let least = if segments { -rounding } else { 0.0 };
+        if axis.separation > least && distance > rounding {
             // What was found is between points of both, and so no closer than they are.
             if distance < deepest.min(margin) {
                 self.append_corners(distance, numbers, found);

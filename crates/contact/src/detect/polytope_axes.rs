@@ -99,13 +99,12 @@ pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Optio
             if length <= PARALLEL * e1.norm() * e2.norm() {
                 continue;
             }
-            // Of the edge of a triangle both sides are outside, and arcs do not say whether it
-            // supports along a direction.
-            let flat = n1 == -n2 || m1 == -m2;
             let n = across * ((n1 + n2).dot(&across).signum() / length);
             for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
                 let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
-                let supports = || !flat || separation(&n) > here - SUPPORT * tie;
+                // Arcs of a triangle's edge, whose sides are both outside, and arcs that end on each other's
+                // circles do not say whether edges support.
+                let supports = || separation(&n) > here - SUPPORT * tie;
                 if here > so_far + tie && supports() {
                     so_far = take(n, Source::Edges(one, other));
                     if so_far > margin {

@@ -63,7 +63,7 @@ pub(crate) fn on_round(
     for _ in 0..STEPS {
         let at = start + direction * t;
         point.place(&Pose::from_translation(vector(&at)), &mut place);
-        let Direction { gap, normal } = separate([&own, &place], f64::INFINITY)?;
+        let Direction { gap, normal, .. } = separate([&own, &place], f64::INFINITY)?;
         if gap <= ROUNDING * (solid.size + at.norm()) {
             return Some((t, if t > 0.0 { normal } else { -direction }));
         }

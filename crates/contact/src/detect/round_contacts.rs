@@ -171,7 +171,7 @@ pub(crate) fn facing(
         let closest = match shared {
             Some(points) => (points, n, separation),
             None => {
-                let facing = facing_points([first, second], n, separation);
+                let facing = facing_points([first, second], &there);
                 (facing.points, facing.normal, facing.separation)
             }
         };

@@ -26,6 +26,9 @@ pub(crate) struct Direction {
     pub(crate) gap: f64,
     /// From the first to the second, of length 1.
     pub(crate) normal: V,
+    /// What the search came to where that is the normal of a face which is as good to rounding: what is
+    /// closest beside the face faces the other along this one.
+    pub(crate) beside_face: Option<V>,
 }
 
 /// Where a point and a solid are closest.
@@ -126,15 +129,17 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
         }
     }
     let Top { mut value, mut normal, .. } = best?;
+    let mut beside_face = None;
     // Faces are kinks that a search comes near to, and that say themselves where they are.
     for &(there, k) in &order {
         if k < kinks && there >= value - ROUNDING * scale && normal.dot(&starts[k]) > 0.9 {
+            beside_face = Some(normal);
             (value, normal) = (there, starts[k]);
             break;
         }
     }
     let gap = value - rounding;
-    (gap <= margin).then_some(Direction { gap, normal })
+    (gap <= margin).then_some(Direction { gap, normal, beside_face })
 }
 
 /// The separation near a direction of a point, and what is within its rounding, from a solid; of the
@@ -142,7 +147,12 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
 pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> Separation {
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
-    let Top { value, normal, .. } = Search { solids, scale }.climb(*start);
+    let search = Search { solids, scale };
+    let Top { value, normal, .. } = search.climb(*start);
+    // Beside a rim the search begins elsewhere, and may end lower than where it was to begin.
+    let there = search.value(start);
+    let lower = there > value + ROUNDING * scale;
+    let (value, normal) = if lower { (there, *start) } else { (value, normal) };
     let place = solids[point].centre;
     let [first, second] = match point {
         0 => [place, place + normal * value],
@@ -183,7 +193,12 @@ impl Search<'_> {
     fn climb(&self, start: V) -> Top {
         let top = match self.circle_along(&start) {
             None => self.climb_from(start + across(&start)[0] * LEAN),
-            Some(_) => Top { value: self.value(&start), normal: start, converged: true },
+            // The peak is at the axis, which a start that is nearly along it is not.
+            Some(axis) => {
+                let peak = |n: V| Top { value: self.value(&n), normal: n, converged: true };
+                let (here, there) = (peak(start), peak(axis));
+                if there.value > here.value { there } else { here }
+            }
         };
         let Some(axis) = self.circle_along(&top.normal) else { return top };
         self.ways_down(&axis).iter().fold(top, |best, way| {
@@ -208,6 +223,7 @@ impl Search<'_> {
     /// what lies on it.
     fn ways_down(&self, n: &V) -> Vec<V> {
         let [a, b] = self.solids;
+        // The one that reaches farthest comes first: it alone says what the least turn gains.
         let ends = |solid: &Placed, n: &V| -> (Vec<V>, f64) {
             let (k, reach) = solid.farthest(n);
             if let Part::Circle { centre, axis, radius } = solid.parts[k]
@@ -215,8 +231,10 @@ impl Search<'_> {
             {
                 return (vec![centre], radius);
             }
-            let near = |part: &&Part| part.reach(n) >= reach - LEVEL * self.scale;
-            (solid.parts.iter().filter(near).map(|part| part.point(n)).collect(), 0.0)
+            let near = |&i: &usize| i != k && solid.parts[i].reach(n) >= reach - LEVEL * self.scale;
+            let others = (0..solid.parts.len()).filter(near);
+            let points = std::iter::once(k).chain(others).map(|i| solid.parts[i].point(n));
+            (points.collect(), 0.0)
         };
         let ((own, one), (others, other)) = (ends(a, n), ends(b, &-n));
         let mut ways = Vec::with_capacity(own.len() * others.len());
@@ -226,9 +244,10 @@ impl Search<'_> {
                 ways.push(way - n * way.dot(n));
             }
         }
-        if ways.iter().any(|way| way.norm() <= one + other) {
+        if ways[0].norm() <= one + other {
             return Vec::new();
         }
+        ways.retain(|way| way.norm() > one + other);
         ways.sort_by(|v, w| v.norm().total_cmp(&w.norm()));
         ways.truncate(3);
         ways.iter().map(|way| way.normalize()).collect()

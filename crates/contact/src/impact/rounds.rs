@@ -60,6 +60,20 @@ pub(crate) struct Given {
 }
 
 impl ImpactRounds<'_> {
+    /// Whether there is an impact at all: something that has restitution hits.
+    pub(crate) fn hits(&self, v: &Vector<Vec<f64>>) -> bool {
+        let still = self.still(v);
+        (0..self.rows.len()).any(|i| self.restitution[i] > 0.0 && self.hit(i, v, still))
+    }
+
+    /// Whether a contact closes in the step, faster than rest.
+    fn hit(&self, i: usize, v: &Vector<Vec<f64>>, still: f64) -> bool {
+        let (own, by_increment) =
+            (self.rows.along(i, v.view()), self.rows.along(i, self.increment.view()));
+        let reaches = self.gap[i] + self.h * (own + by_increment) < 0.0;
+        reaches && own < -(2.0 * by_increment.abs()).max(still)
+    }
+
     /// Applies the impacts to the velocity before the increment.
     pub(crate) fn apply(&self, v: &mut Vector<Vec<f64>>) -> Result<Given, ContactError> {
         let count = self.rows.len();
@@ -75,13 +89,8 @@ impl ImpactRounds<'_> {
         // Each round adds a contact.
         for _ in 0..count {
             let still = self.still(v);
-            let hits = |&i: &usize| {
-                let (own, by_increment) =
-                    (self.rows.along(i, v.view()), self.rows.along(i, self.increment.view()));
-                let reaches = self.gap[i] + self.h * (own + by_increment) < 0.0;
-                !closes[i] && reaches && own < -(2.0 * by_increment.abs()).max(still)
-            };
-            let new: Vec<usize> = (0..count).filter(hits).collect();
+            let new: Vec<usize> =
+                (0..count).filter(|&i| !closes[i] && self.hit(i, v, still)).collect();
             if !new.iter().any(|&i| self.restitution[i] > 0.0) {
                 break;
             }

@@ -40,6 +40,13 @@ impl ContactRows {
         ContactRows { starts, freedoms, values }
     }
 
+    /// Removes all rows, and keeps their room.
+    pub(crate) fn clear(&mut self) {
+        self.starts.truncate(1);
+        self.freedoms.clear();
+        self.values.clear();
+    }
+
     /// How many entries there are.
     pub fn entries(&self) -> usize {
         self.values.len()

@@ -24,15 +24,13 @@ use stationary_constraints::VelocityRows;
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
-use crate::impact::rounds::{Given, ImpactRounds};
+use crate::impact::rounds::ImpactRounds;
 use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, Flight, FlightOrder};
 use crate::order::free_time::FreeTimeSearch;
 use crate::order::pieces::{Motion, Pieces, between};
-use crate::{
-    BodiesIn, ContactError, ContactIn, ContactRows, DetectorIn, ImpactLaw, InverseMass, Touch,
-    World, gap_rows,
-};
+use crate::order::touching::Touching;
+use crate::{BodiesIn, ContactError, DetectorIn, ImpactLaw, InverseMass, Touch, World};
 
 /// Gaps up to this part of the largest coordinate or radius count as touching.
 pub const SKIN: f64 = 1e-11;
@@ -88,6 +86,10 @@ pub struct EventDriven<G: Flies, P> {
     contact_step: f64,
     flight: Flight,
     search: FreeTimeSearch<G>,
+    touching: Touching<G>,
+    no_joints: VelocityRows,
+    /// What the world remembered before its first step of this one.
+    saved: Saved,
     pieces: Pieces,
     events: Vec<Event>,
     /// What pushed in the last step, and when.
@@ -131,6 +133,9 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             contact_step,
             flight,
             search: FreeTimeSearch::default(),
+            touching: Touching::default(),
+            no_joints: VelocityRows::default(),
+            saved: Saved::default(),
             pieces: Pieces::default(),
             events: Vec::new(),
             pushes: Vec::new(),
@@ -229,14 +234,14 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         SizeError::check("the poses' numbers", G::STORED * bodies, state.q.len())?;
         check_finite("the momentum", &state.p.0)?;
         check_time(state.t + h)?;
-        let mut saved = None;
+        let mut stepped = false;
         let touched = self.touches;
         self.now.clone_from(state);
         self.pieces.clear();
         self.events.clear();
         self.pushes.clear();
         self.flight.evaluations = 0;
-        match self.go(state.t + h, &mut saved) {
+        match self.go(state.t + h, &mut stepped) {
             Ok(report) => {
                 self.pieces.finish(&self.now);
                 state.clone_from(&self.now);
@@ -247,20 +252,16 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
                 self.events.clear();
                 self.pushes.clear();
                 self.touches = touched;
-                if let Some(saved) = saved {
-                    self.world.load(&saved)?;
+                if stepped {
+                    self.world.load(&self.saved)?;
                 }
                 Err(error)
             }
         }
     }
 
-    /// Moves `now` to a time.
-    fn go(
-        &mut self,
-        end: f64,
-        saved: &mut Option<Saved>,
-    ) -> Result<EventDrivenReport, ContactError> {
+    /// Moves `now` to a time; says whether the world took a step, before which what it remembered is saved.
+    fn go(&mut self, end: f64, stepped: &mut bool) -> Result<EventDrivenReport, ContactError> {
         let start = self.now.t;
         let mut report = EventDrivenReport { settled: true, ..EventDrivenReport::default() };
         while self.now.t < end {
@@ -272,8 +273,9 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
                 choice => choice,
             };
             if let Choice::Stay = choice {
-                if saved.is_none() {
-                    *saved = Some(self.world.save());
+                if !*stepped {
+                    *stepped = true;
+                    self.world.save_into(&mut self.saved);
                 }
                 self.contact_step(end, &mut report)?;
             }
@@ -313,12 +315,12 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     /// Gives what touches its impacts; says whether all that touches leaves.
     fn touch(&mut self, report: &mut EventDrivenReport) -> Result<Choice, ContactError> {
         let skin = self.skin();
-        let contacts = self.world.detector().detect(&self.now.q, 2.0 * skin)?.to_vec();
+        let contacts = self.world.detector().detect(&self.now.q, 2.0 * skin)?;
         report.detections += 1;
         if contacts.is_empty() {
             return Ok(Choice::Fly);
         }
-        let rows = gap_rows(&contacts, &self.now.q);
+        self.touching.fill(contacts, &self.now.q);
         let system = self.world.system();
         system.metric().sharp(self.now.p.view(), self.v.view_mut());
         self.flight.find_increment::<G, P>(
@@ -327,27 +329,22 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             self.contact_step,
             &mut self.increment,
         );
-        let mut across = ContactRows::new();
-        if contacts.iter().any(|contact| contact.friction > 0.0) {
-            contacts.iter().for_each(|contact| contact.push_tangents(&self.now.q, &mut across));
-        }
-        let friction: Vec<f64> = contacts.iter().map(|contact| contact.friction).collect();
-        let restitution: Vec<f64> = contacts.iter().map(|contact| contact.restitution).collect();
-        let gap = vec![0.0; contacts.len()];
+        let Touching { contacts, rows, across, gap, friction, restitution } = &self.touching;
         let rounds = ImpactRounds {
-            rows: &rows,
-            across: &across,
-            gap: &gap,
-            restitution: &restitution,
-            friction: &friction,
+            rows,
+            across,
+            gap,
+            restitution,
+            friction,
             mass: &self.mass,
-            joints: &VelocityRows::default(),
+            joints: &self.no_joints,
             law: self.law,
             increment: &self.increment,
             h: self.contact_step,
         };
-        let given = rounds.apply(&mut self.v)?;
-        if given.passes > 0 {
+        // Most instants of lasting contact hit nothing, and need no room for impulses.
+        if rounds.hits(&self.v) {
+            let given = rounds.apply(&mut self.v)?;
             report.impacts += 1;
             report.solves += given.passes;
             report.settled &= given.converged;
@@ -360,8 +357,9 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             let pushed = |&(_, a): &(usize, f64), &(_, b): &(usize, f64)| a.total_cmp(&b);
             let hardest = given.normal.iter().copied().enumerate().max_by(|a, b| pushed(a, b));
             let bodies = hardest.map_or([None; 2], |(i, _)| contacts[i].bodies);
-            self.note(EventKind::Impact, bodies, energy);
-            self.keep_impulses(&contacts, &given);
+            let time = self.now.t;
+            self.events.push(Event { time, kind: EventKind::Impact, bodies, energy });
+            self.pushes.extend(self.touching.pushed(&given).map(|touch| (time, touch)));
         }
         let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let still = STILL * fastest(&self.v);
@@ -410,17 +408,6 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         report.settled &= done.settled;
         report.residual = report.residual.max(done.residual).max(done.coulomb);
         Ok(())
-    }
-
-    /// Keeps what an impact gave.
-    fn keep_impulses(&mut self, contacts: &[ContactIn<G>], given: &Given) {
-        let across = given.friction.len() / contacts.len();
-        for (i, (&contact, &impact)) in contacts.iter().zip(&given.normal).enumerate() {
-            let rubbed = contact.tangents().zip(&given.friction[across * i..][..across]);
-            let friction = rubbed
-                .fold(G::Vector::default(), |sum, (tangent, &impulse)| sum + tangent * impulse);
-            self.pushes.push((self.now.t, Touch { contact, impact, normal: 0.0, friction }));
-        }
     }
 
     fn note(&mut self, kind: EventKind, bodies: [Option<usize>; 2], energy: f64) {

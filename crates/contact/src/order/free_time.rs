@@ -37,6 +37,7 @@ pub(crate) struct FreeTime {
 #[derive(Debug)]
 pub(crate) struct FreeTimeSearch<G: Dimension> {
     pairs: Vec<(usize, usize)>,
+    radii: Vec<f64>,
     room: MeetRoom<G>,
     from: State<Vec<f64>>,
     to: State<Vec<f64>>,
@@ -45,7 +46,7 @@ pub(crate) struct FreeTimeSearch<G: Dimension> {
 impl<G: Flies> Default for FreeTimeSearch<G> {
     fn default() -> Self {
         let (from, to) = Default::default();
-        FreeTimeSearch { pairs: Vec::new(), room: MeetRoom::default(), from, to }
+        FreeTimeSearch { pairs: Vec::new(), radii: Vec::new(), room: MeetRoom::default(), from, to }
     }
 }
 
@@ -110,7 +111,9 @@ impl<G: Flies> FreeTimeSearch<G> {
         most: f64,
         skin: f64,
     ) -> Result<(), ContactError> {
-        let radii: Vec<f64> = (0..detector.bodies()).map(|body| detector.radius_of(body)).collect();
+        self.radii.clear();
+        self.radii.extend((0..detector.bodies()).map(|body| detector.radius_of(body)));
+        let radii = &self.radii;
         let reach = |body: Option<usize>| {
             body.map_or(skin, |body| {
                 let [from, to] = [start, end].map(|state| G::translation(&G::pose(&state.q, body)));

@@ -55,14 +55,13 @@ impl<G: Dimension> WarmStart<G> {
     }
 
     /// Everything as numbers: the step, then the identifier and the impulse of each contact.
-    pub(crate) fn save(&self) -> Vec<f64> {
-        let mut numbers = vec![self.step];
-        for (id, impulse) in &self.by_contact {
+    pub(crate) fn save(&self) -> impl Iterator<Item = f64> {
+        let numbers = self.by_contact.iter().flat_map(|(id, impulse)| {
             let names = [id.colliders, id.parts, id.features];
-            numbers.extend(names.into_iter().flatten().map(f64::from));
-            numbers.extend((0..G::TRANSLATION).map(|k| impulse[k]));
-        }
-        numbers
+            let names = names.into_iter().flatten().map(f64::from);
+            names.chain((0..G::TRANSLATION).map(|k| impulse[k]))
+        });
+        std::iter::once(self.step).chain(numbers)
     }
 
     /// What the numbers say that were saved. Contacts of one name follow each other, as they are found.

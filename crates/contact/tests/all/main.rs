@@ -10,6 +10,8 @@ mod clearance;
 mod compounds;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod curved_seams;
+#[cfg(feature = "3d")]
+mod degenerate;
 mod detection;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod event_driven;

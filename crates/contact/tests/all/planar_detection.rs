@@ -250,3 +250,17 @@ fn capsules_of_the_plane_touch_by_both_ends_where_they_lie() {
         }
     }
 }
+
+#[test]
+fn capsules_on_one_line_are_apart_by_their_ends() {
+    for gap in [-0.1, 0.0, 0.2] {
+        let colliders = (0..2).map(|body| PlanarCollider::on_body(body, capsule())).collect();
+        let mut detector = PlanarDetector::new(colliders, 2).unwrap();
+        let apart = 2.0 * (0.35 + 0.15) + gap;
+        for turn in [0.0_f64, std::f64::consts::FRAC_PI_2, 1.0] {
+            let q = [0.0, 0.0, turn, apart * turn.cos(), apart * turn.sin(), turn];
+            let closest = nearest(&mut detector, &q).unwrap();
+            assert!((closest.gap - gap).abs() < 1e-12, "{gap} {turn}: {closest:?}");
+        }
+    }
+}

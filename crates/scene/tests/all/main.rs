@@ -32,6 +32,7 @@ mod schema;
 mod shapes;
 mod solids;
 mod steppings;
+mod tippe_top;
 mod touching;
 mod touching_bodies;
 mod unstable_steps;

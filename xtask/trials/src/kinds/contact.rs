@@ -5,6 +5,7 @@ mod case;
 mod engine;
 mod hull;
 mod planar;
+mod planar_points;
 mod points;
 mod refined;
 mod scenes;
@@ -15,4 +16,5 @@ mod step;
 use crate::Kind;
 
 /// The kinds of trials of contact.
-pub const KINDS: &[Kind] = &[scenes::PLANAR, scenes::SPATIAL, points::KIND, bad_input::KIND];
+pub const KINDS: &[Kind] =
+    &[scenes::PLANAR, scenes::SPATIAL, points::KIND, planar_points::KIND, bad_input::KIND];

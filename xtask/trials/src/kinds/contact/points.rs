@@ -25,7 +25,8 @@ pub(super) const KIND: Kind = Kind {
            their solids, or off the gap along the normal, by more than 10 P (of two boxes, also 4e-9 of the larger least half \
            size, by which they are clipped wider); a normal whose length is \
            off 1 by 1e-14; none where the separation is below the margin by P, one whose gap is above \
-           it; the gap's rate off its differential by 1e-3 of the speed",
+           it; the gap's rate off its differential by 1e-3 of the speed and the spin times how far the \
+           point moves over its body",
     in_tests: 300,
     trial,
 };
@@ -255,10 +256,17 @@ fn rate(
     let rows = gap_rows(&[*closest], q);
     let rate = rows.along(0, Vector(&velocity[..]));
     let slope = (ahead.gap - behind.gap) / (2.0 * h);
-    // How fast a point of either may move: a normal that turns by 1e-3 changes the rate by that part of it.
+    // How fast a point of either may move: a normal that turns by 1e-3 changes the rate by that part of it,
+    // and a point that moves over its body by a way changes it by the body's spin times that.
     let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
     let speeds = velocity.chunks_exact(6).map(|v| length(&v[..3]) + reach * length(&v[3..]));
-    Verdict::of((slope - rate).abs(), 1e-3 * speeds.sum::<f64>(), "the gap's rate")
+    let shift = |k: usize| {
+        let way = |to: &ContactPoint| (to.arms[k] - closest.arms[k]).norm();
+        way(&ahead).max(way(&behind))
+    };
+    let shifts = velocity.chunks_exact(6).enumerate().map(|(k, v)| length(&v[3..]) * shift(k));
+    let bound = 1e-3 * speeds.sum::<f64>() + shifts.sum::<f64>();
+    Verdict::of((slope - rate).abs(), bound, "the gap's rate")
 }
 
 /// What knows how far two solids are apart.
