@@ -419,7 +419,9 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             let rubbed = contact.tangents().zip(&given.friction[across * i..][..across]);
             let friction = rubbed
                 .fold(G::Vector::default(), |sum, (tangent, &impulse)| sum + tangent * impulse);
-            self.pushes.push((self.now.t, Touch { contact, impact, normal: 0.0, friction }));
+            let moment = G::Spin::default();
+            let touch = Touch { contact, impact, normal: 0.0, friction, moment };
+            self.pushes.push((self.now.t, touch));
         }
     }
 

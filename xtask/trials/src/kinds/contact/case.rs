@@ -167,8 +167,7 @@ pub(super) fn drawn(draw: &mut Draw, flat: bool, rolls: bool) -> Case {
     let case = Case {
         flat,
         things,
-        // What obstacles do by moments is not told apart.
-        pushed: family == Pushed && !rolls,
+        pushed: family == Pushed,
         rolling,
         grounds,
         gravity,

@@ -110,6 +110,7 @@ impl Engine for Scene {
             impact: touch.impact,
             rest: touch.normal,
             rubbed: space(touch.friction),
+            moment: Vector3::z() * touch.moment,
         };
         self.world.touches().map(seen).collect()
     }

@@ -37,8 +37,8 @@ pub(super) const ROLLING: Kind = Kind {
     name: "rolling-contact",
     krate: "contact",
     rule: "scenes of the plane and of space whose pairs have rolling and torsional friction, by the \
-           rules of planar-contact and spatial-contact; a body's angular momentum off the impulses \
-           told by more than lengths times the normal impulses of its contacts",
+           rules of planar-contact and spatial-contact; a moment beyond its length times the normal \
+           impulse, by more than the residual reported",
     in_tests: 60,
     trial: |draw| {
         let flat = draw.chance(0.5);

@@ -113,6 +113,7 @@ impl Engine for Scene {
             impact: touch.impact,
             rest: touch.normal,
             rubbed: touch.friction,
+            moment: touch.moment,
         };
         self.world.touches().map(seen).collect()
     }
