@@ -121,7 +121,7 @@ pub fn confirmed(
             break;
         };
         let most_error = tolerance + reference.uncertainty;
-        // What turns out to be far dearer than was known is tried again in its turn.
+        // What turns out to be far dearer than was known waits until a finer one is the cheapest.
         let most_work = OVERRUN * runs.predicted(at);
         let (reference, foresight) = (Some(reference), Foresight::None);
         runs.attempt(at, &StopRule { reference, most_error, most_work, foresight });
@@ -179,7 +179,6 @@ pub fn next_rung(
                 let error = at_the_end(runs, at, error).min(SMALL);
                 at.rung + likely_rungs(runs.family(family), tolerance, error)
             }
-            Judgement::CostLimit => at.rung,
             _ => at.rung + 1,
         },
     };
