@@ -190,7 +190,9 @@ impl Making {
             foresight: Foresight::RemainingCost,
         };
         let at = At { family: self.family, rung: self.finest };
-        if runs.attempt(at, &trial).end == End::Stopped {
+        let spent = runs.spent();
+        // What is stopped where it was before, and has the least left still, is run to its end.
+        if runs.attempt(at, &trial).end == End::Stopped && runs.spent() > spent {
             return;
         }
         let next = Reference::at(runs, self.family, self.finest);
