@@ -5,8 +5,8 @@
 //! ```
 //! `t_n` the ends of equal steps, or of those that an adaptive method accepted: every step is looked into
 //! at three irrational parts, where nothing of the motion repeats; at five where all of few long steps are
-//! looked into, at twenty-one where they were accepted or lines join their ends. A method of equal steps says what it
-//! gives there by a step of that part; an adaptive one and modes are read off.
+//! looked into, at twenty-one where they were accepted or lines join their ends. A method of equal steps
+//! says what it gives there by a step of that part; an adaptive one and modes are read off.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::ladder::{At, MOMENTS};
 /// Irrational parts of a step.
 const PARTS: [f64; 3] = [0.236_067_977_499_789_7, 0.414_213_562_373_095_1, 0.732_050_807_568_877_2];
 
-/// Parts of an accepted step, and of equal ones that are so few that they are long.
+/// Parts of an accepted step or of a line, and of equal steps that are so few that they are long.
 const OF_ACCEPTED: usize = 21;
 const OF_LONG: usize = 5;
 const FEW: u64 = 80;
@@ -158,7 +158,7 @@ impl Moments {
 }
 
 /// The parts at which an accepted step is looked into.
-pub fn own_parts() -> [f64; 21] {
+pub fn own_parts() -> [f64; OF_ACCEPTED] {
     golden::<OF_ACCEPTED>()
 }
 

@@ -55,6 +55,42 @@ restitution = 1
 walls = [{ normal = [1], at = [0] }, { normal = [-1], at = [3] }]
 "#;
 
+/// A box above a floor, which moves upwards and along it.
+fn thrown(height: f64, up: f64) -> String {
+    format!(
+        r#"
+dimension = 3
+integrator = "variational-rotation"
+step = 0.01
+horizon = 1
+uniform_gravity = {{ acceleration = [0, 0, -9.81] }}
+
+[[bodies]]
+name = "box"
+mass = 2
+box = [0.4, 0.3, 0.2]
+position = [0, 0, {height:?}]
+velocity = [0.5, 0, {up:?}]
+
+[contact]
+friction = 0.3
+restitution = 0.5
+walls = [{{ normal = [0, 0, 1], at = [0, 0, 0] }}]
+"#
+    )
+}
+
+#[test]
+fn impacts_at_their_instant_are_a_model_unless_something_rests_or_slides_from_the_start() {
+    let is_model = |height: f64, up: f64| {
+        let runs = bounded_runs(&thrown(height, up), "position=box");
+        runs.ladder().families.iter().any(|family| family.name.starts_with("event-driven"))
+    };
+    assert!(!is_model(0.1, 0.0));
+    // It leaves the floor, or comes to it later.
+    assert!(is_model(0.1, 2.0) && is_model(0.5, 0.0) && is_model(0.11, -1.0));
+}
+
 fn models(text: &str) -> Vec<Model> {
     Model::all("a.toml", text, &Scene::parse("a.toml", text).unwrap())
 }
