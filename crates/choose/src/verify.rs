@@ -102,6 +102,9 @@ const SURELY: f64 = 4.0;
 const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
 const RESOLVED: f64 = 0.02;
+/// What a run of adaptive steps may be off, in its distance from the looser one before it: where few steps pass an
+/// encounter, both may err alike.
+const ALIKE: f64 = 2.0;
 
 /// How a run is read at the moments of a grid: [`MeasuredRuns::read`] or [`MeasuredRuns::read_off`].
 pub type Read<'e> = fn(&mut MeasuredRuns<'e>, At, (&Grid, Within), f64) -> Option<(Arc<Look>, f64)>;
@@ -158,7 +161,9 @@ fn uncertainty(
     }
     let own = reference.uncertainty * reference.course.scale;
     let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
-    Some(if own > 0.0 { own * grown } else { differs })
+    let alike = if runs.family(reference.family).kind == Kind::Adaptive { ALIKE } else { 1.0 };
+    let most = if own > 0.0 { own * grown } else { differs };
+    Some(alike * most)
 }
 
 /// A reference at all moments of a way, and its uncertainty there.
