@@ -3,9 +3,9 @@
 //! ```text
 //! uniform      V = - sum_i m_i <g, q_i>              g in m/s^2 (errata 0.3)
 //! central      V = - mu m / |q|                      about the origin, mu in m^3/s^2
-//! Newtonian    V = - sum_{i<j} G m_i m_j / |q_i - q_j|
+//! Newtonian    V = - sum_{i<j} G m_i m_j / |q_i - q_j| - sum_{i,k} G m_i M_k / |q_i - X_k|
 //! ```
-//! `q_i` positions in D dimensions, `m_i` masses. The last two are singular where particles meet:
+//! `q_i` positions in D dimensions, `m_i` masses; `M_k` masses that stay at `X_k`. The last two are singular where particles meet:
 //! the energy there is not finite, and a step that arrives there is an error.
 
 use stationary_calculus::{Covector, Potential, Sink};
@@ -79,13 +79,15 @@ impl<const D: usize> Potential for CentralGravity<D> {
     }
 }
 
-/// The attraction of every two particles.
+/// The attraction of every two particles, and of each by masses that stay where they are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonianGravity<const D: usize> {
     /// The constant of gravitation G, m^3/(kg s^2) or in the problem's own units.
     pub constant: f64,
     /// The mass of each particle, kg or in the problem's own units.
     pub masses: Vec<f64>,
+    /// Masses that have no freedoms, and their places.
+    pub fixed: Vec<(f64, [f64; D])>,
 }
 
 impl<const D: usize> NewtonianGravity<D> {
@@ -100,6 +102,16 @@ impl<const D: usize> NewtonianGravity<D> {
             }
         }
     }
+
+    /// Calls `visit` with i, G m_i M_k and `q_i - X_k` for every particle and fixed mass, in a fixed order.
+    #[inline]
+    fn for_fixed(&self, q: &[f64], mut visit: impl FnMut(usize, f64, [f64; D])) {
+        for (mk, xk) in &self.fixed {
+            for (i, (qi, mi)) in q.as_chunks::<D>().0.iter().zip(&self.masses).enumerate() {
+                visit(i, self.constant * mi * mk, std::array::from_fn(|c| qi[c] - xk[c]));
+            }
+        }
+    }
 }
 
 impl<const D: usize> Potential for NewtonianGravity<D> {
@@ -111,6 +123,7 @@ impl<const D: usize> Potential for NewtonianGravity<D> {
     fn energy(&self, q: &[f64]) -> f64 {
         let mut energy = 0.0;
         self.for_pairs(q, |_, _, strength, apart| energy -= strength / dot(&apart, &apart).sqrt());
+        self.for_fixed(q, |_, strength, apart| energy -= strength / dot(&apart, &apart).sqrt());
         energy
     }
 
@@ -125,6 +138,11 @@ impl<const D: usize> Potential for NewtonianGravity<D> {
                 rows[i][c] += part;
                 rows[j][c] -= part;
             }
+        });
+        self.for_fixed(q, |i, strength, apart| {
+            let r2 = dot(&apart, &apart);
+            let factor = strength / (r2 * r2.sqrt());
+            rows[i].iter_mut().zip(&apart).for_each(|(row, x)| *row += factor * x);
         });
     }
 
@@ -143,6 +161,13 @@ impl<const D: usize> Potential for NewtonianGravity<D> {
             let freedoms = [i, j].map(|v| std::array::from_fn::<_, D, _>(|c| D * v + c));
             let pair = pair.as_flattened().as_flattened().as_flattened();
             hessian.add_symmetric(freedoms.as_flattened(), pair);
+        });
+        self.for_fixed(q, |i, strength, apart| {
+            let block = attraction_hessian(strength, &apart);
+            hessian.add_symmetric(
+                &std::array::from_fn::<_, D, _>(|c| D * i + c),
+                block.as_flattened(),
+            );
         });
     }
 }
@@ -176,4 +201,24 @@ fn dot<const D: usize>(x: &[f64; D], y: &[f64; D]) -> f64 {
 #[inline]
 fn leading<const D: usize>(q: &[f64]) -> &[f64; D] {
     &q.as_chunks::<D>().0[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use stationary_calculus::assert_derivatives;
+
+    use super::*;
+
+    #[test]
+    fn masses_that_are_free_and_that_stay_attract_by_their_energy() {
+        let fixed = vec![(0.7, [1.0, 0.3]), (2.0, [-0.5, -1.0])];
+        let gravity = NewtonianGravity::<2> { constant: 0.8, masses: vec![1.5, 0.4], fixed };
+        assert_derivatives(&gravity, &[0.2, 0.1, -0.3, 0.9]);
+        // 0.8 (1.5 0.4/d + 0.7 (1.5/a + 0.4/b) + 2 (1.5/c + 0.4/e))
+        let q = [1.0, 1.3, 2.0, 0.3];
+        let [d, a, b] = [2_f64.sqrt(), 1.0, 1.0];
+        let [c, e] = [1.5_f64.hypot(2.3), 2.5_f64.hypot(1.3)];
+        let energy = -0.8 * (0.6 / d + 0.7 * (1.5 / a + 0.4 / b) + 2.0 * (1.5 / c + 0.4 / e));
+        assert!((gravity.energy(&q) - energy).abs() < 1e-14);
+    }
 }

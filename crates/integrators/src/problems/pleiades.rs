@@ -43,7 +43,7 @@ const AT_THREE: [[f64; 2]; 7] = [
 pub fn pleiades() -> Result<SmallProblem<NewtonianGravity<2>, 14>, ProblemError> {
     let masses: [f64; 14] = std::array::from_fn(|freedom| MASSES[freedom / 2]);
     let velocities = VELOCITIES.as_flattened();
-    let gravity = NewtonianGravity { constant: 1.0, masses: MASSES.to_vec() };
+    let gravity = NewtonianGravity { constant: 1.0, masses: MASSES.to_vec(), fixed: Vec::new() };
     Ok(Problem {
         name: "pleiades",
         system: System::new(DiagonalMetric::new(masses)?, gravity)?,

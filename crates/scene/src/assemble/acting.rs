@@ -21,7 +21,7 @@ use stationary_calculus::{Covector, Force, Sink, Vector};
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
 use crate::assemble::acting::frame::Frame;
-use crate::assemble::acting::rate::{Rate, rate_of};
+use crate::assemble::acting::rate::Rate;
 #[cfg(feature = "elasticity")]
 use crate::assemble::anchor::Anchor;
 use crate::assemble::anchor::wrench;
@@ -57,7 +57,7 @@ struct Act {
 enum What {
     /// The force over the velocity of every particle, and of the centre of every body.
     Drag(f64),
-    /// A frame that turns, in which particles are seen.
+    /// A frame that turns, in which all is seen.
     Frame(Frame),
     /// An acceleration of every freedom, which repeats.
     Weight(Vec<f64>),
@@ -88,7 +88,9 @@ impl Acting {
             acts.push(Act { name: "drag".to_owned(), strength, what: What::Drag(drag) });
         }
         if let Some(turning) = scene.frame {
-            let (strength, what) = (Strength::constant(1.0), What::Frame(Frame(turning)));
+            let (each, dimension) = (scene.freedoms_of_each(), scene.dimension);
+            let what = What::Frame(Frame { turning, each, dimension });
+            let strength = Strength::constant(1.0);
             acts.push(Act { name: "frame".to_owned(), strength, what });
         }
         if let (Some(strength), Some(g)) = (&scene.drives.gravity, scene.gravity.acceleration) {
@@ -132,7 +134,7 @@ impl Acting {
         if end == End::Start {
             self.works.fill(0.0);
         } else {
-            self.hold_back(end, h, q, p);
+            self.hold_back(end, (t + h, h), q, p);
         }
         let now = if end == End::Start { t } else { t + h };
         let Acting { acts, inverse, each, works, .. } = self;
@@ -150,12 +152,12 @@ impl Acting {
             };
         }
         if end == End::Start {
-            self.hold_back(end, h, q, p);
+            self.hold_back(end, (t, h), q, p);
         }
     }
 
     /// Drag and dampers for half a step: at its end in the other order, and backward.
-    fn hold_back(&mut self, end: End, h: f64, q: &[f64], p: &mut [f64]) {
+    fn hold_back(&mut self, end: End, (now, h): (f64, f64), q: &[f64], p: &mut [f64]) {
         let Acting { acts, inverse, each, dimension, works, .. } = self;
         let mut hold = |(act, work): (&Act, &mut f64)| match &act.what {
             What::Drag(c) => {
@@ -167,14 +169,19 @@ impl Acting {
                     *p = after;
                 }
             }
-            What::Frame(frame) => p.chunks_exact_mut(*each).for_each(|p| frame.turn(h, p)),
+            What::Frame(frame) => {
+                let things = p.chunks_exact_mut(*each).zip(inverse.chunks_exact(*each));
+                for (seen, (p, inverse)) in frame.seen(q).zip(things) {
+                    frame.turn(0.5 * h, &seen, p, inverse);
+                }
+            }
             What::Damper(c, rate) => {
-                let entries = rate.entries(q, *each);
-                let [now, yields] = rate_of(&entries, p, inverse);
+                let rate = rate.now(now, q, *each);
+                let [own, whole, yields] = rate.of_momenta(p, inverse);
                 let x = 0.5 * h * c;
-                let impulse = -x * now / if end == End::Start { 1.0 + x * yields } else { 1.0 };
-                *work += impulse * (now + 0.5 * impulse * yields);
-                entries.iter().for_each(|&(freedom, part)| p[freedom] += impulse * part);
+                let impulse = -x * whole / if end == End::Start { 1.0 + x * yields } else { 1.0 };
+                *work += impulse * (own + 0.5 * impulse * yields);
+                rate.entries.iter().for_each(|&(freedom, part)| p[freedom] += impulse * part);
             }
             _ => {}
         };
@@ -196,9 +203,8 @@ impl Acting {
                     -c * shifts(u.len(), *each, *dimension).map(along).sum::<f64>()
                 }
                 What::Damper(c, ref rate) => {
-                    let entries = rate.entries(q, *each);
-                    let along: f64 = entries.iter().map(|&(freedom, part)| part * u[freedom]).sum();
-                    -c * rate_of(&entries, p, inverse)[0] * along
+                    let rate = rate.now(t, q, *each);
+                    -c * rate.of_momenta(p, inverse)[1] * rate.along(u)
                 }
                 _ => match act.what.pulling_power((t, q), *each) {
                     Some(power) => power,
@@ -221,7 +227,7 @@ impl Acting {
     }
 
     /// Adds the impulses of a whole step, taken at its start; each drag and damper alone ends where it would
-    /// by implicit Euler.
+    /// by implicit Euler, and a frame turns momenta as by itself.
     pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
         given.dim = self.inverse.len();
         for act in &self.acts {
@@ -234,14 +240,25 @@ impl Acting {
                     }
                 }
                 What::Damper(c, ref rate) => {
-                    let entries = rate.entries(q, self.each);
-                    let [now, yields] = rate_of(&entries, p, &self.inverse);
-                    let impulse = -h * c * now / (1.0 + h * c * yields);
-                    given.entries.extend(entries.iter().map(|&(f, part)| (f, impulse * part)));
+                    let rate = rate.now(t, q, self.each);
+                    let [_, whole, yields] = rate.of_momenta(p, &self.inverse);
+                    let impulse = -h * c * whole / (1.0 + h * c * yields);
+                    given.entries.extend(rate.entries.iter().map(|&(f, part)| (f, impulse * part)));
                 }
                 _ => act.what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {
                     given.entries.push((freedom, scale * force));
                 }),
+            }
+            if let What::Frame(frame) = act.what {
+                for (k, seen) in frame.seen(q).enumerate() {
+                    let own = self.each * k..self.each * (k + 1);
+                    let mut turned = [0.0; 6];
+                    let turned = &mut turned[..self.each];
+                    turned.copy_from_slice(&p[own.clone()]);
+                    frame.turn(h, &seen, turned, &self.inverse[own.clone()]);
+                    let given_by = turned.iter().zip(&p[own.clone()]).map(|(after, p)| after - p);
+                    given.entries.extend(own.zip(given_by));
+                }
             }
             given.ends.push(given.entries.len());
         }
@@ -271,11 +288,9 @@ impl What {
             What::Drag(_) | What::Damper(..) => {}
             // The part that does work; the other turns momenta.
             What::Frame(frame) => {
-                for (first, x) in now.1.chunks_exact(each).enumerate() {
-                    let outward = frame.outward(x);
-                    for (freedom, a) in (each * first..).zip(outward.iter().take(each)) {
-                        tell(freedom, a / inverse[freedom]);
-                    }
+                for (k, seen) in frame.seen(now.1).enumerate() {
+                    let outward = frame.outward(&seen, &inverse[each * k..]);
+                    (each * k..).zip(outward).take(each).for_each(|(freedom, f)| tell(freedom, f));
                 }
             }
             What::Weight(acceleration) => {
@@ -369,17 +384,17 @@ impl Force for Acting {
                 continue;
             }
             if let What::Damper(c, rate) = &act.what {
-                let entries = rate.entries(q, self.each);
-                let now: f64 = entries.iter().map(|&(freedom, part)| part * v.0[freedom]).sum();
-                entries.iter().for_each(|&(freedom, part)| f.0[freedom] -= c * now * part);
+                let rate = rate.now(t, q, self.each);
+                let now = rate.at(v.0);
+                rate.entries.iter().for_each(|&(freedom, part)| f.0[freedom] -= c * now * part);
                 continue;
             }
             if let What::Frame(frame) = act.what {
-                for (first, v) in v.0.chunks_exact(self.each).enumerate() {
-                    let aside = frame.aside(v);
-                    for (freedom, a) in (self.each * first..).zip(aside.iter().take(self.each)) {
-                        f.0[freedom] += a / self.inverse[freedom];
-                    }
+                let each = self.each;
+                for (k, (seen, v)) in frame.seen(q).zip(v.0.chunks_exact(each)).enumerate() {
+                    let aside = frame.aside(&seen, v, &self.inverse[each * k..]);
+                    let own = f.0[each * k..].iter_mut().zip(aside).take(each);
+                    own.for_each(|(f, a)| *f += a);
                 }
             }
             let strength = act.strength.mean(t - half, t + half);
@@ -389,10 +404,10 @@ impl Force for Acting {
         }
     }
 
-    fn add_damping(&self, _: f64, q: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
+    fn add_damping(&self, t: f64, q: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {
         for act in &self.acts {
             if let What::Damper(c, rate) = &act.what {
-                let entries = rate.entries(q, self.each);
+                let entries = rate.now(t, q, self.each).entries;
                 let freedoms: Vec<usize> = entries.iter().map(|&(freedom, _)| freedom).collect();
                 let rows = entries.iter().map(|&(_, part)| c * part);
                 let block: Vec<f64> =

@@ -125,10 +125,15 @@ impl Scene {
             acceleration: leading::<D>(acceleration),
             masses: masses.clone(),
         });
-        let newtonian = self
-            .gravity
-            .constant
-            .map(|constant| NewtonianGravity { constant, masses: masses.clone() });
+        let fixed = || {
+            let place = |pin: usize| leading::<D>(self.particles[pin].position);
+            self.gravity.fixed.iter().map(|&(pin, mass)| (mass, place(pin))).collect()
+        };
+        let newtonian = self.gravity.constant.map(|constant| NewtonianGravity {
+            constant,
+            masses: masses.clone(),
+            fixed: fixed(),
+        });
         #[cfg_attr(
             not(any(feature = "contact", feature = "elasticity", feature = "modal")),
             expect(unused_mut)

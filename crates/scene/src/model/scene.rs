@@ -47,12 +47,14 @@ pub struct Scene {
 }
 
 /// The gravity of a scene, where it has one.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gravity {
     /// The acceleration of a uniform field. Components beyond the scene's dimension are zero.
     pub acceleration: Option<[f64; 3]>,
     /// The constant G of the attraction of every two particles.
     pub constant: Option<f64>,
+    /// Pinned particles that attract, and their masses.
+    pub fixed: Vec<(usize, f64)>,
 }
 
 impl Scene {
@@ -82,8 +84,8 @@ impl Scene {
     }
 
     /// Its gravity.
-    pub fn gravity(&self) -> Gravity {
-        self.gravity
+    pub fn gravity(&self) -> &Gravity {
+        &self.gravity
     }
 
     /// The acceleration of gravity, where it does not change in time.

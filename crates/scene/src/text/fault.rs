@@ -157,9 +157,6 @@ pub enum Fault {
     /// A pinned particle stays where it is.
     #[error("`{0}` is pinned and cannot move")]
     PinnedMoves(String),
-    /// The attraction of a particle that is held in place would not keep momentum.
-    #[error("`{0}` is pinned; where particles attract each other, all of them must be free")]
-    PinnedAttraction(String),
     /// Newtonian attraction has no value where particles meet.
     #[error("`{second}` is in the same place as `{first}`, where their attraction is infinite")]
     SamePlace {
@@ -415,9 +412,6 @@ pub enum Fault {
          how its mass is distributed"
     )]
     BodyAttraction,
-    /// A turning frame acts on what turns too.
-    #[error("a `frame` that turns is for particles alone; in it bodies are not available")]
-    FrameOfBodies,
     /// A method that does not hold joints.
     #[error("{0} does not hold joints")]
     MethodOfJoints(String),

@@ -54,7 +54,7 @@ impl<'a> Draft<'a> {
             solids: Solids::default(),
             heat: None,
             contact: None,
-            gravity: Gravity { acceleration: None, constant: None },
+            gravity: Gravity { acceleration: None, constant: None, fixed: Vec::new() },
             drag: None,
             frame: None,
             drives: Drives::default(),

@@ -2,15 +2,14 @@
 
 use std::ops::Range;
 
-use crate::text::diagnostic::{Checked, at};
-use crate::text::fault::Fault;
+use crate::text::diagnostic::Checked;
 use crate::text::turn::Turn;
 use crate::words::draft::Draft;
 use crate::words::table::{Kind, table};
 use crate::words::word::{Of, Word};
 
 table! {
-    /// A frame that turns about the origin, in which all places and velocities of particles are seen.
+    /// A frame that turns about the origin, in which all places, orientations and velocities are seen.
     pub(crate) struct FrameDeclaration = "a table with an angular velocity" {
         /// That of the frame.
         angular_velocity: Turn = Kind::Turn,
@@ -27,9 +26,6 @@ impl Word for Option<FrameDeclaration> {
     fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
         let Some(FrameDeclaration { angular_velocity }) = self else { return Ok(()) };
         let turning = angular_velocity.components("the angular velocity", draft.dimension)?;
-        if !draft.bodies.is_empty() {
-            return Err(at(angular_velocity.span(), Fault::FrameOfBodies));
-        }
         draft.frame = Some(turning);
         Ok(())
     }

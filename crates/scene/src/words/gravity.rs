@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
@@ -24,7 +25,7 @@ table! {
         strength: Option<Spanned<StrengthDeclaration>> = Kind::Strength,
     }
 
-    /// Attraction between every two particles, all of which are free.
+    /// Attraction between every two particles; a pinned one that has a mass attracts, and stays.
     pub(crate) struct NewtonianGravityDeclaration = "a table with a constant" {
         /// The constant G.
         constant: Spanned<Number> = Kind::Positive,
@@ -60,18 +61,18 @@ impl Word for Option<NewtonianGravityDeclaration> {
     fn declare(&self, draft: &mut Draft<'_>) -> Checked<()> {
         let Some(newtonian) = self else { return Ok(()) };
         draft.gravity.constant = Some(check::positive("the constant", &newtonian.constant)?);
-        let table = &draft.particles;
-        if let Some((pinned, place)) = &table.first_pin {
-            let name = table.particles[*pinned].name.clone();
-            return Err(at(place.clone(), Fault::PinnedAttraction(name)));
-        }
-        check_that_no_two_meet(table)
+        draft.gravity.fixed = draft.particles.pinned_masses.clone();
+        check_that_no_two_meet(&draft.particles)
     }
 }
 
 fn check_that_no_two_meet(table: &ParticleTable) -> Checked<()> {
+    let attracts = |index: usize| {
+        table.particles[index].motion != Motion::Pinned
+            || table.pinned_masses.iter().any(|&(pin, _)| pin == index)
+    };
     let mut by_position = HashMap::new();
-    for (index, particle) in table.particles.iter().enumerate() {
+    for (index, particle) in table.particles.iter().enumerate().filter(|(k, _)| attracts(*k)) {
         // Adding zero turns the negative zero into the positive one.
         let bits = particle.position.map(|x| (x + 0.0).to_bits());
         if let Some(first) = by_position.insert(bits, index) {

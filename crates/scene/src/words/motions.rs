@@ -9,7 +9,6 @@ use std::ops::Range;
 use toml::Spanned;
 
 use crate::model::drives::PinMotion;
-use crate::model::items::Link;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
@@ -63,12 +62,11 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
         .bodies
         .iter()
         .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
-    let damped = |link: &Link| link.damping > 0.0 && link.ends.contains(&particle);
-    if draft.links.iter().any(damped) {
-        return Err(at(place, DriveFault::MotionOfDamped(name())));
-    }
     if held || of_solid || pin.radius > 0.0 {
         return Err(at(place, DriveFault::MotionOfHeld(name())));
+    }
+    if draft.gravity.fixed.iter().any(|&(fixed, _)| fixed == particle) {
+        return Err(at(place, DriveFault::MotionOfAttracting(name())));
     }
     if draft.drives.moves(particle) {
         return Err(at(place, DriveFault::TwoMotions(name())));

@@ -18,6 +18,8 @@ pub(crate) struct ParticleTable {
     pub(crate) places: Vec<Range<usize>>,
     /// The first pinned particle and where the text pins it.
     pub(crate) first_pin: Option<(usize, Range<usize>)>,
+    /// Pinned particles that are given a mass, and that mass.
+    pub(crate) pinned_masses: Vec<(usize, f64)>,
     by_name: HashMap<String, usize>,
 }
 

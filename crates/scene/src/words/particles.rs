@@ -19,7 +19,7 @@ table! {
     pub(crate) struct ParticleDeclaration = "a particle" {
         /// A name.
         name: Spanned<String> = Kind::Name,
-        /// Its mass; a pinned particle needs none.
+        /// Its mass; a pinned particle needs none, and attracts with the one that it is given.
         mass: Option<Spanned<Number>> = Kind::Positive,
         /// Where it starts.
         position: Components = Kind::Vector,
@@ -62,7 +62,7 @@ pub(crate) fn declare(
     let name = check::name(&declared.name)?;
     let place = declared.position.span();
     let position = check::vector("the position", dimension, &declared.position)?;
-    let motion = motion(dimension, declared)?;
+    let (motion, mass) = motion(dimension, declared)?;
     let radius = declared.radius.as_ref();
     let radius = radius.map(|radius| check::positive("the radius", radius)).transpose()?;
     let radius = radius.unwrap_or_default();
@@ -73,10 +73,14 @@ pub(crate) fn declare(
     if let (Motion::Pinned, None, Some(pinned)) = (motion, &table.first_pin, &declared.pinned) {
         table.first_pin = Some((index, pinned.span()));
     }
+    if let (Motion::Pinned, Some(mass)) = (motion, mass) {
+        table.pinned_masses.push((index, mass));
+    }
     Ok(())
 }
 
-fn motion(dimension: usize, declared: &ParticleDeclaration) -> Checked<Motion> {
+/// How a particle starts, and the mass that it is given.
+fn motion(dimension: usize, declared: &ParticleDeclaration) -> Checked<(Motion, Option<f64>)> {
     let name = || declared.name.get_ref().clone();
     let mass = declared.mass.as_ref().map(|mass| check::positive("the mass", mass)).transpose()?;
     let given = |what, x: &Option<_>| match x {
@@ -92,7 +96,7 @@ fn motion(dimension: usize, declared: &ParticleDeclaration) -> Checked<Motion> {
     if declared.pinned.as_ref().is_some_and(|pinned| *pinned.get_ref()) {
         return match moving {
             Some(moving) => Err(at(moving.span(), Fault::PinnedMoves(name()))),
-            None => Ok(Motion::Pinned),
+            None => Ok((Motion::Pinned, mass)),
         };
     }
     let Some(mass) = mass else {
@@ -103,6 +107,6 @@ fn motion(dimension: usize, declared: &ParticleDeclaration) -> Checked<Motion> {
         (Some(&value), Some(moving)) => {
             Err(at(moving.span(), Fault::NotFinite { what: "the momentum", value }))
         }
-        _ => Ok(Motion::Free { mass, momentum }),
+        _ => Ok((Motion::Free { mass, momentum }, Some(mass))),
     }
 }

@@ -303,18 +303,26 @@ fn a_particle_has_a_mass_and_one_way_to_start() {
 }
 
 #[test]
-fn particles_that_attract_each_other_are_apart_and_free() {
+fn particles_that_attract_each_other_are_apart() {
     let gravity = "[newtonian_gravity]\nconstant = 1\n";
     let twin = BALL.replace("ball", "twin").replace("[0, 0]", "<<[-0.0, 0]>>");
     refused(
         &format!("{HEAD}{BALL}{twin}{gravity}"),
         "`twin` is in the same place as `ball`, where their attraction is infinite",
     );
-    let hook = HOOK.replace("true", "<<true>>");
-    let message = "is pinned; where particles attract each other, all of them must be free";
-    refused(&format!("{HEAD}{BALL}{hook}{gravity}"), &format!("`hook` {message}"));
-    let net = format!("{NET}pinned = [<<\"bottom\">>]\n");
-    refused(&format!("{HEAD}{net}{gravity}"), &format!("`net.2.0` {message}"));
+    // A pin attracts where it has a mass, and may be anywhere where it has none.
+    let hook = HOOK.replace("[0, 1]", "<<[0, 0]>>");
+    refused(
+        &format!("{HEAD}{BALL}{hook}mass = 2\n{gravity}"),
+        "`hook` is in the same place as `ball`, where their attraction is infinite",
+    );
+    let text = format!("{HEAD}{BALL}{}{gravity}", HOOK.replace("[0, 1]", "[0, 0]"));
+    assert!(Scene::parse("hook", &text).unwrap().gravity().fixed.is_empty());
+    let motion = "[[motions]]\nof = <<\"hook\">>\nshift = [1, 0]\nstrength = { ramp = [0, 1] }\n";
+    refused(
+        &format!("{HEAD}{BALL}{HOOK}mass = 2\n{gravity}{motion}"),
+        "`hook` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`",
+    );
 }
 
 #[test]

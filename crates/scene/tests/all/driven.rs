@@ -289,6 +289,41 @@ fn a_mass_on_a_moving_pin_answers_as_the_closed_form_says() {
 }
 
 #[test]
+fn a_mass_on_a_damped_spring_to_a_moving_pin_answers_as_the_closed_form_says() {
+    // m x'' + c (x' - y') + k (x - y) = 0,  y = sin w t,  from rest: x = Im X e^(iwt) + what dies out
+    let [m, c, k, w, t]: [f64; 5] = [0.5, 0.9, 0.5 * TAU * TAU, TAU * 0.4, 1.5];
+    // X = (k + i w c)/(k - m w^2 + i w c)
+    let (stiff, lag) = (k - m * w * w, w * c);
+    let size = stiff * stiff + lag * lag;
+    let [re, im] = [(k * stiff + lag * lag) / size, (lag * stiff - k * lag) / size];
+    let (rate, turning) = (0.5 * c / m, (k / m - 0.25 * c * c / (m * m)).sqrt());
+    let [a, b] = [-im, (-w * re - rate * im) / turning];
+    let steady = re * (w * t).sin() + im * (w * t).cos();
+    let rest = (-rate * t).exp() * (a * (turning * t).cos() + b * (turning * t).sin());
+    let exact = 1.0 + steady + rest;
+    let run = |method: &str, step: f64| {
+        let text = format!(
+            "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = {t}\n\
+             particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
+             {{ name = \"mass\", position = [1], mass = {m} }}]\n\
+             springs = [{{ between = [\"wall\", \"mass\"], stiffness = {k}, damping = {c} }}]\n\
+             motions = [{{ of = \"wall\", shift = [1], strength = {{ sine = 1, frequency = 0.4 }} }}]\n"
+        );
+        scene(&text).run().unwrap()
+    };
+    let error = |step: f64| (last(&run("\"stormer-verlet\"", step))[1] - exact).abs();
+    let slope = (error(0.005) / error(0.0025)).log2();
+    assert!((slope - 2.0).abs() < 0.1, "{slope} {}", error(0.0025));
+    for adaptive in ["dormand-prince-853", "radau-iia-5"] {
+        let fine = run(&format!("\"{adaptive}\"\ntolerance = 1e-10"), 0.5);
+        assert!((last(&fine)[1] - exact).abs() < 1e-7, "{}", last(&fine)[1] - exact);
+        assert!(defect(&fine) < 1e-6, "{}", defect(&fine));
+    }
+    let of = |step: f64| defect(&run("\"stormer-verlet\"", step));
+    assert!((of(0.005) / of(0.0025)).log2() > 1.8, "{} {}", of(0.005), of(0.0025));
+}
+
+#[test]
 fn a_driven_pendulum_on_a_rod_keeps_its_rod_and_its_budget() {
     let run = |step: f64| {
         scene(&format!(

@@ -40,12 +40,6 @@ fn damping_that_cannot_be_is_refused() {
                 turn about";
     let weld = PIN.replace("pin", "weld") + "damping = <<1>>\n";
     refused(&format!("{PLANE}{BOX}{weld}"), axis);
-    let motion =
-        "[[motions]]\nof = <<\"hook\">>\nshift = [1, 0]\nstrength = { ramp = [0, 1], to = 1 }\n";
-    let held = spring("damping = 1").replace("bead", "hook");
-    let message =
-        "`hook` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves";
-    refused(&format!("{PLANE}{BOX}{HOOK}{held}{motion}"), message);
 }
 
 #[test]

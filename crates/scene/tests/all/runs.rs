@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use stationary_integrators::Method;
+use stationary_measure::loglog_slope;
 use stationary_scene::problems::{self, OUTER_SOLAR_SYSTEM, SPRING_NET, spring_net_scene};
 use stationary_scene::{Adaptive, AssemblyError, Fault, Motion, Run, RunError, Scene, Stepping};
 
@@ -223,6 +224,37 @@ fn a_failed_newton_step_names_the_particle_of_the_largest_acceleration() {
     assert!(text.starts_with("step 11, from t = 1 s: the implicit step was not solved: Newton's"));
     assert!(text.ends_with("; the largest acceleration is that of `light` in x"), "{text}");
     assert!(text.len() < 250, "{text}");
+}
+
+#[test]
+fn a_pinned_particle_that_has_a_mass_attracts_and_stays() {
+    // A planet on an ellipse of eccentricity 0.2 about a sun that is held, a period and a half: at its far end.
+    // A hook without mass, through which the way leads, does nothing.
+    let text = |method: &str, step: f64| {
+        let horizon = 3.0 * std::f64::consts::PI / 2_f64.sqrt();
+        format!(
+            "dimension = 2\nintegrator = {method}\nstep = {:?}\nhorizon = {horizon:?}\n\
+             newtonian_gravity = {{ constant = 0.5 }}\n\
+             particles = [{{ name = \"sun\", position = [0.3, -0.4], mass = 4, pinned = true }},\n\
+             {{ name = \"hook\", position = [-0.9, -0.4], pinned = true }},\n\
+             {{ name = \"planet\", position = [1.1, -0.4], mass = 3, velocity = [0, {:?}] }}]\n",
+            horizon / step,
+            3_f64.sqrt(),
+        )
+    };
+    let off = |method: &str, steps: f64| {
+        let scene = Scene::parse("sun.toml", &text(method, steps)).unwrap();
+        let run = scene.run().unwrap();
+        let end = run.positions(run.times().len() - 1);
+        assert_eq!(end[..2], [0.3, -0.4]);
+        (end[4] + 0.9).hypot(end[5] + 0.4)
+    };
+    let errors = [200.0, 400.0, 800.0].map(|steps| (1.0 / steps, off("\"stormer-verlet\"", steps)));
+    let order = loglog_slope(&errors).unwrap();
+    assert!((order - 2.0).abs() < 0.1, "{order}: {errors:?}");
+    // By its Hessian too.
+    assert!(off("\"gauss-legendre-6\"", 100.0) < 1e-5);
+    assert!(off("\"dormand-prince-853\"\ntolerance = 1e-10", 10.0) < 1e-7);
 }
 
 #[test]

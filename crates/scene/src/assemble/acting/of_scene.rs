@@ -1,6 +1,6 @@
 //! What acts on a scene, made from its words: loads, motors, dampers, and springs to pins that move.
 
-use super::rate::Rate;
+use super::rate::{End, Rate};
 use super::{Act, Acting, What};
 #[cfg(feature = "elasticity")]
 use crate::assemble::anchor::Anchor;
@@ -155,7 +155,7 @@ impl Scene {
         let damped = self.links.iter().filter(|link| link.damping > 0.0);
         let springs = damped.map(|link| {
             let [a, b] = link.ends.map(|end| self.particles[end].name.as_str());
-            let ends = link.ends.map(|end| self.anchor(end, &vertices));
+            let ends = link.ends.map(|end| self.end(end, &vertices));
             act(format!("damper between {a} and {b}"), link.damping, Rate::Distance(ends))
         });
         let damped = self.joints.iter().filter(|joint| joint.damping > 0.0);
@@ -165,6 +165,14 @@ impl Scene {
             act(format!("damper between {a} and {b}"), joint.damping, rate)
         });
         springs.chain(joints).collect()
+    }
+
+    /// An end of a damped spring.
+    fn end(&self, particle: usize, vertices: &Vertices) -> End {
+        match self.drives.motions.iter().find(|motion| motion.particle == particle) {
+            Some(pin) => End::Moved(pin.clone(), self.particles[particle].position),
+            None => End::Held(self.anchor(particle, vertices)),
+        }
     }
 
     /// The springs to pins that move.

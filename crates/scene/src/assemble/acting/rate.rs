@@ -1,47 +1,86 @@
 //! Rates that dampers hold back: of the distance of two points, or of a turn.
 //!
 //! ```text
-//! r = J v,    J M^-1 J^T        what a unit impulse along it changes of it
+//! r = J v + r_0,    J M^-1 J^T        what a unit impulse along it changes of it
 //! ```
+//! `r_0` the rate that a pin gives which moves as it is told.
 
 use crate::assemble::anchor::Anchor;
+use crate::model::drives::PinMotion;
 
 /// A rate that a damper holds back.
 #[derive(Clone, Debug)]
 pub(super) enum Rate {
     /// Of the distance of two points.
-    Distance([Anchor; 2]),
+    Distance([End; 2]),
     /// A sum of the rates of freedoms.
     Freedoms(Vec<(usize, f64)>),
 }
 
-impl Rate {
+/// An end of a damped spring.
+#[derive(Clone, Debug)]
+pub(super) enum End {
+    /// It is held by freedoms, or by the world.
+    Held(Anchor),
+    /// A pin that moves, and where it starts.
+    Moved(PinMotion, [f64; 3]),
+}
+
+/// A rate at a moment.
+pub(super) struct RateNow {
     /// How it depends on the rates of freedoms; on none where two points meet.
-    pub(super) fn entries(&self, q: &[f64], each: usize) -> Vec<(usize, f64)> {
+    pub(super) entries: Vec<(usize, f64)>,
+    /// What it is where these are zero.
+    told: f64,
+}
+
+impl Rate {
+    pub(super) fn now(&self, t: f64, q: &[f64], each: usize) -> RateNow {
         let ends = match self {
-            Rate::Freedoms(entries) => return entries.clone(),
+            Rate::Freedoms(entries) => return RateNow { entries: entries.clone(), told: 0.0 },
             Rate::Distance(ends) => ends,
         };
-        let [a, b] = ends.each_ref().map(|end| end.place(q, each));
+        let [a, b] = ends.each_ref().map(|end| match end {
+            End::Held(anchor) => anchor.place(q, each),
+            End::Moved(pin, start) => pin.place(*start, t),
+        });
         let way: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
         let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut entries = Vec::new();
+        let (mut entries, mut told) = (Vec::new(), 0.0);
         if length > 0.0 {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
                 let along = way.map(|x| sign * x / length);
-                end.pull(q, each, &along, &mut |freedom, part| entries.push((freedom, part)));
+                match end {
+                    End::Held(anchor) => anchor
+                        .pull(q, each, &along, &mut |freedom, part| entries.push((freedom, part))),
+                    End::Moved(pin, _) => {
+                        told += along.iter().zip(pin.velocity(t)).map(|(x, v)| x * v).sum::<f64>();
+                    }
+                }
             }
         }
-        entries
+        RateNow { entries, told }
     }
 }
 
-/// A rate where momenta are `p`, and what a unit impulse along it changes of it.
-pub(super) fn rate_of(entries: &[(usize, f64)], p: &[f64], inverse: &[f64]) -> [f64; 2] {
-    let mut rate = [0.0; 2];
-    for &(freedom, part) in entries {
-        rate[0] += part * inverse[freedom] * p[freedom];
-        rate[1] += part * inverse[freedom] * part;
+impl RateNow {
+    /// The rate at velocities.
+    pub(super) fn at(&self, v: &[f64]) -> f64 {
+        self.told + self.along(v)
     }
-    rate
+
+    /// The part of it that velocities make.
+    pub(super) fn along(&self, v: &[f64]) -> f64 {
+        self.entries.iter().map(|&(freedom, part)| part * v[freedom]).sum()
+    }
+
+    /// The same where momenta are `p`, the whole rate, and what a unit impulse along it changes of it.
+    pub(super) fn of_momenta(&self, p: &[f64], inverse: &[f64]) -> [f64; 3] {
+        let [mut own, mut yields] = [0.0; 2];
+        for &(freedom, part) in &self.entries {
+            own += part * inverse[freedom] * p[freedom];
+            yields += part * inverse[freedom] * part;
+        }
+        [own, own + self.told, yields]
+    }
 }

@@ -34,11 +34,9 @@ pub enum DriveFault {
          moves as it is told"
     )]
     MotionOfHeld(String),
-    /// A pin that moves and pulls at a damper.
-    #[error(
-        "`{0}` holds a damped spring; a pin that moves pulls at springs alone: damp what it moves"
-    )]
-    MotionOfDamped(String),
+    /// A pin that moves would attract from where it is at the time.
+    #[error("`{0}` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`")]
+    MotionOfAttracting(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]
     TwoMotions(String),
