@@ -25,9 +25,9 @@ const TARGETS: [f64; 2] = [1e-6, 1e-9];
 const TIGHT: f64 = 1e-14;
 
 /// The sun and five planets, of 18 freedoms on the stack, with its force as the scene states it.
-type Planets<'a> = Small<DiagonalMetric<[f64; 18]>, &'a ScenePotential<3>, 18>;
+type Planets<'a> = Small<DiagonalMetric<[f64; 18]>, &'a ScenePotential, 18>;
 
-fn on_the_stack(planets: &SceneProblem<3>) -> Planets<'_> {
+fn on_the_stack(planets: &SceneProblem) -> Planets<'_> {
     let eighteen = |x: &[f64]| <[f64; 18]>::try_from(x).expect("18 freedoms");
     let masses = DiagonalMetric::new(eighteen(planets.system.metric().masses())).expect("masses");
     Problem {

@@ -44,9 +44,9 @@ const JUPITERS_YEAR: f64 = 4332.0;
 ///
 /// # Errors
 /// None: its scene ships with the crate.
-pub fn outer_solar_system() -> Result<SceneProblem<3>, ProblemError> {
+pub fn outer_solar_system() -> Result<SceneProblem, ProblemError> {
     let scene = Scene::parse("outer-solar-system.toml", OUTER_SOLAR_SYSTEM)?;
-    let problem = scene.problem::<3>()?;
+    let problem = scene.problem()?;
     Ok(SceneProblem { name: "outer-solar-system", period: JUPITERS_YEAR, ..problem })
 }
 
@@ -55,9 +55,9 @@ pub fn outer_solar_system() -> Result<SceneProblem<3>, ProblemError> {
 ///
 /// # Errors
 /// [`ProblemError::Scene`] as of [`spring_net_scene`].
-pub fn spring_net(rows: u32, columns: u32) -> Result<SceneProblem<3>, ProblemError> {
+pub fn spring_net(rows: u32, columns: u32) -> Result<SceneProblem, ProblemError> {
     let scene = spring_net_scene(rows, columns)?;
-    let problem = scene.problem::<3>()?;
+    let problem = scene.problem()?;
     let stiffest = scene.links().iter().map(|link| link.stiffness).fold(0.0, f64::max);
     let lightest = problem.system.metric().masses().iter().copied().fold(f64::INFINITY, f64::min);
     let period = (8.0 * stiffest / lightest).sqrt().recip();

@@ -40,11 +40,7 @@ pub fn truth(scene: &Scene, times: &[f64]) -> Result<Known, String> {
     if scene.contact().is_some() {
         return bouncing(scene, times);
     }
-    match scene.dimension() {
-        1 => moving::<1>(scene, times),
-        2 => moving::<2>(scene, times),
-        _ => moving::<3>(scene, times),
-    }
+    moving(scene, times)
 }
 
 fn asked(scene: &Scene) -> Result<Observable, String> {
@@ -70,20 +66,21 @@ fn ends(scene: &Scene) -> Vec<End> {
 }
 
 /// Component `c` of a particle, and 0 of one that is pinned where speeds are meant.
-fn component<const D: usize>(end: &End, x: &[f64], c: usize) -> f64 {
+fn component(end: &End, x: &[f64], c: usize, d: usize) -> f64 {
     match end {
-        End::Free(vertex) => x[D * vertex + c],
+        End::Free(vertex) => x[d * vertex + c],
         End::Fixed(place) => place[c],
     }
 }
 
-fn moving<const D: usize>(scene: &Scene, times: &[f64]) -> Result<Known, String> {
-    let problem = scene.problem::<D>().map_err(|error| error.to_string())?;
-    let seen = scene.problem::<D>().map_err(|error| error.to_string())?;
+fn moving(scene: &Scene, times: &[f64]) -> Result<Known, String> {
+    let d = scene.dimension();
+    let problem = scene.problem().map_err(|error| error.to_string())?;
+    let seen = scene.problem().map_err(|error| error.to_string())?;
     let mut masses = Vec::new();
     for particle in scene.particles() {
         if let Motion::Free { mass, .. } = particle.motion {
-            masses.extend([mass; D]);
+            masses.extend(std::iter::repeat_n(mass, d));
         }
     }
     let (n, q) = (masses.len(), problem.initial.q.clone());
@@ -110,15 +107,15 @@ fn moving<const D: usize>(scene: &Scene, times: &[f64]) -> Result<Known, String>
         let mut right = DVector::zeros(rods.len());
         for (row, rod) in rods.iter().enumerate() {
             let [a, b] = rod.ends.map(|end| &of_rods[end]);
-            for c in 0..D {
-                let apart = component::<D>(b, q, c) - component::<D>(a, q, c);
+            for c in 0..d {
+                let apart = component(b, q, c, d) - component(a, q, c, d);
                 for (end, sign) in [(a, -1.0), (b, 1.0)] {
                     if let End::Free(vertex) = end {
-                        rows[(row, D * vertex + c)] = sign * apart;
+                        rows[(row, d * vertex + c)] = sign * apart;
                     }
                 }
                 let speed = |end: &End| match end {
-                    End::Free(vertex) => v[D * vertex + c],
+                    End::Free(vertex) => v[d * vertex + c],
                     End::Fixed(_) => 0.0,
                 };
                 right[row] -= (speed(b) - speed(a)).powi(2);
@@ -136,34 +133,34 @@ fn moving<const D: usize>(scene: &Scene, times: &[f64]) -> Result<Known, String>
         let (q, v) = y.split_at(n);
         let kinetic = || v.iter().zip(&masses).map(|(v, m)| 0.5 * m * v * v).sum::<f64>();
         let potential = || seen.system.potential().energy(q);
-        let place = |particle: usize| (0..D).map(move |c| (particle, c)).collect::<Vec<_>>();
+        let place = |particle: usize| (0..d).map(move |c| (particle, c)).collect::<Vec<_>>();
         match observable {
             Observable::Energy => vec![kinetic() + potential()],
             Observable::KineticEnergy => vec![kinetic()],
             Observable::PotentialEnergy => vec![potential()],
             Observable::AngularMomentum => {
                 let mut total = Vector3::zeros();
-                for (i, (q, v)) in q.chunks(D).zip(v.chunks(D)).enumerate() {
+                for (i, (q, v)) in q.chunks(d).zip(v.chunks(d)).enumerate() {
                     let full =
                         |x: &[f64]| Vector3::from_fn(|c, _| x.get(c).copied().unwrap_or(0.0));
-                    total += masses[D * i] * full(q).cross(&full(v));
+                    total += masses[d * i] * full(q).cross(&full(v));
                 }
-                if D == 2 { vec![total.z] } else { total.iter().copied().collect() }
+                if d == 2 { vec![total.z] } else { total.iter().copied().collect() }
             }
             Observable::Position(particle) => place(particle)
                 .into_iter()
-                .map(|(particle, c)| component::<D>(&of_particles[particle], q, c))
+                .map(|(particle, c)| component(&of_particles[particle], q, c, d))
                 .collect(),
             Observable::Velocity(particle) => place(particle)
                 .into_iter()
                 .map(|(particle, c)| match of_particles[particle] {
-                    End::Free(vertex) => v[D * vertex + c],
+                    End::Free(vertex) => v[d * vertex + c],
                     End::Fixed(_) => 0.0,
                 })
                 .collect(),
             Observable::Distance([a, b]) => {
-                let at = |particle: usize, c| component::<D>(&of_particles[particle], q, c);
-                vec![(0..D).map(|c| (at(a, c) - at(b, c)).powi(2)).sum::<f64>().sqrt()]
+                let at = |particle: usize, c| component(&of_particles[particle], q, c, d);
+                vec![(0..d).map(|c| (at(a, c) - at(b, c)).powi(2)).sum::<f64>().sqrt()]
             }
             _ => vec![f64::NAN],
         }

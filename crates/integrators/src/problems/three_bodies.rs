@@ -18,7 +18,8 @@ use crate::{NewtonianGravity, State};
 /// None: all its numbers are given.
 pub fn three_bodies() -> Result<SmallProblem<NewtonianGravity<2>, 6>, ProblemError> {
     let [sun, inner, outer] = [1.0, 0.02, 0.01];
-    let gravity = NewtonianGravity { constant: 1.0, masses: vec![sun, inner, outer], fixed: Vec::new() };
+    let gravity =
+        NewtonianGravity { constant: 1.0, masses: vec![sun, inner, outer], fixed: Vec::new() };
     let metric = DiagonalMetric::new([sun, sun, inner, inner, outer, outer])?;
     Ok(Problem {
         name: "three-bodies",

@@ -109,7 +109,8 @@ fn initial_data_that_are_not_finite_are_named() {
 
 #[test]
 fn particles_that_meet_under_gravity_are_an_error_and_not_a_nan() {
-    let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 2.0], fixed: Vec::new() };
+    let gravity =
+        NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 2.0], fixed: Vec::new() };
     let system = System::new(DiagonalMetric::new([1.0, 1.0, 2.0, 2.0]).unwrap(), gravity).unwrap();
     let state = State::new([0.5, 0.5, 0.5, 0.5], Covector([0.0; 4]));
     for &method in Method::ALL {

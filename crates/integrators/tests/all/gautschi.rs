@@ -176,7 +176,9 @@ fn linear_momentum_is_kept_by_every_filter_and_angular_by_the_symplectic_ones() 
     // Three bodies that attract each other, two of them on a spring without rest length.
     let masses = vec![1.0, 0.5, 0.8];
     let metric = DiagonalMetric::particles::<2>(&masses).unwrap();
-    let system = System::new(metric, NewtonianGravity::<2> { constant: 1.0, masses, fixed: Vec::new() }).unwrap();
+    let system =
+        System::new(metric, NewtonianGravity::<2> { constant: 1.0, masses, fixed: Vec::new() })
+            .unwrap();
     let mut stiffness = DMatrix::zeros(6, 6);
     for c in 0..2 {
         for (i, j, k) in [(c, c, 9.0), (c, c + 2, -9.0), (c + 2, c, -9.0), (c + 2, c + 2, 9.0)] {

@@ -375,7 +375,8 @@ fn states_and_ends_that_cannot_be_run_from_are_refused_by_name() {
 
 #[test]
 fn bodies_that_fall_into_each_other_are_an_error_with_the_last_good_state() {
-    let gravity = NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 1.0], fixed: Vec::new() };
+    let gravity =
+        NewtonianGravity::<2> { constant: 1.0, masses: vec![1.0, 1.0], fixed: Vec::new() };
     let system = System::new(DiagonalMetric::new([1.0; 4]).unwrap(), gravity).unwrap();
     let mut state = State::new([0.5, 0.0, -0.5, 0.0], Covector([0.0; 4]));
     let mut last = state.clone();

@@ -32,7 +32,7 @@ pub(crate) struct LinearModes {
 impl LinearModes {
     /// So many modes of a problem, besides rigid motions.
     pub(crate) fn of<const D: usize>(
-        problem: &SceneProblem<D>,
+        problem: &SceneProblem,
         count: usize,
     ) -> Result<Self, AssemblyError> {
         let (system, initial) = (&problem.system, &problem.initial);

@@ -14,7 +14,7 @@ use crate::model::stepping::Stepping;
 
 /// The particles of a scene, assembled.
 pub(crate) struct ParticleSystem<const D: usize> {
-    pub(crate) problem: SceneProblem<D>,
+    pub(crate) problem: SceneProblem,
     /// The gaps that impulses keep open.
     #[cfg(feature = "contact")]
     pub(crate) gaps: Option<Inequality<Balls<D>>>,
@@ -24,10 +24,10 @@ pub(crate) struct ParticleSystem<const D: usize> {
 
 impl<const D: usize> ParticleSystem<D> {
     pub(crate) fn of(scene: &Scene) -> Result<Self, AssemblyError> {
-        let problem = scene.problem::<D>()?;
+        let problem = scene.problem()?;
         #[cfg(feature = "modal")]
         let modes = match scene.stepping {
-            Stepping::LinearModes { count } => Some(LinearModes::of(&problem, count)?),
+            Stepping::LinearModes { count } => Some(LinearModes::of::<D>(&problem, count)?),
             _ => None,
         };
         #[cfg(feature = "contact")]

@@ -100,12 +100,7 @@ impl Scene {
         };
         // Springs to pins that move vibrate like others.
         let still = Scene { drives: Drives::default(), ..self.clone() };
-        let square = match self.dimension {
-            1 => fastest(&still.problem::<1>()?),
-            2 => fastest(&still.problem::<2>()?),
-            _ => fastest(&still.problem::<3>()?),
-        }?;
-        let square = square.max(self.touch_square());
+        let square = fastest(&still.problem()?)?.max(self.touch_square());
         Ok((square > 0.0 && square.is_finite()).then(|| limit / square.sqrt()))
     }
 
@@ -122,7 +117,7 @@ impl Scene {
 
 /// The largest omega^2 at the start.
 #[cfg(feature = "laplacian")]
-fn fastest<const D: usize>(problem: &SceneProblem<D>) -> Result<f64, AssemblyError> {
+fn fastest(problem: &SceneProblem) -> Result<f64, AssemblyError> {
     let system = &problem.system;
     let there = Quadratic { potential: system.potential(), q: &problem.initial.q };
     Ok(largest_eigenvalue(system.metric(), &there)?)

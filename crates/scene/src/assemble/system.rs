@@ -27,8 +27,21 @@ use crate::assemble::rest;
 use crate::assemble::springs::Springs;
 
 /// The potential of a scene. Its springs, elastic bodies and springs of touch may be none.
+///
+/// It knows its dimension when it is asked, so that every method is compiled once.
 #[derive(Clone, Debug)]
-pub struct ScenePotential<const D: usize> {
+pub struct ScenePotential(Dimensioned);
+
+#[derive(Clone, Debug)]
+enum Dimensioned {
+    OnALine(PotentialIn<1>),
+    InThePlane(PotentialIn<2>),
+    InSpace(PotentialIn<3>),
+}
+
+/// The same in D dimensions.
+#[derive(Clone, Debug)]
+struct PotentialIn<const D: usize> {
     freedoms: usize,
     weight: Weight<D>,
     #[cfg(feature = "elasticity")]
@@ -37,21 +50,50 @@ pub struct ScenePotential<const D: usize> {
     penalty: Option<Penalty<D>>,
     #[cfg(feature = "elasticity")]
     elastic: ElasticBodies,
-    pub(crate) built: Built,
+    built: Built,
 }
 
 type Weight<const D: usize> = (Option<UniformGravity<D>>, Option<NewtonianGravity<D>>);
 
 /// A scene as a problem: a system, where it starts, and for how long.
-pub type SceneProblem<const D: usize> =
-    Problem<DiagonalMetric<Vec<f64>>, ScenePotential<D>, Vec<f64>>;
+pub type SceneProblem = Problem<DiagonalMetric<Vec<f64>>, ScenePotential, Vec<f64>>;
 
-impl<const D: usize> Potential for ScenePotential<D> {
+macro_rules! in_its_dimension {
+    ($potential:expr, $of:ident => $asked:expr) => {
+        match &$potential.0 {
+            Dimensioned::OnALine($of) => $asked,
+            Dimensioned::InThePlane($of) => $asked,
+            Dimensioned::InSpace($of) => $asked,
+        }
+    };
+}
+
+impl ScenePotential {
+    /// What was built for it.
+    pub(crate) fn built(&self) -> Built {
+        in_its_dimension!(self, of => of.built)
+    }
+}
+
+impl Potential for ScenePotential {
     fn dim(&self) -> usize {
-        self.freedoms
+        in_its_dimension!(self, of => of.freedoms)
     }
 
-    #[inline]
+    fn energy(&self, q: &[f64]) -> f64 {
+        in_its_dimension!(self, of => of.energy(q))
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        in_its_dimension!(self, of => of.add_differential(q, dv))
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        in_its_dimension!(self, of => of.add_hessian(q, hessian))
+    }
+}
+
+impl<const D: usize> PotentialIn<D> {
     fn energy(&self, q: &[f64]) -> f64 {
         #[cfg(not(feature = "elasticity"))]
         let bonds = 0.0;
@@ -65,7 +107,6 @@ impl<const D: usize> Potential for ScenePotential<D> {
         energy
     }
 
-    #[inline]
     fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
         let mut dv = dv;
         self.weight.add_differential(q, dv.view_mut());
@@ -77,7 +118,6 @@ impl<const D: usize> Potential for ScenePotential<D> {
         self.elastic.add_differential(q, dv.view_mut());
     }
 
-    #[inline]
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         self.weight.add_hessian(q, hessian);
         #[cfg(feature = "elasticity")]
@@ -90,26 +130,34 @@ impl<const D: usize> Potential for ScenePotential<D> {
 }
 
 impl Scene {
-    /// The scene as a problem of its dimension D, called `scene`: without drag, what is driven and rods,
+    /// The scene as a problem, called `scene`: without drag, what is driven and rods,
     /// which are no part of a metric or a potential. It knows no true solution, and
     /// its period is its horizon; its scale is the largest distance from the middle.
     ///
     /// # Errors
-    /// [`AssemblyError::Bodies`], [`AssemblyError::Heat`] and [`AssemblyError::Dimension`] where
-    /// the scene is of another kind or dimension; [`AssemblyError::Metric`] and
+    /// [`AssemblyError::Bodies`] and [`AssemblyError::Heat`] where the scene is of another kind;
+    /// [`AssemblyError::Metric`] and
     /// [`AssemblyError::Elasticity`] for masses, elements and materials that cannot be;
     /// [`AssemblyError::Equilibrium`], [`AssemblyError::Modal`] and [`AssemblyError::Sparse`] where
     /// no rest is found of what is hung.
-    pub fn problem<const D: usize>(&self) -> Result<SceneProblem<D>, AssemblyError> {
+    pub fn problem(&self) -> Result<SceneProblem, AssemblyError> {
         if !self.bodies.is_empty() {
             return Err(AssemblyError::Bodies);
         }
         if self.heat.is_some() {
             return Err(AssemblyError::Heat);
         }
-        if D != self.dimension {
-            return Err(AssemblyError::Dimension { scene: self.dimension, asked: D });
+        match self.dimension {
+            1 => self.problem_in(Dimensioned::OnALine),
+            2 => self.problem_in(Dimensioned::InThePlane),
+            _ => self.problem_in(Dimensioned::InSpace),
         }
+    }
+
+    fn problem_in<const D: usize>(
+        &self,
+        of: fn(PotentialIn<D>) -> Dimensioned,
+    ) -> Result<SceneProblem, AssemblyError> {
         let vertices = Vertices::new(self);
         let free = &vertices.particles[..vertices.free];
         let position = |&particle: &usize| leading::<D>(self.particles[particle].position);
@@ -154,7 +202,7 @@ impl Scene {
             #[cfg(not(feature = "modal"))]
             _ => return Err(AssemblyError::NotCompiled("hung")),
         };
-        let potential = ScenePotential {
+        let potential = PotentialIn {
             freedoms: D * free.len(),
             weight: (uniform, newtonian),
             #[cfg(feature = "elasticity")]
@@ -165,9 +213,11 @@ impl Scene {
             elastic,
             built,
         };
+        let (metric, potential) =
+            (DiagonalMetric::particles::<D>(&masses)?, ScenePotential(of(potential)));
         Ok(Problem {
             name: "scene",
-            system: System::new(DiagonalMetric::particles::<D>(&masses)?, potential)?,
+            system: System::new(metric, potential)?,
             initial: State::new(q, Covector(momenta)),
             horizon: self.timing.horizon(),
             period: self.timing.horizon(),
@@ -188,7 +238,7 @@ impl Scene {
         for &particle in &self.hung {
             held.particles[particle].motion = Motion::Pinned;
         }
-        let held_problem = held.problem::<D>()?;
+        let held_problem = held.problem()?;
         let system = &held_problem.system;
         let start = &held_problem.initial.q;
         let rest = rest::rest::<D>(system.metric(), system.potential(), start, held_problem.scale)?;

@@ -180,12 +180,7 @@ fn about(simple: &mut Table, scene: &Scene, names: &[(usize, String)]) -> Option
 
 /// Every elastic or rigid body of a scene that has no other things.
 fn lumps(scene: &Scene) -> Option<Vec<Lump>> {
-    let places = match scene.dimension() {
-        _ if scene.solids().is_empty() => Vec::new(),
-        1 => starts::<1>(scene)?,
-        2 => starts::<2>(scene)?,
-        _ => starts::<3>(scene)?,
-    };
+    let places = if scene.solids().is_empty() { Vec::new() } else { starts(scene)? };
     let asked = observed(scene);
     let solids = scene.solids().iter().map(|solid| {
         let vertices = solid.first..solid.first + solid.rest.len();
@@ -230,9 +225,9 @@ fn lump(
 }
 
 /// Where every vertex of a scene of elastic bodies starts.
-fn starts<const D: usize>(scene: &Scene) -> Option<Vec<Vector3<f64>>> {
-    let problem = scene.problem::<D>().ok()?;
-    let mut free = problem.initial.q.chunks_exact(D);
+fn starts(scene: &Scene) -> Option<Vec<Vector3<f64>>> {
+    let problem = scene.problem().ok()?;
+    let mut free = problem.initial.q.chunks_exact(scene.dimension());
     let place = |particle: &crate::Particle| {
         let mut x = Vector3::from(particle.position);
         if let Motion::Free { .. } = particle.motion {

@@ -19,9 +19,9 @@ use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 
 /// What steps as a method chooses.
-pub(crate) fn stepper<'s, const D: usize>(
+pub(crate) fn stepper<'s>(
     scene: &Scene,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
     method: Adaptive,
     tolerance: f64,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
@@ -283,9 +283,9 @@ impl Stepper for Reading<'_> {
 }
 
 /// The method that chooses its own steps, at the scene's start.
-fn adaptive<'s, const D: usize>(
+fn adaptive<'s>(
     method: Adaptive,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
     force: Option<Acting>,
     tolerance: f64,
 ) -> Result<Box<dyn AdaptiveMethod<Vec<f64>> + 's>, AssemblyError> {
@@ -307,7 +307,7 @@ fn adaptive<'s, const D: usize>(
 /// The absolute tolerance of each position and momentum: that part of the scene's size, and of each
 /// particle's momentum at the scene's fastest speed, or where all is at rest at its size over its
 /// horizon.
-fn allowed<const D: usize>(problem: &SceneProblem<D>, tolerance: f64) -> Vec<f64> {
+fn allowed(problem: &SceneProblem, tolerance: f64) -> Vec<f64> {
     let system = &problem.system;
     let n = system.dim();
     let mut v = vec![0.0; n];

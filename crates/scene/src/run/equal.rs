@@ -23,9 +23,9 @@ impl Scene {
     ///
     /// # Errors
     /// [`AssemblyError::Sparse`] where the matrix of an implicit method does not fit into memory.
-    pub fn integrator<'s, const D: usize>(
+    pub fn integrator<'s>(
         &self,
-        problem: &'s SceneProblem<D>,
+        problem: &'s SceneProblem,
         method: Method,
     ) -> Result<Box<dyn Integrator<Vec<f64>> + 's>, AssemblyError> {
         Ok(Equal::new(problem, method)?.integrator)
@@ -40,9 +40,9 @@ pub(crate) struct Equal<'s> {
 
 impl<'s> Equal<'s> {
     /// The steps of a scene's method, with what acts on it.
-    pub(crate) fn of<const D: usize>(
+    pub(crate) fn of(
         scene: &Scene,
-        problem: &'s SceneProblem<D>,
+        problem: &'s SceneProblem,
         method: Method,
     ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
         let Some(acting) = Acting::of(scene) else {
@@ -59,10 +59,7 @@ impl<'s> Equal<'s> {
     }
 
     /// The integrator of a method.
-    pub(crate) fn new<const D: usize>(
-        problem: &'s SceneProblem<D>,
-        method: Method,
-    ) -> Result<Self, AssemblyError> {
+    pub(crate) fn new(problem: &'s SceneProblem, method: Method) -> Result<Self, AssemblyError> {
         #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
         let explicit = method.facts().evaluation == Evaluation::Explicit;
         #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
@@ -73,8 +70,8 @@ impl<'s> Equal<'s> {
     }
 
     /// The integrator of a method that takes forces.
-    fn forced<const D: usize>(
-        problem: &'s SceneProblem<D>,
+    fn forced(
+        problem: &'s SceneProblem,
         weights: NewmarkWeights,
         force: Acting,
     ) -> Result<Self, AssemblyError> {
@@ -89,10 +86,7 @@ impl<'s> Equal<'s> {
     /// The integrator of an implicit method of many particles, by a sparse matrix: what does not
     /// touch has no entry in it.
     #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-    fn sparse<const D: usize>(
-        problem: &'s SceneProblem<D>,
-        method: Method,
-    ) -> Result<Self, AssemblyError> {
+    fn sparse(problem: &'s SceneProblem, method: Method) -> Result<Self, AssemblyError> {
         let system = &problem.system;
         let solver = SparseSolver::new(system.metric(), system.potential(), &problem.initial.q)?;
         Ok(Equal::with_solver(method.integrator_with(system, solver)?))
@@ -100,8 +94,8 @@ impl<'s> Equal<'s> {
 
     /// The same with forces.
     #[cfg(any(feature = "constraints", feature = "elasticity", feature = "modal"))]
-    fn sparse_forced<const D: usize>(
-        problem: &'s SceneProblem<D>,
+    fn sparse_forced(
+        problem: &'s SceneProblem,
         weights: NewmarkWeights,
         force: Acting,
     ) -> Result<Self, AssemblyError> {

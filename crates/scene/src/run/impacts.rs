@@ -20,7 +20,7 @@ pub(crate) fn stepper<'s, const D: usize>(
     scene: &'s Scene,
     contact: &SceneContact,
     all: &'s Inequality<Balls<D>>,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let SceneContact { restitution, law, when, .. } = *contact;
     let gaps = all.gaps(0.0, &problem.initial.q).len();
@@ -33,7 +33,7 @@ type Masses = DiagonalMetric<Vec<f64>>;
 
 /// Steps with impulses.
 struct Impulses<'s, const D: usize> {
-    impacting: Impacting<'s, Masses, ScenePotential<D>, Balls<D>>,
+    impacting: Impacting<'s, Masses, ScenePotential, Balls<D>>,
     gaps: usize,
     all: &'s Inequality<Balls<D>>,
     between: Sides<'s>,

@@ -11,9 +11,9 @@ use crate::run::error::StepFailure;
 use crate::run::stepper::{Stepped, Stepper};
 
 /// The motion of these modes.
-pub(crate) fn stepper<'s, const D: usize>(
+pub(crate) fn stepper<'s>(
     modes: &'s LinearModes,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let (d, v) = (modes.displacement.view(), modes.velocity.view());
     let motion = Motion::new(&modes.modes, &modes.mass, d, v)?;

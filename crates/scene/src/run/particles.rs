@@ -49,7 +49,7 @@ impl Scene {
         let mut stepper = stepper(self, &system)?;
         let mut state = problem.initial.clone();
         stepper.start(&mut state)?;
-        let built = problem.system.potential().built + system.built() + stepper.built();
+        let built = problem.system.potential().built() + system.built() + stepper.built();
         let recorder = Box::new(ParticleRecorder::new(self, problem));
         let clock = Clock::OfTheScene;
         Engine { scene: self, state, stepper, recorder, clock, built }
@@ -90,7 +90,7 @@ fn stepper<'s, const D: usize>(
 /// Takes samples of particles.
 struct ParticleRecorder<'a, const D: usize> {
     scene: &'a Scene,
-    problem: &'a SceneProblem<D>,
+    problem: &'a SceneProblem,
     vertices: Vertices,
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
@@ -102,7 +102,7 @@ struct ParticleRecorder<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> ParticleRecorder<'a, D> {
-    fn new(scene: &'a Scene, problem: &'a SceneProblem<D>) -> Self {
+    fn new(scene: &'a Scene, problem: &'a SceneProblem) -> Self {
         ParticleRecorder {
             scene,
             problem,

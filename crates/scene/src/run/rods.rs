@@ -23,7 +23,7 @@ use crate::run::stepper::{Stepped, Stepper};
 /// Rods held by their forces.
 pub(crate) fn held<'s, const D: usize>(
     scene: &'s Scene,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
     method: Constrained,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let (rods, built) = (scene.constraint::<D>()?, built(scene));
@@ -50,7 +50,7 @@ pub(crate) fn held<'s, const D: usize>(
 /// Rods held by a projection after each step of a method.
 pub(crate) fn projected<'s, const D: usize>(
     scene: &'s Scene,
-    problem: &'s SceneProblem<D>,
+    problem: &'s SceneProblem,
     method: Method,
 ) -> Result<Box<dyn Stepper + 's>, AssemblyError> {
     let (rods, equations) = (scene.constraint::<D>()?, SparseDiagonal::default());
@@ -72,7 +72,7 @@ type Masses = DiagonalMetric<Vec<f64>>;
 type Held<'s, const D: usize> = Rattle<
     's,
     Masses,
-    ScenePotential<D>,
+    ScenePotential,
     Flat,
     Rods<D>,
     Vec<f64>,

@@ -289,7 +289,7 @@ fn two_runs_of_bodies_have_the_same_bits_and_write_every_point() {
 #[test]
 fn a_scene_of_bodies_makes_no_problem_of_particles_and_takes_methods_of_bodies() {
     let top = scene(HEAVY_TOP);
-    assert!(matches!(top.problem::<3>(), Err(AssemblyError::Bodies)));
+    assert!(matches!(top.problem(), Err(AssemblyError::Bodies)));
     let exact = top.clone().with_method(BodyMethod::ExactRotation).unwrap();
     assert_eq!(exact.stepping().to_string(), "exact-rotation");
     let game = top.clone().with_method(BodyMethod::RenormalizedEuler);

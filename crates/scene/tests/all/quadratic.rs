@@ -48,7 +48,7 @@ const STRAIGHT: [(usize, &str, &str, f64); 7] = [
 /// A shape's measure, the largest force on it where it is laid, and its energy when drawn out by a
 /// tenth along the first axis.
 fn measured<const D: usize>(scene: &Scene) -> (f64, f64, f64) {
-    let SceneProblem::<D> { system, initial, .. } = scene.problem().unwrap();
+    let SceneProblem { system, initial, .. } = scene.problem().unwrap();
     let mut dv = Covector(vec![0.0; system.dim()]);
     system.potential().add_differential(&initial.q, dv.view_mut());
     let force = dv.0.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
@@ -113,7 +113,7 @@ fn sag(element: &str, cells: [u32; 2]) -> f64 {
     let scene = scene(&text);
     let tip = scene.particles().iter().position(|p| p.name == "beam.tip").unwrap();
     let pinned = scene.particles()[..tip].iter().filter(|p| p.motion == Motion::Pinned).count();
-    0.1 - scene.problem::<2>().unwrap().initial.q[2 * (tip - pinned) + 1]
+    0.1 - scene.problem().unwrap().initial.q[2 * (tip - pinned) + 1]
 }
 
 #[test]

@@ -318,11 +318,11 @@ fn another_step_is_sampled_at_the_same_times() {
 }
 
 #[test]
-fn a_scene_is_a_problem_of_its_own_dimension_only() {
-    let problem = planets().problem::<3>().unwrap();
+fn a_scene_is_a_problem_of_its_own_dimension() {
+    let problem = planets().problem().unwrap();
     assert_eq!((problem.system.dim(), problem.horizon), (18, 200_000.0));
     assert_eq!(problem.initial.q[3..6], [-3.5023653, -3.8169847, -1.5507963]);
-    let error = planets().problem::<2>().unwrap_err();
+    let error = planets().constraint::<2>().unwrap_err();
     assert_eq!(error, AssemblyError::Dimension { scene: 3, asked: 2 });
 }
 

@@ -64,7 +64,7 @@ fn a_solid_weighs_its_density_times_its_volume_and_is_at_rest_where_it_is_laid()
 }
 
 fn mass_and_force<const D: usize>(scene: &Scene) -> (f64, f64) {
-    let problem = scene.problem::<D>().unwrap();
+    let problem = scene.problem().unwrap();
     let mut dv = Covector(vec![0.0; problem.system.dim()]);
     problem.system.potential().add_differential(&problem.initial.q, dv.view_mut());
     let mass: f64 = problem.system.metric().masses().iter().sum();
@@ -99,7 +99,7 @@ fn stretched_elements_of_every_shape_have_the_energy_of_their_strain() {
 /// The energy when drawn out by a tenth along the first axis, and the volume (the mass at density
 /// 1).
 fn stretched<const D: usize>(scene: &Scene) -> (f64, f64) {
-    let problem = scene.problem::<D>().unwrap();
+    let problem = scene.problem().unwrap();
     let stretch = |(i, x): (usize, &f64)| if i % D == 0 { 1.1 * x } else { *x };
     let q: Vec<f64> = problem.initial.q.iter().enumerate().map(stretch).collect();
     let mass: f64 = problem.system.metric().masses().iter().sum();
@@ -125,7 +125,7 @@ fn a_hanging_bar_starts_where_its_weight_draws_it() {
          shape = { kind = \"bar\", size = [1], cells = [400], across = [-1] }\n\
          marks = { end = [-1] }\n";
     let scene = scene(text);
-    let problem = scene.problem::<1>().unwrap();
+    let problem = scene.problem().unwrap();
     let stretch = |x: f64| -> f64 {
         let target = 2.0 * 100.0 * 10.0 * (1.0 - x) / 2000.0;
         let mut s: f64 = 1.0;

@@ -75,9 +75,9 @@ impl Frame {
     /// The centrifugal force and torque.
     pub(crate) fn outward(self, seen: &Seen, inverse: &[f64]) -> [f64; 6] {
         let force = cross(self.turning, cross(self.turning, seen.place)).map(|a| -a);
-        let torque = seen.own.map_or([0.0; 3], |own| {
-            cross(own, std::array::from_fn(|k| -own[k] / inverse[3 + k]))
-        });
+        let torque = seen
+            .own
+            .map_or([0.0; 3], |own| cross(own, std::array::from_fn(|k| -own[k] / inverse[3 + k])));
         self.on_freedoms(force, torque, inverse)
     }
 
@@ -160,8 +160,10 @@ mod tests {
             let r: [f64; 3] = std::array::from_fn(|k| side(k) * (spread[k] / mass).sqrt());
             let inverse = [8.0 / mass; 3];
             let point = of_points.seen(&r).next().unwrap();
-            let [aside, outward] =
-                [of_points.aside(&point, &cross(w, r), &inverse), of_points.outward(&point, &inverse)];
+            let [aside, outward] = [
+                of_points.aside(&point, &cross(w, r), &inverse),
+                of_points.outward(&point, &inverse),
+            ];
             let force = std::array::from_fn(|k| aside[k] + outward[k]);
             let part = cross(r, force);
             (0..3).for_each(|k| torque[k] += part[k]);

@@ -35,7 +35,9 @@ pub enum DriveFault {
     )]
     MotionOfHeld(String),
     /// A pin that moves would attract from where it is at the time.
-    #[error("`{0}` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`")]
+    #[error(
+        "`{0}` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`"
+    )]
     MotionOfAttracting(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]
