@@ -50,7 +50,7 @@ impl Scene {
         let mut state = problem.initial.clone();
         stepper.start(&mut state)?;
         let built = problem.system.potential().built() + system.built() + stepper.built();
-        let recorder = Box::new(ParticleRecorder::new(self, problem));
+        let recorder = Box::new(ParticleRecorder::<D>::new(self, problem));
         let clock = Clock::OfTheScene;
         Engine { scene: self, state, stepper, recorder, clock, built }
             .integrate(checkpoint, observer)
@@ -75,10 +75,10 @@ fn stepper<'s, const D: usize>(
     match scene.stepping {
         #[cfg(feature = "constraints")]
         Stepping::Equal(method) if !scene.rods.is_empty() => {
-            crate::run::rods::projected(scene, problem, method)
+            crate::run::rods::projected::<D>(scene, problem, method)
         }
         #[cfg(feature = "constraints")]
-        Stepping::Constrained(method) => crate::run::rods::held(scene, problem, method),
+        Stepping::Constrained(method) => crate::run::rods::held::<D>(scene, problem, method),
         Stepping::Equal(method) => Equal::of(scene, problem, method),
         Stepping::Adaptive { method, tolerance } => {
             adaptive::stepper(scene, problem, method, tolerance)
