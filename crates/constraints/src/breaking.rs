@@ -12,8 +12,8 @@ use stationary_calculus::{Flat, Metric, Potential, Storage};
 use stationary_integrators::State;
 
 use crate::{
-    ConstrainedIntegrator, ConstrainedReport, ConstraintError, FreeMotion, Multipliers, Rattle,
-    Rod, Rods, Solver,
+    ConstrainedIntegrator, ConstrainedReport, ConstraintError, FreeMotion, Hooks, Multipliers,
+    Rattle, Rod, Rods, Solver,
 };
 
 /// A rod that broke.
@@ -29,13 +29,14 @@ pub struct Broken {
     pub time: f64,
 }
 
-impl<M, P, C, X, F, const D: usize> Rattle<'_, M, P, Flat, Rods<D>, C, X, F>
+impl<M, P, C, X, F, H, const D: usize> Rattle<'_, M, P, Flat, Rods<D, H>, C, X, F>
 where
     M: Metric,
     P: Potential,
     C: Storage,
     X: Multipliers,
     F: FreeMotion<M, Flat> + Clone,
+    H: Hooks<D> + Clone,
 {
     /// A step, after which a rod that carried more than its strength is removed.
     ///

@@ -129,7 +129,7 @@ pub use penalty::Penalty;
 pub use points::FixedPoint;
 pub use projection::{Projection, ProjectionReport};
 pub use rattle::Rattle;
-pub use rods::{Rod, Rods};
+pub use rods::{Hooks, Rod, Rods};
 pub use sparse_diagonal::{DiagonalMultipliers, SparseDiagonal};
 #[cfg(feature = "sparse")]
 pub use sparse_general::{GeneralMultipliers, SparseGeneral};

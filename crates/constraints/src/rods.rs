@@ -6,7 +6,8 @@
 //! ```
 //! `x` points in D dimensions, `L` the length in metres, `lambda` the multiplier in N/m. The square
 //! form is a polynomial: its derivatives need no roots, and dg does not vanish where g does, as
-//! that of `(|d| - L)^2` would. Vertices from `free` on are fixed hooks. A rod may have a strength,
+//! that of `(|d| - L)^2` would. Vertices from `free` on are hooks, which stay or move as they are told: then
+//! `dg/dt = 2 <d, dx_hook/dt>` or its negative. A rod may have a strength,
 //! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
 //! (tension of the square form).
 
@@ -57,27 +58,66 @@ impl Rod {
     }
 }
 
-/// Rods between free points and fixed hooks in D dimensions.
+/// Where hooks are.
+pub trait Hooks<const D: usize> {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// The place of one at a time (s).
+    fn place(&self, hook: usize, t: f64) -> [f64; D];
+
+    /// How fast it moves then.
+    fn velocity(&self, hook: usize, t: f64) -> [f64; D];
+}
+
+/// Hooks that stay where they are.
+impl<const D: usize> Hooks<D> for Vec<[f64; D]> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline]
+    fn place(&self, hook: usize, _: f64) -> [f64; D] {
+        self[hook]
+    }
+
+    fn velocity(&self, _: usize, _: f64) -> [f64; D] {
+        [0.0; D]
+    }
+}
+
+/// Rods between free points and hooks in D dimensions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rods<const D: usize> {
+pub struct Rods<const D: usize, H = Vec<[f64; D]>> {
     free: usize,
-    fixed: Vec<[f64; D]>,
+    hooks: H,
     rods: Vec<Rod>,
 }
 
 impl<const D: usize> Rods<D> {
-    /// Rods between `free` points and the hooks `fixed`, which are the vertices from `free` on.
+    /// Rods between `free` points and hooks that stay, which are the vertices from `free` on.
+    ///
+    /// # Errors
+    /// Those of [`on`](Rods::on).
+    pub fn new(free: usize, fixed: Vec<[f64; D]>, rods: Vec<Rod>) -> Result<Self, ConstraintError> {
+        Rods::on(free, fixed, rods)
+    }
+}
+
+impl<const D: usize, H: Hooks<D>> Rods<D, H> {
+    /// Rods between `free` points and hooks, which are the vertices from `free` on.
     ///
     /// # Errors
     /// A rod without a length, or with a strength that is not positive; the same vertices twice;
-    /// both ends on one vertex or on hooks; a vertex that is not there; a hook at a place that is
-    /// not finite.
-    pub fn new(free: usize, fixed: Vec<[f64; D]>, rods: Vec<Rod>) -> Result<Self, ConstraintError> {
-        let vertices = free + fixed.len();
+    /// both ends on one vertex or on hooks; a vertex that is not there; a hook that starts at a place that
+    /// is not finite.
+    pub fn on(free: usize, hooks: H, rods: Vec<Rod>) -> Result<Self, ConstraintError> {
+        let vertices = free + hooks.count();
         for (index, rod) in rods.iter().enumerate() {
             check(index, rod, free, vertices)?;
         }
-        if let Some(hook) = fixed.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+        let is_lost = |&hook: &usize| hooks.place(hook, 0.0).iter().any(|x| !x.is_finite());
+        if let Some(hook) = (0..hooks.count()).find(is_lost) {
             return Err(ConstraintError::Hook { vertex: free + hook });
         }
         let mut pairs: Vec<_> = rods
@@ -90,7 +130,7 @@ impl<const D: usize> Rods<D> {
         {
             return Err(ConstraintError::RepeatedRod { rod: two[1].2, earlier: two[0].2 });
         }
-        Ok(Rods { free, fixed, rods })
+        Ok(Rods { free, hooks, rods })
     }
 
     /// The rods, in the order of their equations.
@@ -115,17 +155,17 @@ impl<const D: usize> Rods<D> {
     }
 
     #[inline]
-    fn place<'a>(&'a self, points: &'a [[f64; D]], vertex: usize) -> &'a [f64; D] {
+    fn place(&self, t: f64, points: &[[f64; D]], vertex: usize) -> [f64; D] {
         match vertex.checked_sub(self.free) {
-            None => &points[vertex],
-            Some(hook) => &self.fixed[hook],
+            None => points[vertex],
+            Some(hook) => self.hooks.place(hook, t),
         }
     }
 
     /// From the first end to the second.
     #[inline]
-    fn along(&self, points: &[[f64; D]], rod: &Rod) -> [f64; D] {
-        let (x, y) = (self.place(points, rod.ends[0]), self.place(points, rod.ends[1]));
+    fn along(&self, t: f64, points: &[[f64; D]], rod: &Rod) -> [f64; D] {
+        let [x, y] = rod.ends.map(|end| self.place(t, points, end));
         std::array::from_fn(|c| y[c] - x[c])
     }
 
@@ -156,9 +196,9 @@ fn check(index: usize, rod: &Rod, free: usize, vertices: usize) -> Result<(), Co
     Ok(())
 }
 
-impl<const D: usize> ConstraintOn<Flat> for Rods<D> {}
+impl<const D: usize, H: Hooks<D>> ConstraintOn<Flat> for Rods<D, H> {}
 
-impl<const D: usize> Constraint for Rods<D> {
+impl<const D: usize, H: Hooks<D>> Constraint for Rods<D, H> {
     fn dim(&self) -> usize {
         D * self.free
     }
@@ -168,21 +208,21 @@ impl<const D: usize> Constraint for Rods<D> {
     }
 
     #[inline]
-    fn value(&self, _: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.rods.len(), g)?;
         let points = self.points(q)?;
         for (g, rod) in g.iter_mut().zip(&self.rods) {
-            let d = self.along(points, rod);
+            let d = self.along(t, points, rod);
             *g = d.iter().map(|d| d * d).sum::<f64>() - rod.length * rod.length;
         }
         Ok(())
     }
 
     #[inline]
-    fn differential(&self, _: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+    fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         let points = self.points(q)?;
         for (row, rod) in self.rods.iter().enumerate() {
-            let d = self.along(points, rod);
+            let d = self.along(t, points, rod);
             for (vertex, sign) in rod.ends.into_iter().zip([-2.0, 2.0]) {
                 if vertex < self.free {
                     for (c, d) in d.iter().enumerate() {
@@ -213,6 +253,22 @@ impl<const D: usize> Constraint for Rods<D> {
                     }
                     (true, false) => hessian.add_symmetric(&[D * i + c], &[l]),
                     (false, _) => hessian.add_symmetric(&[D * j + c], &[l]),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        check_values(self.rods.len(), rate)?;
+        let points = self.points(q)?;
+        for (rate, rod) in rate.iter_mut().zip(&self.rods) {
+            let d = self.along(t, points, rod);
+            *rate = 0.0;
+            for (vertex, sign) in rod.ends.into_iter().zip([-2.0, 2.0]) {
+                if let Some(hook) = vertex.checked_sub(self.free) {
+                    let v = self.hooks.velocity(hook, t);
+                    *rate += sign * d.iter().zip(v).map(|(d, v)| d * v).sum::<f64>();
                 }
             }
         }
@@ -252,6 +308,41 @@ mod tests {
         let space = Rods::new(3, vec![[0.0, 1.0, 0.3]], rods()).unwrap();
         let pairing = Pairing::new(&space, vec![0.7, -1.3, 2.0], 0.0).unwrap();
         assert_derivatives(&pairing, &[0.5, 0.1, -0.4, 0.9, 1.5, -1.0, 0.2, 0.3, 0.4]);
+    }
+
+    /// A hook that swings.
+    struct Swinging;
+
+    impl Hooks<2> for Swinging {
+        fn count(&self) -> usize {
+            1
+        }
+
+        fn place(&self, _: usize, t: f64) -> [f64; 2] {
+            [t.sin(), 1.0 + 0.3 * t]
+        }
+
+        fn velocity(&self, _: usize, t: f64) -> [f64; 2] {
+            [t.cos(), 0.3]
+        }
+    }
+
+    #[test]
+    fn the_rate_of_a_hook_that_moves_is_the_slope_of_the_value_in_time() {
+        let rods = Rods::on(3, Swinging, rods()).unwrap();
+        let (q, t) = ([0.5, 0.1, -0.4, 0.9, 1.5, -1.0], 0.7);
+        let value = |t: f64| {
+            let mut g = [0.0; 3];
+            rods.value(t, &q, &mut g).unwrap();
+            g
+        };
+        let mut rate = [f64::NAN; 3];
+        rods.rate(t, &q, &mut rate).unwrap();
+        assert_eq!(rate[1..], [0.0; 2]);
+        for h in [1e-2, 1e-3, 1e-4] {
+            let slope = (value(t + h)[0] - value(t - h)[0]) / (2.0 * h);
+            assert!((slope - rate[0]).abs() < h * h + 1e-11, "{h}: {slope} {}", rate[0]);
+        }
     }
 
     #[test]

@@ -308,6 +308,8 @@ pub mod problems;
 pub mod shipped;
 
 pub use assemble::error::AssemblyError;
+#[cfg(feature = "constraints")]
+pub use assemble::rods::Pins;
 pub use assemble::stable_step::UnstableStep;
 pub use assemble::system::{ScenePotential, SceneProblem};
 pub use model::body_shape::{BodyPart, BodyShape};

@@ -98,8 +98,13 @@ impl Drives {
         self.motors.iter().any(|motor| motor.drive == MotorDrive::Speed)
     }
 
+    /// How a pin moves, where it does.
+    pub(crate) fn motion_of(&self, particle: usize) -> Option<&PinMotion> {
+        self.motions.iter().find(|motion| motion.particle == particle)
+    }
+
     /// Whether a pin moves.
     pub(crate) fn moves(&self, particle: usize) -> bool {
-        self.motions.iter().any(|motion| motion.particle == particle)
+        self.motion_of(particle).is_some()
     }
 }

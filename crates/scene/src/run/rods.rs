@@ -8,6 +8,7 @@ use stationary_constraints::{
 use stationary_integrators::{Facts, Integrator, Method, Saved, State, StepError, StepReport};
 
 use crate::assemble::error::AssemblyError;
+use crate::assemble::rods::Pins;
 use crate::assemble::system::{ScenePotential, SceneProblem};
 use crate::model::built::Built;
 use crate::model::scene::Scene;
@@ -34,7 +35,7 @@ pub(crate) fn held<'s, const D: usize>(
             let acting = shared(scene);
             let motion = Kicked { motion: Straight, acting: acting.clone() };
             let rattle = Rattle::along(motion, system, rods, initial, equations)?;
-            let breaking = Box::new(Breaking { scene, rattle, built });
+            let breaking = Box::new(Breaking { scene, rattle, built, work: 0.0 });
             match acting {
                 Some(acting) => Driven::new(breaking, acting, Application::Within),
                 None => breaking,
@@ -74,7 +75,7 @@ type Held<'s, const D: usize> = Rattle<
     Masses,
     ScenePotential,
     Flat,
-    Rods<D>,
+    Rods<D, Pins<D>>,
     Vec<f64>,
     DiagonalMultipliers,
     Kicked<Straight>,
@@ -85,6 +86,8 @@ struct Breaking<'s, const D: usize> {
     scene: &'s Scene,
     rattle: Held<'s, D>,
     built: Built,
+    /// Of pins that move, in the last step.
+    work: f64,
 }
 
 impl<const D: usize> Stepper for Breaking<'_, D> {
@@ -95,12 +98,17 @@ impl<const D: usize> Stepper for Breaking<'_, D> {
         to: f64,
     ) -> Result<Stepped, StepFailure> {
         let (report, broken) = self.rattle.step_and_break(state, h, SparseDiagonal::default())?;
+        self.work = report.work;
         let broken = broken.map(|rod| BrokenRod { rod: rod.index, time: to, tension: rod.tension });
         Ok(Stepped { broken, ..Stepped::done(counted(&report)) })
     }
 
     fn multipliers(&self) -> &[f64] {
         self.rattle.multipliers()
+    }
+
+    fn driven_work(&self) -> f64 {
+        self.work
     }
 
     fn save(&mut self) -> Saved {

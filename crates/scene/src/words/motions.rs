@@ -20,7 +20,7 @@ use crate::words::table::{Kind, table};
 use crate::words::word::{ELASTICITY, Feature, Of, Word};
 
 table! {
-    /// A pinned particle that moves as it is told; springs pull at what moves.
+    /// A pinned particle that moves as it is told; springs pull at what moves, and rods hold it.
     pub(crate) struct MotionDeclaration = "a motion" {
         /// The pinned particle.
         of: Spanned<String> = Kind::Name,
@@ -56,7 +56,9 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
     if pin.motion != Motion::Pinned {
         return Err(at(place, DriveFault::MotionOfFree(name())));
     }
-    let held = draft.rods.iter().any(|rod| rod.ends.contains(&particle));
+    // Beside bodies or contact a rod is a joint, which the world holds.
+    let is_joint = !draft.bodies.is_empty() || draft.contact.is_some();
+    let held = is_joint && draft.rods.iter().any(|rod| rod.ends.contains(&particle));
     let of_solid = draft
         .solids
         .bodies

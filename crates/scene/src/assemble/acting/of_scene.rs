@@ -29,7 +29,11 @@ impl Scene {
     fn works_of_steps(&self) -> Vec<&'static str> {
         let speeds = self.drives.has_speeds();
         if !self.has_inequalities() {
-            return if speeds { vec!["motors with a speed"] } else { Vec::new() };
+            let mut names = Vec::new();
+            names.extend(speeds.then_some("motors with a speed"));
+            #[cfg(feature = "constraints")]
+            names.extend(self.moves_rods().then_some("pins that move rods"));
+            return names;
         }
         let mut names = Vec::new();
         if self.touches_as_bodies() {
@@ -169,7 +173,7 @@ impl Scene {
 
     /// An end of a damped spring.
     fn end(&self, particle: usize, vertices: &Vertices) -> End {
-        match self.drives.motions.iter().find(|motion| motion.particle == particle) {
+        match self.drives.motion_of(particle) {
             Some(pin) => End::Moved(pin.clone(), self.particles[particle].position),
             None => End::Held(self.anchor(particle, vertices)),
         }
@@ -185,7 +189,7 @@ impl Scene {
             let vertices = Vertices::new(self);
             for link in &self.links {
                 let [a, b] = link.ends;
-                let motion = |end| self.drives.motions.iter().find(|m| m.particle == end);
+                let motion = |end| self.drives.motion_of(end);
                 let (pin, other) = match (motion(a), motion(b)) {
                     (Some(pin), None) => (pin, b),
                     (None, Some(pin)) => (pin, a),

@@ -28,10 +28,10 @@ pub enum DriveFault {
     /// Only what is pinned is moved.
     #[error("`{0}` is not pinned; only a pinned particle moves as it is told")]
     MotionOfFree(String),
-    /// A pin that holds more than springs.
+    /// A pin whose motion would have to be held together with contact, or by an element.
     #[error(
-        "`{0}` holds a rod or a solid, or has a radius; only a pinned particle that springs alone join \
-         moves as it is told"
+        "`{0}` holds a solid, or a rod beside bodies or contact, or has a radius; a pinned particle moves as \
+         it is told where springs alone join it, or rods between particles that nothing touches"
     )]
     MotionOfHeld(String),
     /// A pin that moves would attract from where it is at the time.
