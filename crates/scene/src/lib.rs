@@ -44,9 +44,9 @@
 //! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
-//! | `[newtonian_gravity]` | `constant` | between every two particles, all of which must be free |
+//! | `[newtonian_gravity]` | `constant` | between every two particles; one that is pinned and has a mass attracts, and stays |
 //! | `[drag]` | `coefficient` | holds back every free particle and the centre of every body by the coefficient times its velocity; for methods of order up to 2 and those that choose their own steps |
-//! | `[frame]` | `angular_velocity` | of a frame that turns about the origin, in which particles are seen |
+//! | `[frame]` | `angular_velocity` | of a frame that turns about the origin, in which everything is seen |
 //! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |
 //! | `[[springs]]` | `between`, `stiffness`, `rest_length`, `damping`, `strain` | between particles and points of bodies; at rest at the start where no rest length is given; strain `"cauchy"` or `"green"` |
@@ -59,7 +59,7 @@
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping`, `limits`, `friction` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper; these and sliders limits and dry friction |
 //! | `[[motors]]` | `between`, `torque` or `speed` | at a pin or a hinge: of the second against the first, a number or a strength in time |
 //! | `[[loads]]` | `on`, `force`, `torque`, `strength` | on a particle, a body, or a point of a body, in world axes |
-//! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs |
+//! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs and rods |
 //!
 //! A text that begins with `=` is arithmetic wherever a number may stand, with the numbers of
 //! `[parameters]`: `position = ["= 2*L", 0]`. [`Scene::read_with`] gives parameters other values.
