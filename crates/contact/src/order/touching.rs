@@ -55,7 +55,8 @@ impl<G: Dimension> Touching<G> {
             let rubbed = contact.tangents().zip(&given.friction[across * i..][..across]);
             let friction = rubbed
                 .fold(G::Vector::default(), |sum, (tangent, &impulse)| sum + tangent * impulse);
-            Touch { contact, impact, normal: 0.0, friction }
+            let moment = G::Spin::default();
+            Touch { contact, impact, normal: 0.0, friction, moment }
         })
     }
 }

@@ -144,6 +144,15 @@ impl<G: Dimension> ContactMoments<G> {
         self.moments.iter_mut().for_each(|moment| moment.now = [G::Spin::default(); 2]);
     }
 
+    /// The moment of each contact in turn, N m s, and zeros without end behind the last that has one.
+    pub(crate) fn of_each(&self) -> impl Iterator<Item = G::Spin> {
+        let mut moments = self.moments.iter().peekable();
+        (0..).map(move |contact| {
+            let own = moments.next_if(|moment| moment.contact == contact);
+            own.map_or_else(G::Spin::default, |moment| moment.now[0] + moment.now[1])
+        })
+    }
+
     /// Adds the changes of velocities that the moments make.
     pub(crate) fn add(&self, contacts: &[ContactIn<G>], states: &[BodyState<G>], v: &mut [f64]) {
         for Moment { contact, now, .. } in &self.moments {

@@ -22,7 +22,7 @@ pub(super) const PLANAR: Kind = Kind {
     krate: "contact",
     rule: RULE,
     in_tests: 100,
-    trial: |draw| trial(draw, true),
+    trial: |draw| trial(draw, true, false),
 };
 
 pub(super) const SPATIAL: Kind = Kind {
@@ -30,7 +30,20 @@ pub(super) const SPATIAL: Kind = Kind {
     krate: "contact",
     rule: RULE,
     in_tests: 60,
-    trial: |draw| trial(draw, false),
+    trial: |draw| trial(draw, false, false),
+};
+
+pub(super) const ROLLING: Kind = Kind {
+    name: "rolling-contact",
+    krate: "contact",
+    rule: "scenes of the plane and of space whose pairs have rolling and torsional friction, by the \
+           rules of planar-contact and spatial-contact; a moment beyond its length times the normal \
+           impulse, by more than the residual reported",
+    in_tests: 60,
+    trial: |draw| {
+        let flat = draw.chance(0.5);
+        trial(draw, flat, true)
+    },
 };
 
 fn made(case: &Case) -> Result<Box<dyn Engine>, ContactError> {
@@ -40,9 +53,9 @@ fn made(case: &Case) -> Result<Box<dyn Engine>, ContactError> {
     })
 }
 
-fn trial(draw: &mut Draw, flat: bool) -> Verdict {
+fn trial(draw: &mut Draw, flat: bool, rolls: bool) -> Verdict {
     let refined = draw.chance(0.05);
-    let case = drawn(draw, flat);
+    let case = drawn(draw, flat, rolls);
     let mut engine = match made(&case) {
         Ok(engine) => engine,
         Err(error) => return Verdict::refused(error),

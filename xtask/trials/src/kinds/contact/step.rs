@@ -1,9 +1,10 @@
 //! What every step keeps, from states, impulses and the report alone.
 //!
 //! ```text
-//! p+ - p- = h m g + sum J,   l+ - l- = sum arm x J                each body, N s, N s m
+//! p+ - p- = h m g + sum J,   l+ - l- = sum arm x J + tau          each body, N s, N s m
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
+//! |tau x n| <= a lambda,   |tau.n| <= b lambda                     moments, N s m, to r_t
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
 //! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
 //! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
@@ -126,7 +127,7 @@ impl<'a> Referee<'a> {
         let mut turning: Vec<_> = motions.iter().map(|m| m.l).collect();
         for touch in touches.iter().filter(|_| turns) {
             for (k, sign, arm) in touch.sides().filter(|side| !self.bodies[side.0].pushed) {
-                turning[k] += arm.cross(&(touch.impulse() * sign));
+                turning[k] += arm.cross(&(touch.impulse() * sign)) + touch.moment * sign;
             }
         }
         turning
@@ -147,13 +148,14 @@ impl<'a> Referee<'a> {
             let weight = if body.pushed { 0.0 } else { step.h * body.mass * self.case.gravity };
             let mut p = from.p - self.case.up() * weight;
             let mut l = from.l;
-            let mut pushed = 0.0;
+            let (mut pushed, mut rolled) = (0.0, 0.0);
             for touch in step.touches.iter().filter(|_| !body.pushed) {
                 for (_, sign, arm) in touch.sides().filter(|side| side.0 == k) {
                     let impulse = touch.impulse() * sign;
                     p += impulse;
-                    l += arm.cross(&impulse);
+                    l += arm.cross(&impulse) + touch.moment * sign;
                     pushed += impulse.norm();
+                    rolled += touch.moment.norm();
                 }
             }
             let radius = body.hull.radius;
@@ -161,7 +163,7 @@ impl<'a> Referee<'a> {
             let off = 4.0 * off + STANDS * self.fine(step);
             let promised = ROUNDING * moves + body.mass * off;
             let momentum = Verdict::of((to.p - p).norm(), promised, "momentum of a body");
-            let turns = from.l.norm() + to.l.norm() + pushed * radius;
+            let turns = from.l.norm() + to.l.norm() + pushed * radius + rolled;
             let promised = ROUNDING * turns + body.mass * radius * off;
             let lifted = step.report.overlap > 0.0;
             let error = if lifted { (to.l.norm() - l.norm()).abs() } else { (to.l - l).norm() };
@@ -244,6 +246,7 @@ impl<'a> Referee<'a> {
         for touch in step.touches {
             for (body, sign, arm) in touch.sides().filter(|side| self.bodies[side.0].pushed) {
                 work -= sign * touch.impulse().dot(&self.velocity(step, body, &arm));
+                work -= sign * touch.moment.dot(&self.spin(step, body));
             }
         }
         work
@@ -251,24 +254,44 @@ impl<'a> Referee<'a> {
 
     /// The velocity after the step of a point where it was before, from the body's centre.
     fn velocity(&self, step: &Step, k: usize, arm: &Vector3<f64>) -> Vector3<f64> {
-        let (body, from, to) = (&self.bodies[k], &step.before[k], &step.after[k]);
-        let spin = body.spin(&from.pose.r, &step.turning[k]);
-        to.p / body.mass + spin.cross(arm)
+        step.after[k].p / self.bodies[k].mass + self.spin(step, k).cross(arm)
     }
 
-    /// Impulses push, and rub within what they push.
+    fn spin(&self, step: &Step, k: usize) -> Vector3<f64> {
+        self.bodies[k].spin(&step.before[k].pose.r, &step.turning[k])
+    }
+
+    /// Impulses push, and rub and roll within what they push.
     fn cone(&self, step: &Step) -> Verdict {
+        let [rolls, twists] = self.case.rolling;
         let mut verdict = Verdict::due();
         for touch in step.touches {
             let pushed = touch.impact + touch.rest;
             let rounding = ROUNDING * pushed.abs() * (1.0 + touch.friction);
             let over = (touch.rubbed.norm() - touch.friction * pushed).max(0.0);
             verdict = verdict.and(Verdict::of(over, rounding, "outside of the cone"));
+            // In the plane all of a moment is across the normal.
+            let twist = touch.moment.dot(&touch.normal);
+            let roll = (touch.moment - touch.normal * twist).norm();
+            let gives: f64 = touch.sides().map(|(k, _, arm)| self.turned_least(k, &arm)).sum();
+            for (moment, length) in [(roll, rolls), (twist.abs(), twists)] {
+                let over = (moment - length * touch.rest).max(0.0) * gives;
+                let rounding = ROUNDING * gives * touch.moment.norm();
+                let promised = 1.01 * step.report.coulomb + rounding;
+                verdict = verdict.and(Verdict::of(over, promised, "a moment beyond its length"));
+            }
             let pulls = (-touch.impact).max(-touch.rest).max(0.0);
             verdict =
                 verdict.and(Verdict::of(pulls, 1e-12 * pushed.abs(), "an impulse that pulls"));
         }
         verdict
+    }
+
+    /// What a unit moment about any axis moves at least at the end of an arm, 1/(kg m).
+    fn turned_least(&self, k: usize, arm: &Vector3<f64>) -> f64 {
+        let body = &self.bodies[k];
+        let most = body.moments.iter().flatten().fold(0.0, |m: f64, i| m.max(*i));
+        if body.pushed { 0.0 } else { arm.norm() / most }
     }
 
     /// The conditions of rest are met as far as reported, and settled is what is asked for.
@@ -380,9 +403,7 @@ impl<'a> Referee<'a> {
             self.excess.fill(0.0);
             return Verdict::due();
         }
-        let spins: Vec<_> = (0..count)
-            .map(|k| self.bodies[k].spin(&step.before[k].pose.r, &step.turning[k]) * h)
-            .collect();
+        let spins: Vec<_> = (0..count).map(|k| self.spin(step, k) * h).collect();
         let turns = |k: usize| self.bodies[k].hull.radius * spins[k].norm_squared();
         let deepest = |bodies: [Option<usize>; 2]| {
             let same = step
