@@ -385,10 +385,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
         impulses.clear();
         impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
         if !contacts.is_empty() || self.memory.joints.rows() > 0 {
-            let [_, settled] = self.rest_rolling(contacts, q, h, &mut report)?;
+            let limits = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
             report.painleve = self.painleve(contacts);
-            self.lift(contacts, q, settled, h)?;
+            self.lift(contacts, q, limits.enough, h)?;
         }
         Ok(report)
     }

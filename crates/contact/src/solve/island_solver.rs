@@ -112,8 +112,9 @@ const FIRST_SWEEPS: usize = 32;
 /// them: the work grows with the cube.
 const SMALL: usize = 20;
 const POLISHED: usize = 100;
-/// The most visits to contacts beyond what is enough.
-const FINE_VISITS: usize = 100_000;
+/// The most visits to contacts of an island in a step that settle it finer than is enough: as much work as
+/// all sweeps over the largest island that counts as small, halved.
+const VISITS_PAST_ENOUGH: usize = 100_000;
 /// The most sweeps that push apart what overlaps: the next step goes on.
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
@@ -165,7 +166,7 @@ where
         }
         if !met(&left) {
             let finer = enough > settled || fine.is_some();
-            let most = if finer { FINE_VISITS.div_ceil(members.len()) } else { SWEEPS };
+            let most = if finer { VISITS_PAST_ENOUGH.div_ceil(members.len()) } else { SWEEPS };
             let small = members.len() <= SMALL && fine.is_none();
             let [mut relaxed, mut solved] = match fine {
                 // Sweeps leave what they change slowly, and it would move what is to rest.

@@ -7,7 +7,6 @@ use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
 use crate::solve::rolling::TURNS;
-use crate::solve::sweeps::AMPLIFICATION;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
 use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
@@ -21,7 +20,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         q: &[f64],
         h: f64,
         report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
+    ) -> Result<Settled, ContactError> {
         if !self.memory.moments.start(contacts, &self.detector) {
             return self.rest(contacts, q, h, report);
         }
@@ -38,13 +37,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
             moments.add(contacts, states, &mut increment.0);
             let (relaxed, solved) = (report.relaxed, report.solved);
             *report = WorldReport { relaxed, solved, ..start };
-            let [finest, enough] = self.rest(contacts, q, h, report)?;
+            let limits = self.rest(contacts, q, h, report)?;
             let Memory { v, before, increment, weight, moments, states, impulses, .. } =
                 &mut self.memory;
-            let settled = if contacts.len() > LARGE { enough } else { finest };
+            let settled = if contacts.len() > LARGE { limits.enough } else { limits.finest };
             let off = moments.find_next(turn, contacts, impulses, states, &v.0);
             let taken = moments.energy(contacts, states, [&before.0, &v.0]);
-            let fits = off <= AMPLIFICATION * settled;
+            let fits = off <= limits.reached(settled);
             // Where the last turn would give energy, one without moments follows, which does not.
             if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
                 increment.copy_from(weight.view());
@@ -52,21 +51,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 report.coulomb = report.coulomb.max(off);
                 report.friction_energy += taken.friction;
                 report.work += taken.work;
-                return Ok([finest, enough]);
+                return Ok(limits);
             }
             turn += 1;
             if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
         }
     }
 
-    /// Resting contact and friction; says what counts as settled, m/s.
+    /// Resting contact and friction; says what counts as settled.
     pub(super) fn rest(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
         h: f64,
         report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
+    ) -> Result<Settled, ContactError> {
         let limits = self.settled(contacts, h);
         let Settled { finest, enough, still, .. } = limits;
         let f = G::FREEDOMS;
@@ -157,7 +156,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if self.memory.joints.rows() > 0 {
             self.rest_jointed(contacts, q, &jointed, finest, report)?;
         }
-        Ok([finest, enough])
+        Ok(limits)
     }
 }
 
