@@ -6,14 +6,15 @@ use stationary_calculus::Potential;
 use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
-use crate::solve::rolling::TURNS;
+use crate::solve::rolling::Turns;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
 use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
-    /// Resting contact and friction by turns with moments, where any pair has them.
+    /// Resting contact and friction by turns with moments, where any pair has them; says what counts as
+    /// settled.
     pub(super) fn rest_rolling(
         &mut self,
         contacts: &[ContactIn<G>],
@@ -21,14 +22,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<Settled, ContactError> {
+        // Of velocities before any impulse: moments may be large, and cancel.
+        let limits = self.settled(contacts, h);
         if !self.memory.moments.start(contacts, &self.detector) {
-            return self.rest(contacts, q, h, report);
+            self.rest(contacts, q, (h, limits), report)?;
+            return Ok(limits);
         }
         let Memory { v, increment, free, weight, .. } = &mut self.memory;
         free.copy_from(v.view());
         weight.copy_from(increment.view());
         let start = *report;
-        let mut turn = 0;
+        let (mut turns, mut dropped) = (Turns::default(), false);
         loop {
             let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
             v.copy_from(free.view());
@@ -37,15 +41,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
             moments.add(contacts, states, &mut increment.0);
             let (relaxed, solved) = (report.relaxed, report.solved);
             *report = WorldReport { relaxed, solved, ..start };
-            let limits = self.rest(contacts, q, h, report)?;
+            self.rest(contacts, q, (h, limits), report)?;
             let Memory { v, before, increment, weight, moments, states, impulses, .. } =
                 &mut self.memory;
             let settled = if contacts.len() > LARGE { limits.enough } else { limits.finest };
-            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
+            let off = moments.off(contacts, impulses, states, &v.0);
             let taken = moments.energy(contacts, states, [&before.0, &v.0]);
             let fits = off <= limits.reached(settled);
+            let about_contacts = turns.about_contacts;
+            let over = turns.end_with(off);
             // Where the last turn would give energy, one without moments follows, which does not.
-            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
+            if dropped || (!taken.gains && (fits || over)) {
                 increment.copy_from(weight.view());
                 report.settled &= fits;
                 report.coulomb = report.coulomb.max(off);
@@ -53,20 +59,22 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 report.work += taken.work;
                 return Ok(limits);
             }
-            turn += 1;
-            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
+            dropped = over;
+            match over {
+                true => moments.drop_all(),
+                false => moments.turn(about_contacts, contacts, impulses, states, &v.0),
+            }
         }
     }
 
-    /// Resting contact and friction; says what counts as settled.
+    /// Resting contact and friction in a step of `h` seconds, within limits.
     pub(super) fn rest(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        h: f64,
+        (h, limits): (f64, Settled),
         report: &mut WorldReport,
-    ) -> Result<Settled, ContactError> {
-        let limits = self.settled(contacts, h);
+    ) -> Result<(), ContactError> {
         let Settled { finest, enough, still, .. } = limits;
         let f = G::FREEDOMS;
         let Memory {
@@ -156,7 +164,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if self.memory.joints.rows() > 0 {
             self.rest_jointed(contacts, q, &jointed, finest, report)?;
         }
-        Ok(limits)
+        Ok(())
     }
 }
 

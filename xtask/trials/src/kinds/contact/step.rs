@@ -5,6 +5,7 @@
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
 //! |tau x n| <= a lambda,   |tau.n| <= b lambda                     moments, N s m, to r_t
+//! |tau - disc(tau - w/c)| c |arm| <= r_t                           each part of them, m/s
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
 //! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
 //! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
@@ -33,6 +34,8 @@ const THROUGH: f64 = 0.02;
 const LIFTED: f64 = 0.5;
 /// What rests on impulses that change its velocity by no more than this part of the tolerance stands.
 const STANDS: f64 = 1.0 / 200.0;
+/// Turns in a step beyond this may be refused, rad.
+const MANY_TURNS: f64 = 1e4;
 /// Samples of a way at most.
 const SAMPLES: f64 = 200.0;
 
@@ -81,6 +84,19 @@ impl<'a> Referee<'a> {
         let bodies = Body::all(case);
         let count = bodies.len() * (bodies.len() + case.grounds.len());
         Referee { case, bodies, excess: vec![0.0; count] }
+    }
+
+    /// Whether the energy of a scene would let a body turn so far in a step that to refuse it is right.
+    pub(super) fn may_turn_far(&self, before: &[Motion]) -> bool {
+        let h = self.case.step;
+        let energy = |(body, m): (&Body, &Motion)| {
+            let falls = self.case.gravity * h;
+            body.kinetic(&m.pose.r, &m.p, &m.l) + 0.5 * body.mass * falls * falls
+        };
+        let energy: f64 = self.bodies.iter().zip(before).map(energy).sum();
+        let moments = self.bodies.iter().flat_map(|body| body.moments.into_iter().flatten());
+        let least = moments.fold(f64::INFINITY, f64::min);
+        h * (2.0 * energy / least).sqrt() > MANY_TURNS
     }
 
     /// The word on one step.
@@ -349,6 +365,9 @@ impl<'a> Referee<'a> {
             let off = (gives(n, n) * touch.rest).min(u + touch.gap.max(0.0) / h).abs();
             let promised = 1.01 * report.residual + slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual reported"));
+            let off = self.moment_off(step, touch);
+            let promised = 1.01 * report.coulomb + slop;
+            verdict = verdict.and(Verdict::of(off, promised, "the residual of moments"));
             if touch.impact != 0.0 || touch.friction == 0.0 {
                 continue;
             }
@@ -368,6 +387,32 @@ impl<'a> Referee<'a> {
             verdict = verdict.and(Verdict::of(off, promised, "Coulomb's residual reported"));
         }
         verdict
+    }
+
+    /// How far moments are off what stops turning, or opposes it at their bounds, as a velocity of the contact
+    /// point, m/s.
+    fn moment_off(&self, step: &Step, touch: &Seen) -> f64 {
+        let sides = || touch.sides().filter(|side| !self.bodies[side.0].pushed);
+        let spin: Vector3<f64> = touch.sides().map(|(k, s, _)| self.spin(step, k) * s).sum();
+        let n = &touch.normal;
+        let [twist, twisted] = [spin, touch.moment].map(|v| n * v.dot(n));
+        let parts = [(spin - twist, touch.moment - twisted), (twist, twisted)];
+        let mut most = 0.0_f64;
+        for ((spin, moment), length) in parts.into_iter().zip(self.case.rolling) {
+            let Some(axis) = spin.try_normalize(0.0) else { continue };
+            let gives = |(k, _, arm): (usize, f64, Vector3<f64>)| {
+                let own = self.bodies[k].spin(&step.before[k].pose.r, &axis).dot(&axis);
+                [own, own * arm.norm()]
+            };
+            let [turns, moves] = sides().map(gives).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+            if turns == 0.0 {
+                continue;
+            }
+            let (wanted, bound) = (moment - spin / turns, length * touch.rest);
+            let nearest = if wanted.norm() > bound { wanted.normalize() * bound } else { wanted };
+            most = most.max((moment - nearest).norm() * moves);
+        }
+        most
     }
 
     /// The overlap reported is that of the shapes; of convex solids in space it is only estimated.
