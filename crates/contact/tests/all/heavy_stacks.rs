@@ -71,18 +71,6 @@ impl Stack<'_> {
             };
             let (after, _) = energy(state);
             let allowed = report.lifting_energy.max(0.0) + 16.0 * f64::EPSILON * scale;
-            if after - before - allowed > 0.0 {
-                println!(
-                    "STEP {:e} res {:e} {:e} lift {:e} relaxed {} solved {} proj {}",
-                    after - before - allowed,
-                    report.residual,
-                    report.coulomb,
-                    report.lifting_energy,
-                    report.relaxed,
-                    report.solved,
-                    report.projected
-                );
-            }
             outcome.gained = outcome.gained.max(after - before - allowed);
             outcome.unsettled += usize::from(!report.settled);
             outcome.carried = (floor / (whole * STEP) - 1.0).abs();

@@ -80,12 +80,6 @@ fn trial(draw: &mut Draw, flat: bool, rolls: bool) -> Verdict {
         }
         verdict = verdict.and(word);
         if !report.settled {
-                eprintln!(
-                    "UNSETTLED step {step} {report:?} asked {:?} gain {:e}",
-                    case.tolerance,
-                    case.gravity * case.step
-                );
-            }
             verdict = verdict.and(Verdict::refused("not settled"));
         }
         if let Err(error) = engine.reload() {

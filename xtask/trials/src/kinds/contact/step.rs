@@ -366,7 +366,8 @@ impl<'a> Referee<'a> {
             let promised = 1.01 * report.residual + slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual reported"));
             let off = self.moment_off(step, touch);
-            let promised = 1.01 * report.coulomb + slop;
+            // Both spins are rounded, and both parts of them.
+            let promised = 1.01 * report.coulomb + 4.0 * slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual of moments"));
             if touch.impact != 0.0 || touch.friction == 0.0 {
                 continue;
