@@ -173,9 +173,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         speed::<G>(change.as_ref(), radius(body))
                     });
                     let moved = moved.fold(0.0, f64::max);
-                    // What would gain energy by a change no larger than what may be left stays as it is.
+                    // What would gain energy by a change no larger than what is left stays as it is.
                     let worst = off[0].max(off[1]);
-                    let stays = moved <= still && worst + 2.0 * moved <= reached;
+                    let stays = moved <= worst && worst + 2.0 * moved <= reached;
                     if stays && gained(&after) > gained(&before) {
                         for &body in bodies {
                             v.0[f * body..][..f].copy_from_slice(before(body).as_ref());

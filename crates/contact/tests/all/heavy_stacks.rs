@@ -2,7 +2,7 @@
 //! energy never grows, in the plane and in space.
 //!
 //! ```text
-//! E+ - E- <= lifting + rounding of m g z                         a step, J
+//! E+ - E- <= lifting + r sum lambda + rounding of m g z          a step, J
 //! |lambda - m_above g h| <= part of it                           what the lowest contacts carry, N s
 //! ```
 
@@ -39,7 +39,7 @@ struct Outcome {
     refused: Option<ContactError>,
     /// The farthest that a box has moved, m.
     moved: f64,
-    /// The energy that steps gained beyond lifting and rounding, J.
+    /// The energy that steps gained beyond what their reports and rounding allow, J.
     gained: f64,
     /// How far the impulses on the floor are from the weight, relative to it, at the end.
     carried: f64,
@@ -50,7 +50,7 @@ impl Stack<'_> {
         &self,
         state: &mut State<Vec<f64>>,
         kinetic: impl Fn(&State<Vec<f64>>) -> f64,
-        mut step: impl FnMut(&mut State<Vec<f64>>) -> Result<(WorldReport, f64), ContactError>,
+        mut step: impl FnMut(&mut State<Vec<f64>>) -> Result<(WorldReport, f64, f64), ContactError>,
     ) -> Outcome {
         let mut outcome = Outcome::default();
         let start = state.q.clone();
@@ -62,7 +62,7 @@ impl Stack<'_> {
         };
         for _ in 0..STEPS {
             let (before, scale) = energy(state);
-            let (report, floor) = match step(state) {
+            let (report, floor, pushed) = match step(state) {
                 Ok(taken) => taken,
                 Err(error) => {
                     outcome.refused = Some(error);
@@ -70,7 +70,9 @@ impl Stack<'_> {
                 }
             };
             let (after, _) = energy(state);
-            let allowed = report.lifting_energy.max(0.0) + 16.0 * f64::EPSILON * scale;
+            let allowed = report.lifting_energy.max(0.0)
+                + report.residual.max(report.coulomb) * pushed
+                + 16.0 * f64::EPSILON * scale;
             outcome.gained = outcome.gained.max(after - before - allowed);
             outcome.unsettled += usize::from(!report.settled);
             outcome.carried = (floor / (whole * STEP) - 1.0).abs();
@@ -103,7 +105,7 @@ fn in_the_plane(masses: &[f64]) -> Outcome {
             let report = world.step(state, STEP)?;
             let on_floor = world.touches().filter(|t| t.contact.bodies.contains(&None));
             let floor = on_floor.map(|t| t.normal).sum();
-            Ok((report, floor))
+            Ok((report, floor, world.touches().map(|t| t.normal + t.friction.norm()).sum()))
         },
     )
 }
@@ -141,7 +143,7 @@ fn in_space(masses: &[f64]) -> Outcome {
             let report = world.step(state, STEP)?;
             let on_floor = world.touches().filter(|t| t.contact.bodies.contains(&None));
             let floor = on_floor.map(|t| t.normal).sum();
-            Ok((report, floor))
+            Ok((report, floor, world.touches().map(|t| t.normal + t.friction.norm()).sum()))
         },
     )
 }
