@@ -1,4 +1,4 @@
-//! Contact beside rapier and MuJoCo: four problems in one run, steps in turn.
+//! Contact beside rapier and MuJoCo: four problems and detection alone in one run, steps in turn.
 //!
 //! `cargo run --manifest-path benches/contact/Cargo.toml`; with `PYTHON` the name of an interpreter
 //! that has `mujoco`, that too. Processor time of one thread each. What is left is measured from each
@@ -6,6 +6,7 @@
 //! close once their gaps are used up, what of the momentum no impulses in Coulomb's cones explain, and
 //! how deep bodies overlap. Peers keep their defaults.
 
+mod detection;
 mod mujoco;
 mod quality;
 mod space;
@@ -74,6 +75,9 @@ fn main() {
     }
     if asked("wall") {
         print("a wall of 1,000 bricks in the plane, struck, 2 s", &wall::struck(40, 25, 2.0));
+    }
+    if asked("detection") {
+        detection::print(1_000);
     }
     if asked("tower") {
         let mut rows = space::tower(100, 10.0);

@@ -15,7 +15,7 @@ use crate::{LOOKS, Row, STEP};
 type Ours = SpatialWorld<Weight<Poses>>;
 
 /// Cubes of a side of 1 m and of 1 kg on a floor, at rest.
-fn rapier(starts: &[RigidMotion], can_sleep: bool) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
+pub fn rapier(starts: &[RigidMotion], can_sleep: bool) -> (PhysicsWorld, Vec<RigidBodyHandle>) {
     let gravity = Vector::Z * -GRAVITY;
     let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
     world.integration_parameters.dt = STEP;

@@ -24,6 +24,8 @@ pub(crate) mod rough;
 pub(crate) mod jointed;
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub(crate) mod rounds;
+#[cfg(any(feature = "2d", feature = "3d"))]
+pub(crate) mod touching;
 
 use stationary_calculus::Vector;
 

@@ -5,5 +5,4 @@ pub(crate) mod free_time;
 pub(crate) mod event;
 pub(crate) mod event_driven;
 pub(crate) mod pieces;
-pub(crate) mod touching;
 pub(crate) mod error_controlled;

@@ -78,6 +78,8 @@ pub struct Touch<G: Dimension> {
     /// The impulse of friction on the second body, in impacts and in resting contact, N s, world
     /// axes.
     pub friction: G::Vector,
+    /// The moment of rolling and of torsional friction on the second body, N m s, world axes.
+    pub moment: G::Spin,
 }
 
 /// How often a step is solved at most.
@@ -192,12 +194,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// What touched in the last step that was taken, in the order of the identifiers.
     pub fn touches(&self) -> impl Iterator<Item = Touch<G>> {
         let Memory { impulses, hits, .. } = &self.memory;
-        let impulses = impulses.iter().zip(hits);
-        self.kept.found().iter().zip(impulses).map(|(&contact, (impulse, hit))| {
+        let impulses = impulses.iter().zip(hits).zip(self.memory.moments.of_each());
+        self.kept.found().iter().zip(impulses).map(|(&contact, ((impulse, hit), moment))| {
             let along = |impulse| G::dot(impulse, &contact.normal);
             let (normal, impact) = (along(impulse), along(hit));
             let friction = *impulse + *hit - contact.normal * (normal + impact);
-            Touch { contact, impact, normal, friction }
+            Touch { contact, impact, normal, friction, moment }
         })
     }
 
@@ -383,10 +385,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
         impulses.clear();
         impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
         if !contacts.is_empty() || self.memory.joints.rows() > 0 {
-            let [_, settled] = self.rest_rolling(contacts, q, h, &mut report)?;
+            let limits = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
             report.painleve = self.painleve(contacts);
-            self.lift(contacts, q, settled, h)?;
+            self.lift(contacts, q, limits.enough, h)?;
         }
         Ok(report)
     }

@@ -31,6 +31,8 @@ const NEWTONS: usize = 12;
 /// what it leaves; then less, where masses differ much. And how much of a rate counts as an impulse where
 /// sets are judged, relative to one over the row's own compliance.
 const TRIES: [(f64, f64); 3] = [(1e-10, 1.0), (1e-13, 1.0), (1e-15, 0.1)];
+/// The same of a refinement: as little compliance as leaves redundant rows a factor.
+const REFINING: (f64, f64) = (1e-13, 1.0);
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there
@@ -307,6 +309,27 @@ impl CoupledRows {
         }
         x.copy_from_slice(&self.best);
         (least, solved)
+    }
+
+    /// One of Newton's steps from rates that are known better than by the compliance; says whether it was taken.
+    pub(crate) fn refine(&mut self, x: &mut [f64], rates: impl Iterator<Item = f64>) -> bool {
+        self.rates.clear();
+        self.rates.extend(rates);
+        self.tried.clear();
+        self.tried.extend_from_slice(x);
+        self.assemble(REFINING);
+        if !self.eliminate() {
+            return false;
+        }
+        for (x, (step, scale)) in self.tried.iter_mut().zip(self.right.iter().zip(&self.scale)) {
+            *x += scale * step;
+        }
+        admit(&self.laws, &self.starts, &mut self.tried);
+        let finite = self.tried.iter().all(|x| x.is_finite());
+        if finite {
+            x.copy_from_slice(&self.tried);
+        }
+        finite
     }
 
     /// The equations of the sets at the impulses that are tried, in scaled impulses and rates.

@@ -201,10 +201,34 @@ impl Search<'_> {
             }
         };
         let Some(axis) = self.circle_along(&top.normal) else { return top };
-        self.ways_down(&axis).iter().fold(top, |best, way| {
-            let other = self.climb_from(axis + way * LEAN);
+        let ways = self.ways_down(&axis);
+        let aside = ways.iter().map(|way| (axis + way * LEAN, BOUND));
+        let between = if ways.is_empty() { Vec::new() } else { self.nearly_along(&axis) };
+        let halfway = between.iter().map(|way| (axis + way * 0.5, way.norm()));
+        aside.chain(halfway).fold(top, |best, (start, bound)| {
+            let other = self.climb_within(start, bound);
             if other.value > best.value { other } else { best }
         })
+    }
+
+    /// From the axis of a circle to the normals of faces, discs and edges that all but agree with it: what lies
+    /// on a disc and is turned against it by little has its top in between.
+    fn nearly_along(&self, axis: &V) -> Vec<V> {
+        let mut ways = Vec::new();
+        for (solid, sign) in self.solids.into_iter().zip([1.0, -1.0]) {
+            let normals =
+                solid.faces.iter().copied().chain(solid.axis.into_iter().flat_map(|n| [n, -n]));
+            ways.extend(normals.map(|n| n * sign - axis));
+            let lowest = solid.farthest(&(axis * sign)).0;
+            let Part::Point(from) = solid.parts[lowest] else { continue };
+            for part in &solid.parts {
+                let Part::Point(to) = part else { continue };
+                let edge = (to - from).try_normalize(0.0).unwrap_or_default();
+                ways.push(edge * -edge.dot(axis));
+            }
+        }
+        ways.retain(|way| (1e-15..LEAN).contains(&way.norm()));
+        ways
     }
 
     /// The axis of a circle that reaches farthest along it, near to a direction.
@@ -254,10 +278,15 @@ impl Search<'_> {
     }
 
     fn climb_from(&self, start: V) -> Top {
+        self.climb_within(start, BOUND)
+    }
+
+    /// The same where the first turn is no larger than this, radians.
+    fn climb_within(&self, start: V, mut bound: f64) -> Top {
         let tiny = ROUNDING * self.scale;
         let mut n = start.normalize();
         let mut value = self.value(&n);
-        let (mut bound, mut last, mut converged) = (BOUND, f64::INFINITY, false);
+        let (mut last, mut converged) = (f64::INFINITY, false);
         let mut cuts = vec![self.cut(&n, &across(&n), self.parts(&n), 1.0)];
         for _ in 0..ITERATIONS {
             let basis = across(&n);

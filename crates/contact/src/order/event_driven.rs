@@ -25,11 +25,11 @@ use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
 use crate::impact::rounds::ImpactRounds;
+use crate::impact::touching::Touching;
 use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, Flight, FlightOrder};
 use crate::order::free_time::FreeTimeSearch;
 use crate::order::pieces::{Motion, Pieces, between};
-use crate::order::touching::Touching;
 use crate::{BodiesIn, ContactError, DetectorIn, ImpactLaw, InverseMass, Touch, World};
 
 /// Gaps up to this part of the largest coordinate or radius count as touching.
@@ -320,7 +320,8 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         if contacts.is_empty() {
             return Ok(Choice::Fly);
         }
-        self.touching.fill(contacts, &self.now.q);
+        // What touches has no gap.
+        self.touching.fill(contacts, &self.now.q, |_| 0.0);
         let system = self.world.system();
         system.metric().sharp(self.now.p.view(), self.v.view_mut());
         self.flight.find_increment::<G, P>(

@@ -103,7 +103,7 @@ pub struct Conditions<'a, G: Dimension> {
 }
 
 /// Rounding of rates relative to the velocities that single impulses give.
-const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(crate) const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
 /// Sweeps that find the active, sticking and sliding sets of a small island, which is then polished.
@@ -112,8 +112,14 @@ const FIRST_SWEEPS: usize = 32;
 /// them: the work grows with the cube.
 const SMALL: usize = 20;
 const POLISHED: usize = 100;
-/// The most visits to contacts beyond what is enough.
-const FINE_VISITS: usize = 100_000;
+/// Islands of no more contacts are tried from more and more sweeps where nothing else settles them.
+const PERSISTED: usize = 40;
+/// The most visits to contacts of an island in a step that settle it finer than is enough: as much work as
+/// all sweeps over the largest island that counts as small, halved.
+const VISITS_PAST_ENOUGH: usize = 100_000;
+/// Where the heaviest body of an island is so many times heavier than the lightest, a velocity that is rounding
+/// to the lightest is energy to the heaviest: such islands are refined.
+const MASS_RATIO: f64 = 100.0;
 /// The most sweeps that push apart what overlaps: the next step goes on.
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
@@ -165,7 +171,7 @@ where
         }
         if !met(&left) {
             let finer = enough > settled || fine.is_some();
-            let most = if finer { FINE_VISITS.div_ceil(members.len()) } else { SWEEPS };
+            let most = if finer { VISITS_PAST_ENOUGH.div_ceil(members.len()) } else { SWEEPS };
             let small = members.len() <= SMALL && fine.is_none();
             let [mut relaxed, mut solved] = match fine {
                 // Sweeps leave what they change slowly, and it would move what is to rest.
@@ -173,7 +179,7 @@ where
                 None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
                 None => self.parts.settle(sweeps, island, x, settled, most),
             };
-            solved += self.polish.polish(sweeps, island, x, (SMALL, reached));
+            solved += self.polish.polish(sweeps, island, x, (SMALL, reached, false));
             left = sweeps.residuals(island, x);
             if small && !met(&left) {
                 let more = self.parts.settle(sweeps, island, x, settled, most);
@@ -182,7 +188,11 @@ where
             left = sweeps.residuals(island, x);
             let off = left.iter().any(|left| *left > reached);
             if off || (small && !met(&left)) {
-                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached));
+                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached, false));
+                left = sweeps.residuals(island, x);
+            }
+            if left.iter().any(|left| *left > reached) {
+                solved += self.polish.polish(sweeps, island, x, (PERSISTED, reached, true));
                 left = sweeps.residuals(island, x);
             }
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {
@@ -191,6 +201,9 @@ where
             }
             report.relaxed += relaxed;
             report.solved += solved;
+        }
+        if members.len() <= POLISHED && unequal::<G>(bodies, states) {
+            report.solved += self.polish.refine(sweeps, island, x);
         }
         // Changes leave their rounding in impulses, which is large for those that have become small.
         for (x, contact) in x.iter_mut().zip(&self.contacts) {
@@ -252,6 +265,13 @@ where
     fn change(&self, body: usize) -> &[f64; F] {
         &self.sweeps.w[body]
     }
+}
+
+/// Whether the masses of these bodies differ much.
+fn unequal<G: Dimension>(bodies: &[usize], states: &[BodyState<G>]) -> bool {
+    let scales = bodies.iter().map(|&body| states[body].scale.as_ref()[0]);
+    let [least, most] = scales.fold([f64::INFINITY, 0.0_f64], |[a, b], s| [a.min(s), b.max(s)]);
+    most * most > MASS_RATIO * least * least
 }
 
 impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> {

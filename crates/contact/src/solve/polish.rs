@@ -10,10 +10,14 @@
 use stationary_constraints::RowLaw;
 
 use crate::coupled::coupled_rows::CoupledRows;
+use crate::solve::island_solver::IMPULSE_ROUNDING;
 use crate::solve::sweeps::{Island, Sweeps};
 
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Steps of a refinement: each takes off what is left but for a thousandth.
+const REFINEMENTS: usize = 3;
 
 /// The memory of a polish.
 #[derive(Debug, Default)]
@@ -25,13 +29,14 @@ pub(crate) struct Polish<const D: usize> {
 
 impl<const D: usize> Polish<D> {
     /// Changes the impulses of an island until no more than rounding is left, if it can and the island
-    /// has no more than `most` contacts, at least to what is `enough` (m/s); says how many systems it solved.
+    /// has no more than `most` contacts, at least to what is `enough` (m/s), by the sets that more and more sweeps
+    /// lead to where it is to `persist`; says how many systems it solved.
     pub(crate) fn polish<const F: usize>(
         &mut self,
         sweeps: &mut Sweeps<F, D>,
         island: Island<F, D>,
         x: &mut [[f64; D]],
-        (most, enough): (usize, f64),
+        (most, enough, persist): (usize, f64, bool),
     ) -> usize {
         let worst = |left: [f64; 2]| left[0].max(left[1]);
         let offsets = island.contacts.iter().flat_map(|contact| contact.offset);
@@ -41,7 +46,10 @@ impl<const D: usize> Polish<D> {
             return 0;
         }
         self.start(island, x);
-        let solved = self.rows.solve_by_sets(&mut self.impulses, enough);
+        let solved = match persist {
+            true => self.rows.solve(&mut self.impulses, enough).1,
+            false => self.rows.solve_by_sets(&mut self.impulses, enough),
+        };
         x.iter_mut().flatten().zip(&self.impulses).for_each(|(x, found)| *x = *found);
         sweeps.refresh(island, x);
         if worst(sweeps.residuals(island, x)) > left {
@@ -49,6 +57,37 @@ impl<const D: usize> Polish<D> {
             sweeps.refresh(island, x);
         }
         solved
+    }
+
+    /// Newton's steps whose rates come from velocities, not from impulses: where masses differ much the rounding
+    /// of large impulses is in the velocities of what is light alone, and that of what is heavy is known far
+    /// better. Says how many systems it solved.
+    pub(crate) fn refine<const F: usize>(
+        &mut self,
+        sweeps: &mut Sweeps<F, D>,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+    ) -> usize {
+        let worst = |left: [f64; 2]| left[0].max(left[1]);
+        let left = worst(sweeps.residuals(island, x));
+        self.start(island, x);
+        sweeps.refresh(island, x);
+        for _ in 0..REFINEMENTS {
+            let rates = island.contacts.iter().flat_map(|contact| contact.rates(&sweeps.w));
+            if !self.rows.refine(&mut self.impulses, rates) {
+                break;
+            }
+            x.iter_mut().flatten().zip(&self.impulses).for_each(|(x, found)| *x = *found);
+            sweeps.refresh(island, x);
+        }
+        let pushed = island.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
+        let rounding = IMPULSE_ROUNDING * pushed.fold(0.0, f64::max);
+        // What is no number is worse as well.
+        if !(worst(sweeps.residuals(island, x)) <= left.max(rounding)) {
+            x.copy_from_slice(&self.before);
+            sweeps.refresh(island, x);
+        }
+        REFINEMENTS
     }
 
     /// Remembers where it starts, and the rows of all contacts.

@@ -8,8 +8,8 @@
 //! `r s` lengths of a pair (m), `lambda` normal impulses (N s), `w` the spin of the second body as
 //! seen from the first (rad/s), `x` impulses of contacts, `v_f` velocities before any. Turns are
 //! alternating minima of one energy, moments contact after contact. What rolls on one contact is held
-//! by friction there, and gives way as if it turned about it: a turn takes what would stop that. At
-//! the bound on turns the step is not settled, as where boxes rock on each other; moments that would
+//! by friction there, and gives way as if it turned about it: a turn takes what would stop that. Where
+//! turns help no more the step is not settled, as where boxes rock on each other; moments that would
 //! then give energy are dropped.
 //!
 //! Impacts with restitution carry no moments. Source: Leine and Glocker 2003 (the cones); staggered as
@@ -18,9 +18,10 @@
 use crate::solve::body_state::BodyState;
 use crate::{ContactIn, DetectorIn, Dimension};
 
-/// Turns between moments and impulses, and after how many they turn about centres alone.
-pub(crate) const TURNS: usize = 60;
-const ABOUT_CONTACTS: usize = 30;
+/// The most turns between moments and impulses, about contacts and then about centres alone.
+const TURNS: usize = 30;
+/// So many turns are to halve what is off: slower ones would not come to rounding in all that there are.
+const HALVING_TURNS: usize = 8;
 /// Sweeps over the moments in a turn.
 const SWEEPS: usize = 10;
 /// Friction within this part of its bound sticks.
@@ -28,6 +29,39 @@ const STICKS: f64 = 1.0 - 1e-9;
 
 /// Energy gained that is rounding, relative to the terms of its sum.
 const ENERGY_ROUNDING: f64 = 1e-11;
+
+/// Turns between moments and impulses: about contacts, then about centres, each as long as they help.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turns {
+    pub(crate) about_contacts: bool,
+    taken: usize,
+    /// The least that was off, m/s, and how many turns ago.
+    least: f64,
+    since: usize,
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Turns { about_contacts: true, taken: 0, least: f64::INFINITY, since: 0 }
+    }
+}
+
+impl Turns {
+    /// Counts a turn by what is off after it, m/s; says whether it was the last.
+    pub(crate) fn end_with(&mut self, off: f64) -> bool {
+        self.taken += 1;
+        self.since += 1;
+        if off <= 0.5 * self.least {
+            (self.least, self.since) = (off, 0);
+        }
+        if self.since < HALVING_TURNS && self.taken < TURNS {
+            return false;
+        }
+        let last = !self.about_contacts;
+        *self = Turns { about_contacts: false, ..Turns::default() };
+        last
+    }
+}
 
 /// What the moments of a step took, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,9 +95,18 @@ struct Moment<G: Dimension> {
     contact: usize,
     /// Of rolling and of torsion, m.
     lengths: [f64; 2],
-    /// Of rolling and of torsion, on the second body, world axes, N m s; and what they become.
+    /// Of rolling and of torsion, on the second body, world axes, N m s.
     now: [G::Spin; 2],
-    next: [G::Spin; 2],
+}
+
+impl<G: Dimension> Moment<G> {
+    /// What a part of a moment becomes that is to stop a spin, within its length times the normal impulse.
+    fn fit(&self, part: usize, from: G::Spin, spin: &G::Spin, gives: f64, pushed: f64) -> G::Spin {
+        let stop = if gives > 0.0 { *spin * -gives.recip() } else { *spin * 0.0 };
+        let wanted = from + stop;
+        let (bound, length) = (self.lengths[part] * pushed, G::spin_speed(&wanted));
+        if length > bound { wanted * (bound / length) } else { wanted }
+    }
 }
 
 impl<G: Dimension> ContactMoments<G> {
@@ -73,51 +116,48 @@ impl<G: Dimension> ContactMoments<G> {
         let none = [G::Spin::default(); 2];
         let with_lengths = contacts.iter().enumerate().filter_map(|(contact, point)| {
             let lengths = detector.rolling(point.id.pair())?;
-            Some(Moment { contact, lengths, now: none, next: none })
+            Some(Moment { contact, lengths, now: none })
         });
         self.moments.extend(with_lengths);
         !self.moments.is_empty()
     }
 
-    /// Finds the moments that fit velocities and impulses; says by how much they would change, m/s.
-    pub(crate) fn find_next(
+    /// Changes moments to what fits velocities and impulses.
+    pub(crate) fn turn(
         &mut self,
-        turn: usize,
+        about_contacts: bool,
         contacts: &[ContactIn<G>],
         impulses: &[G::Vector],
         states: &[BodyState<G>],
         v: &[f64],
-    ) -> f64 {
+    ) {
         self.spun.clear();
         self.spun.extend_from_slice(v);
         self.shared.clear();
         self.shared.resize(states.len(), 0);
-        for moment in &mut self.moments {
-            moment.next = moment.now;
+        for moment in &self.moments {
             sides(&contacts[moment.contact]).for_each(|(body, _)| self.shared[body] += 1);
         }
         for _ in 0..SWEEPS {
             for k in 0..self.moments.len() {
-                let Moment { contact, lengths, next, .. } = self.moments[k];
+                let moment = self.moments[k];
+                let Moment { contact, now, .. } = moment;
                 let (point, impulse) = (&contacts[contact], &impulses[contact]);
                 let pushed = G::dot(impulse, &point.normal).max(0.0);
                 let across = *impulse - point.normal * pushed;
                 let rubbed = G::dot(&across, &across).sqrt();
                 let alone = sides(point).all(|(body, _)| self.shared[body] == 1);
                 let sticks = rubbed < STICKS * point.friction * pushed;
-                let about_contact = turn < ABOUT_CONTACTS && alone && sticks;
+                let about_contact = about_contacts && alone && sticks;
                 let spins =
                     G::parts_of_spin(&relative_spin(point, states, &self.spun), &point.normal);
                 let fit = [0, 1].map(|k| {
                     let gives = compliance(point, states, &spins[k], about_contact);
-                    let stop = if gives > 0.0 { spins[k] * -gives.recip() } else { spins[k] * 0.0 };
-                    let wanted = next[k] + stop;
-                    let (bound, length) = (lengths[k] * pushed, G::spin_speed(&wanted));
-                    if length > bound { wanted * (bound / length) } else { wanted }
+                    moment.fit(k, now[k], &spins[k], gives, pushed)
                 });
-                self.moments[k].next = fit;
+                self.moments[k].now = fit;
                 // A change about the contact is for the next turn: friction answers to it.
-                let change = (fit[0] - next[0]) + (fit[1] - next[1]);
+                let change = (fit[0] - now[0]) + (fit[1] - now[1]);
                 if !about_contact {
                     turn_by(point, states, &change, &mut self.spun);
                 }
@@ -126,22 +166,42 @@ impl<G: Dimension> ContactMoments<G> {
                 break;
             }
         }
-        let change = |moment: &Moment<G>| {
-            let point = &contacts[moment.contact];
-            let changes = [0, 1].map(|k| moment.next[k] - moment.now[k]);
-            changes.map(|change| reaction(point, states, &change)).into_iter().fold(0.0, f64::max)
-        };
-        self.moments.iter().map(change).fold(0.0, f64::max)
     }
 
-    /// Takes what was found.
-    pub(crate) fn take_next(&mut self) {
-        self.moments.iter_mut().for_each(|moment| moment.now = moment.next);
+    /// How far moments are from what stops turning about the centres, or opposes it at their bounds, m/s.
+    pub(crate) fn off(
+        &self,
+        contacts: &[ContactIn<G>],
+        impulses: &[G::Vector],
+        states: &[BodyState<G>],
+        v: &[f64],
+    ) -> f64 {
+        let one = |moment: &Moment<G>| {
+            let point = &contacts[moment.contact];
+            let pushed = G::dot(&impulses[moment.contact], &point.normal).max(0.0);
+            let spins = G::parts_of_spin(&relative_spin(point, states, v), &point.normal);
+            let change = |k: usize| {
+                let gives = compliance(point, states, &spins[k], false);
+                let fit = moment.fit(k, moment.now[k], &spins[k], gives, pushed);
+                reaction(point, states, &(fit - moment.now[k]))
+            };
+            change(0).max(change(1))
+        };
+        self.moments.iter().map(one).fold(0.0, f64::max)
     }
 
     /// Drops all moments.
     pub(crate) fn drop_all(&mut self) {
         self.moments.iter_mut().for_each(|moment| moment.now = [G::Spin::default(); 2]);
+    }
+
+    /// The moment of each contact in turn, N m s, and zeros without end behind the last that has one.
+    pub(crate) fn of_each(&self) -> impl Iterator<Item = G::Spin> {
+        let mut moments = self.moments.iter().peekable();
+        (0..).map(move |contact| {
+            let own = moments.next_if(|moment| moment.contact == contact);
+            own.map_or_else(G::Spin::default, |moment| moment.now[0] + moment.now[1])
+        })
     }
 
     /// Adds the changes of velocities that the moments make.

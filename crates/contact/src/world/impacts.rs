@@ -3,8 +3,9 @@
 use stationary_calculus::Potential;
 
 use crate::impact::rounds::ImpactRounds;
+use crate::impact::touching::Touching;
 use crate::world::memory::Memory;
-use crate::{ContactError, ContactIn, ContactRows, Dimension, World, WorldReport, gap_rows};
+use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
     /// Impacts of what would close its gap in this step.
@@ -15,25 +16,25 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { v, increment, hits, joints, .. } = &mut self.memory;
-        let (rows, mut across) = (gap_rows(contacts, q), ContactRows::new());
-        let of = |read: fn(&ContactIn<G>) -> f64| contacts.iter().map(read).collect::<Vec<_>>();
-        let friction = of(|contact| contact.friction);
-        if friction.iter().any(|&friction| friction > 0.0) {
-            contacts.iter().for_each(|contact| contact.push_tangents(q, &mut across));
-        }
+        let Memory { v, increment, hits, joints, touching, .. } = &mut self.memory;
+        touching.fill(contacts, q, |contact| contact.gap);
+        let Touching { rows, across, gap, restitution, friction, .. } = &*touching;
         let rounds = ImpactRounds {
-            rows: &rows,
-            across: &across,
-            gap: &of(|contact| contact.gap),
-            restitution: &of(|contact| contact.restitution),
-            friction: &friction,
+            rows,
+            across,
+            gap,
+            restitution,
+            friction,
             mass: &self.mass,
             joints,
             law: self.law,
             increment,
             h,
         };
+        // In most steps nothing hits, and impulses need no room.
+        if !rounds.hits(v) {
+            return Ok(());
+        }
         let given = rounds.apply(v)?;
         report.impacts = given.passes;
         report.settled &= given.converged;

@@ -3,33 +3,36 @@
 
 use stationary_calculus::Potential;
 
-use crate::solve::body_state::speed;
+use crate::solve::body_state::{BodyState, speed};
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
-use crate::solve::rolling::TURNS;
-use crate::solve::sweeps::AMPLIFICATION;
+use crate::solve::rolling::Turns;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
 use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
-    /// Resting contact and friction by turns with moments, where any pair has them.
+    /// Resting contact and friction by turns with moments, where any pair has them; says what counts as
+    /// settled.
     pub(super) fn rest_rolling(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
         h: f64,
         report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
+    ) -> Result<Settled, ContactError> {
+        // Of velocities before any impulse: moments may be large, and cancel.
+        let limits = self.settled(contacts, h);
         if !self.memory.moments.start(contacts, &self.detector) {
-            return self.rest(contacts, q, h, report);
+            self.rest(contacts, q, (h, limits), report)?;
+            return Ok(limits);
         }
         let Memory { v, increment, free, weight, .. } = &mut self.memory;
         free.copy_from(v.view());
         weight.copy_from(increment.view());
         let start = *report;
-        let mut turn = 0;
+        let (mut turns, mut dropped) = (Turns::default(), false);
         loop {
             let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
             v.copy_from(free.view());
@@ -38,36 +41,40 @@ impl<G: Dimension, P: Potential> World<G, P> {
             moments.add(contacts, states, &mut increment.0);
             let (relaxed, solved) = (report.relaxed, report.solved);
             *report = WorldReport { relaxed, solved, ..start };
-            let [finest, enough] = self.rest(contacts, q, h, report)?;
+            self.rest(contacts, q, (h, limits), report)?;
             let Memory { v, before, increment, weight, moments, states, impulses, .. } =
                 &mut self.memory;
-            let settled = if contacts.len() > LARGE { enough } else { finest };
-            let off = moments.find_next(turn, contacts, impulses, states, &v.0);
+            let settled = if contacts.len() > LARGE { limits.enough } else { limits.finest };
+            let off = moments.off(contacts, impulses, states, &v.0);
             let taken = moments.energy(contacts, states, [&before.0, &v.0]);
-            let fits = off <= AMPLIFICATION * settled;
+            let fits = off <= limits.reached(settled);
+            let about_contacts = turns.about_contacts;
+            let over = turns.end_with(off);
             // Where the last turn would give energy, one without moments follows, which does not.
-            if turn > TURNS || (!taken.gains && (fits || turn == TURNS)) {
+            if dropped || (!taken.gains && (fits || over)) {
                 increment.copy_from(weight.view());
                 report.settled &= fits;
                 report.coulomb = report.coulomb.max(off);
                 report.friction_energy += taken.friction;
                 report.work += taken.work;
-                return Ok([finest, enough]);
+                return Ok(limits);
             }
-            turn += 1;
-            if turn <= TURNS { moments.take_next() } else { moments.drop_all() }
+            dropped = over;
+            match over {
+                true => moments.drop_all(),
+                false => moments.turn(about_contacts, contacts, impulses, states, &v.0),
+            }
         }
     }
 
-    /// Resting contact and friction; says what counts as settled, m/s.
+    /// Resting contact and friction in a step of `h` seconds, within limits.
     pub(super) fn rest(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        h: f64,
+        (h, limits): (f64, Settled),
         report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
-        let limits = self.settled(contacts, h);
+    ) -> Result<(), ContactError> {
         let Settled { finest, enough, still, .. } = limits;
         let f = G::FREEDOMS;
         let Memory {
@@ -146,7 +153,37 @@ impl<G: Dimension, P: Potential> World<G, P> {
                                 + state.scale.as_ref()[k] * change.as_ref()[k];
                         }
                     }
-                    off
+                    let gained = |now: &dyn Fn(usize) -> G::Velocity| -> f64 {
+                        let of = |&body: &usize| {
+                            gained(&states[body], &now(body), &increment.0[f * body..][..f])
+                        };
+                        bodies.iter().map(of).sum()
+                    };
+                    let after = |body: usize| {
+                        let mut now = G::Velocity::default();
+                        now.as_mut().copy_from_slice(&v.0[f * body..][..f]);
+                        now
+                    };
+                    let before = |body: usize| *resting.before(body);
+                    let moved = bodies.iter().map(|&body| {
+                        let mut change = after(body);
+                        let start = before(body);
+                        let change_of = change.as_mut().iter_mut().zip(start.as_ref());
+                        change_of.for_each(|(now, start)| *now -= start);
+                        speed::<G>(change.as_ref(), radius(body))
+                    });
+                    let moved = moved.fold(0.0, f64::max);
+                    // What would gain energy by a change no larger than what is left stays as it is.
+                    let worst = off[0].max(off[1]);
+                    let stays = moved <= worst && worst + 2.0 * moved <= reached;
+                    if stays && gained(&after) > gained(&before) {
+                        for &body in bodies {
+                            v.0[f * body..][..f].copy_from_slice(before(body).as_ref());
+                        }
+                        off.map(|off| off + 2.0 * moved)
+                    } else {
+                        off
+                    }
                 }
             };
             report.islands += 1;
@@ -157,8 +194,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if self.memory.joints.rows() > 0 {
             self.rest_jointed(contacts, q, &jointed, finest, report)?;
         }
-        Ok([finest, enough])
+        Ok(())
     }
+}
+
+/// The energy that a body has after a step at a velocity whose increment was this, but for what is the same at
+/// all velocities, J: `|v|^2/2 - <v, k>` in its mass.
+fn gained<G: Dimension>(state: &BodyState<G>, v: &G::Velocity, increment: &[f64]) -> f64 {
+    let of = |((v, k), scale): ((&f64, &f64), &f64)| match *scale > 0.0 {
+        true => (0.5 * v * v - v * k) / (scale * scale),
+        false => 0.0,
+    };
+    v.as_ref().iter().zip(increment).zip(state.scale.as_ref()).map(of).sum()
 }
 
 /// Whether links of joints are among the members of an island, which come in ascending order.

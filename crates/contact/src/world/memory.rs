@@ -5,6 +5,7 @@ use stationary_calculus::{Covector, Vector};
 use stationary_constraints::VelocityRows;
 use stationary_integrators::State;
 
+use crate::impact::touching::Touching;
 use crate::solve::body_state::BodyState;
 use crate::solve::islands::Islands;
 use crate::solve::rolling::ContactMoments;
@@ -45,6 +46,8 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) lift_least: Vec<f64>,
     /// The impulse of each contact on its second body, world axes, N s.
     pub(super) impulses: Vec<G::Vector>,
+    /// What impacts read of the contacts.
+    pub(super) touching: Touching<G>,
     /// The impulse of impacts on the second body of each contact, world axes, N s.
     pub(super) hits: Vec<G::Vector>,
     pub(super) islands: Islands,
@@ -84,6 +87,7 @@ impl<G: Dimension> Memory<G> {
             lift_bias: Vec::new(),
             lift_least: Vec::new(),
             impulses: Vec::new(),
+            touching: Touching::default(),
             hits: Vec::new(),
             islands: Islands::default(),
             resting: Resting::default(),

@@ -17,11 +17,12 @@ const UNDERFLOW: f64 = 1.5e-154;
 /// What nearly rests, and is no faster than a step's velocity increment, is settled to this part of
 /// what counts as settled, so that it may rest.
 pub(super) const REST_TOLERANCE: f64 = 1.0 / 256.0;
-/// Tolerances where none is asked for, as parts of the largest velocity increment, so of the weight
-/// of what rests: of small islands, and of large ones. A small island that takes too much work is
-/// left at the second, and the step is then not settled.
-const FINE_TOLERANCE: f64 = 1e-8;
-const TOLERANCE: f64 = 1e-2;
+/// Tolerance of small islands where none is asked for, relative to the largest velocity increment, so to the
+/// weight of what rests: far above rounding, and so small that what stands for hours does not creep.
+const SMALL_ISLAND_TOLERANCE: f64 = 1e-8;
+/// That of large islands, whose work grows with the digits asked for. A small island that takes too much
+/// work is left at this one, and the step is then not settled.
+const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
 /// Islands of more contacts are large.
 pub(super) const LARGE: usize = 100;
 
@@ -63,9 +64,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
         let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
         Settled {
-            finest: or_asked(FINE_TOLERANCE),
-            enough: or_asked(TOLERANCE),
-            still: within(TOLERANCE * gain),
+            finest: or_asked(SMALL_ISLAND_TOLERANCE),
+            enough: or_asked(LARGE_ISLAND_TOLERANCE),
+            still: within(LARGE_ISLAND_TOLERANCE * gain),
             rounding,
         }
     }

@@ -2,15 +2,24 @@
 
 use allocation_counter::measure;
 use nalgebra::Vector3;
-use stationary_contact::problems::{Boxes, falling_boxes};
-use stationary_contact::{Collider, Detector, Shape, SpatialWorld};
+use stationary_contact::problems::{Boxes, columns_of_boxes, falling_boxes};
+use stationary_contact::{
+    Collider, Detector, EventDriven, FlightOrder, Shape, Spatial, SpatialWorld,
+};
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, RigidMotion, Rotation};
 
 /// Boxes on a floor that is a box: the geometry library makes a list for each box on a half-space.
 fn detector(count: usize) -> Detector {
+    detector_with(count, 0.0)
+}
+
+fn detector_with(count: usize, restitution: f64) -> Detector {
     let cube = Shape::cuboid([0.5; 3]).unwrap();
-    let on_body = |body| Collider::on_body(body, cube.clone()).with_friction(0.5);
+    let on_body = |body| {
+        let cube = Collider::on_body(body, cube.clone()).with_friction(0.5);
+        cube.with_restitution(restitution)
+    };
     let mut colliders: Vec<_> = (0..count).map(on_body).collect();
     let below = RigidMotion { translation: -Vector3::z(), rotation: Rotation::identity() };
     let floor = Collider::fixed(below, Shape::cuboid([50.0, 50.0, 1.0]).unwrap());
@@ -41,4 +50,39 @@ fn sweeps_take_no_memory_once_as_many_contacts_have_been_met() {
     assert!(used == 0 && visits > 0, "{used} {visits}");
     // And at rest.
     assert_eq!(allocations(&boxes, 500, 40), (0, 0));
+}
+
+/// Two boxes in flight, by impacts at their instant.
+#[test]
+fn flights_take_no_memory() {
+    let boxes = falling_boxes(2).unwrap();
+    let mut bodies = EventDriven::<Spatial, _>::new(
+        boxes.system.clone(),
+        detector(2),
+        FlightOrder::Second,
+        2e-3,
+    )
+    .unwrap();
+    let mut run = |state: &mut State<Vec<f64>>, steps: usize| -> usize {
+        (0..steps).map(|_| bodies.step(state, 1e-2).unwrap().flights).sum()
+    };
+    run(&mut boxes.state.clone(), 20);
+    let mut again = boxes.state.clone();
+    let mut flights = 0;
+    let used = measure(|| flights = run(&mut again, 20)).count_total;
+    assert_eq!((used, flights), (0, 20));
+}
+
+/// Boxes with restitution that rest: nothing hits, and impacts need no room.
+#[test]
+fn what_could_bounce_and_does_not_takes_no_memory() {
+    let boxes = columns_of_boxes(2, 2).unwrap();
+    let mut bodies = SpatialWorld::new(boxes.system.clone(), detector_with(4, 0.5)).unwrap();
+    let mut state = boxes.state.clone();
+    let mut run =
+        |steps: usize| (0..steps).all(|_| bodies.step(&mut state, 2e-3).unwrap().impacts == 0);
+    assert!(run(20));
+    let mut calm = false;
+    let used = measure(|| calm = run(20)).count_total;
+    assert_eq!((used, calm), (0, true));
 }

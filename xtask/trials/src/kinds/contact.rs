@@ -16,5 +16,11 @@ mod step;
 use crate::Kind;
 
 /// The kinds of trials of contact.
-pub const KINDS: &[Kind] =
-    &[scenes::PLANAR, scenes::SPATIAL, points::KIND, planar_points::KIND, bad_input::KIND];
+pub const KINDS: &[Kind] = &[
+    scenes::PLANAR,
+    scenes::SPATIAL,
+    scenes::ROLLING,
+    points::KIND,
+    planar_points::KIND,
+    bad_input::KIND,
+];

@@ -47,6 +47,8 @@ pub(super) struct Case {
     pub(super) things: Vec<Thing>,
     /// Whether nothing slows the first thing down.
     pub(super) pushed: bool,
+    /// Lengths of rolling and of torsional friction of all pairs, m.
+    pub(super) rolling: [f64; 2],
     /// Normals of what is solid below.
     pub(super) grounds: Vec<Vector3<f64>>,
     /// Downwards, m/s^2.
@@ -60,6 +62,12 @@ pub(super) struct Case {
 impl Case {
     pub(super) fn up(&self) -> Vector3<f64> {
         up(self.flat)
+    }
+
+    /// Pairs of what can touch: things, and behind them grounds.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        let (things, all) = (self.things.len(), self.things.len() + self.grounds.len());
+        (0..things).flat_map(move |one| (one + 1..all).map(move |other| [one, other]))
     }
 }
 
@@ -100,8 +108,8 @@ struct Maker {
     friction: f64,
 }
 
-/// A scene, and what it is in words.
-pub(super) fn drawn(draw: &mut Draw, flat: bool) -> Case {
+/// A scene, and what it is in words; with moments where it `rolls`.
+pub(super) fn drawn(draw: &mut Draw, flat: bool, rolls: bool) -> Case {
     use Family::{Pushed, Pyramid, Thrown, Tossed, Tower, Valley, Wall};
     let family =
         draw.one_of(&[Tossed, Tower, Thrown, Pyramid, Valley, Pushed, Tower, Tossed, Pyramid]);
@@ -154,10 +162,13 @@ pub(super) fn drawn(draw: &mut Draw, flat: bool) -> Case {
     let step = time * draw.one_of(&[1e-2, 1e-3, 0.1, 1e-5, 1.0, 10.0]);
     let most = if family == Wall { 3 } else { 30 };
     let steps = draw.between(1, most);
+    let mut length = || draw.one_of(&[1e-2, 1e-3, 0.1, 0.0]) * scale;
+    let rolling = if rolls { [length(), length()] } else { [0.0; 2] };
     let case = Case {
         flat,
         things,
         pushed: family == Pushed,
+        rolling,
         grounds,
         gravity,
         law,
@@ -171,10 +182,10 @@ pub(super) fn drawn(draw: &mut Draw, flat: bool) -> Case {
 
 impl Case {
     fn told(&self, family: Family) -> String {
-        let Case { gravity, law, tolerance, step, steps, grounds, .. } = self;
+        let Case { gravity, law, tolerance, step, steps, rolling, grounds, .. } = self;
         let heading = format!(
             "{family:?}, gravity {gravity:?}, law {law:?}, tolerance {tolerance:?}, step {step:?}, \
-             {steps} steps, grounds {grounds:?}"
+             {steps} steps, rolling {rolling:?}, grounds {grounds:?}"
         );
         let thing = |t: &Thing| {
             let three = |v: &Vector3<f64>| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);

@@ -43,6 +43,8 @@ pub(super) struct Seen {
     pub(super) impact: f64,
     pub(super) rest: f64,
     pub(super) rubbed: Vector3<f64>,
+    /// Of rolling and of torsional friction, N s m.
+    pub(super) moment: Vector3<f64>,
 }
 
 /// A scene that can be moved on.

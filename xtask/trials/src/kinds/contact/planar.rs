@@ -55,7 +55,10 @@ impl Scene {
             DiagonalMetric::new(diagonal).map_err(|_| ContactError::Mass { freedom: 0 })?;
         let gravity = Vector2::new(0.0, -case.gravity);
         let weight = PlanarWeight { gravity, masses: bodies.iter().map(|b| b.mass).collect() };
-        let detector = PlanarDetector::new(colliders, bodies.len())?;
+        let mut detector = PlanarDetector::new(colliders, bodies.len())?;
+        for pair in case.pairs() {
+            detector = detector.with_rolling(pair, case.rolling[0], case.rolling[1])?;
+        }
         let mut world = World::new(System::new(metric, weight)?, detector)?.with_law(law(case.law));
         if case.pushed {
             world = world.with_obstacles(vec![0])?;
@@ -107,6 +110,7 @@ impl Engine for Scene {
             impact: touch.impact,
             rest: touch.normal,
             rubbed: space(touch.friction),
+            moment: Vector3::z() * touch.moment,
         };
         self.world.touches().map(seen).collect()
     }

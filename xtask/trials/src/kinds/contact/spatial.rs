@@ -59,7 +59,10 @@ impl Scene {
         let weight = Weight { gravity: Vector3::z() * -case.gravity, masses, space: Poses };
         let metric = BodyMetric::<Poses>::new(bodies);
         let state = metric.state(&motions)?;
-        let detector = Detector::new(colliders, case.things.len())?;
+        let mut detector = Detector::new(colliders, case.things.len())?;
+        for pair in case.pairs() {
+            detector = detector.with_rolling(pair, case.rolling[0], case.rolling[1])?;
+        }
         let mut world = World::new(metric.under(weight)?, detector)?.with_law(law(case.law));
         if case.pushed {
             world = world.with_obstacles(vec![0])?;
@@ -110,6 +113,7 @@ impl Engine for Scene {
             impact: touch.impact,
             rest: touch.normal,
             rubbed: touch.friction,
+            moment: touch.moment,
         };
         self.world.touches().map(seen).collect()
     }

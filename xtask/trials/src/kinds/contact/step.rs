@@ -1,9 +1,11 @@
 //! What every step keeps, from states, impulses and the report alone.
 //!
 //! ```text
-//! p+ - p- = h m g + sum J,   l+ - l- = sum arm x J                each body, N s, N s m
+//! p+ - p- = h m g + sum J,   l+ - l- = sum arm x J + tau          each body, N s, N s m
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
+//! |tau x n| <= a lambda,   |tau.n| <= b lambda                     moments, N s m, to r_t
+//! |tau - disc(tau - w/c)| c |arm| <= r_t                           each part of them, m/s
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
 //! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
 //! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
@@ -32,6 +34,8 @@ const THROUGH: f64 = 0.02;
 const LIFTED: f64 = 0.5;
 /// What rests on impulses that change its velocity by no more than this part of the tolerance stands.
 const STANDS: f64 = 1.0 / 200.0;
+/// Turns in a step beyond this may be refused, rad.
+const MANY_TURNS: f64 = 1e4;
 /// Samples of a way at most.
 const SAMPLES: f64 = 200.0;
 
@@ -82,6 +86,19 @@ impl<'a> Referee<'a> {
         Referee { case, bodies, excess: vec![0.0; count] }
     }
 
+    /// Whether the energy of a scene would let a body turn so far in a step that to refuse it is right.
+    pub(super) fn may_turn_far(&self, before: &[Motion]) -> bool {
+        let h = self.case.step;
+        let energy = |(body, m): (&Body, &Motion)| {
+            let falls = self.case.gravity * h;
+            body.kinetic(&m.pose.r, &m.p, &m.l) + 0.5 * body.mass * falls * falls
+        };
+        let energy: f64 = self.bodies.iter().zip(before).map(energy).sum();
+        let moments = self.bodies.iter().flat_map(|body| body.moments.into_iter().flatten());
+        let least = moments.fold(f64::INFINITY, f64::min);
+        h * (2.0 * energy / least).sqrt() > MANY_TURNS
+    }
+
     /// The word on one step.
     pub(super) fn judge(
         &mut self,
@@ -126,7 +143,7 @@ impl<'a> Referee<'a> {
         let mut turning: Vec<_> = motions.iter().map(|m| m.l).collect();
         for touch in touches.iter().filter(|_| turns) {
             for (k, sign, arm) in touch.sides().filter(|side| !self.bodies[side.0].pushed) {
-                turning[k] += arm.cross(&(touch.impulse() * sign));
+                turning[k] += arm.cross(&(touch.impulse() * sign)) + touch.moment * sign;
             }
         }
         turning
@@ -147,13 +164,14 @@ impl<'a> Referee<'a> {
             let weight = if body.pushed { 0.0 } else { step.h * body.mass * self.case.gravity };
             let mut p = from.p - self.case.up() * weight;
             let mut l = from.l;
-            let mut pushed = 0.0;
+            let (mut pushed, mut rolled) = (0.0, 0.0);
             for touch in step.touches.iter().filter(|_| !body.pushed) {
                 for (_, sign, arm) in touch.sides().filter(|side| side.0 == k) {
                     let impulse = touch.impulse() * sign;
                     p += impulse;
-                    l += arm.cross(&impulse);
+                    l += arm.cross(&impulse) + touch.moment * sign;
                     pushed += impulse.norm();
+                    rolled += touch.moment.norm();
                 }
             }
             let radius = body.hull.radius;
@@ -161,7 +179,7 @@ impl<'a> Referee<'a> {
             let off = 4.0 * off + STANDS * self.fine(step);
             let promised = ROUNDING * moves + body.mass * off;
             let momentum = Verdict::of((to.p - p).norm(), promised, "momentum of a body");
-            let turns = from.l.norm() + to.l.norm() + pushed * radius;
+            let turns = from.l.norm() + to.l.norm() + pushed * radius + rolled;
             let promised = ROUNDING * turns + body.mass * radius * off;
             let lifted = step.report.overlap > 0.0;
             let error = if lifted { (to.l.norm() - l.norm()).abs() } else { (to.l - l).norm() };
@@ -244,6 +262,7 @@ impl<'a> Referee<'a> {
         for touch in step.touches {
             for (body, sign, arm) in touch.sides().filter(|side| self.bodies[side.0].pushed) {
                 work -= sign * touch.impulse().dot(&self.velocity(step, body, &arm));
+                work -= sign * touch.moment.dot(&self.spin(step, body));
             }
         }
         work
@@ -251,24 +270,44 @@ impl<'a> Referee<'a> {
 
     /// The velocity after the step of a point where it was before, from the body's centre.
     fn velocity(&self, step: &Step, k: usize, arm: &Vector3<f64>) -> Vector3<f64> {
-        let (body, from, to) = (&self.bodies[k], &step.before[k], &step.after[k]);
-        let spin = body.spin(&from.pose.r, &step.turning[k]);
-        to.p / body.mass + spin.cross(arm)
+        step.after[k].p / self.bodies[k].mass + self.spin(step, k).cross(arm)
     }
 
-    /// Impulses push, and rub within what they push.
+    fn spin(&self, step: &Step, k: usize) -> Vector3<f64> {
+        self.bodies[k].spin(&step.before[k].pose.r, &step.turning[k])
+    }
+
+    /// Impulses push, and rub and roll within what they push.
     fn cone(&self, step: &Step) -> Verdict {
+        let [rolls, twists] = self.case.rolling;
         let mut verdict = Verdict::due();
         for touch in step.touches {
             let pushed = touch.impact + touch.rest;
             let rounding = ROUNDING * pushed.abs() * (1.0 + touch.friction);
             let over = (touch.rubbed.norm() - touch.friction * pushed).max(0.0);
             verdict = verdict.and(Verdict::of(over, rounding, "outside of the cone"));
+            // In the plane all of a moment is across the normal.
+            let twist = touch.moment.dot(&touch.normal);
+            let roll = (touch.moment - touch.normal * twist).norm();
+            let gives: f64 = touch.sides().map(|(k, _, arm)| self.turned_least(k, &arm)).sum();
+            for (moment, length) in [(roll, rolls), (twist.abs(), twists)] {
+                let over = (moment - length * touch.rest).max(0.0) * gives;
+                let rounding = ROUNDING * gives * touch.moment.norm();
+                let promised = 1.01 * step.report.coulomb + rounding;
+                verdict = verdict.and(Verdict::of(over, promised, "a moment beyond its length"));
+            }
             let pulls = (-touch.impact).max(-touch.rest).max(0.0);
             verdict =
                 verdict.and(Verdict::of(pulls, 1e-12 * pushed.abs(), "an impulse that pulls"));
         }
         verdict
+    }
+
+    /// What a unit moment about any axis moves at least at the end of an arm, 1/(kg m).
+    fn turned_least(&self, k: usize, arm: &Vector3<f64>) -> f64 {
+        let body = &self.bodies[k];
+        let most = body.moments.iter().flatten().fold(0.0, |m: f64, i| m.max(*i));
+        if body.pushed { 0.0 } else { arm.norm() / most }
     }
 
     /// The conditions of rest are met as far as reported, and settled is what is asked for.
@@ -326,6 +365,10 @@ impl<'a> Referee<'a> {
             let off = (gives(n, n) * touch.rest).min(u + touch.gap.max(0.0) / h).abs();
             let promised = 1.01 * report.residual + slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual reported"));
+            let off = self.moment_off(step, touch);
+            // Both spins are rounded, and both parts of them.
+            let promised = 1.01 * report.coulomb + 4.0 * slop;
+            verdict = verdict.and(Verdict::of(off, promised, "the residual of moments"));
             if touch.impact != 0.0 || touch.friction == 0.0 {
                 continue;
             }
@@ -345,6 +388,32 @@ impl<'a> Referee<'a> {
             verdict = verdict.and(Verdict::of(off, promised, "Coulomb's residual reported"));
         }
         verdict
+    }
+
+    /// How far moments are off what stops turning, or opposes it at their bounds, as a velocity of the contact
+    /// point, m/s.
+    fn moment_off(&self, step: &Step, touch: &Seen) -> f64 {
+        let sides = || touch.sides().filter(|side| !self.bodies[side.0].pushed);
+        let spin: Vector3<f64> = touch.sides().map(|(k, s, _)| self.spin(step, k) * s).sum();
+        let n = &touch.normal;
+        let [twist, twisted] = [spin, touch.moment].map(|v| n * v.dot(n));
+        let parts = [(spin - twist, touch.moment - twisted), (twist, twisted)];
+        let mut most = 0.0_f64;
+        for ((spin, moment), length) in parts.into_iter().zip(self.case.rolling) {
+            let Some(axis) = spin.try_normalize(0.0) else { continue };
+            let gives = |(k, _, arm): (usize, f64, Vector3<f64>)| {
+                let own = self.bodies[k].spin(&step.before[k].pose.r, &axis).dot(&axis);
+                [own, own * arm.norm()]
+            };
+            let [turns, moves] = sides().map(gives).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+            if turns == 0.0 {
+                continue;
+            }
+            let (wanted, bound) = (moment - spin / turns, length * touch.rest);
+            let nearest = if wanted.norm() > bound { wanted.normalize() * bound } else { wanted };
+            most = most.max((moment - nearest).norm() * moves);
+        }
+        most
     }
 
     /// The overlap reported is that of the shapes; of convex solids in space it is only estimated.
@@ -380,9 +449,7 @@ impl<'a> Referee<'a> {
             self.excess.fill(0.0);
             return Verdict::due();
         }
-        let spins: Vec<_> = (0..count)
-            .map(|k| self.bodies[k].spin(&step.before[k].pose.r, &step.turning[k]) * h)
-            .collect();
+        let spins: Vec<_> = (0..count).map(|k| self.spin(step, k) * h).collect();
         let turns = |k: usize| self.bodies[k].hull.radius * spins[k].norm_squared();
         let deepest = |bodies: [Option<usize>; 2]| {
             let same = step

@@ -1,16 +1,15 @@
-//! What touches at an instant, in room that is kept.
+//! What an impact reads of contacts, in room that is kept.
 
 use crate::impact::rounds::Given;
 use crate::{ContactIn, ContactRows, Dimension, Touch};
 
-/// Contacts at an instant, and what an impact reads of them.
+/// Contacts, and what an impact reads of them.
 #[derive(Debug)]
 pub(crate) struct Touching<G: Dimension> {
     pub(crate) contacts: Vec<ContactIn<G>>,
     pub(crate) rows: ContactRows,
     /// Rows across each contact; none where nothing rubs.
     pub(crate) across: ContactRows,
-    /// Zeros: what touches has no gap.
     pub(crate) gap: Vec<f64>,
     pub(crate) friction: Vec<f64>,
     pub(crate) restitution: Vec<f64>,
@@ -30,8 +29,13 @@ impl<G: Dimension> Default for Touching<G> {
 }
 
 impl<G: Dimension> Touching<G> {
-    /// Takes over what was found at a configuration.
-    pub(crate) fn fill(&mut self, contacts: &[ContactIn<G>], q: &[f64]) {
+    /// Takes over what was found at a configuration, with the gap of each.
+    pub(crate) fn fill(
+        &mut self,
+        contacts: &[ContactIn<G>],
+        q: &[f64],
+        gap: impl Fn(&ContactIn<G>) -> f64,
+    ) {
         self.contacts.clear();
         self.contacts.extend_from_slice(contacts);
         self.rows.clear();
@@ -41,7 +45,7 @@ impl<G: Dimension> Touching<G> {
             contacts.iter().for_each(|contact| contact.push_tangents(q, &mut self.across));
         }
         self.gap.clear();
-        self.gap.resize(contacts.len(), 0.0);
+        self.gap.extend(contacts.iter().map(gap));
         self.friction.clear();
         self.friction.extend(contacts.iter().map(|contact| contact.friction));
         self.restitution.clear();
@@ -55,7 +59,8 @@ impl<G: Dimension> Touching<G> {
             let rubbed = contact.tangents().zip(&given.friction[across * i..][..across]);
             let friction = rubbed
                 .fold(G::Vector::default(), |sum, (tangent, &impulse)| sum + tangent * impulse);
-            Touch { contact, impact, normal: 0.0, friction }
+            let moment = G::Spin::default();
+            Touch { contact, impact, normal: 0.0, friction, moment }
         })
     }
 }
