@@ -1,11 +1,11 @@
-//! The entries of a sparse differential, stored once in the order in which a constraint brings
-//! them.
+//! The entries of a sparse differential, whose places are found once.
 //!
 //! ```text
-//! J = (row, freedom, value), ...        row after row
+//! J = blocks, one for a group of freedoms:     (equations that touch them) x (freedoms)
 //! ```
-//! The places are found once; later visits write values only, and a visit that brings other places
-//! is an error. Products read the list from front to back.
+//! Freedoms one after the other that the same equations touch (the turn of a body) make a group, whose entries are
+//! a dense block, equation after equation. A visit writes values only, and one that brings other places than the
+//! first is an error. Products go block by block.
 
 use std::sync::Arc;
 
@@ -16,10 +16,40 @@ use crate::{Constraint, ConstraintError, Rows};
 /// A sparse differential. Copies share its places.
 #[derive(Clone, Debug)]
 pub(crate) struct Entries {
-    pub(crate) places: Arc<[(u32, u32)]>,
+    pub(crate) pattern: Arc<Pattern>,
+    /// Block after block.
     pub(crate) values: Vec<f64>,
-    /// Entries of one row that come one after the other: the row, and how many.
-    runs: Arc<[(u32, u32)]>,
+}
+
+/// Where a sparse differential has entries.
+#[derive(Debug)]
+pub(crate) struct Pattern {
+    /// Row, freedom and where its value is of each entry, as a constraint brings them.
+    visits: Vec<(u32, u32, u32)>,
+    /// Row and freedom of each value.
+    pub(crate) places: Vec<(u32, u32)>,
+    groups: Vec<Group>,
+    /// The equations of all groups.
+    equations: Vec<u32>,
+}
+
+/// Freedoms one after the other that the same equations touch.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    first: u32,
+    freedoms: u32,
+    equations: u32,
+}
+
+/// A group of freedoms with its part of a differential.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block<'a> {
+    /// The first freedom, and how many there are.
+    pub(crate) first: usize,
+    pub(crate) freedoms: usize,
+    pub(crate) equations: &'a [u32],
+    /// Of each equation its entries at the freedoms.
+    pub(crate) values: &'a [f64],
 }
 
 /// The first visit.
@@ -33,7 +63,7 @@ impl Rows for Find<'_> {
 
 /// A later visit.
 struct Write<'a> {
-    places: &'a [(u32, u32)],
+    visits: &'a [(u32, u32, u32)],
     values: &'a mut [f64],
     at: usize,
     changed: Option<usize>,
@@ -42,9 +72,9 @@ struct Write<'a> {
 impl Rows for Write<'_> {
     #[inline]
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        match self.places.get(self.at) {
-            Some(&(i, f)) if i as usize == row && f as usize == freedom => {
-                self.values[self.at] = value;
+        match self.visits.get(self.at) {
+            Some(&(i, f, to)) if i as usize == row && f as usize == freedom => {
+                self.values[to as usize] = value;
             }
             _ => {
                 self.changed.get_or_insert(self.at);
@@ -54,14 +84,68 @@ impl Rows for Write<'_> {
     }
 }
 
+impl Pattern {
+    /// That of entries with these places (row, freedom), as a constraint brings them.
+    fn of(brought: &[(u32, u32)]) -> Self {
+        // By freedoms, and those of one by equations.
+        let mut order: Vec<u32> = (0..brought.len() as u32).collect();
+        let place = |visit: &u32| brought[*visit as usize];
+        order.sort_by_key(|visit| (place(visit).1, place(visit).0));
+        let columns: Vec<&[u32]> = order.chunk_by(|a, b| place(a).1 == place(b).1).collect();
+        let rows = |column: &[u32]| column.iter().map(|visit| place(visit).0).collect::<Vec<_>>();
+        let together =
+            |a: &&[u32], b: &&[u32]| place(&a[0]).1 + 1 == place(&b[0]).1 && rows(a) == rows(b);
+        let mut visits: Vec<_> = brought.iter().map(|&(row, freedom)| (row, freedom, 0)).collect();
+        let (mut places, mut groups, mut equations) = (Vec::new(), Vec::new(), Vec::new());
+        for group in columns.chunk_by(together) {
+            let own = rows(group[0]);
+            for at in 0..own.len() {
+                for column in group {
+                    visits[column[at] as usize].2 = places.len() as u32;
+                    places.push(place(&column[at]));
+                }
+            }
+            groups.push(Group {
+                first: place(&group[0][0]).1,
+                freedoms: group.len() as u32,
+                equations: own.len() as u32,
+            });
+            equations.extend(own);
+        }
+        Pattern { visits, places, groups, equations }
+    }
+}
+
+/// Adds `scale lambda` times each row of F entries to F numbers.
+#[inline]
+fn pull_back<const F: usize>(scale: f64, lambda: &[f64], block: &Block<'_>, p: &mut [f64]) {
+    let Some(p) = p.first_chunk_mut::<F>() else { return };
+    let mut sum = *p;
+    for (&equation, row) in block.equations.iter().zip(block.values.as_chunks::<F>().0) {
+        let factor = scale * lambda[equation as usize];
+        (0..F).for_each(|k| sum[k] += factor * row[k]);
+    }
+    *p = sum;
+}
+
+/// Adds the product of each row of F entries with F numbers to its rate.
+#[inline]
+fn along<const F: usize>(v: &[f64], block: &Block<'_>, rates: &mut [f64]) {
+    let Some(v) = v.first_chunk::<F>() else { return };
+    for (&equation, row) in block.equations.iter().zip(block.values.as_chunks::<F>().0) {
+        let mut product = row[0] * v[0];
+        (1..F).for_each(|k| product += row[k] * v[k]);
+        rates[equation as usize] += product;
+    }
+}
+
 impl Entries {
     /// The places of a constraint's entries, their values still zero.
     pub(crate) fn find(constraint: &impl Constraint, t: f64, q: &[f64]) -> Result<Self, SizeError> {
-        let mut places = Vec::new();
-        constraint.differential(t, q, &mut Find(&mut places))?;
-        let runs = places.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.len() as u32));
-        let runs = runs.collect();
-        Ok(Entries { values: vec![0.0; places.len()], places: places.into(), runs })
+        let mut brought = Vec::new();
+        constraint.differential(t, q, &mut Find(&mut brought))?;
+        let pattern = Arc::new(Pattern::of(&brought));
+        Ok(Entries { values: vec![0.0; brought.len()], pattern })
     }
 
     /// The values at `(t, q)`.
@@ -72,42 +156,57 @@ impl Entries {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
-        let Entries { places, values, .. } = self;
-        let mut write = Write { places, values, at: 0, changed: None };
+        let Entries { pattern, values } = self;
+        let mut write = Write { visits: &pattern.visits, values, at: 0, changed: None };
         constraint.differential(t, q, &mut write)?;
         match (write.changed, write.at) {
             (Some(entry), _) => return Err(ConstraintError::PatternChanged { entry }),
-            (None, at) if at != write.places.len() => {
+            (None, at) if at != write.visits.len() => {
                 return Err(ConstraintError::PatternChanged { entry: at });
             }
             _ => {}
         }
         match first_non_finite(&self.values) {
-            Some(index) => {
+            Some(at) => {
+                let visit = |&(_, _, to): &(u32, u32, u32)| to as usize == at;
+                let index = self.pattern.visits.iter().position(visit).unwrap_or(at);
                 Err(ConstraintError::NonFinite { what: "constraint's differential", index })
             }
             None => Ok(()),
         }
     }
 
-    /// Every run: its row, the freedoms and the values of its entries.
-    fn runs(&self) -> impl Iterator<Item = (usize, &[(u32, u32)], &[f64])> {
-        let (mut places, mut values) = (&*self.places, &*self.values);
-        self.runs.iter().map(move |&(row, length)| {
-            let (own_places, later_places) = places.split_at(length as usize);
-            let (own_values, later_values) = values.split_at(length as usize);
-            (places, values) = (later_places, later_values);
-            (row as usize, own_places, own_values)
+    /// Every group of freedoms, in their order.
+    #[inline]
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = Block<'_>> {
+        let Pattern { groups, equations, .. } = &*self.pattern;
+        let (mut equations, mut values) = (&equations[..], &self.values[..]);
+        groups.iter().map(move |group| {
+            let (first, freedoms) = (group.first as usize, group.freedoms as usize);
+            let (own, later) = equations.split_at(group.equations as usize);
+            let (block, others) = values.split_at(own.len() * freedoms);
+            (equations, values) = (later, others);
+            Block { first, freedoms, equations: own, values: block }
         })
     }
 
     /// Adds `scale J^T lambda`.
     #[inline]
     pub(crate) fn add_pulled_back(&self, scale: f64, lambda: &[f64], p: Covector<&mut [f64]>) {
-        for (row, places, values) in self.runs() {
-            let factor = scale * lambda[row];
-            for (&(_, freedom), value) in places.iter().zip(values) {
-                p.0[freedom as usize] += factor * value;
+        for block in self.blocks() {
+            let p = &mut p.0[block.first..][..block.freedoms];
+            match block.freedoms {
+                1 => pull_back::<1>(scale, lambda, &block, p),
+                2 => pull_back::<2>(scale, lambda, &block, p),
+                3 => pull_back::<3>(scale, lambda, &block, p),
+                6 => pull_back::<6>(scale, lambda, &block, p),
+                freedoms => {
+                    let rows = block.values.chunks_exact(freedoms);
+                    for (&equation, row) in block.equations.iter().zip(rows) {
+                        let factor = scale * lambda[equation as usize];
+                        p.iter_mut().zip(row).for_each(|(p, value)| *p += factor * value);
+                    }
+                }
             }
         }
     }
@@ -115,12 +214,21 @@ impl Entries {
     /// Adds `J v`.
     #[inline]
     pub(crate) fn add_along(&self, v: Vector<&[f64]>, rates: &mut [f64]) {
-        for (row, places, values) in self.runs() {
-            let mut rate = rates[row];
-            for (&(_, freedom), value) in places.iter().zip(values) {
-                rate += value * v.0[freedom as usize];
+        for block in self.blocks() {
+            let v = &v.0[block.first..][..block.freedoms];
+            match block.freedoms {
+                1 => along::<1>(v, &block, rates),
+                2 => along::<2>(v, &block, rates),
+                3 => along::<3>(v, &block, rates),
+                6 => along::<6>(v, &block, rates),
+                freedoms => {
+                    let rows = block.values.chunks_exact(freedoms);
+                    for (&equation, row) in block.equations.iter().zip(rows) {
+                        let products = row.iter().zip(v).map(|(value, v)| value * v);
+                        rates[equation as usize] += products.sum::<f64>();
+                    }
+                }
             }
-            rates[row] = rate;
         }
     }
 }
@@ -134,9 +242,9 @@ pub(crate) struct RowEntries {
 
 impl RowEntries {
     pub(crate) fn of(entries: &Entries, count: usize) -> Self {
-        let mut indices: Vec<u32> = (0..entries.places.len() as u32).collect();
-        indices.sort_by_key(|&index| entries.places[index as usize].0);
-        let row = |index: &u32| entries.places[*index as usize].0 as usize;
+        let mut indices: Vec<u32> = (0..entries.pattern.places.len() as u32).collect();
+        indices.sort_by_key(|&index| entries.pattern.places[index as usize].0);
+        let row = |index: &u32| entries.pattern.places[*index as usize].0 as usize;
         let starts = (0..=count).map(|i| indices.partition_point(|index| row(index) < i)).collect();
         RowEntries { starts, entries: indices.into() }
     }
@@ -155,7 +263,7 @@ impl WeightedRows<'_> {
         let own = &self.rows.entries[self.rows.starts[row]..self.rows.starts[row + 1]];
         own.iter().map(|&entry| {
             let entry = entry as usize;
-            (self.entries.places[entry].1 as usize, self.entries.values[entry])
+            (self.entries.pattern.places[entry].1 as usize, self.entries.values[entry])
         })
     }
 

@@ -125,7 +125,7 @@ where
         core.begin(state)?;
         core.kick_here(h);
         let (iterations, violation) = core.hold_configuration(h)?;
-        let work = core.work_here()?;
+        let work = core.work_here();
         core.arrive(h)?;
         core.finish(state, h)?;
         for (lambda, a) in self.lambda.as_mut().iter_mut().zip(core.impulse.as_ref()) {

@@ -184,12 +184,12 @@ where
         core.kick_here(0.5 * h);
         let (iterations, violation) = core.hold_configuration(h)?;
         self.start.clone_from(&core.impulse);
-        let mut work = core.work_here()?;
+        let mut work = core.work_here();
         core.arrive(h)?;
         core.kick_there(0.5 * h);
         core.hold_velocity()?;
         core.check_passage()?;
-        work += core.work_there()?;
+        work += core.work_there();
         core.finish(state, h)?;
         let impulses = self.start.as_ref().iter().zip(core.impulse.as_ref());
         for (lambda, (a, b)) in self.lambda.as_mut().iter_mut().zip(impulses) {

@@ -16,7 +16,7 @@
 
 mod passage;
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
+use stationary_calculus::{Covector, Metric, Potential, Space, Storage, System, Vector};
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::checks::{
@@ -47,11 +47,13 @@ const FAR: f64 = 0.5;
 
 /// A configuration with what is known there.
 #[derive(Clone, Debug)]
-struct Place<C, X> {
+struct Place<C, X: Multipliers> {
     known: bool,
     t: f64,
     q: C,
     dv: Covector<C>,
+    /// dg/dt
+    rate: X::Numbers,
     solver: X,
 }
 
@@ -102,8 +104,8 @@ where
         let scales = Scales::new(&constraint)?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         let numbers = solver.numbers();
-        let place =
-            Place { known: false, t: state.t, q: zeros(stored)?, dv: Covector(zeros(n)?), solver };
+        let (q, dv, rate) = (zeros(stored)?, Covector(zeros(n)?), numbers.clone());
+        let place = Place { known: false, t: state.t, q, dv, rate, solver };
         let mut core = RattleCore {
             system,
             constraint,
@@ -161,7 +163,7 @@ where
     /// An error unless the velocity stays on the feasible set.
     pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
         self.system.metric().sharp(state.p.view(), self.displacement.view_mut());
-        self.constraint.rate(state.t, state.q.as_ref(), self.g.as_mut())?;
+        self.g.clone_from(&self.here.rate);
         self.here.solver.add_along(self.displacement.view(), self.g.as_mut());
         self.scales.check_rates(self.g.as_ref(), self.displacement.components())
     }
@@ -341,6 +343,7 @@ where
         system.potential().add_differential(q.as_ref(), there.dv.view_mut());
         self.differentials += 1;
         there.solver.prepare(system.metric(), &*constraint, t, q.as_ref())?;
+        constraint.rate(t, q.as_ref(), there.rate.as_mut())?;
         there.known = true;
         Ok(())
     }
@@ -355,7 +358,7 @@ where
         // another. Where equations share their force, what no force removes is an error.
         for solves in 0..=SOLVES {
             self.system.metric().sharp(p.view(), self.displacement.view_mut());
-            self.constraint.rate(there.t, there.q.as_ref(), g)?;
+            g.copy_from_slice(there.rate.as_ref());
             there.solver.add_along(self.displacement.view(), g);
             if solves > 0 {
                 let checked = self.scales.check_rates(g, self.displacement.components());
@@ -372,13 +375,13 @@ where
     }
 
     /// The work of an impulse at the start of the step, joules; zero unless something is driven.
-    pub(crate) fn work_here(&mut self) -> Result<f64, SizeError> {
-        work(&self.constraint, &self.here, self.impulse.as_ref(), self.g.as_mut())
+    pub(crate) fn work_here(&self) -> f64 {
+        work::<X>(self.impulse.as_ref(), &self.here.rate)
     }
 
     /// The work of an impulse at the end of the step.
-    pub(crate) fn work_there(&mut self) -> Result<f64, SizeError> {
-        work(&self.constraint, &self.there, self.impulse.as_ref(), self.g.as_mut())
+    pub(crate) fn work_there(&self) -> f64 {
+        work::<X>(self.impulse.as_ref(), &self.there.rate)
     }
 
     /// What the next steps depend on beside the state: the regularity that was seen, and the last impulses.
@@ -417,12 +420,6 @@ where
 }
 
 /// `<Lambda, dg/dt>`: what an impulse `-J^T Lambda` does on a velocity with `J v = -dg/dt`.
-fn work<C: Storage, X>(
-    constraint: &impl Constraint,
-    place: &Place<C, X>,
-    impulse: &[f64],
-    rate: &mut [f64],
-) -> Result<f64, SizeError> {
-    constraint.rate(place.t, place.q.as_ref(), rate)?;
-    Ok(impulse.iter().zip(rate).map(|(impulse, rate)| impulse * *rate).sum())
+fn work<X: Multipliers>(impulse: &[f64], rate: &X::Numbers) -> f64 {
+    impulse.iter().zip(rate.as_ref()).map(|(impulse, rate)| impulse * rate).sum()
 }

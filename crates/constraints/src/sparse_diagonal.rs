@@ -26,7 +26,7 @@ use stationary_calculus::{Covector, Metric, Vector};
 use crate::elimination::Elimination;
 use crate::entries::{Entries, RowEntries, WeightedRows};
 use crate::multipliers::{DEPENDENT, Diagonal, Normal, check_solve};
-use crate::products::{Products, columns};
+use crate::products::Products;
 use crate::rank_revealing::{Dependent, RankRevealing, Unclear};
 use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Solver};
@@ -75,8 +75,7 @@ impl<C> Solver<C> for SparseDiagonal {
             return Err(ConstraintError::Coupled { freedom });
         }
         let entries = Entries::find(constraint, t, q)?;
-        let columns = columns(&entries, mass.len());
-        let elements = columns.iter().map(|c| c.iter().map(|&(row, _)| row).collect());
+        let elements = entries.blocks().map(|block| block.equations.to_vec());
         let elements: Vec<Vec<u32>> = elements.collect();
         let elimination = Elimination::of(count, &elements);
         let slopes: Vec<f64> = (0..count).map(|row| constraint.scale(row).slope).collect();
@@ -87,7 +86,7 @@ impl<C> Solver<C> for SparseDiagonal {
             prepared: false,
             redundancy: self.0,
             rows: RowEntries::of(&entries, count),
-            products: Products::of(&columns, &mass, &elimination),
+            products: Products::of(&entries, &elimination),
             thresholds: normal.map(|(square, slope)| DEPENDENT * slope * square.sqrt()).collect(),
             inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
             slopes,
@@ -265,7 +264,7 @@ impl Multipliers for DiagonalMultipliers {
         self.prepared = false;
         self.entries.write(constraint, t, q)?;
         let DiagonalMultipliers { entries, rows, products, inverse_mass, factor, .. } = self;
-        products.write(entries, &mut factor.values);
+        products.write(entries, inverse_mass, &mut factor.values);
         if let Some(index) = factor.non_finite_row() {
             return Err(ConstraintError::NonFinite { what: "size of an equation", index });
         }

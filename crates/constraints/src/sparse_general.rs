@@ -68,7 +68,7 @@ impl Scaling {
     fn of(mass: &[f64], constraint: &impl Constraint, entries: &Entries) -> Self {
         let freedoms: Vec<f64> = mass.iter().map(|mass| mass.sqrt().recip()).collect();
         let mut equations = vec![0.0_f64; constraint.count()];
-        for &(row, freedom) in entries.places.iter() {
+        for &(row, freedom) in entries.pattern.places.iter() {
             let largest = &mut equations[row as usize];
             *largest = largest.max(freedoms[freedom as usize]);
         }
@@ -82,7 +82,7 @@ impl Scaling {
     fn visit(&mut self, metric: &impl Metric, entries: &Entries, sink: &mut impl Sink) {
         let Scaling { freedoms, equations, block } = self;
         metric.add_matrix(&mut Scaled { by: freedoms, block, sink: &mut *sink });
-        for (&(row, freedom), &value) in entries.places.iter().zip(&entries.values) {
+        for (&(row, freedom), &value) in entries.pattern.places.iter().zip(&entries.values) {
             let (row, freedom) = (row as usize, freedom as usize);
             let value = value * freedoms[freedom] * equations[row];
             let places = [freedom, freedoms.len() + row];

@@ -66,10 +66,17 @@ impl<S: BodySpace> Joint<S> {
         &self.ends
     }
 
+    /// An error where a configuration has fewer bodies.
     #[inline]
-    fn placed(&self, q: &[f64]) -> Result<[Placed; 2], SizeError> {
-        check_read(S::STORED.saturating_mul(self.bodies), q)?;
-        Ok(self.ends.each_ref().map(|end| end.placed::<S>(q)))
+    fn check_bodies(&self, q: &[f64]) -> Result<(), SizeError> {
+        check_read(S::STORED.saturating_mul(self.bodies), q)
+    }
+
+    /// Both ends at a configuration that was checked.
+    #[inline(always)]
+    fn placed(&self, q: &[f64]) -> [Placed; 2] {
+        let [one, other] = &self.ends;
+        [one.placed::<S>(q), other.placed::<S>(q)]
     }
 }
 
@@ -87,14 +94,16 @@ impl<S: BodySpace> Constraint for Joint<S> {
     #[inline]
     fn value(&self, _t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.count(), g)?;
-        let ends = self.placed(q)?;
+        self.check_bodies(q)?;
+        let ends = self.placed(q);
         g.iter_mut().zip(&self.rows).for_each(|(g, row)| *g = row.value(&ends));
         Ok(())
     }
 
     #[inline]
     fn differential(&self, _t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
-        let ends = self.placed(q)?;
+        self.check_bodies(q)?;
+        let ends = self.placed(q);
         for (number, row) in self.rows.iter().enumerate() {
             row.bring::<S>(number, &self.ends, &ends, rows);
         }
@@ -109,7 +118,8 @@ impl<S: BodySpace> Constraint for Joint<S> {
         hessian: &mut impl Sink,
     ) -> Result<(), SizeError> {
         check_multipliers(self.count(), lambda)?;
-        let ends = self.placed(q)?;
+        self.check_bodies(q)?;
+        let ends = self.placed(q);
         let mut local = Local::zeros();
         for (row, &lambda) in self.rows.iter().zip(lambda) {
             row.add_hessian(&ends, lambda, &mut local);

@@ -17,6 +17,7 @@
 //! Source: Haug, Computer Aided Kinematics and Dynamics (1989), 9.4.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use stationary_constraints::{Rows, Scale};
@@ -148,25 +149,29 @@ impl Row {
         placed: &[Placed; 2],
         rows: &mut impl Rows,
     ) {
-        for (end, wrench) in ends.iter().zip(self.differential(placed)) {
+        let wrenches = self.differential(placed);
+        let Range { start, end } = self.shifts();
+        let shifts = start..end.min(S::TRANSLATION);
+        for (end, wrench) in ends.iter().zip(&wrenches) {
             let Some(body) = end.body else { continue };
             let first = S::FREEDOMS * body;
-            for k in (0..S::TRANSLATION).filter(|&k| self.moves_along(k)) {
+            for k in shifts.clone() {
                 rows.add(number, first + k, wrench.force[k]);
             }
             let turns = first + S::TRANSLATION;
-            (0..3).for_each(|k| rows.add(number, turns + k, wrench.torque[k]));
+            rows.add(number, turns, wrench.torque.x);
+            rows.add(number, turns + 1, wrench.torque.y);
+            rows.add(number, turns + 2, wrench.torque.z);
         }
     }
 
-    /// Whether a shift along an axis of the world may change it, wherever the bodies are.
+    /// The axes of the world along which a shift may change it, wherever the bodies are.
     #[inline]
-    pub(crate) fn moves_along(&self, k: usize) -> bool {
+    pub(crate) fn shifts(&self) -> Range<usize> {
         match self {
-            Row::Together { axis } => *axis == k,
-            Row::Angle { .. } => false,
-            Row::Coordinate { shift, .. } => *shift != 0.0,
-            Row::Across { .. } | Row::Distance { .. } => true,
+            Row::Together { axis } => *axis..axis + 1,
+            Row::Angle { .. } | Row::Coordinate { shift: 0.0, .. } => 0..0,
+            Row::Across { .. } | Row::Distance { .. } | Row::Coordinate { .. } => 0..3,
         }
     }
 

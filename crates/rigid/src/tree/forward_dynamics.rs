@@ -12,11 +12,9 @@
 //! that no small matrix is ever factored: `D` are the pivots of the mass matrix, eliminated from the
 //! leaves. Time and memory in proportion to the bodies. Source: Featherstone 2008, 7; Rodriguez 1987.
 
-use nalgebra::Matrix3;
-
 use super::error::TreeError;
 use super::forces::TreeForces;
-use super::inertia::Inertia;
+use super::inertia::{Inertia, Symmetric};
 use super::motion::{Moving, TreeMotion};
 use super::spatial::{SpatialForce, Twist};
 
@@ -36,17 +34,17 @@ impl TreeMotion {
     ) -> Result<(), TreeError> {
         forces.check(&self.tree)?;
         self.check_result("the acceleration", acceleration)?;
-        self.factor()?;
         for (body, link) in self.tree.links.iter().enumerate() {
-            let placed = &self.placed[body];
+            let own = Symmetric::turned(&link.moments, &self.placed[body].matrix);
+            self.inertias[body] = Inertia::of_body(link.mass, own);
             let SpatialForce { force, torque } = forces.bodies[body];
             let w = self.moving[body].twist.angular;
-            let gyroscopic = w.cross(&placed.moments_times(&link.moments, &w));
             self.forces[body] = SpatialForce {
                 force: -(forces.gravity * link.mass + force),
-                torque: gyroscopic - torque,
+                torque: w.cross(&own.times(&w)) - torque,
             };
         }
+        self.factor_branches()?;
         self.solve(&forces.joints, |moving| moving.bias, acceleration);
         self.tree.check_speeds("the acceleration", acceleration)
     }
@@ -75,42 +73,44 @@ impl TreeMotion {
     /// Each body's own inertia.
     pub(super) fn set_inertias(&mut self) {
         for (body, link) in self.tree.links.iter().enumerate() {
-            let matrix = &self.placed[body].matrix;
-            let mut scaled: Matrix3<f64> = *matrix;
-            for (mut column, moment) in scaled.column_iter_mut().zip(&link.moments) {
-                column *= *moment;
-            }
-            self.inertias[body] = Inertia::of_body(link.mass, scaled * matrix.transpose());
+            let own = Symmetric::turned(&link.moments, &self.placed[body].matrix);
+            self.inertias[body] = Inertia::of_body(link.mass, own);
         }
     }
 
     /// The inertias of all branches, their freedoms given way.
     pub(super) fn factor(&mut self) -> Result<(), TreeError> {
         self.set_inertias();
-        for body in (0..self.placed.len()).rev() {
-            let link = &self.tree.links[body];
-            let mut inertia = self.inertias[body];
+        self.factor_branches()
+    }
+
+    /// The same, of bodies' own inertias.
+    fn factor_branches(&mut self) -> Result<(), TreeError> {
+        let TreeMotion { tree, placed, columns, inertias, levers, inverses, held, .. } = self;
+        for (body, link) in tree.links.iter().enumerate().rev() {
+            let (before, rest) = inertias.split_at_mut(body);
+            let inertia = &mut rest[0];
+            let traces = inertia.traces();
             for k in link.speeds.clone().rev() {
-                let s = &self.columns[k];
+                let s = &columns[k];
                 let lever = inertia.times(s);
                 let pivot = lever.along(s);
-                self.levers[k] = lever;
-                if !self.held.is_empty() && self.held.contains(&k) {
-                    self.inverses[k] = 0.0;
+                levers[k] = lever;
+                if !held.is_empty() && held.contains(&k) {
+                    inverses[k] = 0.0;
                     continue;
                 }
-                if pivot.is_nan() || pivot <= ROUNDING * self.inertias[body].bound(s) {
+                if pivot.is_nan() || pivot <= ROUNDING * Inertia::bound(traces, s) {
                     let freedom = k - link.speeds.start;
-                    let joining = self.tree.joining(body);
+                    let joining = tree.joining(body);
                     return Err(TreeError::Singular { joining, freedom, inertia: pivot });
                 }
-                self.inverses[k] = 1.0 / pivot;
-                inertia.give_way(&lever, self.inverses[k]);
+                let inverse = 1.0 / pivot;
+                inverses[k] = inverse;
+                inertia.give_way(&lever, inverse);
             }
-            self.inertias[body] = inertia;
             if let Some(parent) = link.parent {
-                let shifted = inertia.inward(&self.placed[body].offset());
-                self.inertias[parent].add(&shifted);
+                before[parent].add_inward(inertia, &placed[body].offset());
             }
         }
         Ok(())
@@ -124,35 +124,36 @@ impl TreeMotion {
         bias: impl Fn(&Moving) -> Twist,
         acceleration: &mut [f64],
     ) {
-        for body in (0..self.placed.len()).rev() {
-            let link = &self.tree.links[body];
-            let mut b = self.forces[body];
+        let TreeMotion {
+            tree, placed, moving, columns, inertias, forces, levers, inverses, ..
+        } = self;
+        let (rest, accelerations) = (&mut self.rest, &mut self.accelerations);
+        for (body, link) in tree.links.iter().enumerate().rev() {
+            let mut b = forces[body];
             for k in link.speeds.clone().rev() {
-                self.rest[k] = joint_forces[k] - b.along(&self.columns[k]);
-                b += self.levers[k] * (self.rest[k] * self.inverses[k]);
+                rest[k] = joint_forces[k] - b.along(&columns[k]);
+                b += levers[k] * (rest[k] * inverses[k]);
             }
             if let Some(parent) = link.parent {
-                let placed = &self.placed[body];
-                b += self.inertias[body].times(&bias(&self.moving[body]));
-                self.forces[parent] += b.inward(&placed.offset());
+                b += inertias[body].times(&bias(&moving[body]));
+                forces[parent] += b.inward(&placed[body].offset());
             }
         }
-        for (body, link) in self.tree.links.iter().enumerate() {
-            let placed = &self.placed[body];
+        for (body, link) in tree.links.iter().enumerate() {
             let mut a = match link.parent {
-                Some(parent) => self.accelerations[parent].outward(&placed.offset()),
+                Some(parent) => accelerations[parent].outward(&placed[body].offset()),
                 None => Twist::zero(),
-            } + bias(&self.moving[body]);
+            } + bias(&moving[body]);
             for k in link.speeds.clone() {
-                let free = self.rest[k] - self.levers[k].along(&a);
-                if self.inverses[k] == 0.0 {
+                let free = rest[k] - levers[k].along(&a);
+                if inverses[k] == 0.0 {
                     acceleration[k] = -free;
                     continue;
                 }
-                acceleration[k] = free * self.inverses[k];
-                a += self.columns[k] * acceleration[k];
+                acceleration[k] = free * inverses[k];
+                a += columns[k] * acceleration[k];
             }
-            self.accelerations[body] = a;
+            accelerations[body] = a;
         }
     }
 }

@@ -7,20 +7,27 @@
 //! B' = B - A [r],   C' = C - B^T [r] + [r] B'                       about a point r further back
 //! I - U U^T / D,    U = I s,   D = s^T I s                          one freedom s gives way
 //! ```
-//! `A` kg, `B` kg m, `C` kg m^2, in world axes; `[r]` the cross-product matrix. What is left of an
-//! inertia when a freedom gives way resists no motion along it. Source: Featherstone 2008, 2.13
-//! and 7.1.
+//! `A` kg, `B` kg m, `C` kg m^2, in world axes; `[r]` the cross-product matrix. `A` and `C` are symmetric: 21 numbers
+//! in all. What is left of an inertia when a freedom gives way resists no motion along it. Source: Featherstone 2008,
+//! 2.13 and 7.1.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::spatial::{SpatialForce, Twist};
 
+/// A symmetric matrix, by its diagonal and the entries (y, z), (z, x) and (x, y).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Symmetric {
+    diagonal: Vector3<f64>,
+    off: Vector3<f64>,
+}
+
 /// A symmetric inertia in three blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inertia {
-    linear: Matrix3<f64>,
+    linear: Symmetric,
     mixed: Matrix3<f64>,
-    angular: Matrix3<f64>,
+    angular: Symmetric,
 }
 
 /// `[r] M`: the cross product with every column.
@@ -30,19 +37,79 @@ pub(super) fn cross_columns(r: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> 
     Matrix3::from_columns(&[cross(0), cross(1), cross(2)])
 }
 
+impl Symmetric {
+    fn zero() -> Self {
+        Symmetric { diagonal: Vector3::zeros(), off: Vector3::zeros() }
+    }
+
+    /// `R diag(moments) R^T`
+    #[inline]
+    pub(super) fn turned(moments: &Vector3<f64>, r: &Matrix3<f64>) -> Self {
+        let weighted = |row: usize| {
+            Vector3::new(r[(row, 0)] * moments.x, r[(row, 1)] * moments.y, r[(row, 2)] * moments.z)
+        };
+        let by_row = |a: &Vector3<f64>, row: usize| {
+            a.x * r[(row, 0)] + a.y * r[(row, 1)] + a.z * r[(row, 2)]
+        };
+        let [x, y, z] = [weighted(0), weighted(1), weighted(2)];
+        Symmetric {
+            diagonal: Vector3::new(by_row(&x, 0), by_row(&y, 1), by_row(&z, 2)),
+            off: Vector3::new(by_row(&y, 2), by_row(&z, 0), by_row(&x, 1)),
+        }
+    }
+
+    #[inline]
+    pub(super) fn times(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let (d, o) = (&self.diagonal, &self.off);
+        Vector3::new(
+            d.x * v.x + o.z * v.y + o.y * v.z,
+            o.z * v.x + d.y * v.y + o.x * v.z,
+            o.y * v.x + o.x * v.y + d.z * v.z,
+        )
+    }
+
+    #[inline]
+    fn column(&self, k: usize) -> Vector3<f64> {
+        let (d, o) = (&self.diagonal, &self.off);
+        match k {
+            0 => Vector3::new(d.x, o.z, o.y),
+            1 => Vector3::new(o.z, d.y, o.x),
+            _ => Vector3::new(o.y, o.x, d.z),
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, other: &Symmetric) {
+        self.diagonal += other.diagonal;
+        self.off += other.off;
+    }
+
+    /// Takes away `a b^T`, of which `a` and `b` are parallel.
+    #[inline]
+    fn take(&mut self, a: &Vector3<f64>, b: &Vector3<f64>) {
+        self.diagonal -= a.component_mul(b);
+        self.off -= Vector3::new(a.y * b.z, a.z * b.x, a.x * b.y);
+    }
+}
+
 impl Inertia {
+    pub(super) fn zero() -> Self {
+        Inertia { linear: Symmetric::zero(), mixed: Matrix3::zeros(), angular: Symmetric::zero() }
+    }
+
     /// That of a body about its centre.
     #[inline]
-    pub(super) fn of_body(mass: f64, angular: Matrix3<f64>) -> Self {
-        Inertia { linear: Matrix3::from_diagonal_element(mass), mixed: Matrix3::zeros(), angular }
+    pub(super) fn of_body(mass: f64, angular: Symmetric) -> Self {
+        let linear = Symmetric { diagonal: Vector3::repeat(mass), off: Vector3::zeros() };
+        Inertia { linear, mixed: Matrix3::zeros(), angular }
     }
 
     #[inline]
     pub(super) fn times(&self, motion: &Twist) -> SpatialForce {
         let Twist { linear: v, angular: w } = motion;
         SpatialForce {
-            force: self.linear * v + self.mixed * w,
-            torque: self.mixed.tr_mul(v) + self.angular * w,
+            force: self.linear.times(v) + self.mixed * w,
+            torque: self.mixed.tr_mul(v) + self.angular.times(w),
         }
     }
 
@@ -51,44 +118,76 @@ impl Inertia {
     #[inline]
     pub(super) fn give_way(&mut self, u: &SpatialForce, inverse: f64) {
         let (force, torque) = (u.force * inverse, u.torque * inverse);
-        self.linear -= force * u.force.transpose();
+        self.linear.take(&force, &u.force);
         self.mixed -= force * u.torque.transpose();
-        self.angular -= torque * u.torque.transpose();
+        self.angular.take(&torque, &u.torque);
     }
 
-    /// The same inertia about a point `r` further back.
+    /// Adds another inertia, told about a point `r` further back.
     #[inline]
-    pub(super) fn inward(&self, r: &Vector3<f64>) -> Self {
+    pub(super) fn add_inward(&mut self, other: &Inertia, r: &Vector3<f64>) {
+        let Inertia { linear, mixed: before, angular } = other;
         // A is symmetric: A [r] = -([r] A)^T.
-        let mixed = self.mixed + cross_columns(r, &self.linear).transpose();
-        let turned = cross_columns(r, &self.mixed).transpose();
-        let angular = self.angular + turned + cross_columns(r, &mixed);
-        Inertia { linear: self.linear, mixed, angular }
+        let turned = [0, 1, 2].map(|k| r.cross(&linear.column(k)));
+        let mixed = Matrix3::from_fn(|k, j| before[(k, j)] + turned[k][j]);
+        // Entry (i, j) of -B^T [r] is that of r x B_i at j, and of [r] B' that of r x B'_j at i.
+        let crossed = |m: &Matrix3<f64>, column: usize, at: usize| {
+            let (next, last) = ((at + 1) % 3, (at + 2) % 3);
+            r[next] * m[(last, column)] - r[last] * m[(next, column)]
+        };
+        let entry = |i: usize, j: usize| crossed(before, i, j) + crossed(&mixed, j, i);
+        self.linear.add(linear);
+        self.mixed += mixed;
+        self.angular.add(angular);
+        self.angular.add(&Symmetric {
+            diagonal: Vector3::new(entry(0, 0), entry(1, 1), entry(2, 2)),
+            off: Vector3::new(entry(1, 2), entry(2, 0), entry(0, 1)),
+        });
     }
 
+    /// A bound on the inertia that a twist meets, in whatever axes, of those that the two traces of an inertia give.
     #[inline]
-    pub(super) fn add(&mut self, other: &Inertia) {
-        self.linear += other.linear;
-        self.mixed += other.mixed;
-        self.angular += other.angular;
+    pub(super) fn bound([linear, angular]: [f64; 2], s: &Twist) -> f64 {
+        2.0 * (linear * s.linear.norm_squared() + angular * s.angular.norm_squared())
     }
 
-    /// A bound on the inertia that a twist meets, in whatever axes.
+    /// The traces of the linear and of the angular block.
     #[inline]
-    pub(super) fn bound(&self, s: &Twist) -> f64 {
-        2.0 * (self.linear.trace() * s.linear.norm_squared()
-            + self.angular.trace() * s.angular.norm_squared())
+    pub(super) fn traces(&self) -> [f64; 2] {
+        [self.linear.diagonal.sum(), self.angular.diagonal.sum()]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{LieGroup, Rotation};
 
     fn lopsided() -> Inertia {
-        let body =
-            Inertia::of_body(2.0, Matrix3::new(0.5, 0.1, 0.0, 0.1, 0.4, -0.05, 0.0, -0.05, 0.6));
-        body.inward(&Vector3::new(0.3, -0.2, 0.9))
+        let angular = Symmetric {
+            diagonal: Vector3::new(0.5, 0.4, 0.6),
+            off: Vector3::new(-0.05, 0.02, 0.1),
+        };
+        let body = Inertia::of_body(2.0, angular);
+        inward(&body, &Vector3::new(0.3, -0.2, 0.9))
+    }
+
+    fn inward(inertia: &Inertia, r: &Vector3<f64>) -> Inertia {
+        let mut sum = Inertia::zero();
+        sum.add_inward(inertia, r);
+        sum
+    }
+
+    #[test]
+    fn moments_are_turned_as_by_full_matrices() {
+        let turn = Rotation::exp(Vector3::new(0.3, -1.1, 0.7)).matrix();
+        let (moments, v) = (Vector3::new(0.4, 0.9, 1.2), Vector3::new(1.0, -2.0, 0.5));
+        let full = turn * Matrix3::from_diagonal(&moments) * turn.transpose();
+        let symmetric = Symmetric::turned(&moments, &turn);
+        assert!((symmetric.times(&v) - full * v).amax() < 1e-15);
+        for k in 0..3 {
+            assert!((symmetric.column(k) - full.column(k)).amax() < 1e-15);
+        }
     }
 
     #[test]
@@ -98,7 +197,7 @@ mod tests {
             Twist { linear: Vector3::new(0.2, 1.0, 3.0), angular: Vector3::new(-1.0, 2.0, 0.5) };
         let energy = |inertia: &Inertia, motion: &Twist| inertia.times(motion).along(motion);
         let (there, here) =
-            (energy(&lopsided(), &motion.outward(&r)), energy(&lopsided().inward(&r), &motion));
+            (energy(&lopsided(), &motion.outward(&r)), energy(&inward(&lopsided(), &r), &motion));
         assert!((there / here - 1.0).abs() < 1e-15, "{there} {here}");
     }
 

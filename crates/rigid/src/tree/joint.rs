@@ -21,7 +21,9 @@ use JointKind::{
 /// Twists of a joint's speeds; a joint has at most six.
 pub(super) type Columns = [Twist; 6];
 
-fn turn(axis: &Vector3<f64>, angle: f64) -> Rotation {
+/// The turn about a unit axis.
+#[inline]
+pub(super) fn turn(axis: &Vector3<f64>, angle: f64) -> Rotation {
     let (sine, cosine) = (0.5 * angle).sin_cos();
     Rotation::unchecked([cosine, axis.x * sine, axis.y * sine, axis.z * sine])
 }

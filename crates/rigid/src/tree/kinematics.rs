@@ -13,11 +13,12 @@
 //!
 //! [`JointKind`]: crate::JointKind
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::builder::Link;
 use super::error::{TreeError, check_numbers};
-use super::motion::TreeMotion;
+use super::joint::turn;
+use super::motion::{Moving, TreeMotion};
 use super::spatial::Twist;
 use crate::{JointKind, LieGroup, RigidMotion, Rotation};
 
@@ -47,34 +48,22 @@ impl TreeMotion {
     #[inline]
     pub(super) fn put_body(&mut self, body: usize, q: &[f64]) {
         let link = &self.tree.links[body];
-        let (centre, turned, matrix) = match link.parent {
-            Some(parent) => {
-                let parent = &self.placed[parent];
-                (parent.centre, parent.rotation, parent.matrix)
-            }
-            None => (Vector3::zeros(), Rotation::identity(), Matrix3::identity()),
-        };
-        let RigidMotion { translation, rotation } = link.before;
-        let (frame, axes) = if link.turned[0] {
-            let frame = turned.compose(&rotation);
-            (frame, frame.matrix())
-        } else {
-            (turned, matrix)
-        };
-        let joint = link.joint.motion(q);
-        let placed = &mut self.placed[body];
-        placed.rotation = frame.compose(&joint.rotation);
-        if link.turned[1] {
-            placed.rotation = placed.rotation.compose(&link.after.rotation);
-        }
-        placed.matrix = placed.rotation.matrix();
-        placed.reach = matrix * translation;
-        placed.arm = -(placed.matrix * link.on_body.translation);
-        let columns = &mut self.columns[link.speeds.clone()];
+        let (before, own) = self.placed.split_at_mut(body);
+        let parent = link.parent.map_or(&self.ground, |parent| &before[parent]);
+        let (placed, columns) = (&mut own[0], &mut self.columns[link.speeds.clone()]);
+        let RigidMotion { translation, rotation } = &link.before;
+        let turned = link.turned[0].then(|| parent.rotation.compose(rotation));
+        let frame = turned.as_ref().unwrap_or(&parent.rotation);
+        let turned_axes = turned.map(|turned| turned.matrix());
+        let axes = turned_axes.as_ref().unwrap_or(&parent.matrix);
+        placed.reach = parent.matrix * translation;
         if let JointKind::Hinge { axis } = &link.joint {
-            let origin = Twist { linear: Vector3::zeros(), angular: axes * axis };
-            columns[0] = origin.outward(&placed.arm);
+            placed.turn_by(&frame.compose(&turn(axis, q[0])), link);
+            let angular = axes * axis;
+            columns[0] = Twist { linear: angular.cross(&placed.arm), angular };
         } else {
+            let joint = link.joint.motion(q);
+            placed.turn_by(&frame.compose(&joint.rotation), link);
             placed.reach += axes * joint.translation;
             let mut local = [Twist::zero(); 6];
             link.joint.columns(q, &joint, &mut local);
@@ -83,35 +72,36 @@ impl TreeMotion {
                 *column = origin.outward(&placed.arm);
             }
         }
-        placed.centre = centre + placed.offset();
+        placed.centre = parent.centre + placed.offset();
     }
 
     /// Velocities and biases, of a tree that was put at `q`.
     pub(super) fn set_moving(&mut self, q: &[f64], v: &[f64]) {
-        for body in 0..self.placed.len() {
-            let Link { parent, joint, before, coordinates, speeds, .. } = &self.tree.links[body];
-            let (base, turned) = match *parent {
-                Some(parent) => (self.moving[parent].twist, self.placed[parent].rotation),
-                None => (Twist::zero(), Rotation::identity()),
-            };
-            let (q, v) = (&q[coordinates.clone()], &v[speeds.clone()]);
+        let TreeMotion { tree, placed, moving, columns, .. } = self;
+        for (body, link) in tree.links.iter().enumerate() {
+            let Link { parent, joint, before, coordinates, speeds, .. } = link;
+            let base = parent.map_or(Twist::zero(), |parent| moving[parent].twist);
+            let v = &v[speeds.clone()];
             let mut own = Twist::zero();
-            for (column, v) in self.columns[speeds.clone()].iter().zip(v) {
+            for (column, v) in columns[speeds.clone()].iter().zip(v) {
                 own += *column * *v;
             }
-            let (placed, moving) = (&self.placed[body], &mut self.moving[body]);
-            let (w, arm) = (base.angular, placed.arm);
-            moving.twist = base.outward(&placed.offset()) + own;
-            let shift = own.linear - own.angular.cross(&arm);
+            let here = &placed[body];
+            let (w, arm) = (base.angular, here.arm);
+            let twist = base.outward(&here.offset()) + own;
             let mut angular = w.cross(&own.angular);
-            if let Some(own) = joint.bias(q, v) {
-                angular += turned.compose(&before.rotation).rotate(&own);
+            let mut swung = w.cross(&here.reach);
+            // A hinge leaves its origin where it is.
+            if !matches!(joint, JointKind::Hinge { .. }) {
+                swung += (own.linear - own.angular.cross(&arm)) * 2.0;
+                if let Some(own) = joint.bias(&q[coordinates.clone()], v) {
+                    let turned = parent.map_or(Rotation::identity(), |p| placed[p].rotation);
+                    angular += turned.compose(&before.rotation).rotate(&own);
+                }
             }
-            let spin = moving.twist.angular;
-            let linear = w.cross(&(w.cross(&placed.reach) + shift * 2.0))
-                + angular.cross(&arm)
-                + spin.cross(&spin.cross(&arm));
-            moving.bias = Twist { linear, angular };
+            let spin = twist.angular;
+            let linear = w.cross(&swung) + angular.cross(&arm) + spin.cross(&spin.cross(&arm));
+            moving[body] = Moving { twist, bias: Twist { linear, angular } };
         }
     }
 

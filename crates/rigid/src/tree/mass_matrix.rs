@@ -40,8 +40,7 @@ impl TreeMotion {
                 }
             }
             if let Some(parent) = link.parent {
-                let shifted = inertia.inward(&self.placed[body].offset());
-                self.inertias[parent].add(&shifted);
+                self.inertias[parent].add_inward(&inertia, &self.placed[body].offset());
             }
         }
         check_numbers("the mass matrix", n * n, matrix)

@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::builder::Tree;
+use super::builder::{Link, Tree};
 use super::error::TreeError;
 use super::inertia::Inertia;
 use super::spatial::{SpatialForce, Twist};
@@ -33,6 +33,25 @@ pub(super) struct Moving {
 }
 
 impl Placed {
+    /// The origin, from which what has no parent hangs.
+    fn ground() -> Self {
+        Placed {
+            centre: Vector3::zeros(),
+            rotation: Rotation::identity(),
+            matrix: Matrix3::identity(),
+            reach: Vector3::zeros(),
+            arm: Vector3::zeros(),
+        }
+    }
+
+    /// Turns the body of a link so that its joint's frame has this rotation.
+    #[inline]
+    pub(super) fn turn_by(&mut self, frame: &Rotation, link: &Link) {
+        self.rotation = if link.turned[1] { frame.compose(&link.after.rotation) } else { *frame };
+        self.matrix = self.rotation.matrix();
+        self.arm = -(self.matrix * link.on_body.translation);
+    }
+
     /// From the parent's centre, or the origin, to the body's.
     #[inline]
     pub(super) fn offset(&self) -> Vector3<f64> {
@@ -50,6 +69,7 @@ impl Placed {
 #[derive(Clone, Debug)]
 pub struct TreeMotion {
     pub(super) tree: Tree,
+    pub(super) ground: Placed,
     pub(super) placed: Vec<Placed>,
     pub(super) moving: Vec<Moving>,
     /// A twist for every speed, at the centre of the body that it moves first.
@@ -71,19 +91,13 @@ impl TreeMotion {
     /// A tree at rest, with every joint's frames coincident.
     pub fn new(tree: Tree) -> Self {
         let (n, f) = (tree.bodies(), tree.speeds());
-        let nowhere = Placed {
-            centre: Vector3::zeros(),
-            rotation: Rotation::identity(),
-            matrix: Matrix3::identity(),
-            reach: Vector3::zeros(),
-            arm: Vector3::zeros(),
-        };
         let still = Moving { twist: Twist::zero(), bias: Twist::zero() };
         let mut motion = TreeMotion {
-            placed: vec![nowhere; n],
+            ground: Placed::ground(),
+            placed: vec![Placed::ground(); n],
             moving: vec![still; n],
             columns: vec![Twist::zero(); f],
-            inertias: vec![Inertia::of_body(0.0, Matrix3::zeros()); n],
+            inertias: vec![Inertia::zero(); n],
             forces: vec![SpatialForce::zero(); n],
             accelerations: vec![Twist::zero(); n],
             levers: vec![SpatialForce::zero(); f],

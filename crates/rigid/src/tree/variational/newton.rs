@@ -38,7 +38,7 @@ const LONGEST_TURN: f64 = 3.1;
 pub(super) struct Equations {
     /// Where the tree is placed to which the matrix belongs.
     at: TreeMotion,
-    /// Sums of several branches on one body.
+    /// Of each body the sum of its branches, then what is left of it.
     forms: Vec<Bilinear>,
     forces: Vec<SpatialForce>,
     /// Bodies on which several branches meet.
@@ -118,8 +118,9 @@ impl<D> TreeVariational<D> {
             (forms[fork], forces[fork]) = (Bilinear::zero(), SpatialForce::zero());
         }
         let (mut longest, mut sizes, mut reaches) = (0.0_f64, 0.0, 0.0);
-        let mut branch: Option<(Bilinear, SpatialForce)> = None;
-        for (body, link) in before.tree.links.iter().enumerate().rev() {
+        let mut branch: Option<SpatialForce> = None;
+        let links = &before.tree.links;
+        for (body, link) in links.iter().enumerate().rev() {
             let (start, end) = (&before.placed[body], &at.placed[body]);
             let Link { mass, moments, .. } = link;
             let turn = Turn::between(start, end, moments);
@@ -132,16 +133,15 @@ impl<D> TreeVariational<D> {
             let arm = if link.parent.is_some() { &back } else { &start.arm };
             sizes += mass * arm.norm_squared() + moments.sum();
             reaches += mass * start.centre.norm_squared();
-            let mut form = match branch.take() {
-                Some((branch, force)) => {
-                    f += force;
-                    branch
-                }
-                None => Bilinear::zero(),
-            };
+            let (before_it, rest_of_it) = forms.split_at_mut(body);
+            let form = &mut rest_of_it[0];
+            if let Some(force) = branch.take() {
+                f += force;
+            } else if !link.forks {
+                *form = Bilinear::zero();
+            }
             form.add_body(mass / h, &slope);
             if link.forks {
-                form.add(&forms[body]);
                 f += forces[body];
             }
             for k in link.speeds.clone().rev() {
@@ -158,12 +158,17 @@ impl<D> TreeVariational<D> {
                 (levers[k], inverses[k]) = (own, inverse);
             }
             let Some(parent) = link.parent else { continue };
-            let (form, f) = (form.inward(&back, &ahead), f.inward(&back));
+            let f = f.inward(&back);
             if parent + 1 == body {
-                branch = Some((form, f));
+                branch = Some(f);
             } else {
-                forms[parent].add(&form);
                 forces[parent] += f;
+            }
+            let moved = form.inward(&back, &ahead);
+            if links[parent].forks {
+                before_it[parent].add(&moved);
+            } else {
+                before_it[parent] = moved;
             }
         }
         (*size, *reach) = (sizes.sqrt(), reaches.sqrt());
