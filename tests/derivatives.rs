@@ -11,7 +11,7 @@ fn gravity_in_all_its_forms() {
     let q = [0.1, -0.2, 0.3, 1.1, 0.4, -0.6, -0.9, 1.2, 0.5];
     let acceleration = [0.0, 0.0, -9.81];
     assert_derivatives(&UniformGravity { acceleration, masses: masses.clone() }, &q);
-    assert_derivatives(&NewtonianGravity::<3> { constant: 0.7, masses }, &q);
+    assert_derivatives(&NewtonianGravity::<3> { constant: 0.7, masses, fixed: Vec::new() }, &q);
     assert_derivatives(&CentralGravity::<2> { strength: 1.3 }, &[0.8, -0.5]);
     assert_derivatives(&CentralGravity::<3> { strength: 1.3 }, &[0.8, -0.5, 0.2]);
 }

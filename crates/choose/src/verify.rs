@@ -161,9 +161,13 @@ fn uncertainty(
     }
     let own = reference.uncertainty * reference.course.scale;
     let grown = if reference.apart > 0.0 { (differs / reference.apart).max(1.0) } else { 1.0 };
-    let alike = if runs.family(reference.family).kind == Kind::Adaptive { ALIKE } else { 1.0 };
     let most = if own > 0.0 { own * grown } else { differs };
-    Some(alike * most)
+    Some(alike(runs, reference) * most)
+}
+
+/// What a reference may be off, in the distance of its last two runs.
+fn alike(runs: &MeasuredRuns<'_>, reference: &Reference) -> f64 {
+    if runs.family(reference.family).kind == Kind::Adaptive { ALIKE } else { 1.0 }
 }
 
 /// A reference at all moments of a way, and its uncertainty there.
@@ -347,6 +351,11 @@ fn verify_on(
             error = largest / scale;
             most = CLOSELY_BETWEEN * error;
         }
+    }
+    // Before a run is rejected because two others may err alike, these are made better.
+    let is_surely = most + uncertainty / alike(runs, reference) > tolerance;
+    if most + uncertainty > tolerance && !is_surely {
+        return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
     if most + uncertainty > tolerance {
         return Some(Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))));

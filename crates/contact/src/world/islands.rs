@@ -3,7 +3,7 @@
 
 use stationary_calculus::Potential;
 
-use crate::solve::body_state::{BodyState, speed};
+use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, SolvesIslands};
 use crate::solve::rolling::Turns;
@@ -153,37 +153,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                                 + state.scale.as_ref()[k] * change.as_ref()[k];
                         }
                     }
-                    let gained = |now: &dyn Fn(usize) -> G::Velocity| -> f64 {
-                        let of = |&body: &usize| {
-                            gained(&states[body], &now(body), &increment.0[f * body..][..f])
-                        };
-                        bodies.iter().map(of).sum()
-                    };
-                    let after = |body: usize| {
-                        let mut now = G::Velocity::default();
-                        now.as_mut().copy_from_slice(&v.0[f * body..][..f]);
-                        now
-                    };
-                    let before = |body: usize| *resting.before(body);
-                    let moved = bodies.iter().map(|&body| {
-                        let mut change = after(body);
-                        let start = before(body);
-                        let change_of = change.as_mut().iter_mut().zip(start.as_ref());
-                        change_of.for_each(|(now, start)| *now -= start);
-                        speed::<G>(change.as_ref(), radius(body))
-                    });
-                    let moved = moved.fold(0.0, f64::max);
-                    // What would gain energy by a change no larger than what is left stays as it is.
-                    let worst = off[0].max(off[1]);
-                    let stays = moved <= worst && worst + 2.0 * moved <= reached;
-                    if stays && gained(&after) > gained(&before) {
-                        for &body in bodies {
-                            v.0[f * body..][..f].copy_from_slice(before(body).as_ref());
-                        }
-                        off.map(|off| off + 2.0 * moved)
-                    } else {
-                        off
-                    }
+                    off
                 }
             };
             report.islands += 1;
@@ -196,16 +166,6 @@ impl<G: Dimension, P: Potential> World<G, P> {
         }
         Ok(())
     }
-}
-
-/// The energy that a body has after a step at a velocity whose increment was this, but for what is the same at
-/// all velocities, J: `|v|^2/2 - <v, k>` in its mass.
-fn gained<G: Dimension>(state: &BodyState<G>, v: &G::Velocity, increment: &[f64]) -> f64 {
-    let of = |((v, k), scale): ((&f64, &f64), &f64)| match *scale > 0.0 {
-        true => (0.5 * v * v - v * k) / (scale * scale),
-        false => 0.0,
-    };
-    v.as_ref().iter().zip(increment).zip(state.scale.as_ref()).map(of).sum()
 }
 
 /// Whether links of joints are among the members of an island, which come in ascending order.

@@ -202,7 +202,7 @@ impl Pair<'_> {
         }
         if self.says("motions") {
             say(format!(
-                "motions = [{{ of = \"hook\", shift = {}, strength = {{ ramp = [0, 1], to = 1 }} }}]",
+                "motions = [{{ of = \"hook\", shift = {}, strength = {{ ramp = [0, 1], from = 0.001, to = 1 }} }}]",
                 at(0.0, 0.1)
             ));
         }
