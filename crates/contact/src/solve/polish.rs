@@ -82,8 +82,8 @@ impl<const D: usize> Polish<D> {
         }
         let pushed = island.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
         let rounding = IMPULSE_ROUNDING * pushed.fold(0.0, f64::max);
-        // What is no number is worse as well.
-        if !(worst(sweeps.residuals(island, x)) <= left.max(rounding)) {
+        let after = worst(sweeps.residuals(island, x));
+        if after.is_nan() || after > left.max(rounding) {
             x.copy_from_slice(&self.before);
             sweeps.refresh(island, x);
         }
