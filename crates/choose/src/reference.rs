@@ -41,6 +41,9 @@ pub struct Reference {
     pub before: usize,
     /// See there.
     pub apart: f64,
+    /// Whether its runs may differ by more between the moments: there they near each other faster than their order,
+    /// as where a phase does not show, or nothing tells how fast.
+    pub hides: bool,
     /// Whether a run of another kind was found to agree with it over the whole way.
     pub is_confirmed: bool,
 }
@@ -275,6 +278,7 @@ impl Reference {
                 uncertainty: OF_MODES,
                 before: finest,
                 apart: 0.0,
+                hides: false,
                 is_confirmed: false,
             });
         }
@@ -282,7 +286,7 @@ impl Reference {
         let scale = fine.scale;
         let last = apart(&fine.values, &middle.values);
         let keeps = runs.ladder().keeps_energy;
-        let reference = |course: Course, extrapolated, error: f64| {
+        let reference = |course: Course, extrapolated, error: f64, hides: bool| {
             let own = if error.is_finite() { error / course.scale } else { f64::INFINITY };
             let uncertainty = if keeps { own.max(MARGIN * course.drift()) } else { own };
             let (apart, is_confirmed) = (last, false);
@@ -294,6 +298,7 @@ impl Reference {
                 uncertainty,
                 before,
                 apart,
+                hides,
                 is_confirmed,
             })
         };
@@ -301,23 +306,23 @@ impl Reference {
         let [smaller, larger] = [scale.min(middle.scale), scale.max(middle.scale)];
         let is_another = runs.ladder().scale != Scale::Way && larger > SCALES * smaller;
         if is_another || middle.outcomes != fine.outcomes {
-            return reference(fine, Extrapolated::No, f64::INFINITY);
+            return reference(fine, Extrapolated::No, f64::INFINITY, false);
         }
         if kind == Kind::Adaptive {
-            return reference(fine, Extrapolated::No, last);
+            return reference(fine, Extrapolated::No, last, true);
         }
         let Some((third, coarse)) = Reference::coarser(runs, family, before) else {
             // Whoever has nothing to compare with must show that differences shrink.
             let alone = runs.ladder().families.iter().filter(|f| f.converges()).count() == 1;
             let uncertainty = if alone { f64::INFINITY } else { last };
-            return reference(fine, Extrapolated::No, uncertainty);
+            return reference(fine, Extrapolated::No, uncertainty, true);
         };
         let halved = finest - before == 1 && before - third == 1;
         let ratio = apart(&middle.values, &coarse.values) / last;
         let power = f64::from(1_u32 << order);
         // Nothing differs where an observable is kept to rounding.
         if last <= 1e-13 * scale {
-            return reference(fine, Extrapolated::No, last);
+            return reference(fine, Extrapolated::No, last, true);
         }
         if halved && ratio > power / NEAR && ratio < power * NEAR {
             let weight = 1.0 / (power - 1.0);
@@ -330,14 +335,14 @@ impl Reference {
             if runs.ladder().scale == Scale::Way {
                 fine.shrink_scale(&best);
             }
-            return reference(Course { values: best, ..fine }, Extrapolated::Yes, error);
+            return reference(Course { values: best, ..fine }, Extrapolated::Yes, error, false);
         }
         let error = if ratio < SHRINKING {
             Reference::by_many(runs, family, finest, scale)
         } else {
             last / (ratio - 1.0).min(1.0)
         };
-        reference(fine, Extrapolated::No, error)
+        reference(fine, Extrapolated::No, error, ratio >= power * NEAR)
     }
 
     /// The error where the last two differences do not shrink: they are rounding, or those of several

@@ -15,7 +15,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::agreement::{Agreement, Judged, agreement};
-use crate::closer::{CLOSELY_BETWEEN, largest};
+use crate::closer::{CLOSELY_BETWEEN, largest, largest_where_it_jumps};
 use crate::effort::Purpose;
 use crate::grid::{Grid, Within};
 use crate::ladder::{At, Kind, MOMENTS};
@@ -24,7 +24,7 @@ use crate::measured_runs::MeasuredRuns;
 use crate::reference::{Extrapolated, Reference};
 use crate::search::BARELY;
 use crate::seen::{Seen, off_places};
-use crate::way::{Way, nothing};
+use crate::way::{ONE_OF_ANOTHER, Way, nothing};
 
 /// Why a reference is not trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +98,9 @@ const MOST_HALVINGS: u32 = 7;
 /// How far below the tolerance the error of another motion must be in some of its steps, so that the others are
 /// not looked into as closely.
 const SURELY: f64 = 4.0;
+/// The part of the tolerance below which an error at three moments of a step is small enough where something may
+/// happen at once.
+const SURELY_JUMPING: f64 = 0.25;
 /// Places that are off by this part of the largest way are those of another motion.
 const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
@@ -137,8 +140,9 @@ pub fn told<'e>(
 }
 
 /// The uncertainty of a reference over its whole way, in the observable's own unit: grown as its last two
-/// runs differ more there than at the moments. Those of equal steps are compared at their samples; those of
-/// adaptive steps have few, and an encounter may lie between two of them.
+/// runs differ more there than at the moments. Those of equal steps are compared at their samples, and along the way
+/// where the moments may hide how they differ; those of adaptive steps have few samples, and an encounter may lie
+/// between two of them.
 fn uncertainty(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
@@ -147,16 +151,21 @@ fn uncertainty(
 ) -> Option<f64> {
     let at = |rung: usize| At { family: reference.family, rung };
     let (fine, middle) = (at(reference.finest), at(reference.before));
-    let samples = || (samples(runs, middle, way.halvings()), Within::Ends);
-    let (grids, allowed) = match runs.family(reference.family).kind {
-        Kind::Adaptive => (way.grids.clone(), allowed),
-        _ if runs.seen(middle).is_some_and(|run| run.track.is_some()) => (vec![samples()], 0.0),
-        _ => (vec![way.grids.first()?.clone()], 0.0),
-    };
+    let is_sampled = runs.family(reference.family).kind != Kind::Adaptive
+        && runs.seen(middle).is_some_and(|run| run.track.is_some());
+    let mut grids = Vec::new();
+    if is_sampled {
+        grids.push(((samples(runs, middle, way.halvings()), Within::Ends), 0.0));
+    }
+    if reference.hides {
+        grids.extend(way.grids.iter().map(|of| (of.clone(), allowed)));
+    } else if !is_sampled {
+        grids.push((way.grids.first()?.clone(), 0.0));
+    }
     let mut differs = 0.0_f64;
-    for (grid, within) in &grids {
-        let (fine, _) = runs.read(fine, (grid, *within), allowed)?;
-        let (middle, _) = runs.read(middle, (grid, *within), allowed)?;
+    for ((grid, within), allowed) in &grids {
+        let (fine, _) = runs.read(fine, (grid, *within), *allowed)?;
+        let (middle, _) = runs.read(middle, (grid, *within), *allowed)?;
         differs = differs.max(apart_where_own(&fine, &middle));
     }
     let own = reference.uncertainty * reference.course.scale;
@@ -170,7 +179,7 @@ fn alike(runs: &MeasuredRuns<'_>, reference: &Reference) -> f64 {
     if runs.family(reference.family).kind == Kind::Adaptive { ALIKE } else { 1.0 }
 }
 
-/// A reference at all moments of a way, and its uncertainty there.
+/// A reference at all moments of a way, and how far it may be off there since it is read off.
 pub fn whole_way(
     runs: &mut MeasuredRuns<'_>,
     reference: &Reference,
@@ -183,7 +192,7 @@ pub fn whole_way(
         all = Some(all.map_or_else(|| next.clone(), |before| before.and(&next)));
         most = most.max(off);
     }
-    Some((all?, most + uncertainty(runs, reference, way, allowed)?))
+    Some((all?, most))
 }
 
 /// The samples of a run, and where these are few, parts of its steps too.
@@ -291,7 +300,7 @@ fn some_closely(
     let all = Way::all(runs, at);
     let own = own_on(runs, at, &all)?;
     let (truth, _) = whole_way(runs, reference, &all, allowed(reference, tolerance))?;
-    Way::some_closely(runs, at, (&own, &truth))
+    Way::some_closely(runs, at, (&own, &truth), ONE_OF_ANOTHER)
 }
 
 /// The error of a run where it is certainly too large by what is known of it at no cost: at the ends of its
@@ -326,7 +335,9 @@ fn verify_on(
     runs.turn_to(Purpose::WithinChoice);
     let Some(own) = own_on(runs, at, way) else { return Some(Finding::Doubtful(Doubt::Unseen)) };
     runs.turn_to(Purpose::WithinReference);
-    let Some((truth, uncertainty)) = whole_way(runs, reference, way, allowed) else {
+    let Some(((truth, off), uncertain)) =
+        whole_way(runs, reference, way, allowed).zip(uncertainty(runs, reference, way, allowed))
+    else {
         return Some(Finding::Doubtful(Doubt::Unseen));
     };
     let keeps = runs.ladder().keeps_energy;
@@ -338,11 +349,19 @@ fn verify_on(
     if keeps && truth.drift() > KEPT * tolerance {
         return Some(Finding::Doubtful(Doubt::Energy(truth.drift())));
     }
-    let uncertainty = uncertainty / scale;
+    let uncertainty = (off + uncertain) / scale;
     if uncertainty > BARELY * tolerance {
         return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
     }
     let mut error = apart(&own.values, &truth.values) / scale;
+    let may_jump = way.is_all() && !runs.ladder().is_smooth && !runs.is_joined(at);
+    if may_jump && error + uncertainty <= tolerance && error > SURELY_JUMPING * tolerance {
+        runs.turn_to(Purpose::WithinChoice);
+        let seen = (error * scale, allowed);
+        if let Some(largest) = largest_where_it_jumps(runs, reference, (at, &own, &truth), seen) {
+            error = largest / scale;
+        }
+    }
     // What is sampled may be larger in between.
     let mut most = BETWEEN * error;
     if most + uncertainty > tolerance && error + uncertainty <= tolerance {
@@ -352,13 +371,13 @@ fn verify_on(
             most = CLOSELY_BETWEEN * error;
         }
     }
-    // Before a run is rejected because two others may err alike, these are made better.
-    let is_surely = most + uncertainty / alike(runs, reference) > tolerance;
-    if most + uncertainty > tolerance && !is_surely {
-        return Some(Finding::Doubtful(Doubt::Uncertain(uncertainty)));
-    }
     if most + uncertainty > tolerance {
-        return Some(Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))));
+        // Before a run is rejected because two others may err alike, these are made better.
+        let is_surely = most + uncertainty / alike(runs, reference) > tolerance;
+        return Some(match is_surely {
+            true => Finding::Beyond(most.max(tolerance * (1.0 + f64::EPSILON))),
+            false => Finding::Doubtful(Doubt::Uncertain(uncertainty)),
+        });
     }
     let comparable = own.places.first().map(Vec::len) == truth.places.first().map(Vec::len);
     let (places, place) = match off_places(&own, &truth, runs.ladder().placed.len()) {

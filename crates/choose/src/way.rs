@@ -55,8 +55,9 @@ const AT_LEAST: usize = 12;
 const FEW: usize = 6;
 const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
-/// One of so many steps of another motion is looked into closely at first.
-const ONE_OF_ANOTHER: usize = 4;
+/// One of so many steps of another motion is looked into closely at first, and of one in which something happens.
+pub const ONE_OF_ANOTHER: usize = 4;
+pub const ONE_OF_JUMPING: usize = 16;
 /// Steps of a run that can be looked into closely.
 const CLOSELY: u64 = 640;
 /// How much larger an error may be than those of other steps foretell.
@@ -93,26 +94,32 @@ impl Way {
         (MOMENTS << halvings <= CLOSELY).then_some(Way { grids, foretold: None })
     }
 
-    /// The same, into some of its steps: half of them those where the error is the largest by a look into all,
-    /// the others spread evenly.
+    /// Into some steps of a run of equal ones, one of so many, at many moments of each: half of them those where
+    /// the error may be the largest by a look into all, `max |e(t)| + max |e(t) - e_n-1|`, the others spread evenly.
     pub fn some_closely(
         runs: &mut MeasuredRuns<'_>,
         at: At,
         (own, truth): (&Look, &Look),
+        one_of: usize,
     ) -> Option<Self> {
         let all = Way::all(runs, at);
-        let Way { grids, .. } = Way::closely(runs, at)?;
-        let Some((Grid::Closely { halvings }, _)) = grids.first() else { return None };
+        let Grid::Equal { halvings } = Grid::of(runs, at) else { return None };
         let (horizon, parts) = (runs.ladder().horizon, (MOMENTS << halvings) as usize);
-        let mut errors = vec![0.0_f64; parts];
-        let rows = own.values.iter().zip(&truth.values).skip(1);
-        for (t, (own, truth)) in all.times(runs).iter().zip(rows) {
+        let errors: Vec<Vec<f64>> = own.values.iter().zip(&truth.values).map(off).collect();
+        let (mut largest, mut grown) = (vec![0.0_f64; parts], vec![0.0_f64; parts]);
+        let mut before = (0, &errors[0]);
+        for (k, t) in all.times(runs).iter().enumerate() {
             let part = ((t / horizon * parts as f64 - 1e-6) as usize).min(parts - 1);
-            errors[part] = errors[part].max(distance(own, truth));
+            if part != before.0 {
+                before = (part, &errors[k]);
+            }
+            largest[part] = largest[part].max(size(&errors[k + 1]));
+            grown[part] = grown[part].max(distance(&errors[k + 1], before.1));
         }
-        let looked = looked(&errors, parts / ONE_OF_ANOTHER);
+        let bounds: Vec<f64> = largest.iter().zip(&grown).map(|(e, growth)| e + growth).collect();
+        let looked = looked(&bounds, (parts / one_of).max(AT_LEAST).min(parts));
         let steps = (0..parts as u64).filter(|&part| looked[part as usize]).collect();
-        let grid = Grid::SomeClosely { halvings: *halvings, parts: steps };
+        let grid = Grid::SomeClosely { halvings, parts: steps };
         Some(Way { grids: vec![(grid, Within::Parts)], foretold: None })
     }
 

@@ -5,8 +5,8 @@
 //! central      V = - mu m / |q|                      about the origin, mu in m^3/s^2
 //! Newtonian    V = - sum_{i<j} G m_i m_j / |q_i - q_j| - sum_{i,k} G m_i M_k / |q_i - X_k|
 //! ```
-//! `q_i` positions in D dimensions, `m_i` masses; `M_k` masses that stay at `X_k`. The last two are singular where particles meet:
-//! the energy there is not finite, and a step that arrives there is an error.
+//! `q_i` positions in D dimensions, `m_i` masses; `M_k` masses that stay at `X_k`. The last two are singular
+//! where particles meet: the energy there is not finite, and a step that arrives there is an error.
 
 use stationary_calculus::{Covector, Potential, Sink};
 

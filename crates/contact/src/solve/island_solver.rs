@@ -179,7 +179,7 @@ where
                 None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
                 None => self.parts.settle(sweeps, island, x, settled, most),
             };
-            solved += self.polish.polish(sweeps, island, x, (SMALL, reached, false));
+            solved += self.polish.polish(sweeps, island, x, (SMALL, reached));
             left = sweeps.residuals(island, x);
             if small && !met(&left) {
                 let more = self.parts.settle(sweeps, island, x, settled, most);
@@ -188,11 +188,11 @@ where
             left = sweeps.residuals(island, x);
             let off = left.iter().any(|left| *left > reached);
             if off || (small && !met(&left)) {
-                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached, false));
+                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached));
                 left = sweeps.residuals(island, x);
             }
             if left.iter().any(|left| *left > reached) {
-                solved += self.polish.polish(sweeps, island, x, (PERSISTED, reached, true));
+                solved += self.polish.persist(sweeps, island, x, (PERSISTED, reached));
                 left = sweeps.residuals(island, x);
             }
             if left.iter().any(|left| *left > AMPLIFICATION * enough) {

@@ -16,7 +16,7 @@ use crate::solve::sweeps::{Island, Sweeps};
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Steps of a refinement: each takes off what is left but for a thousandth.
+/// Steps of a refinement, each from the velocities that the last has left.
 const REFINEMENTS: usize = 3;
 
 /// The memory of a polish.
@@ -29,14 +29,35 @@ pub(crate) struct Polish<const D: usize> {
 
 impl<const D: usize> Polish<D> {
     /// Changes the impulses of an island until no more than rounding is left, if it can and the island
-    /// has no more than `most` contacts, at least to what is `enough` (m/s), by the sets that more and more sweeps
-    /// lead to where it is to `persist`; says how many systems it solved.
+    /// has no more than `most` contacts, at least to what is `enough` (m/s); says how many systems it solved.
     pub(crate) fn polish<const F: usize>(
         &mut self,
         sweeps: &mut Sweeps<F, D>,
         island: Island<F, D>,
         x: &mut [[f64; D]],
-        (most, enough, persist): (usize, f64, bool),
+        (most, enough): (usize, f64),
+    ) -> usize {
+        self.solve(sweeps, island, x, most, |rows, x| rows.solve_by_sets(x, enough))
+    }
+
+    /// The same by the sets that more and more sweeps lead to.
+    pub(crate) fn persist<const F: usize>(
+        &mut self,
+        sweeps: &mut Sweeps<F, D>,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        (most, enough): (usize, f64),
+    ) -> usize {
+        self.solve(sweeps, island, x, most, |rows, x| rows.solve(x, enough).1)
+    }
+
+    fn solve<const F: usize>(
+        &mut self,
+        sweeps: &mut Sweeps<F, D>,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        most: usize,
+        solve: impl FnOnce(&mut CoupledRows, &mut [f64]) -> usize,
     ) -> usize {
         let worst = |left: [f64; 2]| left[0].max(left[1]);
         let offsets = island.contacts.iter().flat_map(|contact| contact.offset);
@@ -46,10 +67,7 @@ impl<const D: usize> Polish<D> {
             return 0;
         }
         self.start(island, x);
-        let solved = match persist {
-            true => self.rows.solve(&mut self.impulses, enough).1,
-            false => self.rows.solve_by_sets(&mut self.impulses, enough),
-        };
+        let solved = solve(&mut self.rows, &mut self.impulses);
         x.iter_mut().flatten().zip(&self.impulses).for_each(|(x, found)| *x = *found);
         sweeps.refresh(island, x);
         if worst(sweeps.residuals(island, x)) > left {
@@ -72,13 +90,15 @@ impl<const D: usize> Polish<D> {
         let left = worst(sweeps.residuals(island, x));
         self.start(island, x);
         sweeps.refresh(island, x);
-        for _ in 0..REFINEMENTS {
+        let mut solved = 0;
+        while solved < REFINEMENTS {
             let rates = island.contacts.iter().flat_map(|contact| contact.rates(&sweeps.w));
             if !self.rows.refine(&mut self.impulses, rates) {
                 break;
             }
             x.iter_mut().flatten().zip(&self.impulses).for_each(|(x, found)| *x = *found);
             sweeps.refresh(island, x);
+            solved += 1;
         }
         let pushed = island.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
         let rounding = IMPULSE_ROUNDING * pushed.fold(0.0, f64::max);
@@ -87,7 +107,7 @@ impl<const D: usize> Polish<D> {
             x.copy_from_slice(&self.before);
             sweeps.refresh(island, x);
         }
-        REFINEMENTS
+        solved
     }
 
     /// Remembers where it starts, and the rows of all contacts.

@@ -11,6 +11,7 @@ use stationary_choose::{
     At, Experiment, Family, Finer, Kind, Ladder, Look, MOMENTS, Moments, Record, SAMPLES, Setting,
     Watch, adaptive_steps, equal_steps, numbers_of_steps, powers, samples, work_of_step,
 };
+use stationary_elasticity::Strain;
 use stationary_integrators::Evaluation;
 
 use super::candidate::{Candidate, Variation, candidates};
@@ -18,6 +19,7 @@ use super::declaration::{Change, changed, number};
 use super::model::{Model, Simplification, moved};
 use super::observable::{in_words, scale};
 use super::{ChooseError, look, run};
+use crate::model::items::Link;
 use crate::model::scene::Scene;
 use crate::model::stepping::{CONTACT_STEPS, EVENT_DRIVEN, Stepping};
 
@@ -93,7 +95,7 @@ impl SceneLadder {
             horizon: scene.timing().horizon(),
             time: scene.units().time.clone(),
             keeps_energy: keeps_energy(scene),
-            is_smooth: is_smooth(scene),
+            is_smooth: is_smooth(name, &models[0]),
             is_joined: scene.heat().is_some() || breaks(scene),
             placed: placed(scene, &models[0]),
             is_constrained: !scene.rods().is_empty(),
@@ -192,9 +194,29 @@ fn placed(scene: &Scene, model: &Model) -> Vec<String> {
     moved(model).into_iter().map(|number| scene.particles()[number].name.clone()).collect()
 }
 
-/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on.
-fn is_smooth(scene: &Scene) -> bool {
-    scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene)
+/// Whether nothing happens at once: an impact, a rod that breaks, what is switched on, a spring whose ends pass.
+fn is_smooth(name: &str, model: &Model) -> bool {
+    let scene = &model.scene;
+    let is_continuous = scene.contact().is_none() && scene.drives().is_empty() && !breaks(scene);
+    is_continuous && !ends_pass(name, model)
+}
+
+/// Whether the ends of a spring on a line pass each other in the run as written: there its force jumps, unless it
+/// has no length at rest or is none of Cauchy's strain.
+fn ends_pass(name: &str, model: &Model) -> bool {
+    let jumps = |link: &&Link| link.rest_length > 0.0 && link.strain == Strain::Cauchy;
+    let jumping: Vec<&Link> = model.scene.links().iter().filter(jumps).collect();
+    if model.scene.dimension() > 1 || jumping.is_empty() {
+        return false;
+    }
+    let every = Change::to("sample_every", "1");
+    let scene = Scene::parse_at(name, &changed(&model.text, &[every]));
+    let Some(run) = scene.ok().and_then(|scene| scene.run().ok()) else { return true };
+    let apart = |sample: usize, link: &Link| {
+        let [a, b] = link.ends.map(|end| run.positions(sample)[end]);
+        b > a
+    };
+    jumping.iter().any(|link| (1..run.times().len()).any(|k| apart(k, link) != apart(0, link)))
 }
 
 fn breaks(scene: &Scene) -> bool {

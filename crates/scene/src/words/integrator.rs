@@ -236,7 +236,10 @@ impl Scene {
         }
         match self.stepping {
             _ if driven && rods && self.stepping != Stepping::Constrained(Constrained::Rattle) => {
-                refused("rods on which drag, loads or changing gravity act", "name `rattle`")
+                refused(
+                    "rods beside drag, loads, changing gravity or pins that move",
+                    "name `rattle`",
+                )
             }
             _ if !self.drives.motions.is_empty() && !self.moves_pins() => refused(
                 "pins that move",

@@ -23,6 +23,7 @@ mod joint_loops;
 mod jointed_contact;
 mod mixture_diagnostics;
 mod mixtures;
+mod moving_pins;
 mod output;
 mod pairs;
 mod parameters;

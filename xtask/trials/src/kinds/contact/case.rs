@@ -49,6 +49,8 @@ pub(super) struct Case {
     pub(super) pushed: bool,
     /// Lengths of rolling and of torsional friction of all pairs, m.
     pub(super) rolling: [f64; 2],
+    /// The size of its things, m.
+    scale: f64,
     /// Normals of what is solid below.
     pub(super) grounds: Vec<Vector3<f64>>,
     /// Downwards, m/s^2.
@@ -108,8 +110,8 @@ struct Maker {
     friction: f64,
 }
 
-/// A scene, and what it is in words; with moments where it `rolls`.
-pub(super) fn drawn(draw: &mut Draw, flat: bool, rolls: bool) -> Case {
+/// A scene, and what it is in words.
+pub(super) fn drawn(draw: &mut Draw, flat: bool) -> Case {
     use Family::{Pushed, Pyramid, Thrown, Tossed, Tower, Valley, Wall};
     let family =
         draw.one_of(&[Tossed, Tower, Thrown, Pyramid, Valley, Pushed, Tower, Tossed, Pyramid]);
@@ -162,13 +164,12 @@ pub(super) fn drawn(draw: &mut Draw, flat: bool, rolls: bool) -> Case {
     let step = time * draw.one_of(&[1e-2, 1e-3, 0.1, 1e-5, 1.0, 10.0]);
     let most = if family == Wall { 3 } else { 30 };
     let steps = draw.between(1, most);
-    let mut length = || draw.one_of(&[1e-2, 1e-3, 0.1, 0.0]) * scale;
-    let rolling = if rolls { [length(), length()] } else { [0.0; 2] };
     let case = Case {
         flat,
         things,
         pushed: family == Pushed,
-        rolling,
+        rolling: [0.0; 2],
+        scale,
         grounds,
         gravity,
         law,
@@ -181,11 +182,18 @@ pub(super) fn drawn(draw: &mut Draw, flat: bool, rolls: bool) -> Case {
 }
 
 impl Case {
+    /// The same, whose pairs resist rolling and torsion.
+    pub(super) fn rolling(self, draw: &mut Draw) -> Self {
+        let rolling = [(); 2].map(|()| draw.one_of(&[1e-2, 1e-3, 0.1, 0.0]) * self.scale);
+        draw.note(format!("rolling {rolling:?}"));
+        Case { rolling, ..self }
+    }
+
     fn told(&self, family: Family) -> String {
-        let Case { gravity, law, tolerance, step, steps, rolling, grounds, .. } = self;
+        let Case { gravity, law, tolerance, step, steps, grounds, .. } = self;
         let heading = format!(
             "{family:?}, gravity {gravity:?}, law {law:?}, tolerance {tolerance:?}, step {step:?}, \
-             {steps} steps, rolling {rolling:?}, grounds {grounds:?}"
+             {steps} steps, grounds {grounds:?}"
         );
         let thing = |t: &Thing| {
             let three = |v: &Vector3<f64>| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);

@@ -23,7 +23,7 @@ pub(super) const PLANAR: Kind = Kind {
     krate: "contact",
     rule: RULE,
     in_tests: 100,
-    trial: |draw| trial(draw, true, false),
+    trial: |draw| trial(draw, |draw| drawn(draw, true)),
 };
 
 pub(super) const SPATIAL: Kind = Kind {
@@ -31,7 +31,7 @@ pub(super) const SPATIAL: Kind = Kind {
     krate: "contact",
     rule: RULE,
     in_tests: 60,
-    trial: |draw| trial(draw, false, false),
+    trial: |draw| trial(draw, |draw| drawn(draw, false)),
 };
 
 pub(super) const ROLLING: Kind = Kind {
@@ -42,8 +42,10 @@ pub(super) const ROLLING: Kind = Kind {
            impulse, by more than the residual reported",
     in_tests: 60,
     trial: |draw| {
-        let flat = draw.chance(0.5);
-        trial(draw, flat, true)
+        trial(draw, |draw| {
+            let flat = draw.chance(0.5);
+            drawn(draw, flat).rolling(draw)
+        })
     },
 };
 
@@ -54,9 +56,9 @@ fn made(case: &Case) -> Result<Box<dyn Engine>, ContactError> {
     })
 }
 
-fn trial(draw: &mut Draw, flat: bool, rolls: bool) -> Verdict {
+fn trial(draw: &mut Draw, drawn: fn(&mut Draw) -> Case) -> Verdict {
     let refined = draw.chance(0.05);
-    let case = drawn(draw, flat, rolls);
+    let case = drawn(draw);
     let mut engine = match made(&case) {
         Ok(engine) => engine,
         Err(error) => return Verdict::refused(error),

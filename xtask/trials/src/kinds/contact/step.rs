@@ -4,8 +4,6 @@
 //! p+ - p- = h m g + sum J,   l+ - l- = sum arm x J + tau          each body, N s, N s m
 //! E+ - E- <= lifting + work + r sum lambda + r_t sum |beta|        J, of no size of step
 //! lambda >= 0,   |beta| <= mu lambda                               of impacts and rest together
-//! |tau x n| <= a lambda,   |tau.n| <= b lambda                     moments, N s m, to r_t
-//! |tau - disc(tau - w/c)| c |arm| <= r_t                           each part of them, m/s
 //! |min(W lambda, u + g/h)| <= r,   |beta - disc(beta - u_t/d)| d <= r_t           m/s
 //! depth+ <= depth- + turn + h s sum h w + h r                      on the whole way of the step
 //! turn = max(sum R (h w)^2,  1/2 (R_1 + R_2) |h w_2 - h w_1|^2)
@@ -16,6 +14,8 @@
 //! the bodies, `w` their spins, `s` their speed against each other: a gap that is linear over a step errs
 //! by what turns, and by what slides along a face that turns. The second of `turn` is an edge that rocks on a
 //! ball: at a height `c` below the centre about which it turns, it comes closer by `(R + c)(1 - cos(h w))`.
+
+mod moments;
 
 use nalgebra::{Matrix2, Vector3};
 use stationary_contact::WorldReport;
@@ -279,35 +279,18 @@ impl<'a> Referee<'a> {
 
     /// Impulses push, and rub and roll within what they push.
     fn cone(&self, step: &Step) -> Verdict {
-        let [rolls, twists] = self.case.rolling;
         let mut verdict = Verdict::due();
         for touch in step.touches {
             let pushed = touch.impact + touch.rest;
             let rounding = ROUNDING * pushed.abs() * (1.0 + touch.friction);
             let over = (touch.rubbed.norm() - touch.friction * pushed).max(0.0);
             verdict = verdict.and(Verdict::of(over, rounding, "outside of the cone"));
-            // In the plane all of a moment is across the normal.
-            let twist = touch.moment.dot(&touch.normal);
-            let roll = (touch.moment - touch.normal * twist).norm();
-            let gives: f64 = touch.sides().map(|(k, _, arm)| self.turned_least(k, &arm)).sum();
-            for (moment, length) in [(roll, rolls), (twist.abs(), twists)] {
-                let over = (moment - length * touch.rest).max(0.0) * gives;
-                let rounding = ROUNDING * gives * touch.moment.norm();
-                let promised = 1.01 * step.report.coulomb + rounding;
-                verdict = verdict.and(Verdict::of(over, promised, "a moment beyond its length"));
-            }
+            verdict = verdict.and(self.moments_within(step, touch));
             let pulls = (-touch.impact).max(-touch.rest).max(0.0);
             verdict =
                 verdict.and(Verdict::of(pulls, 1e-12 * pushed.abs(), "an impulse that pulls"));
         }
         verdict
-    }
-
-    /// What a unit moment about any axis moves at least at the end of an arm, 1/(kg m).
-    fn turned_least(&self, k: usize, arm: &Vector3<f64>) -> f64 {
-        let body = &self.bodies[k];
-        let most = body.moments.iter().flatten().fold(0.0, |m: f64, i| m.max(*i));
-        if body.pushed { 0.0 } else { arm.norm() / most }
     }
 
     /// The conditions of rest are met as far as reported, and settled is what is asked for.
@@ -366,8 +349,8 @@ impl<'a> Referee<'a> {
             let promised = 1.01 * report.residual + slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual reported"));
             let off = self.moment_off(step, touch);
-            // Both spins are rounded, and both parts of them.
-            let promised = 1.01 * report.coulomb + 4.0 * slop;
+            // What is rounded of a spin is rounded of its moment as well.
+            let promised = 1.01 * report.coulomb + 2.0 * slop;
             verdict = verdict.and(Verdict::of(off, promised, "the residual of moments"));
             if touch.impact != 0.0 || touch.friction == 0.0 {
                 continue;
@@ -388,32 +371,6 @@ impl<'a> Referee<'a> {
             verdict = verdict.and(Verdict::of(off, promised, "Coulomb's residual reported"));
         }
         verdict
-    }
-
-    /// How far moments are off what stops turning, or opposes it at their bounds, as a velocity of the contact
-    /// point, m/s.
-    fn moment_off(&self, step: &Step, touch: &Seen) -> f64 {
-        let sides = || touch.sides().filter(|side| !self.bodies[side.0].pushed);
-        let spin: Vector3<f64> = touch.sides().map(|(k, s, _)| self.spin(step, k) * s).sum();
-        let n = &touch.normal;
-        let [twist, twisted] = [spin, touch.moment].map(|v| n * v.dot(n));
-        let parts = [(spin - twist, touch.moment - twisted), (twist, twisted)];
-        let mut most = 0.0_f64;
-        for ((spin, moment), length) in parts.into_iter().zip(self.case.rolling) {
-            let Some(axis) = spin.try_normalize(0.0) else { continue };
-            let gives = |(k, _, arm): (usize, f64, Vector3<f64>)| {
-                let own = self.bodies[k].spin(&step.before[k].pose.r, &axis).dot(&axis);
-                [own, own * arm.norm()]
-            };
-            let [turns, moves] = sides().map(gives).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-            if turns == 0.0 {
-                continue;
-            }
-            let (wanted, bound) = (moment - spin / turns, length * touch.rest);
-            let nearest = if wanted.norm() > bound { wanted.normalize() * bound } else { wanted };
-            most = most.max((moment - nearest).norm() * moves);
-        }
-        most
     }
 
     /// The overlap reported is that of the shapes; of convex solids in space it is only estimated.

@@ -1,0 +1,179 @@
+//! Pins that move as they are told: what springs, dampers and rods join to them, by closed forms and by other solvers.
+
+use std::f64::consts::TAU;
+
+use stationary_scene::Scene;
+
+use crate::driven::{defect, last, scene};
+
+#[test]
+fn a_mass_on_a_moving_pin_answers_as_the_closed_form_says() {
+    // x'' + W^2 x = W^2 sin w t
+    let (w, free) = (TAU * 0.4, TAU);
+    let exact = 1.0
+        + free * free * ((w * 1.5).sin() - w / free * (free * 1.5).sin()) / (free * free - w * w);
+    let run = |method: &str, step: f64| {
+        let text = format!(
+            "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = 1.5\n\
+             particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
+             {{ name = \"mass\", position = [1], mass = 0.5 }}]\n\
+             springs = [{{ between = [\"wall\", \"mass\"], stiffness = {} }}]\n\
+             motions = [{{ of = \"wall\", shift = [1], strength = {{ sine = 1, frequency = 0.4 }} }}]\n",
+            0.5 * TAU * TAU
+        );
+        scene(&text).run().unwrap()
+    };
+    let error = |step: f64| (last(&run("\"stormer-verlet\"", step))[1] - exact).abs();
+    let slope = (error(0.005) / error(0.0025)).log2();
+    assert!((slope - 2.0).abs() < 0.1, "{slope}");
+    let of = |step: f64| defect(&run("\"stormer-verlet\"", step));
+    assert!(
+        of(0.0025) < 1e-4 && (of(0.005) / of(0.0025)).log2() > 1.8,
+        "{} {}",
+        of(0.005),
+        of(0.0025)
+    );
+    let fine = run("\"dormand-prince-853\"\ntolerance = 1e-10", 0.5);
+    assert!((last(&fine)[1] - exact).abs() < 1e-7, "{}", last(&fine)[1] - exact);
+    assert!(defect(&fine) < 1e-6, "{}", defect(&fine));
+    // The pin itself is where it is told to be.
+    assert!((last(&fine)[0] - (w * 1.5).sin()).abs() < 1e-15);
+}
+
+#[test]
+fn a_mass_on_a_damped_spring_to_a_moving_pin_answers_as_the_closed_form_says() {
+    // m x'' + c (x' - y') + k (x - y) = 0,  y = sin w t,  from rest: x = Im X e^(iwt) + what dies out
+    let [m, c, k, w, t]: [f64; 5] = [0.5, 0.9, 0.5 * TAU * TAU, TAU * 0.4, 1.5];
+    // X = (k + i w c)/(k - m w^2 + i w c)
+    let (stiff, lag) = (k - m * w * w, w * c);
+    let size = stiff * stiff + lag * lag;
+    let [re, im] = [(k * stiff + lag * lag) / size, (lag * stiff - k * lag) / size];
+    let (rate, turning) = (0.5 * c / m, (k / m - 0.25 * c * c / (m * m)).sqrt());
+    let [a, b] = [-im, (-w * re - rate * im) / turning];
+    let steady = re * (w * t).sin() + im * (w * t).cos();
+    let rest = (-rate * t).exp() * (a * (turning * t).cos() + b * (turning * t).sin());
+    let exact = 1.0 + steady + rest;
+    let run = |method: &str, step: f64| {
+        let text = format!(
+            "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = {t}\n\
+             particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
+             {{ name = \"mass\", position = [1], mass = {m} }}]\n\
+             springs = [{{ between = [\"wall\", \"mass\"], stiffness = {k}, damping = {c} }}]\n\
+             motions = [{{ of = \"wall\", shift = [1], strength = {{ sine = 1, frequency = 0.4 }} }}]\n"
+        );
+        scene(&text).run().unwrap()
+    };
+    let error = |step: f64| (last(&run("\"stormer-verlet\"", step))[1] - exact).abs();
+    let slope = (error(0.005) / error(0.0025)).log2();
+    assert!((slope - 2.0).abs() < 0.1, "{slope} {}", error(0.0025));
+    let fine = run("\"dormand-prince-853\"\ntolerance = 1e-10", 0.5);
+    assert!((last(&fine)[1] - exact).abs() < 1e-7, "{}", last(&fine)[1] - exact);
+    assert!(defect(&fine) < 1e-6, "{}", defect(&fine));
+    let of = |step: f64| defect(&run("\"stormer-verlet\"", step));
+    assert!((of(0.005) / of(0.0025)).log2() > 1.8, "{} {}", of(0.005), of(0.0025));
+}
+
+/// The angle and its rate at a time of a pendulum of length `L` whose pivot moves by `0.3 sin(w t)` along the
+/// first axis and by half of that along the second: `L a'' = -(g + y'') sin a - x'' cos a`, by steps of order 4.
+fn on_a_moving_pivot(l: f64, w: f64, start: [f64; 2], time: f64) -> [f64; 2] {
+    let rate = |t: f64, [a, b]: [f64; 2]| {
+        let x = -0.3 * w * w * (w * t).sin();
+        [b, (-(9.81 + 0.5 * x) * a.sin() - x * a.cos()) / l]
+    };
+    let (steps, mut y) = (4000, start);
+    let h = time / f64::from(steps);
+    for n in 0..steps {
+        let t = f64::from(n) * h;
+        let to = |k: [f64; 2], part: f64| [y[0] + part * h * k[0], y[1] + part * h * k[1]];
+        let first = rate(t, y);
+        let second = rate(t + 0.5 * h, to(first, 0.5));
+        let third = rate(t + 0.5 * h, to(second, 0.5));
+        let last = rate(t + h, to(third, 1.0));
+        let sum = |c: usize| first[c] + 2.0 * (second[c] + third[c]) + last[c];
+        y = [y[0] + h / 6.0 * sum(0), y[1] + h / 6.0 * sum(1)];
+    }
+    y
+}
+
+#[test]
+fn a_pendulum_on_a_rod_follows_a_pin_that_moves() {
+    let [l, w, time]: [f64; 3] = [0.8, TAU * 0.7, 2.0];
+    // Where it starts to the side, it starts along with the pin, as its rod asks.
+    let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
+    let place = [l * angle.sin(), -l * angle.cos()];
+    let run = |step: f64| {
+        scene(&format!(
+            "dimension = 2\nintegrator = \"rattle\"\nstep = {step}\nhorizon = {time}\n\
+             uniform_gravity = {{ acceleration = [0, -9.81] }}\n\
+             particles = [{{ name = \"hook\", position = [0, 0], pinned = true }},\n\
+             {{ name = \"bob\", position = {place:?}, mass = 0.4, velocity = {along:?} }}]\n\
+             rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+             motions = [{{ of = \"hook\", shift = [0.3, 0.15], strength = {{ sine = 1, frequency = 0.7 }} }}]\n"
+        ))
+        .run()
+        .unwrap()
+    };
+    let [end, _] = on_a_moving_pivot(l, w, [angle, 0.0], time);
+    let hook = 0.3 * (w * time).sin();
+    let exact = [hook + l * end.sin(), 0.5 * hook - l * end.cos()];
+    let error = |step: f64| {
+        let run = run(step);
+        let x = last(&run);
+        (x[2] - exact[0]).hypot(x[3] - exact[1])
+    };
+    let errors = [error(0.004), error(0.002)];
+    let slope = (errors[0] / errors[1]).log2();
+    assert!((slope - 2.0).abs() < 0.1, "{slope}: {errors:?}");
+    // The pin's work through its rod is told, and the budget is closed but for the steps' own defect.
+    let [coarse, fine] = [0.004, 0.002].map(run);
+    let works = fine.works();
+    assert_eq!(works[0].0, "pins that move rods");
+    assert!(works[0].1.abs() > 0.1, "{works:?}");
+    assert!(
+        (defect(&coarse) / defect(&fine)).log2() > 1.8,
+        "{} {}",
+        defect(&coarse),
+        defect(&fine)
+    );
+    assert!(defect(&fine) < 1e-4, "{}", defect(&fine));
+}
+
+/// Along its rod a dumbbell is moved by a pin as one particle of the mass of both, to rounding.
+#[test]
+fn a_pin_that_moves_pulls_at_what_hangs_on_rods_as_at_one_mass() {
+    let of = |method: &str, particles: &str, rods: &str| {
+        let text = format!(
+            "dimension = 2\nintegrator = \"{method}\"\nstep = 0.01\nhorizon = 3\n\
+             observables = [{{ position = \"p\" }}]\n\
+             particles = [{{ name = \"hook\", pinned = true, position = [-1, 0] }}, {particles}]\n\
+             springs = [{{ between = [\"hook\", \"p\"], stiffness = 5 }}]\n{rods}\
+             motions = [{{ of = \"hook\", shift = [0.4, 0], strength = {{ ramp = [0, 1], to = 1.5 }} }}]\n"
+        );
+        Scene::parse("pin.toml", &text).unwrap_or_else(|error| panic!("{error}")).run().unwrap()
+    };
+    let one = of("stormer-verlet", "{ name = \"p\", mass = 3, position = [0, 0] }", "");
+    let both = "{ name = \"p\", mass = 1, position = [0, 0] }, { name = \"q\", mass = 2, position = [1, 0] }";
+    let two = of("rattle", both, "rods = [{ between = [\"p\", \"q\"] }]\n");
+    for sample in 0..one.times().len() {
+        let [a, b] = [&one, &two].map(|run| run.observed(sample)[0]);
+        assert!((a - b).abs() < 1e-12, "{sample}: {a} {b}");
+    }
+    let [a, b] = [&one, &two].map(|run| run.works()[0].1);
+    assert!((a - b).abs() < 1e-12 && a > 0.01, "{a} {b}");
+}
+
+#[test]
+fn a_pin_whose_velocity_jumps_moves_its_rod_and_leaves_the_budget_open() {
+    // From rest to rest a metre along the rod within a step: the rate that a jump is told with is that after it.
+    let text = "dimension = 2\nintegrator = \"rattle\"\nstep = 0.01\nhorizon = 0.3\n\
+                particles = [{ name = \"hook\", position = [0, 0], pinned = true },\n\
+                { name = \"bob\", position = [0, -1], mass = 1 }]\n\
+                rods = [{ between = [\"hook\", \"bob\"] }]\n\
+                motions = [{ of = \"hook\", shift = [0, 1], \
+                strength = { ramp = [0, 1], from = 0.1, to = 0.11 } }]\n";
+    let run = scene(text).run().unwrap();
+    assert!(last(&run).iter().zip([0.0, 1.0, 0.0, 0.0]).all(|(x, y)| (x - y).abs() < 1e-12));
+    let kinetic = run.kinetic_energies();
+    assert!(kinetic[kinetic.len() - 1] < 1e-20);
+    assert!(run.works()[0].1 > 1e3, "{:?}", run.works());
+}
